@@ -1,0 +1,1 @@
+"""Brings cells up: graphs, processes, the recorder and the `pack` command."""

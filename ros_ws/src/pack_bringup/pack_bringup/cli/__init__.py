@@ -1,0 +1,1 @@
+"""The `pack` command: one file a command group."""

@@ -1,0 +1,21 @@
+from setuptools import find_packages, setup
+
+package = "pack_bringup"
+
+setup(
+    name=package,
+    version="0.1.0",
+    license="Apache-2.0",
+    packages=find_packages(),
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+        (f"share/{package}/launch", ["launch/packing.launch.py"]),
+    ],
+    entry_points={
+        "console_scripts": [
+            "recorder_node = pack_bringup.recorder_node:main",
+            "pack = pack_bringup.cli.main:main",
+        ]
+    },
+)

@@ -1,0 +1,1 @@
+"""The ROS-free library under every cell; only `pack_core.ros` knows ROS."""

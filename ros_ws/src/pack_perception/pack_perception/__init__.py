@@ -1,0 +1,1 @@
+"""Object poses: rigid-body fits to markers, and physics for what is hidden."""

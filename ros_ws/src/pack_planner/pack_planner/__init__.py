@@ -1,0 +1,1 @@
+"""Placement planning: where an object may go in a partially filled container."""

@@ -1,0 +1,1 @@
+"""The simulated cell: robot driver, gripper, objects and motion capture."""

@@ -1,0 +1,18 @@
+# The ROS 2 wheels export an include folder of the machine they were built on
+# (/opt/python/...). Drop every include path that does not exist, once all targets are known.
+function(packcell_drop_missing_includes)
+  get_property(targets DIRECTORY PROPERTY IMPORTED_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(includes ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    if(includes)
+      set(kept "")
+      foreach(path IN LISTS includes)
+        if(path MATCHES "^\\$<" OR EXISTS "${path}")
+          list(APPEND kept "${path}")
+        endif()
+      endforeach()
+      set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${kept}")
+    endif()
+  endforeach()
+endfunction()
+cmake_language(DEFER CALL packcell_drop_missing_includes)
