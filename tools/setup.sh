@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# Makes the workspace ready to run: system packages, .venv, colcon build, commands. Does only what has changed.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+root=$PWD
+venv=$root/.venv
+
+find_python() {
+    local candidate
+    for candidate in ${PYTHON:-python3 python3.12 python3.11}; do
+        if "$candidate" -c 'import sys; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' 2>/dev/null; then
+            "$candidate" -c 'import sys; print(getattr(sys, "_base_executable", sys.executable))'
+            return
+        fi
+    done
+    echo "No Python 3.11 or 3.12 found (looked for: ${PYTHON:-python3 python3.12 python3.11})." >&2
+    echo "Run: sudo apt-get install -y python3.11 python3.11-venv python3.11-dev (or python3.12)," >&2
+    echo "or name another interpreter: make setup PYTHON=/path/to/python3.12" >&2
+    return 1
+}
+
+hash_of() { cat "$@" | sha256sum | cut -c1-16; }
+is_stamped() { [ "$(cat "$1" 2>/dev/null)" = "$2" ]; }
+
+install_requirements() {
+    local place requirements
+    place="$venv $("$python" -c 'import sys; print(sys.base_prefix, *sys.version_info[:2])')"
+    requirements=$(hash_of requirements/locked.txt)
+    if ! is_stamped "$venv/.place" "$place"; then
+        echo "Creating .venv with $("$python" --version)"
+        rm -rf "$venv" ros_ws/build ros_ws/install ros_ws/log
+        "$python" -m venv "$venv"
+        "$venv/bin/python" -m pip install -q --disable-pip-version-check uv==0.13.8
+        echo "$place" >"$venv/.place"
+    fi
+    if ! is_stamped "$venv/.requirements" "$requirements"; then
+        echo "Installing ROS 2 Jazzy and the Python packages of requirements/locked.txt"
+        "$venv/bin/uv" pip install -q --python "$venv/bin/python" --require-hashes -r requirements/locked.txt
+        echo "$requirements" >"$venv/.requirements"
+    fi
+    ln -sf ../tools/local_setup.bash "$venv/local_setup.bash"
+}
+
+build_workspace() {
+    local sources key
+    mapfile -t sources < <(find ros_ws/src -type f \( -path '*/pack_interfaces/*' -o -name package.xml \
+        -o -name setup.py -o -name setup.cfg \) | LC_ALL=C sort)
+    key=$(hash_of "$venv/.requirements" tools/wheels_fix.cmake "${sources[@]}")
+    is_stamped ros_ws/install/.sources "$key" && return
+    echo "Building the workspace (about a minute the first time)"
+    (
+        source "$venv/bin/activate"
+        source "$venv/local_setup.bash"
+        cd ros_ws
+        colcon build --symlink-install --event-handlers console_start_end- \
+            --cmake-args -GNinja "-DCMAKE_PROJECT_INCLUDE=$root/tools/wheels_fix.cmake"
+    )
+    echo "$key" >ros_ws/install/.sources
+}
+
+has_own_ros2() { PATH=$(tr : '\n' <<<"$PATH" | grep -vFx "$venv/bin" | paste -sd:) command -v ros2 >/dev/null; }
+
+link_commands() {
+    ln -sf ../../tools/pack "$venv/bin/pack"
+    if has_own_ros2; then rm -f "$venv/bin/ros2"; else ln -sf ../../tools/ros2 "$venv/bin/ros2"; fi
+}
+
+python=$(find_python)
+tools/system_packages.sh "$python"
+install_requirements
+build_workspace
+link_commands
+echo "PackCell is ready: .venv/bin/pack --help"

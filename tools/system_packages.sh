@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Sees to the apt packages that set-up and rendering need: installs them as root, else names the command.
+# Usage: system_packages.sh PYTHON
+set -euo pipefail
+python=$1
+
+has_library() { ldconfig -p | grep -q "$1"; }
+has_venv() { "$python" -c 'import ensurepip, venv' 2>/dev/null; }
+has_headers() { "$python" -c 'import sys, sysconfig, pathlib
+sys.exit(not pathlib.Path(sysconfig.get_path("include"), "Python.h").is_file())'; }
+has_gl_driver() { compgen -G '/usr/lib/x86_64-linux-gnu/dri/*_dri.so' >/dev/null || has_library libEGL_nvidia; }
+
+version=$("$python" -c 'import sys; print(f"python3.{sys.version_info.minor}")')
+missing=()
+command -v g++ >/dev/null || missing+=(g++)
+has_venv || missing+=("$version-venv")
+has_headers || missing+=("$version-dev")
+has_library libEGL.so.1 || missing+=(libegl1)
+has_library libOpenGL.so.0 || missing+=(libopengl0)
+has_gl_driver || missing+=(libgl1-mesa-dri)
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+if [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null; then
+    echo "Installing system packages: ${missing[*]}"
+    apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+else
+    echo "System packages are missing. Run: sudo apt-get install -y ${missing[*]}" >&2
+    exit 1
+fi
