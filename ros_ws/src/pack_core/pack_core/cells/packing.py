@@ -1,0 +1,71 @@
+"""Physical facts of the packing cell: `config/cells/packing.yaml`."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Annotated
+
+from pydantic import Field, PositiveFloat
+
+from pack_core.config import Config, load_config
+from pack_core.paths import config_path
+from pack_core.scene.scene import Scene
+
+Joints = Annotated[tuple[float, ...], Field(min_length=7, max_length=7)]
+Point = tuple[float, float, float]
+
+
+class Pump(Config):
+    """The suction pump under the flange: a cylindrical body, a stem and a cup [m, kg]."""
+
+    mass: PositiveFloat
+    body_radius: PositiveFloat
+    body_length: PositiveFloat
+    stem_length: PositiveFloat
+    cup_radius: PositiveFloat
+
+    @property
+    def length(self) -> float:
+        """Flange to cup [m]."""
+        return self.body_length + self.stem_length
+
+
+class Suction(Config):
+    """Load at which the cup lets go: pull [N], shear [N] and bending moment [N m]; .inf never."""
+
+    pull: PositiveFloat
+    shear: PositiveFloat
+    moment: PositiveFloat
+
+
+class Robot(Config):
+    """The arm's start and the gains of its low-level controller (Eq. 4)."""
+
+    home: Joints
+    stiffness: Joints
+    damping: Joints
+
+
+class Mocap(Config):
+    """Cameras of the motion capture system: where they are, where they look, half field of view."""
+
+    cameras: Annotated[list[Point], Field(min_length=2)]
+    target: Point
+    half_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+
+
+class PackingCell(Config):
+    """The packing cell."""
+
+    robot: Robot
+    pump: Pump
+    suction: Suction
+    mocap: Mocap
+    scene: Scene
+    """The five objects, the container and the new object, without poses."""
+
+
+@cache
+def packing_cell() -> PackingCell:
+    """The packing cell as configured."""
+    return load_config(PackingCell, config_path("cells", "packing.yaml"))

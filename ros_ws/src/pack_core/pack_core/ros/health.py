@@ -1,0 +1,35 @@
+"""A node's health: what it refused and what is wrong, as one diagnostic status."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+
+
+class Health:
+    """Counters and standing faults of one node."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.counts: Counter[str] = Counter()
+        self.last: dict[str, str] = {}
+        self.faults: dict[str, str] = {}
+        self.values: dict[str, str] = {}
+
+    def count(self, what: str, reason: str) -> None:
+        """Note that something was refused, and why."""
+        self.counts[what] += 1
+        self.last[what] = reason
+
+    def status(self) -> DiagnosticStatus:
+        """ERROR while a fault stands, WARN once something was refused, OK otherwise."""
+        level, message = DiagnosticStatus.OK, "ok"
+        if self.counts:
+            level = DiagnosticStatus.WARN
+            message = "; ".join(f"{what}: {n} ({self.last[what]})" for what, n in self.counts.items())
+        if self.faults:
+            level, message = DiagnosticStatus.ERROR, "; ".join(self.faults.values())
+        values = {**self.values, **{what: str(n) for what, n in self.counts.items()}}
+        pairs = [KeyValue(key=key, value=value) for key, value in values.items()]
+        return DiagnosticStatus(level=level, name=self.name, message=message, values=pairs)

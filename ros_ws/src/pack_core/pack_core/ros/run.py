@@ -1,0 +1,40 @@
+"""From `main()` to a clean end: Ctrl-C, SIGTERM, a bad configuration."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+
+from pack_core.errors import PackError
+
+
+def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
+    """Spin the node that `make` builds until it is told to stop.
+
+    Returns:
+        0 after a clean end, 2 when the configuration was refused.
+    """
+    rclpy.init(args=args)
+    executor = SingleThreadedExecutor()
+    node = None
+    try:
+        node = make()
+        executor.add_node(node)
+        executor.spin()
+    except PackError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        executor.shutdown()
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return 0

@@ -1,0 +1,137 @@
+"""Rotations and rigid transforms: unit quaternions wxyz, rotation vectors, poses.
+
+Poses compose in monogram notation: `X_WC = X_WB @ X_BC`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def multiply(q_AB: npt.ArrayLike, q_BC: npt.ArrayLike) -> Array:
+    """Quaternion product `q_AC`, shapes `(..., 4)`."""
+    w1, x1, y1, z1 = np.moveaxis(np.asarray(q_AB, dtype=float), -1, 0)
+    w2, x2, y2, z2 = np.moveaxis(np.asarray(q_BC, dtype=float), -1, 0)
+    return np.stack(
+        [
+            w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2,
+            w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2,
+            w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
+            w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(q: npt.ArrayLike) -> Array:
+    """The inverse rotation of unit quaternions, shape `(..., 4)`."""
+    return np.asarray(q, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def rotate(q_AB: npt.ArrayLike, v_B: npt.ArrayLike) -> Array:
+    """Vectors `(..., 3)` from frame B into frame A."""
+    q = np.asarray(q_AB, dtype=float)
+    v = np.asarray(v_B, dtype=float)
+    w, u = q[..., :1], q[..., 1:]
+    t = 2.0 * np.cross(u, v)
+    return v + w * t + np.cross(u, t)
+
+
+def to_matrix(q: npt.ArrayLike) -> Array:
+    """Rotation matrices `(..., 3, 3)`."""
+    quaternions = np.asarray(q, dtype=float)[..., None, :]
+    return np.moveaxis(rotate(quaternions, np.eye(3)), -1, -2)
+
+
+def from_matrix(R: npt.ArrayLike) -> Array:
+    """Unit quaternion `(4,)` of a rotation matrix `(3, 3)`, with `w >= 0` (Shepperd's method)."""
+    m = np.asarray(R, dtype=float)
+    diagonal = np.array([np.trace(m), *np.diag(m)])
+    k = int(np.argmax(diagonal))
+    if k == 0:
+        q = np.array([1.0 + diagonal[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    else:
+        i, j, l = k - 1, k % 3, (k + 1) % 3
+        q = np.empty(4)
+        q[0] = m[l, j] - m[j, l]
+        q[1 + i] = 1.0 + 2.0 * m[i, i] - diagonal[0]
+        q[1 + j] = m[i, j] + m[j, i]
+        q[1 + l] = m[i, l] + m[l, i]
+    return normalize(q)
+
+
+def normalize(q: npt.ArrayLike) -> Array:
+    """Unit quaternion with `w >= 0`, shape `(..., 4)`."""
+    quaternion = np.asarray(q, dtype=float)
+    unit = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+    return np.where(unit[..., :1] < 0.0, -unit, unit)
+
+
+def exp(rotation_vector: npt.ArrayLike) -> Array:
+    """Unit quaternions `(..., 4)` of rotation vectors `(..., 3)` [rad]."""
+    v = np.asarray(rotation_vector, dtype=float)
+    half = 0.5 * np.linalg.norm(v, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * v], axis=-1)
+
+
+def log(q: npt.ArrayLike) -> Array:
+    """Rotation vectors `(..., 3)` [rad], of length at most pi, of unit quaternions `(..., 4)`."""
+    quaternion = normalize(q)
+    w, u = quaternion[..., :1], quaternion[..., 1:]
+    sine = np.linalg.norm(u, axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, w)
+    scale = np.where(sine > 1e-9, angle / np.where(sine > 1e-9, sine, 1.0), 2.0)
+    return scale * u
+
+
+def angle_between(q_WA: npt.ArrayLike, q_WB: npt.ArrayLike) -> Array:
+    """Angle [rad] of the rotation from A to B, shape `(...)`."""
+    return np.asarray(np.linalg.norm(log(multiply(conjugate(q_WA), q_WB)), axis=-1))
+
+
+def from_yaw(yaw: float) -> Array:
+    """Rotation by `yaw` [rad] about z."""
+    return np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
+
+
+def yaw_of(q: npt.ArrayLike) -> float:
+    """Heading [rad] of the rotated x axis in the horizontal plane."""
+    x_axis = rotate(q, np.array([1.0, 0.0, 0.0]))
+    return float(np.arctan2(x_axis[1], x_axis[0]))
+
+
+def _frozen(values: npt.ArrayLike) -> Array:
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Rigid transform X_AB: B's origin `p` `(3,)` [m] and orientation `q` `(4,)` wxyz in A."""
+
+    p: Array
+    q: Array = field(default_factory=lambda: IDENTITY)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "p", _frozen(self.p))
+        object.__setattr__(self, "q", _frozen(normalize(self.q)))
+
+    def __matmul__(self, X_BC: Pose) -> Pose:
+        return Pose(self.p + rotate(self.q, X_BC.p), multiply(self.q, X_BC.q))
+
+    def inverse(self) -> Pose:
+        """X_BA of X_AB."""
+        q_BA = conjugate(self.q)
+        return Pose(-rotate(q_BA, self.p), q_BA)
+
+    def apply(self, p_B: npt.ArrayLike) -> Array:
+        """Points `(..., 3)` from B into A."""
+        return self.p + rotate(self.q, p_B)

@@ -1,0 +1,155 @@
+"""MuJoCo models of the packing cell: one description, one builder, four roles."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import mujoco
+import numpy as np
+
+from pack_core.cells.packing import PackingCell
+from pack_core.robots.panda import add_panda
+from pack_core.rotations import Pose
+from pack_core.scene.objects import Box, Cylinder
+from pack_core.scene.scene import Container, Scene
+from pack_core.scene.surroundings import add_surroundings
+
+TIP_FORCE = "tip_force"
+TIP_TORQUE = "tip_torque"
+WALLS = ("wall_left", "wall_right", "wall_near", "wall_far")
+UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
+
+
+class Arm(Enum):
+    """How the arm takes part in a model."""
+
+    ABSENT = "absent"
+    DRIVEN = "driven"
+    """Torque actuators on every joint."""
+    GUIDED = "guided"
+    """Heavy joints without actuators, for a caller that sets their positions and velocities."""
+
+
+class Held(Enum):
+    """How the new object takes part in a model."""
+
+    RIGID = "rigid"
+    """Fixed to the cup."""
+    FREE = "free"
+    """A body of its own."""
+
+
+GUIDED_ARMATURE = 1e4
+
+
+def build_model(
+    scene: Scene, cell: PackingCell, *, timestep: float, arm: Arm, held: Held, surroundings: bool = False
+) -> mujoco.MjModel:
+    """Compile a model of the cell.
+
+    Args:
+        scene: the container and the objects; poses may be absent.
+        cell: the cell's physical facts.
+        timestep: step of the integrator [s].
+        arm: how the arm takes part; `Held.RIGID` needs one.
+        held: how the new object takes part.
+        surroundings: add floor, table, lights and materials, for pictures.
+
+    Returns:
+        The model. Bodies carry the objects' names, free joints too; the cup is body `tool`, the
+        sensors `tip_force` and `tip_torque` are the load on the cup in the frame of site `tip`.
+    """
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    _set_solver(spec, timestep)
+    _add_table(spec, surroundings)
+    _add_container(spec, scene.container, scene.friction)
+    for item in scene.objects:
+        _add_object(spec.worldbody.add_body(name=item.name), item, scene.friction, free=True)
+    tool = None if arm is Arm.ABSENT else add_panda(spec, cell.pump, actuated=arm is Arm.DRIVEN)
+    _add_new_object(spec, tool, scene, held)
+    if arm is Arm.GUIDED:
+        for joint in spec.joints:
+            if joint.type == mujoco.mjtJoint.mjJNT_HINGE:
+                joint.armature = GUIDED_ARMATURE
+    if surroundings:
+        add_surroundings(spec, scene.container)
+    return spec.compile()
+
+
+def held_pose(scene: Scene) -> Pose:
+    """X_TN: the held new object N, hanging upright from the cup T by the middle of its top."""
+    return Pose(np.array([0.0, 0.0, scene.new_object.half_extents[2]]), np.array(UPSIDE_DOWN))
+
+
+def set_object_poses(model: mujoco.MjModel, data: mujoco.MjData, poses: dict[str, Pose]) -> None:
+    """Put free bodies at X_WO, at rest; names without a free joint are an error (KeyError)."""
+    for name, X_WO in poses.items():
+        joint = model.joint(name)
+        q, v = joint.qposadr[0], joint.dofadr[0]
+        data.qpos[q : q + 7] = [*X_WO.p, *X_WO.q]
+        data.qvel[v : v + 6] = 0.0
+
+
+def body_pose(data: mujoco.MjData, name: str) -> Pose:
+    """X_WB of a body after forward kinematics."""
+    body = data.body(name)
+    return Pose(body.xpos, body.xquat)
+
+
+def _set_solver(spec: mujoco.MjSpec, timestep: float) -> None:
+    option = spec.option
+    option.timestep = timestep
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+
+
+def _add_table(spec: mujoco.MjSpec, surroundings: bool) -> None:
+    spec.worldbody.add_geom(
+        name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(1.0, 0.8, 0.1), condim=3,
+        rgba=(0.5, 0.5, 0.5, 0.0 if surroundings else 1.0),
+    )  # fmt: skip
+
+
+def _add_container(spec: mujoco.MjSpec, container: Container, friction: float) -> None:
+    (w, l), h, t = 0.5 * np.array(container.size), 0.5 * container.height, 0.5 * container.wall
+    x, y = container.centre
+    sides = {
+        "wall_left": ((x, y + l + t), (w + 2 * t, t)), "wall_right": ((x, y - l - t), (w + 2 * t, t)),
+        "wall_near": ((x - w - t, y), (t, l)), "wall_far": ((x + w + t, y), (t, l)),
+    }  # fmt: skip
+    for name, ((px, py), (sx, sy)) in sides.items():
+        spec.worldbody.add_geom(
+            name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=(px, py, h), size=(sx, sy, h),
+            friction=(friction, 0.005, 0.0001), condim=3, rgba=(0.25, 0.42, 0.62, 1.0),
+        )  # fmt: skip
+
+
+def _add_new_object(spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: Held) -> None:
+    item = scene.new_object
+    if held is Held.FREE:
+        _add_object(spec.worldbody.add_body(name=item.name), item, scene.friction, free=True)
+    elif tool is not None:
+        X_TN = held_pose(scene)
+        body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=1)
+        _add_object(body, item, scene.friction, free=False)
+        body.add_site(name="tip", pos=(0, 0, item.half_extents[2]))
+        for name, kind in ((TIP_FORCE, "FORCE"), (TIP_TORQUE, "TORQUE")):
+            spec.add_sensor(
+                name=name, type=getattr(mujoco.mjtSensor, f"mjSENS_{kind}"),
+                objtype=mujoco.mjtObj.mjOBJ_SITE, objname="tip",
+            )  # fmt: skip
+
+
+def _add_object(body: mujoco.MjsBody, item: Box | Cylinder, friction: float, *, free: bool) -> None:
+    if free:
+        body.add_freejoint(name=item.name)
+    is_box = isinstance(item, Box)
+    x, _, z = item.half_extents
+    body.add_geom(
+        name=item.name,
+        type=mujoco.mjtGeom.mjGEOM_BOX if is_box else mujoco.mjtGeom.mjGEOM_CYLINDER,
+        size=item.half_extents if is_box else (x, z, 0),
+        mass=item.mass, friction=(friction, 0.005, 0.0001), condim=3, rgba=(*item.colour, 1.0),
+    )  # fmt: skip

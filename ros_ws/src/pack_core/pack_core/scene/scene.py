@@ -1,0 +1,120 @@
+"""A scene: the container, what stands in it, and the new object that is to be packed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import yaml
+from pydantic import Field, model_validator
+
+from pack_core.config import Config, load_config, parse_config
+from pack_core.errors import ConfigError
+from pack_core.rotations import Array, Pose
+from pack_core.scene.objects import Box, Cylinder, ObjectModel, PoseConfig
+
+
+class Container(Config):
+    """An open box with its base on the table (z = 0), edges along the world axes."""
+
+    centre: tuple[float, float] = (0.5, 0.0)
+    size: tuple[Annotated[float, Field(gt=0.05, lt=0.8)], Annotated[float, Field(gt=0.05, lt=0.8)]]
+    height: Annotated[float, Field(gt=0.02, lt=0.5)]
+    wall: Annotated[float, Field(gt=0.001, lt=0.05)] = 0.008
+
+    @property
+    def lower(self) -> Array:
+        """Inner corner `(2,)` with the smallest x and y [m]."""
+        return np.array(self.centre) - 0.5 * np.array(self.size)
+
+    @property
+    def upper(self) -> Array:
+        """Inner corner `(2,)` with the largest x and y [m]."""
+        return np.array(self.centre) + 0.5 * np.array(self.size)
+
+
+class Scene(Config):
+    """All that a scene file holds. Objects without a pose make it a description of the cell."""
+
+    container: Container
+    friction: Annotated[float, Field(gt=0.0, le=2.0)]
+    objects: Annotated[list[ObjectModel], Field(max_length=40)]
+    new_object: ObjectModel
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> Scene:
+        names = [item.name for item in (*self.objects, self.new_object)]
+        if doubled := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"every object its own name; used more than once: {', '.join(doubled)}")
+        return self
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the objects in the container, in the file's order."""
+        return [item.name for item in self.objects]
+
+    def model_of(self, name: str) -> Box | Cylinder:
+        """The object called `name`.
+
+        Raises:
+            ConfigError: there is none.
+        """
+        for item in (*self.objects, self.new_object):
+            if item.name == name:
+                return item
+        raise ConfigError(f"no object '{name}' in the scene; it has {[*self.names, self.new_object.name]}")
+
+    def poses(self) -> dict[str, Pose]:
+        """X_WO of every object in the container.
+
+        Raises:
+            ConfigError: the scene is a description, without poses.
+        """
+        missing = [item.name for item in self.objects if item.pose is None]
+        if missing:
+            raise ConfigError(f"objects without a pose: {', '.join(missing)}; give each `pose: position: [x, y, z]`")
+        return {item.name: item.pose.to_pose() for item in self.objects if item.pose}
+
+    def with_poses(self, poses: dict[str, Pose]) -> Scene:
+        """The same scene with its objects elsewhere."""
+        moved = [
+            item.model_copy(update={"pose": PoseConfig.from_pose(poses[item.name])}) for item in self.objects
+        ]
+        return self.model_copy(update={"objects": moved})
+
+    def description(self) -> Scene:
+        """What every node may know: shapes, sizes and masses, but not where the objects are."""
+        bare = [item.model_copy(update={"pose": None}) for item in self.objects]
+        return self.model_copy(update={"objects": bare})
+
+    def to_yaml(self) -> str:
+        """The scene file's text."""
+        return yaml.safe_dump(self.model_dump(mode="json", exclude_none=True), sort_keys=False)
+
+    @classmethod
+    def from_yaml(cls, text: str, source: str = "scene") -> Scene:
+        """Read a scene file's text; `source` names it in errors."""
+        return parse_config(cls, text, source)
+
+
+def load_scene(path: Path) -> Scene:
+    """Read a scene file with a pose for every object.
+
+    Raises:
+        ConfigError: a key, value or pose is missing or not allowed.
+    """
+    scene = load_config(Scene, path)
+    _check_inside(scene, str(path))
+    return scene
+
+
+def _check_inside(scene: Scene, source: str) -> None:
+    """Every object's centre lies within the container's walls and above the table."""
+    lower, upper = scene.container.lower, scene.container.upper
+    for name, X_WO in scene.poses().items():
+        if np.any(X_WO.p[:2] < lower) or np.any(X_WO.p[:2] > upper) or X_WO.p[2] <= 0.0:
+            raise ConfigError(
+                f"{source}: key 'objects.{name}.pose.position' is {X_WO.p.tolist()}; allowed: a centre inside "
+                f"the container, x {lower[0]:.3f} to {upper[0]:.3f}, y {lower[1]:.3f} to {upper[1]:.3f}, z > 0"
+            )
