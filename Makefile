@@ -1,0 +1,34 @@
+# PackCell: `make help` lists the targets.
+SHELL := /bin/bash
+CELL ?= packing
+SEED ?= 0
+ARGS ?=
+IN_ENV := source tools/env.sh &&
+
+.PHONY: help setup demo test bench lint lock clean
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
+	@echo '  e.g. make demo SEED=3 ARGS="--no-video"   ("pack demo --help" in .venv/bin lists what ARGS may hold)'
+
+setup: ## make .venv, install what is locked, build the workspace; does only what has changed
+	@tools/setup.sh
+
+demo: setup ## pack one object with all nodes running, record it, write the report (CELL, SEED, ARGS)
+	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
+
+test: setup ## all tests but the benchmarks (ARGS goes to pytest)
+	@$(IN_ENV) pytest -m "not benchmark" $(ARGS)
+
+bench: setup ## measure speed and success (ARGS goes to the command)
+	@$(IN_ENV) pack bench $(CELL) $(ARGS)
+
+lint: setup ## ruff, formatting, mypy
+	@$(IN_ENV) ruff check && ruff format --check && mypy
+
+lock: setup ## resolve requirements/*.in anew into requirements/locked.txt
+	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \
+		--generate-hashes run.in build.in dev.in -o locked.txt
+
+clean: ## remove .venv and everything built; recordings in bags/ stay
+	rm -rf .venv ros_ws/build ros_ws/install ros_ws/log .mypy_cache .pytest_cache .ruff_cache

@@ -1,0 +1,37 @@
+"""The `pack` command."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from pack_bringup.cli import executables, run, up, wiring
+from pack_core.errors import PackError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="markdown",
+    help="""Brings up PackCell's cells, runs single nodes and shows how they are wired.
+
+    - `pack up packing` starts a whole cell, each node a process
+    - `pack run pack_sim sim_node` starts one node
+    - `pack wiring` shows every topic, service and action
+    """,
+)
+for command in (up, run, executables, wiring):
+    app.add_typer(command.app)
+
+
+def main() -> None:
+    """Run the command line; a foreseeable error is one line and exit code 2."""
+    try:
+        app()
+    except PackError as error:
+        sys.exit(_shown(error))
+
+
+def _shown(error: PackError) -> int:
+    typer.secho(f"error: {error}", fg=typer.colors.RED, err=True)
+    return 2

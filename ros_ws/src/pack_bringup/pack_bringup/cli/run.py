@@ -1,0 +1,31 @@
+"""`pack run`: start one executable of a package."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated
+
+import typer
+
+from pack_bringup.executables import find_executable
+
+app = typer.Typer()
+
+PASS_THROUGH = {"allow_interspersed_args": False, "ignore_unknown_options": True}
+
+
+@app.command(context_settings=PASS_THROUGH)
+def run(
+    package: Annotated[str, typer.Argument(help="A package, e.g. `pack_sim`.")],
+    executable: Annotated[str, typer.Argument(help="One of its executables, e.g. `sim_node`.")],
+    arguments: Annotated[list[str] | None, typer.Argument(help="Passed on as they are.")] = None,
+) -> None:
+    """Start one executable of a package, found as `ros2 run` finds it.
+
+    - `pack run pack_sim sim_node`
+    - `pack run pack_sim sim_node --ros-args -p real_time_factor:=0.5`
+    - `pack run pack_mpc mpc_node --ros-args --params-file config/nodes/mpc.yaml`
+    """
+    path = str(find_executable(package, executable))
+    rest = arguments or []
+    os.execv(path, [path, *(rest[1:] if rest[:1] == ["--"] else rest)])

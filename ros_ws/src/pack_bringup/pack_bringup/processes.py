@@ -1,0 +1,121 @@
+"""Runs the nodes of a graph as separate processes, their log lines prefixed with their names."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import sys
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from queue import Queue
+from threading import Condition, Thread
+from types import TracebackType
+from typing import Any, Self, TextIO
+
+from honcho.colour import get_colours
+from honcho.printer import Message, Printer
+from honcho.process import Process
+
+from pack_core.errors import PackError
+
+
+class ProcessGroup:
+    """Named processes that are started together, can be stopped one by one, and never outlive us.
+
+    The death of one is written to the log and leaves the others running, as in any ROS graph.
+    """
+
+    def __init__(
+        self,
+        commands: Mapping[str, Sequence[str]],
+        *,
+        environment: Mapping[str, str] | None = None,
+        output: TextIO = sys.stdout,
+    ) -> None:
+        """Prepare the processes; `environment` adds to our own, `output` takes their log lines."""
+        self._printer = Printer(output, width=max(map(len, commands)))
+        self._events: Queue[Any] = Queue()
+        self._changed = Condition()
+        self._pids: dict[str, int] = {}
+        self._exit_codes: dict[str, int] = {}
+        env = {**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})}
+        self._processes = {
+            name: Process(_dies_with_us(command), name=name, colour=colour, env=env)
+            for (name, command), colour in zip(commands.items(), get_colours(), strict=False)
+        }
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.stop()
+
+    @property
+    def exit_codes(self) -> dict[str, int]:
+        """By name, how those ended that did; -9 for SIGKILL and so on."""
+        with self._changed:
+            return dict(self._exit_codes)
+
+    @property
+    def running(self) -> list[str]:
+        """The names of those still alive."""
+        return [name for name in self._processes if name not in self.exit_codes]
+
+    def pid(self, name: str) -> int:
+        """The process id of `name`, dead or alive."""
+        if name not in self._processes:
+            raise PackError(f"no process '{name}'; there are: {', '.join(self._processes)}")
+        return self._pids[name]
+
+    def start(self) -> None:
+        """Start every process, and return once all have one."""
+        Thread(target=self._relay, daemon=True).start()
+        for process in self._processes.values():
+            Thread(target=process.run, args=(self._events,), daemon=True).start()
+        with self._changed:
+            self._changed.wait_for(lambda: len(self._pids) == len(self._processes))
+
+    def wait(self, timeout: float | None = None, *, count: int | None = None) -> bool:
+        """Wait until `count` processes (all, if not given) have ended; False if `timeout` [s] came first."""
+        wanted = len(self._processes) if count is None else count
+        with self._changed:
+            return self._changed.wait_for(lambda: len(self._exit_codes) >= wanted, timeout)
+
+    def signal(self, name: str, number: signal.Signals) -> None:
+        """Send a signal to one process and its children, if it is still alive."""
+        pid = self.pid(name)
+        if name in self.running:
+            os.killpg(pid, number)
+
+    def stop(self, grace: float = 10.0) -> None:
+        """End all as Ctrl-C would, and kill what is still alive after `grace` [s] of wall clock."""
+        for number in (signal.SIGINT, signal.SIGKILL):
+            for name in self.running:
+                self.signal(name, number)
+            if self.wait(grace):
+                return
+
+    def _relay(self) -> None:
+        while len(self._exit_codes) < len(self._processes):
+            message = self._events.get()
+            if message.type == "line":
+                self._printer.write(message)
+                continue
+            with self._changed:
+                if message.type == "start":
+                    self._pids[message.name] = message.data["pid"]
+                else:
+                    self._exit_codes[message.name] = message.data["returncode"]
+                    self._report(message.name, f"ended with exit code {message.data['returncode']}")
+                self._changed.notify_all()
+
+    def _report(self, name: str, text: str) -> None:
+        self._printer.write(Message("line", text, datetime.now(), name, None))
+
+
+def _dies_with_us(command: Sequence[str]) -> str:
+    return "exec setpriv --pdeathsig TERM " + shlex.join(command)
