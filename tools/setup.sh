@@ -19,6 +19,12 @@ find_python() {
     return 1
 }
 
+check_machine() {
+    [ "$(uname -sm)" = "Linux x86_64" ] && return
+    echo "The ROS 2 wheels exist for x86-64 Linux only; this is $(uname -sm). docs/apt.md is the way without them." >&2
+    return 1
+}
+
 hash_of() { cat "$@" | sha256sum | cut -c1-16; }
 is_stamped() { [ "$(cat "$1" 2>/dev/null)" = "$2" ]; }
 
@@ -65,6 +71,7 @@ link_commands() {
     if has_own_ros2; then rm -f "$venv/bin/ros2"; else ln -sf ../../tools/ros2 "$venv/bin/ros2"; fi
 }
 
+check_machine
 python=$(find_python)
 tools/system_packages.sh "$python"
 install_requirements
