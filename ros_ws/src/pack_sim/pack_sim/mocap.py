@@ -1,0 +1,125 @@
+"""Motion capture: which markers the cameras see, and where they measure them to be."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
+
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config
+from pack_core.rotations import Array
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import MarkerFrame
+
+Counts = npt.NDArray[np.int_]
+GRAZE = 0.001
+"""A ray that ends this close before a marker's centre has reached it: about a marker's radius [m]."""
+ROUNDING = 1e-9
+
+
+class MocapConfig(Config):
+    """Parameters of the motion capture system."""
+
+    rate: PositiveFloat = Field(default=120.0, description="frames a simulated second [Hz]")
+    noise_std: NonNegativeFloat = Field(default=0.0003, description="of every coordinate of a marker [m]")
+    latency: NonNegativeFloat = Field(default=0.010, description="from exposure to delivery [s]")
+    min_cameras: PositiveInt = Field(default=2, description="cameras that must see a marker")
+
+
+class Mocap:
+    """Cameras around the cell that track every object of the scene, the new one included.
+
+    A camera sees a marker that lies in its field of view and that a ray from the camera reaches;
+    every geometry of the cell is in the way: arm, pump, container and all objects.
+
+    Args:
+        scene: the objects, whose models say where their markers are.
+        cell: where the cameras are.
+        config: rate, noise and latency.
+        rng: of the noise.
+    """
+
+    def __init__(
+        self, scene: Scene, cell: PackingCell, config: MocapConfig, rng: np.random.Generator
+    ) -> None:
+        self._config, self._rng = config, rng
+        items = [*scene.objects, scene.new_object]
+        markers = [item.markers() for item in items]
+        self._names = tuple(item.name for item in items)
+        self._object_index = np.repeat(np.arange(len(items)), [len(m) for m in markers])
+        self._marker_index = np.concatenate([np.arange(len(m)) for m in markers])
+        self._p_BM = np.concatenate(markers)
+        self._p_WC = np.array(cell.mocap.cameras)
+        axes = np.array(cell.mocap.target) - self._p_WC
+        self._axes = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+        self._min_cosine = np.cos(np.deg2rad(cell.mocap.half_angle_deg))
+        self._next = -np.inf
+        self._pending: deque[MarkerFrame] = deque()
+
+    def update(self, model: mujoco.MjModel, data: mujoco.MjData, time: float) -> None:
+        """Take a frame when one is due at `time` [s]; call it at every step of the physics."""
+        if time < self._next - ROUNDING:
+            return
+        late = time - self._next
+        period = 1.0 / self._config.rate
+        self._next = (self._next if late < period else time) + period
+        self._pending.append(self.capture(model, data, time))
+
+    def due(self, time: float) -> list[MarkerFrame]:
+        """Frames that are delivered by `time` [s] and were not handed out yet, oldest first."""
+        frames = []
+        while self._pending and self._pending[0].time + self._config.latency <= time + ROUNDING:
+            frames.append(self._pending.popleft())
+        return frames
+
+    def capture(self, model: mujoco.MjModel, data: mujoco.MjData, time: float) -> MarkerFrame:
+        """The frame exposed now: markers that enough cameras see, with noise."""
+        p_WM = self.marker_positions(data)
+        counts = self.visible_counts(model, data, p_WM)
+        seen = counts >= self._config.min_cameras
+        noise = self._rng.normal(0.0, self._config.noise_std, p_WM.shape)
+        return MarkerFrame(
+            time,
+            self._names,
+            self._object_index[seen],
+            self._marker_index[seen],
+            (p_WM + noise)[seen],
+            counts[seen],
+        )
+
+    def marker_positions(self, data: mujoco.MjData) -> Array:
+        """p_WM `(n, 3)` [m] of all markers, seen or not, without noise."""
+        bodies = [data.body(name) for name in self._names]
+        R_WB = np.array([body.xmat.reshape(3, 3) for body in bodies])[self._object_index]
+        p_WB = np.array([body.xpos for body in bodies])[self._object_index]
+        return p_WB + np.einsum("nij,nj->ni", R_WB, self._p_BM)
+
+    def visible_counts(self, model: mujoco.MjModel, data: mujoco.MjData, p_WM: Array) -> Counts:
+        """How many cameras see each of the markers at `p_WM` `(n, 3)`."""
+        counts = np.zeros(len(p_WM), dtype=int)
+        for p_C, axis in zip(self._p_WC, self._axes, strict=True):
+            p_CM = p_WM - p_C
+            ranges = np.linalg.norm(p_CM, axis=1)
+            in_view = np.flatnonzero(p_CM @ axis >= ranges * self._min_cosine)
+            rays = p_CM[in_view] / ranges[in_view, None]
+            counts[in_view] += _reached(model, data, p_C, rays, ranges[in_view])
+        return counts
+
+
+def _reached(
+    model: mujoco.MjModel, data: mujoco.MjData, p_C: Array, rays: Array, ranges: Array
+) -> npt.NDArray[np.bool_]:
+    """Whether unit `rays` `(n, 3)` from `p_C` get as far as `ranges` `(n,)` without hitting anything."""
+    n = len(ranges)
+    if n == 0:
+        return np.zeros(0, dtype=bool)
+    geoms, hits = np.empty(n, dtype=np.int32), np.empty(n)
+    mujoco.mj_multiRay(
+        model, data, p_C, rays.ravel(), None, True, -1, geoms, hits, None, n, float(ranges.max())
+    )
+    free: npt.NDArray[np.bool_] = (hits < 0.0) | (hits >= ranges - GRAZE)
+    return free

@@ -1,0 +1,141 @@
+"""Nodes and a probe spun in this process, on a domain of their own."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import rclpy
+from rclpy.action import ActionClient
+from rclpy.client import Client
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+
+from pack_core.ros.contracts import Contract
+
+N = TypeVar("N", bound=Node)
+DOMAINS = 100
+"""Domain ids that leave Linux' ephemeral ports alone."""
+
+_domains = itertools.count(7 * os.getpid())
+
+
+class Probe(Node):
+    """Speaks for the nodes that a test leaves out, and keeps a mailbox per topic."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__("probe", context=context)
+        self.mail: defaultdict[str, list[Any]] = defaultdict(list)
+        self._publishers_of: dict[str, Publisher] = {}
+        self._clients_of: dict[str, Client] = {}
+
+    def listen(self, *contracts: Contract) -> None:
+        """Collect what is published, in `mail[topic]`, oldest first."""
+        for contract in contracts:
+            self.create_subscription(
+                contract.type, contract.name, self.mail[contract.name].append, contract.qos
+            )
+
+    def last(self, contract: Contract) -> Any:
+        """The newest message in a mailbox; None while it is empty."""
+        mail = self.mail[contract.name]
+        return mail[-1] if mail else None
+
+    def publisher_of(self, contract: Contract) -> Publisher:
+        """The probe's publisher of a topic."""
+        if contract.name not in self._publishers_of:
+            self._publishers_of[contract.name] = self.create_publisher(
+                contract.type, contract.name, contract.qos
+            )
+        return self._publishers_of[contract.name]
+
+    def send(self, contract: Contract, message: Any) -> None:
+        """Publish a message; see `Graph.connect` for making sure that it is heard."""
+        self.publisher_of(contract).publish(message)
+
+    def client_of(self, contract: Contract) -> Client:
+        """The probe's client of a service."""
+        if contract.name not in self._clients_of:
+            self._clients_of[contract.name] = self.create_client(contract.type, contract.name)
+        return self._clients_of[contract.name]
+
+
+class Graph:
+    """Nodes under test and a probe in one executor; nothing runs but in `wait_until` and what calls it."""
+
+    def __init__(self) -> None:
+        self.context = Context()
+        rclpy.init(context=self.context, domain_id=1 + next(_domains) % DOMAINS)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.probe = Probe(self.context)
+        self._nodes: list[Node] = []
+        self._add(self.probe)
+
+    def start(self, make: Callable[..., N], **parameters: Any) -> N:
+        """Build a node with parameters of its own and let it run."""
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        node = make(context=self.context, parameter_overrides=overrides)
+        self._add(node)
+        return node
+
+    def stop(self, node: Node) -> None:
+        """Take one node out of the graph, as if its process had ended."""
+        self._nodes.remove(node)
+        self.executor.remove_node(node)
+        node.destroy_node()
+
+    def wait_until(self, condition: Callable[[], object], timeout: float = 10.0) -> None:
+        """Spin until the condition holds.
+
+        Raises:
+            AssertionError: it did not within `timeout` [s].
+        """
+        deadline = time.monotonic() + timeout
+        while not condition():
+            assert time.monotonic() < deadline, f"waited {timeout} s in vain"
+            self.executor.spin_once(timeout_sec=0.01)
+
+    def connect(self, *contracts: Contract, subscribers: int = 1) -> None:
+        """Wait until what the probe sends on these topics has at least so many listeners."""
+        publishers = [self.probe.publisher_of(contract) for contract in contracts]
+        self.wait_until(lambda: all(p.get_subscription_count() >= subscribers for p in publishers))
+
+    def call(self, contract: Contract, request: Any, timeout: float = 10.0) -> Any:
+        """Call a service and return its response."""
+        client = self.probe.client_of(contract)
+        self.wait_until(client.service_is_ready)
+        future = client.call_async(request)
+        self.wait_until(future.done, timeout)
+        return future.result()
+
+    def send_goal(self, contract: Contract, goal: Any, feedback: Callable[[Any], None] | None = None) -> Any:
+        """Send an action's goal and return its handle."""
+        client = ActionClient(self.probe, contract.type, contract.name)
+        self.wait_until(client.server_is_ready)
+        future = client.send_goal_async(goal, feedback_callback=feedback)
+        self.wait_until(future.done)
+        return future.result()
+
+    def result_of(self, handle: Any, timeout: float = 60.0) -> Any:
+        """Wait for the result of an accepted goal."""
+        future = handle.get_result_async()
+        self.wait_until(future.done, timeout)
+        return future.result().result
+
+    def close(self) -> None:
+        """End all nodes and the domain."""
+        self.executor.shutdown()
+        for node in reversed(self._nodes):
+            node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+    def _add(self, node: Node) -> None:
+        self._nodes.append(node)
+        self.executor.add_node(node)

@@ -1,0 +1,30 @@
+"""The harness itself: two graphs never hear each other, and waiting in vain fails."""
+
+from __future__ import annotations
+
+import pytest
+from std_msgs.msg import Float64
+
+from integration.harness import Graph
+from pack_core.ros import contracts
+
+
+def test_probe_hears_itself_and_no_other_graph(graph: Graph) -> None:
+    other = Graph()
+    try:
+        for each in (graph, other):
+            each.probe.listen(contracts.REAL_TIME_FACTOR)
+            each.connect(contracts.REAL_TIME_FACTOR)
+        graph.probe.send(contracts.REAL_TIME_FACTOR, Float64(data=2.0))
+        other.probe.send(contracts.REAL_TIME_FACTOR, Float64(data=3.0))
+        for each in (graph, other):
+            each.wait_until(lambda each=each: each.probe.last(contracts.REAL_TIME_FACTOR))
+        assert [m.data for m in graph.probe.mail[contracts.REAL_TIME_FACTOR.name]] == [2.0]
+        assert [m.data for m in other.probe.mail[contracts.REAL_TIME_FACTOR.name]] == [3.0]
+    finally:
+        other.close()
+
+
+def test_waiting_in_vain_fails(graph: Graph) -> None:
+    with pytest.raises(AssertionError, match="in vain"):
+        graph.wait_until(lambda: False, timeout=0.05)
