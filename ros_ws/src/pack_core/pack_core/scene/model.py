@@ -37,6 +37,7 @@ class Held(Enum):
     """Fixed to the cup."""
     FREE = "free"
     """A body of its own."""
+    ABSENT = "absent"
 
 
 GUIDED_ARMATURE = 1e4
@@ -62,7 +63,7 @@ def build_model(
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     _set_solver(spec, timestep)
-    _add_table(spec, surroundings)
+    _add_table(spec, scene.friction, surroundings)
     _add_container(spec, scene.container, scene.friction)
     for item in scene.objects:
         _add_object(spec.worldbody.add_body(name=item.name), item, scene.friction, free=True)
@@ -105,9 +106,10 @@ def _set_solver(spec: mujoco.MjSpec, timestep: float) -> None:
     option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
 
 
-def _add_table(spec: mujoco.MjSpec, surroundings: bool) -> None:
+def _add_table(spec: mujoco.MjSpec, friction: float, surroundings: bool) -> None:
     spec.worldbody.add_geom(
         name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(1.0, 0.8, 0.1), condim=3,
+        friction=(friction, 0.005, 0.0001),
         rgba=(0.5, 0.5, 0.5, 0.0 if surroundings else 1.0),
     )  # fmt: skip
 
@@ -130,7 +132,7 @@ def _add_new_object(spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Sce
     item = scene.new_object
     if held is Held.FREE:
         _add_object(spec.worldbody.add_body(name=item.name), item, scene.friction, free=True)
-    elif tool is not None:
+    elif held is Held.RIGID and tool is not None:
         X_TN = held_pose(scene)
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=1)
         _add_object(body, item, scene.friction, free=False)

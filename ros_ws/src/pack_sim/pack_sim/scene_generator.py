@@ -1,0 +1,122 @@
+"""Random scenes: the cell's objects, dropped into the container and shaken together.
+
+Objects are dropped upright where there is room, with any yaw, and then jostled by a gravity that tilts
+to and fro while friction is low. A scene is kept when everything stands upright on the base, at rest;
+`blocked` ones leave no place where the new object would stand without contact.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import shapely
+
+from pack_core.cells.packing import PackingCell
+from pack_core.errors import PackError
+from pack_core.rotations import Array, Pose, from_yaw, rotate
+from pack_core.scene.free_space import base_height, footprint, free_places, is_blocked, is_inside
+from pack_core.scene.model import Arm, Held, body_pose, build_model, set_object_poses
+from pack_core.scene.scene import Scene
+
+MAX_ATTEMPTS = 2000
+TIMESTEP = 0.004
+DROP_HEIGHT = 0.01
+SMALLEST_GAP = 1e-6
+"""Nothing is dropped where less room than this is left for its centre [m^2]."""
+MAX_TILT = np.deg2rad(20.0)
+TILT_PERIOD = 0.12
+"""The shaking gravity takes a new direction this often [s]."""
+SHAKES = 6
+SETTLE_TIME = 0.8
+SHAKING_FRICTION = 0.12
+UPRIGHT = np.cos(np.deg2rad(5.0))
+CLEARANCE = 0.002
+"""An object may overlap a wall or hover over the base by so much [m]."""
+REST_SPEED = 0.005
+"""[m/s] and, times ten, [rad/s]"""
+
+
+def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Scene:
+    """A random scene of the cell; the same seed gives the same scene, bit for bit.
+
+    Args:
+        seed: which scene.
+        cell: whose container and objects are used.
+        blocked: keep only scenes without a collision-free placement of the new object.
+
+    Raises:
+        PackError: no such scene was found; the objects are too few, or too many, for the container.
+    """
+    description = cell.scene.description()
+    slippery = description.model_copy(update={"friction": SHAKING_FRICTION})
+    model = build_model(slippery, cell, timestep=TIMESTEP, arm=Arm.ABSENT, held=Held.ABSENT)
+    for attempt in range(MAX_ATTEMPTS):
+        rng = np.random.default_rng([seed, attempt])
+        dropped = _drop(description, rng)
+        if dropped is None:
+            continue
+        scene = _shake(description, model, dropped, rng)
+        if scene is not None and (not blocked or is_blocked(scene)):
+            return scene
+    raise PackError(
+        f"seed {seed}: no {'blocked ' * blocked}scene in {MAX_ATTEMPTS} attempts; change the container "
+        "or the objects under `scene` in config/cells/packing.yaml"
+    )
+
+
+def _drop(scene: Scene, rng: np.random.Generator) -> dict[str, Pose] | None:
+    """Upright poses over the base that overlap neither each other nor a wall; None: no room left."""
+    poses: dict[str, Pose] = {}
+    taken: list[shapely.Polygon] = []
+    for i in rng.permutation(len(scene.objects)):
+        item = scene.objects[i]
+        yaw = rng.uniform(-np.pi, np.pi)
+        free = free_places(item, yaw, scene.container, taken)
+        if free.area < SMALLEST_GAP:
+            return None
+        p_WO = np.array([*_point_within(free, rng), item.half_extents[2] + DROP_HEIGHT])
+        poses[item.name] = Pose(p_WO, from_yaw(yaw))
+        taken.append(footprint(item, poses[item.name]))
+    return poses
+
+
+def _point_within(area: shapely.Geometry, rng: np.random.Generator) -> Array:
+    """A uniformly random point `(2,)` of an area."""
+    lower, upper = np.array(area.bounds).reshape(2, 2)
+    while True:
+        points = rng.uniform(lower, upper, (256, 2))
+        if np.any(inside := shapely.contains_xy(area, points)):
+            return np.asarray(points[inside][0])
+
+
+def _shake(
+    scene: Scene, model: mujoco.MjModel, poses: dict[str, Pose], rng: np.random.Generator
+) -> Scene | None:
+    """The scene after shaking and settling, if all is well with it."""
+    data = mujoco.MjData(model)
+    set_object_poses(model, data, poses)
+    for _ in range(SHAKES):
+        model.opt.gravity = _tilted_gravity(rng)
+        mujoco.mj_step(model, data, round(TILT_PERIOD / TIMESTEP))
+    model.opt.gravity = (0.0, 0.0, -9.81)
+    mujoco.mj_step(model, data, round(SETTLE_TIME / TIMESTEP))
+    mujoco.mj_forward(model, data)
+    settled = {name: body_pose(data, name) for name in scene.names}
+    at_rest = np.all(np.abs(data.qvel.reshape(-1, 6)) < REST_SPEED * np.array([1, 1, 1, 10, 10, 10]))
+    return scene.with_poses(settled) if at_rest and _is_orderly(scene, settled) else None
+
+
+def _tilted_gravity(rng: np.random.Generator) -> Array:
+    tilt, heading = rng.uniform(0.0, MAX_TILT), rng.uniform(-np.pi, np.pi)
+    sideways = np.sin(tilt) * np.array([np.cos(heading), np.sin(heading)])
+    return 9.81 * np.array([*sideways, -np.cos(tilt)])
+
+
+def _is_orderly(scene: Scene, poses: dict[str, Pose]) -> bool:
+    """Every object stands upright within 5 degrees, on the base and between the walls."""
+    return all(
+        rotate(X_WO.q, np.array([0.0, 0.0, 1.0]))[2] > UPRIGHT
+        and abs(base_height(scene.model_of(name), X_WO)) < CLEARANCE
+        and is_inside(footprint(scene.model_of(name), X_WO), scene.container, CLEARANCE)
+        for name, X_WO in poses.items()
+    )
