@@ -1,8 +1,8 @@
 """`ros2 launch pack_bringup packing.launch.py`: the same graph file as `pack up packing`."""
 
-from launch import LaunchDescription
 from launch_ros.actions import Node
 
+from launch import LaunchDescription
 from pack_bringup.graph import load_graph
 
 

@@ -1,0 +1,128 @@
+"""The recorder: every topic that the wiring table marks as recorded, in one bag.
+
+Bag stamps are simulated time, that of the last /clock received (0 before the first), so runs of
+any real-time factor read alike; each message keeps its own header stamp besides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+
+from pack_bringup.message_types import message_types
+from pack_bringup.recorder import Recorder, Topic
+from pack_bringup.run_record import BAG_FOLDER, SCENE_FILE, default_folder, describe_run
+from pack_core.config import Config
+from pack_core.errors import BagError
+from pack_core.ros import contracts
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import Contract
+from pack_core.ros.conversions import from_scene
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pack_core.scene.scene import Scene
+
+DEPTH = 1000
+"""Messages that may wait in the middleware, whatever depth a topic has for others."""
+FOREVER = QosTime(9223372036, 854775807)
+
+
+class RecorderConfig(Config):
+    """Parameters of the recorder."""
+
+    path: str = ""
+    """The run's folder; empty: bags/<cell>_<date>_seed<seed>."""
+    cell: str = "packing"
+    seed: int | None = None
+    command: str = ""
+    """The command line that started the run, for run.yaml."""
+
+
+class RecorderNode(CellNode):
+    """Records the run and says what it was."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("recorder", **kwargs)
+        config, now = read_parameters(self, RecorderConfig), datetime.now()
+        self.folder = Path(config.path) if config.path else default_folder(config.cell, config.seed, now)
+        topics = contracts.recorded()
+        self.recorder = Recorder(self.folder / BAG_FOLDER, map(_topic, topics), message_types())
+        describe_run(config.cell, config.seed, config.command, now).save(self.folder)
+        self._description: Scene | None = None
+        for contract in topics:
+            self._record(contract)
+        self.watch(("sim", "perception", "planner", "mpc"))
+        self.get_logger().info(f"recording to {self.folder}")
+
+    def report(self) -> None:
+        """Report what was written, and a disk that fails."""
+        self.health.values["written"] = str(self.recorder.written.total())
+        self.health.values["dropped"] = str(self.recorder.dropped)
+        if self.recorder.fault and "bag" not in self.health.faults:
+            self.health.faults["bag"] = self.recorder.fault
+            self.get_logger().error(self.recorder.fault)
+        super().report()
+
+    def destroy_node(self) -> None:
+        """Finish the bag."""
+        self.recorder.close()
+        super().destroy_node()
+
+    def _record(self, contract: Contract) -> None:
+        notice = {contracts.DESCRIPTION: self._on_description, contracts.TRUTH: self._on_truth}.get(contract)
+
+        def take(data: bytes) -> None:
+            self.recorder.write(contract.name, self.get_clock().now().nanoseconds, data)
+            if notice:
+                notice(data)
+
+        self.listen(replace(contract, qos=_deep(contract.qos)), take, raw=True)
+
+    def _on_description(self, data: bytes) -> None:
+        message = deserialize_message(data, contracts.DESCRIPTION.type)
+        self._description = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
+
+    def _on_truth(self, data: bytes) -> None:
+        """Complete the description by the first poses after it: a scene file to run again."""
+        if self._description is None:
+            return
+        scene, self._description = self._description, None
+        state = from_scene(deserialize_message(data, contracts.TRUTH.type))
+        try:
+            (self.folder / SCENE_FILE).write_text(scene.with_poses(state.poses()).to_yaml())
+        except OSError as error:
+            raise BagError(f"cannot write {self.folder / SCENE_FILE}: {error}") from error
+
+
+def _topic(contract: Contract) -> Topic:
+    package = contract.type.__module__.split(".")[0]
+    return Topic(contract.name, f"{package}/msg/{contract.type.__name__}", (_offered(contract.qos),))
+
+
+def _deep(qos: QoSProfile) -> QoSProfile:
+    return QoSProfile(depth=DEPTH, reliability=qos.reliability, durability=qos.durability)
+
+
+def _offered(qos: QoSProfile) -> Qos:
+    return Qos(
+        history=QosHistory(qos.history), depth=qos.depth,
+        reliability=QosReliability(qos.reliability), durability=QosDurability(qos.durability),
+        deadline=FOREVER, lifespan=FOREVER,
+        liveliness=QosLiveliness(qos.liveliness), liveliness_lease_duration=FOREVER,
+        avoid_ros_namespace_conventions=False,
+    )  # fmt: skip
+
+
+def main() -> int:
+    """Run the recorder node."""
+    return run_node(RecorderNode)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,78 @@
+"""What a run was: seed, command, commit, versions and configuration, written beside its bag."""
+
+from __future__ import annotations
+
+import subprocess
+from datetime import datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pack_core.config import Config
+from pack_core.paths import bags_path, config_path, project_root
+
+FILE = "run.yaml"
+SCENE_FILE = "scene.yaml"
+BAG_FOLDER = "bag"
+PACKAGES = ("mujoco", "numpy", "scipy", "numba", "rosbags", "ros-jazzy-rclpy", "ros-jazzy-rmw-fastrtps-cpp")
+
+
+class RunRecord(Config):
+    """The file `run.yaml`."""
+
+    cell: str
+    started: datetime
+    seed: int | None = None
+    command: str = ""
+    commit: str
+    versions: dict[str, str]
+    configuration: dict[str, Any]
+
+    def save(self, folder: Path) -> None:
+        """Write `run.yaml` into the run's folder."""
+        text = yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False, allow_unicode=True, width=110)
+        (folder / FILE).write_text(text)
+
+
+def describe_run(cell: str, seed: int | None, command: str, now: datetime) -> RunRecord:
+    """The record of a run that starts `now`, with the configuration as it is on disk."""
+    return RunRecord(
+        cell=cell, started=now, seed=seed, command=command, commit=_commit(), versions=_versions(),
+        configuration={str(path.relative_to(config_path())): _load(path) for path in _config_files(cell)},
+    )  # fmt: skip
+
+
+def default_folder(cell: str, seed: int | None, now: datetime) -> Path:
+    """The run's folder below bags/: cell, date and, where given, seed."""
+    suffix = "" if seed is None else f"_seed{seed}"
+    return bags_path() / f"{cell}_{now:%Y%m%d_%H%M%S}{suffix}"
+
+
+def _config_files(cell: str) -> list[Path]:
+    own = [config_path(folder, f"{cell}.yaml") for folder in ("cells", "graphs")]
+    return [path for path in own if path.is_file()] + sorted(config_path("nodes").glob("*.yaml"))
+
+
+def _load(path: Path) -> Any:
+    return yaml.safe_load(path.read_text())
+
+
+def _versions() -> dict[str, str]:
+    versions = {}
+    for package in PACKAGES:
+        try:
+            versions[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return versions
+
+
+def _commit() -> str:
+    """The checked-out commit, marked `-dirty` when files differ from it."""
+    command = ["git", "-C", str(project_root()), "describe", "--always", "--abbrev=40", "--dirty"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=10.0).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"

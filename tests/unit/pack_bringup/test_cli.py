@@ -1,0 +1,57 @@
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACK = [sys.executable, "-c", "from pack_bringup.cli.main import main; main()"]
+
+
+def pack(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*PACK, *arguments], capture_output=True, text=True)
+
+
+def test_run_passes_arguments_on_as_they_are(prefix: Path) -> None:
+    outcome = pack("run", "fruit", "peel", "--help", "--ros-args", "-p", "rate:=2 Hz", "--", "last")
+    assert outcome.stdout.split("\n") == [
+        "[--help]",
+        "[--ros-args]",
+        "[-p]",
+        "[rate:=2 Hz]",
+        "[--]",
+        "[last]",
+        "",
+    ]
+
+
+def test_run_drops_a_leading_separator(prefix: Path) -> None:
+    assert pack("run", "fruit", "peel", "--", "--thin").stdout == "[--thin]\n"
+
+
+@pytest.mark.parametrize(
+    "arguments", [("run", "fruit", "slice"), ("run", "nut", "crack"), ("up", "juggling")]
+)
+def test_an_unknown_name_is_one_line_of_error_and_exit_code_2(
+    prefix: Path, arguments: tuple[str, ...]
+) -> None:
+    outcome = pack(*arguments)
+    assert outcome.returncode == 2
+    assert outcome.stderr.startswith("error: ")
+    assert outcome.stderr.count("\n") == 1
+
+
+def test_executables_lists_package_and_executable_a_line(prefix: Path) -> None:
+    assert pack("executables", "fruit").stdout == "fruit peel\n"
+    assert "pack_sim sim_node" in pack("executables").stdout.splitlines()
+
+
+def test_wiring_lists_topics_services_and_actions() -> None:
+    page = pack("wiring", "--markdown").stdout
+    assert "| /clock | topic |" in page
+    assert "| /plan_placement | service |" in page
+    assert "| /pack_object | action |" in page
+
+
+@pytest.mark.parametrize("command", ["run", "up", "executables", "wiring"])
+def test_help_of_every_command_shows_how_to_call_it(command: str) -> None:
+    assert f"Usage: pack {command}" in pack(command, "--help").stdout.replace("-c", "pack")
