@@ -12,7 +12,7 @@ help: ## list the targets
 	@echo '  e.g. make demo SEED=3 ARGS="--no-video"   ("pack demo --help" in .venv/bin lists what ARGS may hold)'
 
 setup: ## make .venv, install what is locked, build the workspace; does only what has changed
-	@tools/setup.sh
+	@PYTHON="$(PYTHON)" tools/setup.sh
 
 demo: setup ## pack one object with all nodes running, record it, write the report (CELL, SEED, ARGS)
 	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
