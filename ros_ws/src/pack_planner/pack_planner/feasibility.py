@@ -1,0 +1,81 @@
+"""Which settled samples are placements: the new object packed, the others still contained (Sec. II)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.rotations import Array, rotate
+from pack_core.scene.scene import Scene
+from pack_planner.pose_sampling import half_spans
+
+UP = np.array([0.0, 0.0, 1.0])
+FORWARD = np.array([1.0, 0.0, 0.0])
+TILT_LIMIT = np.deg2rad(10.0)
+"""The new object counts as upright up to this tilt."""
+BASE_LIMIT = 0.015
+"""The new object counts as standing on the base up to this height [m], the paper's tolerance."""
+WALL_LIMIT = 0.003
+"""How far the new object's outline may reach into a wall: soft contact and its tilt [m]."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is wrong with each sample; `faults` has a mask `(S,)` for every reason."""
+
+    faults: dict[str, npt.NDArray[np.bool_]]
+
+    @property
+    def is_feasible(self) -> npt.NDArray[np.bool_]:
+        """Samples without a fault `(S,)`."""
+        return np.asarray(~np.any(list(self.faults.values()), axis=0))
+
+    def reason(self) -> str:
+        """The faults in words, the most frequent first."""
+        counts = sorted(((int(mask.sum()), fault) for fault, mask in self.faults.items()), reverse=True)
+        total = len(self.is_feasible)
+        return f"none of {total} samples: " + ", ".join(f"{fault} in {n}" for n, fault in counts if n)
+
+
+def judge(scene: Scene, settled: Array, penetration: Array) -> Verdict:
+    """Judge settled samples.
+
+    Args:
+        scene: container and objects.
+        settled: X_WO `(S, objects, 7)` of all objects, the new one last.
+        penetration: lasting penetration K `(S,)` [m].
+    """
+    new, others = settled[:, -1], settled[:, :-1]
+    return Verdict(
+        {
+            "objects still overlap": penetration > 0.0,
+            "an object is pushed out of the container": ~np.all(_is_contained(scene, others), axis=1),
+            "the new object tips": rotate(new[:, 3:], UP)[:, 2] < np.cos(TILT_LIMIT),
+            "the new object is lifted off the base": _clearance(scene, new) > BASE_LIMIT,
+            "the new object is not between the walls": ~_is_between_walls(scene, new),
+        }
+    )
+
+
+def _is_contained(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
+    """The centre is between the walls and below their rim `(S, objects)`."""
+    container = scene.container
+    p = poses[..., :3]
+    is_between = np.all((p[..., :2] > container.lower) & (p[..., :2] < container.upper), axis=-1)
+    return np.asarray(is_between & (p[..., 2] < container.height))
+
+
+def _clearance(scene: Scene, poses: Array) -> Array:
+    """Height `(S,)` of the new object's centre over where it is when standing on the base [m]."""
+    return np.asarray(poses[:, 2] - scene.new_object.half_extents[2])
+
+
+def _is_between_walls(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
+    """The outline, taken as upright, is between the walls `(S,)`."""
+    x_axes = rotate(poses[:, 3:], FORWARD)
+    spans = half_spans(scene.new_object, np.arctan2(x_axes[:, 1], x_axes[:, 0]))
+    offsets = np.abs(poses[:, :2] - np.array(scene.container.centre))
+    room = 0.5 * np.array(scene.container.size) + WALL_LIMIT
+    return np.asarray(np.all(offsets + spans < room, axis=1))

@@ -1,0 +1,56 @@
+"""What the placement planner answers with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.rotations import Array, Pose
+
+
+class PlacementStatus(IntEnum):
+    """Outcome; the values of pack_interfaces/PlanPlacement."""
+
+    SUCCESS = 1
+    NO_FEASIBLE_PLACEMENT = 2
+
+
+@dataclass(frozen=True)
+class Samples:
+    """The poses that were tried, S of them.
+
+    Attributes:
+        sampled: X_WO of the new object as teleported `(S, 7)`: position [m], quaternion wxyz.
+        settled: X_WO after the physics has resolved the overlaps `(S, 7)`.
+        costs: Eq. 6 `(S,)`.
+        is_feasible: `(S,)`.
+    """
+
+    sampled: Array
+    settled: Array
+    costs: Array
+    is_feasible: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where to pack the new object.
+
+    Attributes:
+        status: whether there is such a place.
+        reason: why there is none; empty after success.
+        X_WO: the packing pose; None without success.
+        collisions: objects that it overlaps where they stand now, the collision list G.
+        cost: Eq. 6 of the chosen sample; infinite without success.
+        samples: all that was tried.
+    """
+
+    status: PlacementStatus
+    reason: str
+    X_WO: Pose | None
+    collisions: tuple[str, ...]
+    cost: float
+    samples: Samples
