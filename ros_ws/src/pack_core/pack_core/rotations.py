@@ -32,7 +32,7 @@ def multiply(q_AB: npt.ArrayLike, q_BC: npt.ArrayLike) -> Array:
 
 def conjugate(q: npt.ArrayLike) -> Array:
     """The inverse rotation of unit quaternions, shape `(..., 4)`."""
-    return np.asarray(q, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0])
+    return np.asarray(np.asarray(q, dtype=float) * np.array([1.0, -1.0, -1.0, -1.0]))
 
 
 def rotate(q_AB: npt.ArrayLike, v_B: npt.ArrayLike) -> Array:
@@ -71,7 +71,7 @@ def normalize(q: npt.ArrayLike) -> Array:
     """Unit quaternion with `w >= 0`, shape `(..., 4)`."""
     quaternion = np.asarray(q, dtype=float)
     unit = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
-    return np.where(unit[..., :1] < 0.0, -unit, unit)
+    return np.asarray(np.where(unit[..., :1] < 0.0, -unit, unit))
 
 
 def exp(rotation_vector: npt.ArrayLike) -> Array:

@@ -9,7 +9,7 @@ open which of the two poses and which state it means.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, cast, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -130,6 +130,17 @@ class PlacementPlanner:
         collisions = tuple(name for name in self._scene.names if name in overlapped)
         X_WO = Pose(pose[:3], pose[3:])
         return Placement(PlacementStatus.SUCCESS, "", X_WO, collisions, float(samples.costs[k]), samples)
+
+
+def checked_variant(name: str) -> Variant:
+    """The variant called `name`.
+
+    Raises:
+        PackError: there is none.
+    """
+    if name not in get_args(Variant):
+        raise PackError(f"variant is '{name}'; allowed: {', '.join(get_args(Variant))}")
+    return cast(Variant, name)
 
 
 def _prefer(costs: Array, poses: Array, avoid: Sequence[npt.ArrayLike], radius: float) -> int:

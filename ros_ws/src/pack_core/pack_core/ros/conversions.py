@@ -91,11 +91,17 @@ def from_scene(message: SceneStateMsg) -> SceneState:
         item.name: ObjectState(
             from_pose(item.pose), _from_vector(item.twist.linear, f"velocity of {item.name}"),
             _from_vector(item.twist.angular, f"angular velocity of {item.name}"),
-            Source(item.source), item.age,
+            _source_of(item), item.age,
         )
         for item in message.objects
     }  # fmt: skip
     return SceneState(from_stamp(message.header.stamp), objects)
+
+
+def _source_of(item: ObjectStateMsg) -> Source:
+    if item.source not in list(Source):
+        raise MessageError(f"source of {item.name} is {item.source}; allowed: {[f'{s}: {s.name}' for s in Source]}")
+    return Source(item.source)
 
 
 def to_markers(frame: MarkerFrame) -> MocapMarkers:
