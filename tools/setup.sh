@@ -7,15 +7,15 @@ venv=$root/.venv
 
 find_python() {
     local candidate
-    for candidate in ${PYTHON:-python3 python3.12 python3.11}; do
+    for candidate in ${PYTHON:-"$venv/bin/python" python3 python3.12 python3.11}; do
         if "$candidate" -c 'import sys; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' 2>/dev/null; then
             "$candidate" -c 'import sys; print(getattr(sys, "_base_executable", sys.executable))'
             return
         fi
     done
-    echo "No Python 3.11 or 3.12 found (looked for: ${PYTHON:-python3 python3.12 python3.11})." >&2
-    echo "Run: sudo apt-get install -y python3.11 python3.11-venv python3.11-dev (or python3.12)," >&2
-    echo "or name another interpreter: make setup PYTHON=/path/to/python3.12" >&2
+    echo "No Python 3.11 or 3.12 found (tried: ${PYTHON:-python3 python3.12 python3.11})." >&2
+    echo "Debian 12: sudo apt-get install -y python3.11-venv python3.11-dev; Ubuntu 24.04: the same with 3.12." >&2
+    echo "Elsewhere name one: make setup PYTHON=/path/to/python3.12" >&2
     return 1
 }
 
@@ -55,6 +55,7 @@ build_workspace() {
     is_stamped ros_ws/install/.sources "$key" && return
     echo "Building the workspace (about a minute the first time)"
     (
+        unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH PYTHONPATH
         source "$venv/bin/activate"
         source "$venv/local_setup.bash"
         cd ros_ws
@@ -72,8 +73,8 @@ link_commands() {
 }
 
 check_machine
+tools/system_packages.sh "$(find_python 2>/dev/null || true)"
 python=$(find_python)
-tools/system_packages.sh "$python"
 install_requirements
 build_workspace
 link_commands

@@ -1,20 +1,25 @@
 #!/usr/bin/env bash
 # Sees to the apt packages that set-up and rendering need: installs them as root, else names the command.
-# Usage: system_packages.sh PYTHON
+# Usage: system_packages.sh PYTHON (empty where there is none that fits)
 set -euo pipefail
 python=$1
+libraries=$(PATH=$PATH:/sbin:/usr/sbin ldconfig -p)
 
-has_library() { ldconfig -p | grep -q "$1"; }
+has_library() { grep -q "$1" <<<"$libraries"; }
 has_venv() { "$python" -c 'import ensurepip, venv' 2>/dev/null; }
 has_headers() { "$python" -c 'import sys, sysconfig, pathlib
 sys.exit(not pathlib.Path(sysconfig.get_path("include"), "Python.h").is_file())'; }
 has_gl_driver() { compgen -G '/usr/lib/x86_64-linux-gnu/dri/*_dri.so' >/dev/null || has_library libEGL_nvidia; }
 
-version=$("$python" -c 'import sys; print(f"python3.{sys.version_info.minor}")')
 missing=()
 command -v g++ >/dev/null || missing+=(g++)
-has_venv || missing+=("$version-venv")
-has_headers || missing+=("$version-dev")
+if [ -n "$python" ]; then
+    version=$("$python" -c 'import sys; print(f"python3.{sys.version_info.minor}")')
+    has_venv || missing+=("$version-venv")
+    has_headers || missing+=("$version-dev")
+elif ! command -v python3 >/dev/null; then
+    missing+=(python3 python3-venv python3-dev)
+fi
 has_library libEGL.so.1 || missing+=(libegl1)
 has_library libOpenGL.so.0 || missing+=(libopengl0)
 has_gl_driver || missing+=(libgl1-mesa-dri)
