@@ -57,7 +57,7 @@ class Recorder:
         self._queue: Queue[tuple[str, int, bytes] | None] = Queue(QUEUE_SIZE)
         self._writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
         self._connections = self._open(topics, types)
-        self._thread = Thread(target=self._run, name="bag writer")
+        self._thread = Thread(target=self._run, name="bag writer", daemon=True)
         self._thread.start()
 
     def write(self, topic: str, time_ns: int, data: bytes) -> None:

@@ -75,7 +75,8 @@ class RecorderNode(CellNode):
         super().destroy_node()
 
     def _record(self, contract: Contract) -> None:
-        notice = {contracts.DESCRIPTION: self._on_description, contracts.TRUTH: self._on_truth}.get(contract)
+        notices = {contracts.DESCRIPTION.name: self._on_description, contracts.TRUTH.name: self._on_truth}
+        notice = notices.get(contract.name)
 
         def take(data: bytes) -> None:
             self.recorder.write(contract.name, self.get_clock().now().nanoseconds, data)
