@@ -17,8 +17,8 @@ IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
 def multiply(q_AB: npt.ArrayLike, q_BC: npt.ArrayLike) -> Array:
     """Quaternion product `q_AC`, shapes `(..., 4)`."""
-    w1, x1, y1, z1 = np.moveaxis(np.asarray(q_AB, dtype=float), -1, 0)
-    w2, x2, y2, z2 = np.moveaxis(np.asarray(q_BC, dtype=float), -1, 0)
+    w1, x1, y1, z1 = _columns(q_AB)
+    w2, x2, y2, z2 = _columns(q_BC)
     return np.stack(
         [
             w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2,
@@ -40,8 +40,19 @@ def rotate(q_AB: npt.ArrayLike, v_B: npt.ArrayLike) -> Array:
     q = np.asarray(q_AB, dtype=float)
     v = np.asarray(v_B, dtype=float)
     w, u = q[..., :1], q[..., 1:]
-    t = 2.0 * np.cross(u, v)
-    return v + w * t + np.cross(u, t)
+    t = 2.0 * _cross(u, v)
+    return v + w * t + _cross(u, t)
+
+
+def _columns(vectors: npt.ArrayLike) -> list[Array]:
+    array = np.asarray(vectors, dtype=float)
+    return [array[..., i] for i in range(array.shape[-1])]
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """The cross product; np.cross takes twice as long for a few vectors."""
+    (ax, ay, az), (bx, by, bz) = _columns(a), _columns(b)
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def to_matrix(q: npt.ArrayLike) -> Array:

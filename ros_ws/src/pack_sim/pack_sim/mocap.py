@@ -95,8 +95,8 @@ class Mocap:
         """p_WM `(n, 3)` [m] of all markers, seen or not, without noise."""
         bodies = [data.body(name) for name in self._names]
         R_WB = np.array([body.xmat.reshape(3, 3) for body in bodies])[self._object_index]
-        p_WB = np.array([body.xpos for body in bodies])[self._object_index]
-        return p_WB + np.einsum("nij,nj->ni", R_WB, self._p_BM)
+        p_WB: Array = np.array([body.xpos for body in bodies])[self._object_index]
+        return p_WB + (R_WB @ self._p_BM[:, :, None])[:, :, 0]
 
     def visible_counts(self, model: mujoco.MjModel, data: mujoco.MjData, p_WM: Array) -> Counts:
         """How many cameras see each of the markers at `p_WM` `(n, 3)`."""

@@ -1,0 +1,146 @@
+"""The cell's physics with an arm that goes where it was measured to be."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.cells.packing import PackingCell
+from pack_core.robots.panda import JOINTS
+from pack_core.rotations import Array, Pose, conjugate, exp, multiply, rotate
+from pack_core.scene.model import Arm, Held, body_pose, build_model
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import JointSample
+
+Rows = npt.NDArray[np.int_]
+
+MAX_SPEED = 3.0
+"""Speed of an object that only diverging physics gives it [m/s]."""
+PARKED = np.array([-5.0, 0.0])
+"""Where objects wait that have not been seen yet, out of reach of everything [m]."""
+
+
+class GuidedCell:
+    """Free objects move by physics, the arm by measured joints.
+
+    Objects are addressed by rows of `free`. A twist `(6,)` is the velocity of an object's origin [m/s]
+    and its angular velocity [rad/s]; a shift `(6,)` is a way [m] and a rotation vector [rad]; both in
+    world axes.
+
+    Args:
+        scene: container and objects; poses are ignored.
+        cell: the cell's physical facts.
+        held: whether the new object is fixed to the cup.
+        step: longest step of the integrator [s].
+
+    Attributes:
+        free: names of the objects that physics moves.
+    """
+
+    def __init__(self, scene: Scene, cell: PackingCell, held: Held, step: float) -> None:
+        self._step = step
+        self._model = build_model(scene, cell, timestep=step, arm=Arm.GUIDED, held=held)
+        self._model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+        self._data, self._posed = mujoco.MjData(self._model), mujoco.MjData(self._model)
+        first = self._model.joint(JOINTS[0])
+        self._arm_q = slice(first.qposadr[0], first.qposadr[0] + len(JOINTS))
+        self._arm_v = slice(first.dofadr[0], first.dofadr[0] + len(JOINTS))
+        items = [*scene.objects] if held is Held.RIGID else [*scene.objects, scene.new_object]
+        self.free = [item.name for item in items]
+        self._q = _addresses([self._model.joint(name).qposadr[0] for name in self.free], 7)
+        self._v = _addresses([self._model.joint(name).dofadr[0] for name in self.free], 6)
+        self._new_object = int(self._model.body(scene.new_object.name).id)
+        for i, item in enumerate(items):
+            self._data.qpos[self._q[i]] = [*(PARKED - (i, 0.0)), item.half_extents[2], 1.0, 0.0, 0.0, 0.0]
+
+    @property
+    def qpos(self) -> Array:
+        """A copy of all positions."""
+        return np.array(self._data.qpos)
+
+    def follow(self, start: JointSample, end: JointSample) -> list[str]:
+        """Integrate while the arm moves evenly from one sample to the next.
+
+        Returns:
+            Objects whose motion diverged; they are back where they started, at rest.
+        """
+        data, before = self._data, self.qpos
+        gap = end.time - start.time
+        n = max(1, int(np.ceil(gap / self._step - 1e-6)))
+        self._model.opt.timestep = gap / n
+        way = end.q - start.q
+        for i in range(n):
+            data.qpos[self._arm_q] = start.q + way * (i / n)
+            data.qvel[self._arm_v] = way / gap
+            mujoco.mj_step(self._model, data)
+        self.set_arm(end)
+        return self._put_back(before)
+
+    def set_arm(self, joints: JointSample) -> None:
+        """Put the arm where a sample has it."""
+        self._data.qpos[self._arm_q], self._data.qvel[self._arm_v] = joints.q, joints.v
+
+    def poses(self, qpos: Array | None = None) -> Array:
+        """X_WO of the free objects as position and quaternion `(n, 7)`, now or in an earlier `qpos`."""
+        return np.asarray((self._data.qpos if qpos is None else qpos)[self._q])
+
+    def twists(self) -> Array:
+        """Twists of the free objects `(n, 6)`."""
+        v, q = self._data.qvel[self._v], self._data.qpos[self._q[:, 3:]]
+        return np.concatenate([v[:, :3], rotate(q, v[:, 3:])], axis=1)
+
+    def stop(self, rows: Rows) -> None:
+        """Bring objects to rest."""
+        self._data.qvel[self._v[rows]] = 0.0
+
+    def correct(self, rows: Rows, poses: Array, twists: Array) -> None:
+        """Put objects at `poses` `(k, 7)`, a little away, and add `twists` `(k, 6)` to theirs."""
+        v, w = twists[:, :3], rotate(conjugate(poses[:, 3:]), twists[:, 3:])
+        self._data.qpos[self._q[rows]] = poses
+        self._data.qvel[self._v[rows]] += np.concatenate([v, w], axis=1)
+
+    def shift_earlier(self, qpos: Array, rows: Rows, shifts: Array) -> None:
+        """Move objects in earlier positions `qpos` `(t, nq)`, in place, by `shifts` `(k, 6)`."""
+        qpos[:, self._q[rows]] = shifted(qpos[:, self._q[rows]], shifts)
+
+    def cup_pose(self, qpos: Array) -> Pose:
+        """X_WT of the cup in an earlier `qpos`."""
+        self._posed.qpos[:] = qpos
+        mujoco.mj_kinematics(self._model, self._posed)
+        return body_pose(self._posed, "tool")
+
+    def held_state(self) -> tuple[Array, Array]:
+        """Pose `(7,)` and twist `(6,)` of the new object on the cup, by forward kinematics."""
+        posed, body, twist = self._posed, self._new_object, np.empty(6)
+        posed.qpos[:], posed.qvel[:] = self._data.qpos, self._data.qvel
+        mujoco.mj_kinematics(self._model, posed)
+        mujoco.mj_comPos(self._model, posed)
+        mujoco.mj_comVel(self._model, posed)
+        mujoco.mj_objectVelocity(self._model, posed, mujoco.mjtObj.mjOBJ_XBODY, body, twist, 0)
+        return np.concatenate([posed.xpos[body], posed.xquat[body]]), np.roll(twist, 3)
+
+    def set_grip(self, X_TN: Pose) -> None:
+        """Fix the new object to the cup in another pose."""
+        self._model.body_pos[self._new_object], self._model.body_quat[self._new_object] = X_TN.p, X_TN.q
+
+    def _put_back(self, before: Array) -> list[str]:
+        data = self._data
+        speeds = np.abs(data.qvel[self._v[:, :3]]).max(axis=1, initial=0.0)
+        is_fine = (speeds < MAX_SPEED) & np.isfinite(data.qpos[self._q]).all(axis=1)
+        if is_fine.all():
+            return []
+        bad = np.flatnonzero(~is_fine)
+        data.qpos[self._q[bad]], data.qvel[self._v[bad]] = before[self._q[bad]], 0.0
+        data.qacc_warmstart[:] = 0.0
+        return [self.free[i] for i in bad]
+
+
+def shifted(poses: Array, shifts: Array) -> Array:
+    """Poses `(..., k, 7)` after `shifts` `(k, 6)` in world axes."""
+    q = multiply(exp(shifts[:, 3:]), poses[..., 3:])
+    return np.concatenate([poses[..., :3] + shifts[:, :3], q], axis=-1)
+
+
+def _addresses(starts: list[int], length: int) -> Rows:
+    return np.array(starts, dtype=int)[:, None] + np.arange(length)
