@@ -51,10 +51,18 @@ def validate_config(cls: type[C], data: Any, source: str) -> C:
 
 
 def _explain(item: Any, source: str) -> str:
-    key = ".".join(str(part) for part in item["loc"]) or "(whole file)"
+    key = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
         return f"{source}: key '{key}' is not known; remove it or correct its spelling"
     if item["type"] == "missing":
         return f"{source}: key '{key}' is missing"
+    discriminator = item.get("ctx", {}).get("discriminator", "").strip("'")
+    if item["type"] == "union_tag_not_found":
+        return f"{source}: key '{key}.{discriminator}' is missing"
+    if item["type"] == "union_tag_invalid":
+        tag, allowed = item["ctx"]["tag"], item["ctx"]["expected_tags"]
+        return f"{source}: key '{key}.{discriminator}' is '{tag}'; allowed: {allowed}"
     message = item["msg"].removeprefix("Value error, ")
+    if not key:
+        return f"{source}: {message}"
     return f"{source}: key '{key}' is {item['input']!r}; allowed: {message}"

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.rotations import Array, rotate
+from pack_core.scene.fit import half_spans
 from pack_core.scene.scene import Scene
-from pack_planner.pose_sampling import half_spans
 
 UP = np.array([0.0, 0.0, 1.0])
 FORWARD = np.array([1.0, 0.0, 0.0])

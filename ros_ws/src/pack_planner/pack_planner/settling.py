@@ -10,7 +10,7 @@ import numpy as np
 
 from pack_core.cells.packing import PackingCell
 from pack_core.rotations import Array, Pose
-from pack_core.scene.model import Arm, Held, build_model, set_object_poses
+from pack_core.scene.model import Arm, Held, build_model, penetrations, set_object_poses
 from pack_core.scene.scene import Scene
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -26,7 +26,6 @@ class Settling:
         """Build the model; `threads` 0 uses all cores."""
         self.names = [*scene.names, scene.new_object.name]
         self._model = build_model(scene, cell, timestep=timestep, arm=Arm.ABSENT, held=Held.FREE)
-        self._geom_names = [self._model.geom(i).name for i in range(self._model.ngeom)]
         n = threads or len(os.sched_getaffinity(0))
         self._datas = [mujoco.MjData(self._model) for _ in range(n)]
         self._rollout = mujoco.rollout.Rollout(nthread=n)
@@ -60,14 +59,7 @@ class Settling:
         """Deepest penetration [m] of every pair of geoms that touch."""
         data = self._datas[0]
         mujoco.mj_setState(self._model, data, state, STATE)
-        mujoco.mj_kinematics(self._model, data)
-        mujoco.mj_comPos(self._model, data)
-        mujoco.mj_collision(self._model, data)
-        deepest: dict[tuple[str, str], float] = {}
-        for pair, distance in zip(data.contact.geom.tolist(), data.contact.dist.tolist(), strict=True):
-            names = (self._geom_names[pair[0]], self._geom_names[pair[1]])
-            deepest[names] = max(deepest.get(names, 0.0), -distance)
-        return deepest
+        return penetrations(self._model, data)
 
     def _object_poses(self, states: Array) -> Array:
         """A view `(n, objects, 7)` of the free joints' positions."""

@@ -20,6 +20,10 @@ LOWER = np.array([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973]
 UPPER = np.array([2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973])
 VELOCITY_LIMITS = np.array([2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61])
 TORQUE_LIMITS = np.array([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0])
+PAYLOAD = 3.0
+"""What the flange may carry [kg]."""
+REACH = (0.2, 0.75)
+"""Nearest x and farthest horizontal distance from the base at which the tool works pointing down [m]."""
 FLANGE = 0.107
 """Last joint to flange [m]."""
 

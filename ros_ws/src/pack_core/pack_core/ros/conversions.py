@@ -100,7 +100,7 @@ def from_scene(message: SceneStateMsg) -> SceneState:
 
 def _source_of(item: ObjectStateMsg) -> Source:
     if item.source not in list(Source):
-        raise MessageError(f"source of {item.name} is {item.source}; allowed: {[f'{s}: {s.name}' for s in Source]}")
+        raise MessageError(f"source of {item.name} is {item.source}; allowed: {[s.value for s in Source]}")
     return Source(item.source)
 
 
@@ -119,7 +119,7 @@ def from_markers(message: MocapMarkers) -> MarkerFrame:
     """A motion capture frame."""
     n = len(message.object_index)
     if not n == len(message.marker_index) == len(message.cameras) == len(message.positions) / 3:
-        raise MessageError(f"marker arrays differ in length: {n} objects, {len(message.positions)} coordinates")
+        raise MessageError(f"marker arrays differ: {n} objects, {len(message.positions)} coordinates")
     index = np.array(message.object_index, dtype=int)
     if n and index.max() >= len(message.objects):
         raise MessageError(f"object_index {index.max()} but only {len(message.objects)} objects")

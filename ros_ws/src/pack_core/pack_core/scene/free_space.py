@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from pack_core.rotations import Array, Pose, from_yaw
+from pack_core.scene.fit import symmetry
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Container, Scene
 
@@ -63,7 +64,7 @@ def is_blocked(scene: Scene) -> bool:
     so that a place which is free between two of them would be found.
     """
     item, taken = scene.new_object, outlines(scene)
-    yaws = np.array([0.0]) if isinstance(item, Cylinder) else np.arange(0.0, _period(item), YAW_STEP)
+    yaws = np.arange(0.0, max(symmetry(item), YAW_STEP), YAW_STEP)
     margin = 0.0 if isinstance(item, Cylinder) else float(np.hypot(*item.half_extents[:2])) * YAW_STEP / 2
     return all(free_places(item, yaw, scene.container, taken, margin).area < SMALLEST_AREA for yaw in yaws)
 
@@ -76,11 +77,6 @@ def fill(scene: Scene) -> float:
 def is_inside(outline: shapely.Polygon, container: Container, tolerance: float = 0.0) -> bool:
     """The outline lies between the walls."""
     return bool(shapely.box(*container.lower, *container.upper).buffer(tolerance).covers(outline))
-
-
-def _period(item: Box) -> float:
-    """The smallest yaw that brings a box onto itself [rad]."""
-    return np.pi / 2 if item.size[0] == item.size[1] else np.pi
 
 
 def _outline(item: Box | Cylinder) -> Array:

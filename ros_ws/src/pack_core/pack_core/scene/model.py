@@ -16,6 +16,9 @@ from pack_core.scene.surroundings import add_surroundings
 
 TIP_FORCE = "tip_force"
 TIP_TORQUE = "tip_torque"
+HELD_POSITION = "held_position"
+HELD_X_AXIS = "held_x_axis"
+HELD_Z_AXIS = "held_z_axis"
 WALLS = ("wall_left", "wall_right", "wall_near", "wall_far")
 UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
 
@@ -58,7 +61,8 @@ def build_model(
 
     Returns:
         The model. Bodies carry the objects' names, free joints too; the cup is body `tool`, the
-        sensors `tip_force` and `tip_torque` are the load on the cup in the frame of site `tip`.
+        sensors `tip_force` and `tip_torque` are the load on the cup in the frame of site `tip`;
+        `held_position`, `held_x_axis` and `held_z_axis` say where the held object is in the world.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -90,6 +94,17 @@ def set_object_poses(model: mujoco.MjModel, data: mujoco.MjData, poses: dict[str
         q, v = joint.qposadr[0], joint.dofadr[0]
         data.qpos[q : q + 7] = [*X_WO.p, *X_WO.q]
         data.qvel[v : v + 6] = 0.0
+
+
+def penetrations(model: mujoco.MjModel, data: mujoco.MjData) -> dict[tuple[str, str], float]:
+    """Deepest penetration [m] of every pair of geoms that touch at the positions in `data`."""
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
+    deepest: dict[tuple[int, int], float] = {}
+    for (a, b), distance in zip(data.contact.geom.tolist(), data.contact.dist.tolist(), strict=True):
+        deepest[a, b] = max(deepest.get((a, b), 0.0), -distance)
+    return {(model.geom(a).name, model.geom(b).name): depth for (a, b), depth in deepest.items()}
 
 
 def body_pose(data: mujoco.MjData, name: str) -> Pose:
@@ -137,11 +152,17 @@ def _add_new_object(spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Sce
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=1)
         _add_object(body, item, scene.friction, free=False)
         body.add_site(name="tip", pos=(0, 0, item.half_extents[2]))
-        for name, kind in ((TIP_FORCE, "FORCE"), (TIP_TORQUE, "TORQUE")):
-            spec.add_sensor(
-                name=name, type=getattr(mujoco.mjtSensor, f"mjSENS_{kind}"),
-                objtype=mujoco.mjtObj.mjOBJ_SITE, objname="tip",
-            )  # fmt: skip
+        _add_sensors(spec, item.name)
+
+
+def _add_sensors(spec: mujoco.MjSpec, held: str) -> None:
+    sensor, site, body = mujoco.mjtSensor, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_XBODY
+    for name, kind, on, target in (
+        (TIP_FORCE, sensor.mjSENS_FORCE, site, "tip"), (TIP_TORQUE, sensor.mjSENS_TORQUE, site, "tip"),
+        (HELD_POSITION, sensor.mjSENS_FRAMEPOS, body, held), (HELD_X_AXIS, sensor.mjSENS_FRAMEXAXIS, body, held),
+        (HELD_Z_AXIS, sensor.mjSENS_FRAMEZAXIS, body, held),
+    ):  # fmt: skip
+        spec.add_sensor(name=name, type=kind, objtype=on, objname=target)
 
 
 def _add_object(body: mujoco.MjsBody, item: Box | Cylinder, friction: float, *, free: bool) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, PositiveFloat
+from pydantic import Field, FiniteFloat, model_validator
 
 from pack_core.config import Config
 from pack_core.rotations import Array, Pose, from_yaw
 
+Mass = Annotated[float, Field(gt=0.0, le=20.0)]
 Size = Annotated[float, Field(gt=0.005, lt=2.0)]
 Colour = tuple[float, float, float]
 
@@ -18,11 +19,19 @@ MARKER_HEIGHT = 0.004
 
 
 class PoseConfig(Config):
-    """A pose as files have it: `position` [m] of the object's centre, and `quaternion` (wxyz) or `yaw_deg`."""
+    """A pose as files have it: `position` of the object's centre [m], `quaternion` (wxyz) or `yaw_deg`."""
 
-    position: tuple[float, float, float]
-    yaw_deg: float = 0.0
-    quaternion: tuple[float, float, float, float] | None = None
+    position: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+    yaw_deg: FiniteFloat = 0.0
+    quaternion: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+
+    @model_validator(mode="after")
+    def _is_one_rotation(self) -> PoseConfig:
+        if self.quaternion and self.yaw_deg:
+            raise ValueError("either `quaternion` or `yaw_deg`, not both")
+        if self.quaternion and abs(np.linalg.norm(self.quaternion) - 1.0) > 0.01:
+            raise ValueError("a `quaternion` (w, x, y, z) of length 1")
+        return self
 
     def to_pose(self) -> Pose:
         """X_WO."""
@@ -40,7 +49,7 @@ class _Object(Config):
     """What boxes and cylinders share: the origin is the centre, z the axis that stands upright."""
 
     name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", description="lower case letters, digits, _")
-    mass: PositiveFloat
+    mass: Mass
     colour: Colour = (0.7, 0.7, 0.7)
     pose: PoseConfig | None = None
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import yaml
 from pydantic import Field, model_validator
 
-from pack_core.config import Config, load_config, parse_config
+from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.rotations import Array, Pose
 from pack_core.scene.objects import Box, Cylinder, ObjectModel, PoseConfig
+
+RESERVED = {"world", "table", "tool", "tip"}
+RESERVED_PREFIXES = ("wall_", "panda_", "pump_")
 
 
 class Container(Config):
@@ -46,7 +48,9 @@ class Scene(Config):
     def _names_differ(self) -> Scene:
         names = [item.name for item in (*self.objects, self.new_object)]
         if doubled := sorted({name for name in names if names.count(name) > 1}):
-            raise ValueError(f"every object its own name; used more than once: {', '.join(doubled)}")
+            raise ValueError(f"objects share a name: {', '.join(doubled)}; allowed: every object its own")
+        if taken := sorted(name for name in names if name in RESERVED or name.startswith(RESERVED_PREFIXES)):
+            raise ValueError(f"names that the cell itself uses: {', '.join(taken)}; allowed: others")
         return self
 
     @property
@@ -73,7 +77,7 @@ class Scene(Config):
         """
         missing = [item.name for item in self.objects if item.pose is None]
         if missing:
-            raise ConfigError(f"objects without a pose: {', '.join(missing)}; give each `pose: position: [x, y, z]`")
+            raise ConfigError(f"key 'pose' is missing in {', '.join(missing)}; give `pose: position: [x, y, z]`")
         return {item.name: item.pose.to_pose() for item in self.objects if item.pose}
 
     def with_poses(self, poses: dict[str, Pose]) -> Scene:
@@ -96,25 +100,3 @@ class Scene(Config):
     def from_yaml(cls, text: str, source: str = "scene") -> Scene:
         """Read a scene file's text; `source` names it in errors."""
         return parse_config(cls, text, source)
-
-
-def load_scene(path: Path) -> Scene:
-    """Read a scene file with a pose for every object.
-
-    Raises:
-        ConfigError: a key, value or pose is missing or not allowed.
-    """
-    scene = load_config(Scene, path)
-    _check_inside(scene, str(path))
-    return scene
-
-
-def _check_inside(scene: Scene, source: str) -> None:
-    """Every object's centre lies within the container's walls and above the table."""
-    lower, upper = scene.container.lower, scene.container.upper
-    for name, X_WO in scene.poses().items():
-        if np.any(X_WO.p[:2] < lower) or np.any(X_WO.p[:2] > upper) or X_WO.p[2] <= 0.0:
-            raise ConfigError(
-                f"{source}: key 'objects.{name}.pose.position' is {X_WO.p.tolist()}; allowed: a centre inside "
-                f"the container, x {lower[0]:.3f} to {upper[0]:.3f}, y {lower[1]:.3f} to {upper[1]:.3f}, z > 0"
-            )
