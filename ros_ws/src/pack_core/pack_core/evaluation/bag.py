@@ -21,7 +21,6 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from pack_core.errors import BagError
 
-
 HEAD = 9
 """Bytes in front of a record's content: what it is (1), and its length (8)."""
 
