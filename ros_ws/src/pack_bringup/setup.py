@@ -14,6 +14,7 @@ setup(
     ],
     entry_points={
         "console_scripts": [
+            "goal_node = pack_bringup.goal_node:main",
             "recorder_node = pack_bringup.recorder_node:main",
             "pack = pack_bringup.cli.main:main",
         ]

@@ -90,9 +90,8 @@ def _last_goal(bag: Bag) -> tuple[Iterations, dict[str, Any]]:
     restarts = np.flatnonzero(np.diff(elapsed) < 0.0)
     last = status[restarts[-1] + 1 :] if restarts.size else status
     is_newer = bool(results) and (not last or results[-1].time_ns >= last[-1].time_ns)
-    return _iterations([item.message for item in last]), json.loads(
-        results[-1].message.data
-    ) if is_newer else {}
+    outcome = json.loads(results[-1].message.data) if is_newer else {}
+    return _iterations([item.message for item in last]), outcome
 
 
 def _iterations(last: Sequence[Any]) -> Iterations:
@@ -134,10 +133,8 @@ def _orientation(pose: Any) -> list[float]:
 
 
 def _magnitudes(wrenches: Sequence[Any]) -> Array:
-    forces = [
-        (message.wrench.force.x, message.wrench.force.y, message.wrench.force.z) for message in wrenches
-    ]
-    return np.asarray(np.linalg.norm(np.array(forces), axis=-1))
+    forces = [message.wrench.force for message in wrenches]
+    return np.asarray(np.linalg.norm([(force.x, force.y, force.z) for force in forces], axis=-1))
 
 
 def _release(bag: Bag, start: float) -> str:

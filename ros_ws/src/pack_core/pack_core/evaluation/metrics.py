@@ -95,7 +95,7 @@ def rotation_error(run: Run) -> float:
 def predicted_objects(run: Run) -> float:
     """M_per (Eq. 9): objects in the container that were not seen, their mean number over time."""
     windows = [run.estimate[name].between(run.start, run.end) for name in run.scene.names]
-    return float(sum(_mean(window.is_predicted) for window in windows))
+    return float(sum(_mean(window.is_predicted.astype(float)) for window in windows))
 
 
 def object_displacements(run: Run) -> dict[str, float]:

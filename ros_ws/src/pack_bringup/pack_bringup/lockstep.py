@@ -1,0 +1,126 @@
+"""The packing cell in one process, without ROS, on simulated time.
+
+It composes the same cores as the nodes. Planning takes a stated time on the simulated clock,
+never the wall clock, so a run repeats bit for bit on any machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config
+from pack_core.rotations import Array
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import JointSample, SceneState
+from pack_mpc.controller import Plan
+from pack_mpc.session import Method, Observation, PackingSession, SessionConfig
+from pack_mpc.stages import Placement
+from pack_mpc.task import Outcome
+from pack_perception.physics_estimator import EstimatorConfig, PhysicsEstimator
+from pack_planner.placement import PlacementConfig, PlacementPlanner, PlacementStatus
+from pack_sim.simulator import Simulator, SimulatorConfig
+
+
+class LockstepConfig(Config):
+    """Parameters of a run; the parts' own are those of the nodes."""
+
+    latency: PositiveFloat = Field(default=0.048, description="an optimizer iteration takes [s of simulated time]")
+    placement_latency: NonNegativeFloat = Field(default=0.3, description="a placement takes [s of simulated time]")
+    settle: PositiveFloat = Field(default=0.3, description="before the goal, so that everything has been seen [s]")
+    simulator: SimulatorConfig = SimulatorConfig()
+    estimator: EstimatorConfig = EstimatorConfig()
+    planner: PlacementConfig = PlacementConfig()
+    session: SessionConfig = SessionConfig()
+
+
+@dataclass(frozen=True)
+class Step:
+    """One cycle of the loop, for logs: time [s], stage, what was seen, the truth and the plan."""
+
+    time: float
+    stage: str
+    distance: float
+    seen: Observation
+    truth: SceneState
+    plan: Plan | None
+
+
+class Lockstep:
+    """One scene from start to outcome.
+
+    Args:
+        cell: the cell's physical facts.
+        scene: with a pose for every object.
+        config: parameters.
+        method: PackItIn or a baseline.
+        seed: of the sensors' noise and the placements.
+    """
+
+    def __init__(self, cell: PackingCell, scene: Scene, config: LockstepConfig, method: Method, seed: int) -> None:
+        self._config, self._seed = config, seed
+        description = scene.description()
+        self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
+        self._estimator = PhysicsEstimator(description, cell, config.estimator)
+        self._planner = PlacementPlanner(description, cell, config.planner)
+        self._forces: list[float] = []
+        self._advance(config.settle)
+        self.session = PackingSession(description, cell, config.session, method, self.simulator.time)
+        self._answer: tuple[float, Placement | str] | None = None
+
+    def run(self, on_step: Callable[[Step], None] | None = None) -> Outcome:
+        """Run to the outcome; `on_step` sees every cycle."""
+        session = self.session
+        while session.task.outcome is None:
+            seen = self._observe()
+            self._serve_placement(seen)
+            plan = session.step(seen, self._config.latency)
+            if on_step is not None:
+                stage = session.task.machine.stage.name if session.task.machine else "IDLE"
+                on_step(Step(seen.joints.time, stage, session.task.distance, seen, self.simulator.truth(), plan))
+            self._advance(self._config.latency)
+            if plan is not None:
+                self.simulator.accept(plan.setpoints)
+        return session.task.outcome
+
+    def _advance(self, duration: float) -> None:
+        simulator = self.simulator
+        for i in range(round(duration / simulator.config.timestep)):
+            simulator.step()
+            if i % 2:
+                self._estimator.advance(simulator.joints())
+            if i % 4 == 3:
+                self._forces.append(float(np.linalg.norm(simulator.external_wrench()[0])))
+            for frame in simulator.mocap.due(simulator.time):
+                self._estimator.correct(frame)
+
+    def _observe(self) -> Observation:
+        joints: JointSample = self.simulator.joints()
+        forces, self._forces = self._forces or [0.0], []
+        scene = self._estimator.state(joints.time)
+        return Observation(joints, scene, float(np.mean(forces)), max(forces), self.simulator.pump.state.is_closed)
+
+    def _serve_placement(self, seen: Observation) -> None:
+        """Take up a placement that is due, or plan one that will be due."""
+        task, time = self.session.task, seen.joints.time
+        if self._answer is None and task.needs_placement:
+            self._answer = (time + self._config.placement_latency, self._plan_placement(seen.scene, task.avoid))
+        if self._answer is not None and time >= self._answer[0]:
+            answer, self._answer = self._answer[1], None
+            if isinstance(answer, str):
+                task.refuse(time, answer)
+            else:
+                task.place(answer, time, seen.scene.objects[self.session.scene.new_object.name].X_WO)
+
+    def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> Placement | str:
+        found = self._planner.plan(
+            scene, np.random.default_rng(self._seed + len(avoid)), avoid=avoid,
+            avoid_radius=self.session.task.avoid_radius, variant=self.session.method.placement_variant,
+        )  # fmt: skip
+        if found.status is not PlacementStatus.SUCCESS:
+            return found.reason
+        return Placement(found.X_WO, found.collisions)
