@@ -10,7 +10,7 @@ import numpy as np
 from pack_core.cells.packing import packing_cell
 from pack_core.config import load_config
 from pack_core.errors import ConfigError, PackError
-from pack_core.robots.panda import PAYLOAD, REACH
+from pack_core.robots.panda import JOINTS, PAYLOAD, REACH
 from pack_core.scene.fit import fitting_yaws
 from pack_core.scene.free_space import base_height, is_inside, outlines
 from pack_core.scene.model import Arm, Held, build_model, penetrations, set_object_poses
@@ -45,6 +45,7 @@ def _check(scene: Scene, source: str) -> None:
         _check_new_object(scene)
         _check_inside(scene)
         _check_overlaps(scene)
+        _check_start(scene)
     except PackError as error:
         raise ConfigError(f"{source}: {error}") from error
 
@@ -98,4 +99,20 @@ def _check_overlaps(scene: Scene) -> None:
             raise ConfigError(
                 f"key 'objects.{a}.pose' makes it overlap '{b}' by {1000 * depth:.1f} mm; allowed: up to "
                 f"{1000 * TOLERANCE:.0f} mm, move one of the two"
+            )
+
+
+def _check_start(scene: Scene) -> None:
+    """Nothing touches the arm at home and what it holds."""
+    cell = packing_cell()
+    model = build_model(scene, cell, timestep=0.002, arm=Arm.DRIVEN, held=Held.RIGID)
+    data = mujoco.MjData(model)
+    set_object_poses(model, data, scene.poses())
+    for name, position in zip(JOINTS, cell.robot.home, strict=True):
+        data.joint(name).qpos = position
+    for pair in penetrations(model, data):
+        if scene.new_object.name in pair:
+            raise ConfigError(
+                f"key 'new_object' makes {' and '.join(pair)} touch before the arm has moved; allowed: "
+                "container, objects and new object low enough to leave a gap"
             )

@@ -1,0 +1,62 @@
+"""Configuration files say what is wrong with them."""
+
+from pathlib import Path
+
+import pytest
+from pydantic import PositiveFloat, ValidationError
+
+from pack_core.cells.packing import PackingCell, packing_cell
+from pack_core.config import Config, load_config, parse_config
+from pack_core.errors import ConfigError
+from pack_core.paths import config_path
+
+
+class Oven(Config):
+    """Something to configure."""
+
+    heat: PositiveFloat
+    racks: int = 2
+
+
+def refusal(text: str) -> str:
+    with pytest.raises(ConfigError) as caught:
+        parse_config(Oven, text, "oven.yaml")
+    return str(caught.value)
+
+
+def test_files_override_defaults() -> None:
+    assert parse_config(Oven, "heat: 180", "oven.yaml") == Oven(heat=180.0, racks=2)
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("heat: 180\nrakcs: 3", ["rakcs", "not known"]),
+        ("racks: 3", ["heat", "missing"]),
+        ("heat: -5", ["heat", "-5", "greater than 0"]),
+        ("heat: warm", ["heat", "warm", "number"]),
+        ("heat: [", ["not readable as YAML"]),
+        ("- heat", ["keys and values", "list"]),
+        ("heat: -5\nracks: many", ["heat", "racks"]),
+    ],
+)
+def test_errors_name_file_key_value_and_what_is_allowed(text: str, parts: list[str]) -> None:
+    message = refusal(text)
+    for part in ["oven.yaml", *parts]:
+        assert part in message
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"nowhere\.yaml: no such file"):
+        load_config(Oven, tmp_path / "nowhere.yaml")
+
+
+def test_configurations_are_frozen() -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        Oven(heat=180.0).heat = 200.0  # type: ignore[misc]
+
+
+def test_the_packing_cell_is_read_from_config() -> None:
+    cell = load_config(PackingCell, config_path("cells", "packing.yaml"))
+    assert cell == packing_cell()
+    assert len(cell.scene.objects) == 5
