@@ -63,12 +63,12 @@ class Correction:
     Attributes:
         seen: objects whose pose was corrected.
         refused: objects whose markers could not be used, and why.
-        is_stale: the frame is too old, or ahead of the joints, and was not used at all.
+        is_unused: the frame is older than the history or ahead of the joints, and changed nothing.
     """
 
     seen: tuple[str, ...] = ()
     refused: dict[str, Refusal] = field(default_factory=dict)
-    is_stale: bool = False
+    is_unused: bool = False
 
 
 class PhysicsEstimator:
@@ -96,6 +96,14 @@ class PhysicsEstimator:
         """Whether the new object is believed to hang on the cup."""
         return self._grip.is_held
 
+    def wants(self, time: float) -> bool:
+        """Whether `advance` would use a joint sample of `time` [s]; those less than a step later it skips."""
+        return not 0.0 <= time - self.time < self._config.step - 1e-6
+
+    def is_ahead(self, frame: MarkerFrame) -> bool:
+        """Whether a frame is to wait until joint samples have come as far as its exposure."""
+        return not frame.time <= self.time + 2 * self._config.step
+
     def advance(self, joints: JointSample) -> Advance:
         """Let physics carry the objects to the time of a joint sample."""
         last = self._joints
@@ -104,7 +112,7 @@ class PhysicsEstimator:
             self._started = joints.time
             self._note(joints)
             return Advance(is_restart=last is not None)
-        if joints.time - last.time < self._config.step - 1e-6:
+        if not self.wants(joints.time):
             return Advance()
         diverged = self._physics.follow(last, joints)
         self._note(joints)
@@ -117,9 +125,8 @@ class PhysicsEstimator:
             MessageError: the frame has an object or a marker that the scene does not have.
         """
         names, (p_WM, visible) = self._markers.names, self._markers.sort(frame)
-        is_ahead = frame.time > self.time + 2 * self._config.step
-        if is_ahead or not self._history.covers(frame.time):
-            return Correction(is_stale=True)
+        if self.is_ahead(frame) or not self._history.covers(frame.time):
+            return Correction(is_unused=True)
         fits = fit_rigid_bodies(self._markers.p_BM, p_WM, visible, self._config.fit)
         refused = {names[i]: r for i, r in enumerate(fits.refusals) if r and visible[i].any()}
         rows = np.array([i for i, refusal in enumerate(fits.refusals) if refusal is None], dtype=int)
