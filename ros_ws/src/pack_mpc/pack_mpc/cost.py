@@ -1,0 +1,48 @@
+"""The packing cost: weighted squared residuals over the horizon (Eq. 2) and its expansion."""
+
+from __future__ import annotations
+
+import numpy as np
+from pack_core.rotations import Array
+
+from pack_mpc.ilqr import Expansion, Linearization
+from pack_mpc.residuals import Residuals
+from pack_mpc.weights import StageWeights
+
+
+class PackingCost:
+    """Sum over the horizon of w r^2 and of squared torque.
+
+    Args:
+        residuals: r(x, y, u).
+        weights: of the stage.
+        torque: weight of squared torque.
+        obstacle_scale: decay of the obstacle repulsion, 1 to 0 (Eq. 3).
+    """
+
+    def __init__(self, residuals: Residuals, weights: StageWeights, torque: float, obstacle_scale: float) -> None:
+        self._residuals = residuals
+        self._running = residuals.spread(weights.running, obstacle_scale)
+        self._terminal = residuals.spread(weights.terminal, obstacle_scale)
+        self._torque = torque
+
+    def value(self, xs: Array, ys: Array, us: Array) -> Array:
+        """Costs `(B,)` of trajectories `xs (B,T+1,nx)`, `ys (B,T+1,ny)`, `us (B,T,7)`."""
+        r2 = self._residuals.values(xs, ys) ** 2
+        running = (r2[:, :-1] @ self._running).sum(axis=1)
+        return np.asarray(running + r2[:, -1] @ self._terminal + self._torque * (us**2).sum(axis=(1, 2)))
+
+    def expand(self, xs: Array, ys: Array, us: Array, lin: Linearization, columns: np.ndarray) -> Expansion:
+        """Gauss-Newton expansion along one trajectory."""
+        r = self._residuals.values(xs, ys)
+        jx, ju = self._residuals.jacobians(xs, ys, lin, columns)
+        w = np.concatenate([np.tile(self._running, (len(us), 1)), self._terminal[None]])
+        wjx, wju = 2.0 * w[..., None] * jx, 2.0 * w[:-1, :, None] * ju
+        m = us.shape[1]
+        return Expansion(
+            lx=(r[:, None] @ wjx)[:, 0],
+            lxx=jx.swapaxes(1, 2) @ wjx,
+            lu=(r[:-1, None] @ wju)[:, 0] + 2.0 * self._torque * us,
+            luu=ju.swapaxes(1, 2) @ wju + 2.0 * self._torque * np.eye(m),
+            lux=ju.swapaxes(1, 2) @ wjx[:-1],
+        )

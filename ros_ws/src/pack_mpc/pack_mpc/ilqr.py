@@ -1,0 +1,184 @@
+"""Iterative LQR: one backward pass and one batch of line-search rollouts an iteration.
+
+Li and Todorov, "Iterative linear quadratic regulator design for nonlinear biological movement
+systems", 2004; regularisation and line search after Tassa, Erez and Todorov, 2012.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg
+from pack_core.config import Config
+from pack_core.rotations import Array
+from pydantic import Field, PositiveFloat
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """dx' = A dx + B du, dy = C dx + D du: `A (T,n,n)`, `B (T,n,m)`, `C (T+1,p,n)`, `D (T,p,m)`."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Quadratic model of the cost, running steps and the last one.
+
+    `lx (T+1,n)`, `lxx (T+1,n,n)`, `lu (T,m)`, `luu (T,m,m)`, `lux (T,m,n)`.
+    """
+
+    lx: Array
+    lxx: Array
+    lu: Array
+    luu: Array
+    lux: Array
+
+
+class Plant(Protocol):
+    """What iLQR needs of the dynamics."""
+
+    limits: Array
+
+    def rollout(self, x0: Array, us: Array) -> tuple[Array, Array]:
+        """States and outputs of a batch of control sequences."""
+        ...
+
+    def linearize(self, xs: Array, us: Array, columns: np.ndarray, keypoints: np.ndarray) -> Linearization:
+        """Derivatives along a trajectory."""
+        ...
+
+
+class Cost(Protocol):
+    """What iLQR needs of the cost."""
+
+    def value(self, xs: Array, ys: Array, us: Array) -> Array:
+        """Costs `(B,)` of a batch of trajectories."""
+        ...
+
+    def expand(self, xs: Array, ys: Array, us: Array, lin: Linearization, columns: np.ndarray) -> Expansion:
+        """Gauss-Newton expansion along one trajectory."""
+        ...
+
+
+class IlqrConfig(Config):
+    """Parameters of the optimizer."""
+
+    keypoint_interval: int = Field(default=10, ge=1, description="steps between finite differences")
+    step_sizes: tuple[float, ...] = Field(default=(1.0, 0.6, 0.3, 0.1), description="line search")
+    regularisation_min: PositiveFloat = 1e-6
+    regularisation_max: PositiveFloat = 1e4
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A rollout: `xs (T+1,nx)`, `ys (T+1,ny)`, `us (T,m)` and its cost."""
+
+    xs: Array
+    ys: Array
+    us: Array
+    cost: float
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """What one iteration gave; `step_size` 0 means that the nominal trajectory stands."""
+
+    trajectory: Trajectory
+    step_size: float
+    regularisation: float
+    warning: str = ""
+
+
+def evaluate(plant: Plant, cost: Cost, x0: Array, us: Array) -> Trajectory:
+    """Roll out one control sequence `(T, m)`."""
+    xs, ys = plant.rollout(x0, us[None])
+    return Trajectory(xs[0], ys[0], us, float(cost.value(xs, ys, us[None])[0]))
+
+
+def iterate(
+    plant: Plant, cost: Cost, nominal: Trajectory, columns: np.ndarray, regularisation: float, config: IlqrConfig,
+    candidates: Array | None = None,
+) -> Iteration:  # fmt: skip
+    """Improve a nominal trajectory once; the cost never rises.
+
+    Args:
+        plant: the dynamics.
+        cost: the cost.
+        nominal: where to linearise.
+        columns: components of the state that take part.
+        regularisation: added to Quu's diagonal.
+        config: parameters.
+        candidates: control sequences `(E, T, m)` that are tried beside the line search.
+    """
+    steps = len(nominal.us)
+    keypoints = np.unique(np.append(np.arange(0, steps, config.keypoint_interval), steps))
+    lin = plant.linearize(nominal.xs, nominal.us, columns, keypoints)
+    quadratic = cost.expand(nominal.xs, nominal.ys, nominal.us, lin, columns)
+    if not all(np.all(np.isfinite(a)) for a in (lin.A, lin.B, quadratic.lxx, quadratic.lx)):
+        return Iteration(nominal, 0.0, regularisation, "derivatives are not finite")
+    while regularisation <= config.regularisation_max:
+        gains = backward_pass(lin, quadratic, regularisation)
+        if gains is not None:
+            break
+        regularisation *= 10.0
+    else:
+        return Iteration(nominal, 0.0, config.regularisation_max, "no descent direction")
+    tried = nominal.us[None] + np.array(config.step_sizes)[:, None, None] * _direction(lin, *gains)
+    if candidates is not None:
+        tried = np.concatenate([tried, candidates])
+    return _best(plant, cost, nominal, tried, regularisation, config)
+
+
+def backward_pass(lin: Linearization, cost: Expansion, regularisation: float) -> tuple[Array, Array] | None:
+    """Gains `k (T,m)` and `K (T,m,n)` of the Riccati recursion; None when Quu is not positive definite."""
+    steps, n, m = lin.B.shape
+    k, K = np.empty((steps, m)), np.empty((steps, m, n))
+    vx, vxx = cost.lx[-1], cost.lxx[-1]
+    damping = regularisation * np.eye(m)
+    for t in reversed(range(steps)):
+        A, B = lin.A[t], lin.B[t]
+        vA, vB = vxx @ A, vxx @ B
+        qx, qu = cost.lx[t] + A.T @ vx, cost.lu[t] + B.T @ vx
+        qxx, qux, quu = cost.lxx[t] + A.T @ vA, cost.lux[t] + B.T @ vA, cost.luu[t] + B.T @ vB
+        factor, info = scipy.linalg.lapack.dpotrf(quu + damping, lower=1)
+        if info != 0:
+            return None
+        solution, _ = scipy.linalg.lapack.dpotrs(factor, np.column_stack([qu, qux]), lower=1)
+        k[t], K[t] = -solution[:, 0], -solution[:, 1:]
+        vx = qx + K[t].T @ (quu @ k[t] + qu) + qux.T @ k[t]
+        vxx = qxx + K[t].T @ (quu @ K[t] + qux) + qux.T @ K[t]
+        vxx = 0.5 * (vxx + vxx.T)
+    return k, K
+
+
+def _best(
+    plant: Plant, cost: Cost, nominal: Trajectory, tried: Array, regularisation: float, config: IlqrConfig
+) -> Iteration:
+    """Roll out the line search, followed by other candidates, and keep the cheapest."""
+    us = np.clip(tried, -plant.limits, plant.limits)
+    xs, ys = plant.rollout(nominal.xs[0], us)
+    costs = cost.value(xs, ys, us)
+    costs = np.where(np.isfinite(costs), costs, np.inf)
+    best = int(np.argmin(costs))
+    if not costs[best] < nominal.cost:
+        return Iteration(nominal, 0.0, min(regularisation * 10.0, config.regularisation_max))
+    trajectory = Trajectory(xs[best], ys[best], us[best], float(costs[best]))
+    size = config.step_sizes[best] if best < len(config.step_sizes) else 1.0
+    relaxed = regularisation / 5.0 if size > 0.2 else regularisation
+    return Iteration(trajectory, size, max(relaxed, config.regularisation_min))
+
+
+def _direction(lin: Linearization, k: Array, K: Array) -> Array:
+    """Change of the controls `(T, m)` for a full step, along the linear model."""
+    dx = np.zeros(lin.A.shape[1])
+    du = np.empty_like(k)
+    for t in range(len(k)):
+        du[t] = k[t] + K[t] @ dx
+        dx = lin.A[t] @ dx + lin.B[t] @ du[t]
+    return du

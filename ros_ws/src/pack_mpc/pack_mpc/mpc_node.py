@@ -1,0 +1,170 @@
+"""The controller as a ROS 2 node: action `/pack_object` in, joint setpoints out."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import asdict
+from typing import Any
+
+from pack_core.cells.packing import packing_cell
+from pack_core.errors import PackError
+from pack_core.ros import contracts
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.conversions import to_setpoints
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pack_core.scene.scene import Scene
+from pack_interfaces.action import PackObject
+from pydantic import Field, PositiveFloat
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from std_msgs.msg import String
+
+from pack_mpc.ros.mailbox import Mailbox
+from pack_mpc.ros.placement_client import PlacementClient
+from pack_mpc.session import Method, PackingSession, SessionConfig, hold
+from pack_mpc.ros.status import to_feedback, to_result, to_status
+from pack_mpc.task import ExitReason
+from pack_mpc.worker import Worker, WorkerConfig
+
+
+class MpcNodeConfig(SessionConfig):
+    """Parameters of the node `mpc`."""
+
+    worker: WorkerConfig = WorkerConfig()
+    watched: tuple[str, ...] = Field(
+        default=("sim", "perception", "planner", "recorder"), description="the arm holds while one of them is silent"
+    )
+    fault_time: PositiveFloat = Field(default=1.0, description="silence that ends a goal [s of wall clock]")
+
+
+class MpcNode(CellNode):
+    """Accepts one goal at a time and plans for it in a worker thread."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("mpc", **kwargs)
+        self._config = read_parameters(self, MpcNodeConfig)
+        self._scene: Scene | None = None
+        self._session: PackingSession | None = None
+        self._done: Future | None = None
+        self._goal: ServerGoalHandle | None = None
+        self._silent: dict[str, float] = {}
+        self._mailbox = Mailbox(self)
+        self._placements = PlacementClient(self)
+        self._setpoints = self.advertise(contracts.SETPOINTS)
+        self._status = self.advertise(contracts.MPC_STATUS)
+        self._result = self.advertise(contracts.RESULT)
+        self.listen(contracts.DESCRIPTION, self._on_description)
+        self._action = ActionServer(
+            self, contracts.PACK_OBJECT.type, contracts.PACK_OBJECT.name, self._execute,
+            goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )  # fmt: skip
+        self.watch(self._config.watched, self._on_peer)
+        self.create_timer(0.1, self._check, clock=self.wall)
+        self._worker = Worker(self._iterate, self._config.worker, self._on_error)
+        self._mailbox.on_joints = self._worker.wake
+
+    def destroy_node(self) -> None:
+        """Stop the worker, then the node."""
+        self._worker.stop()
+        self._action.destroy()
+        super().destroy_node()
+
+    def _on_description(self, message: String) -> None:
+        self._scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
+
+    def _on_goal(self, goal: PackObject.Goal) -> GoalResponse:
+        reason = ""
+        if self._session is not None:
+            reason = "a goal is in progress; cancel it first"
+        elif self._scene is None or not self._mailbox.is_ready(self._scene):
+            reason = "no cell description, joint state or scene yet: are sim and perception up?"
+        elif self._silent:
+            reason = f"silent: {', '.join(self._silent)}"
+        elif goal.method not in {method.value for method in Method}:
+            reason = f"method '{goal.method}'; allowed: {', '.join(m.value for m in Method)}"
+        if not reason:
+            return GoalResponse.ACCEPT
+        self.health.count("refused goal", reason)
+        self.get_logger().error(f"refused goal: {reason}")
+        return GoalResponse.REJECT
+
+    async def _execute(self, goal: ServerGoalHandle) -> PackObject.Result:
+        request, now = goal.request, self._mailbox.time
+        assert self._scene is not None
+        session = PackingSession(
+            self._scene, packing_cell(), self._config, Method.of(request.method), now, request.timeout
+        )
+        self._placements.start(session, request.seed)
+        self._mailbox.clear_forces()
+        self._done, self._goal = Future(executor=self.executor), goal
+        self._session = session
+        await self._done
+        result = to_result(session)
+        self._result.publish(String(data=json.dumps(asdict(session.task.outcome), default=lambda reason: reason.value)))
+        self.get_logger().info(f"goal ended: {result.exit_reason}, {result.message}")
+        if result.exit_reason == ExitReason.CANCELED.value:
+            goal.canceled()
+        elif result.success:
+            goal.succeed()
+        else:
+            goal.abort()
+        return result
+
+    def _iterate(self, latency: float) -> float | None:
+        """One turn of the worker."""
+        session, goal = self._session, self._goal
+        if session is None or goal is None or self._silent:
+            return None
+        seen = self._mailbox.observe()
+        if goal.is_cancel_requested:
+            session.task.finish(ExitReason.CANCELED, seen.joints.time, "on request")
+        self._placements.serve(session, seen)
+        plan = session.step(seen, latency)
+        if session.task.outcome is not None:
+            self._end(session)
+            return None
+        if plan is None:
+            return None
+        self._setpoints.publish(to_setpoints(plan.setpoints))
+        self._status.publish(to_status(session, seen, plan))
+        goal.publish_feedback(to_feedback(session, seen, plan))
+        return self._mailbox.time - seen.joints.time
+
+    def _end(self, session: PackingSession) -> None:
+        """Hold the arm and let the action return."""
+        if self._session is session and self._done is not None:
+            self._session = None
+            self._hold()
+            self._done.set_result(None)
+
+    def _hold(self) -> None:
+        if (joints := self._mailbox.newest_joints()) is not None:
+            self._setpoints.publish(to_setpoints(hold(joints)))
+
+    def _on_peer(self, peer: str, is_alive: bool) -> None:
+        if is_alive:
+            self._silent.pop(peer, None)
+        else:
+            self._silent[peer] = time.monotonic()
+            self._hold()
+
+    def _check(self) -> None:
+        """End a goal whose peers stay silent, though simulated time may stand still."""
+        session = self._session
+        lost = [peer for peer, since in self._silent.items() if time.monotonic() - since > self._config.fault_time]
+        if session is not None and lost:
+            session.task.finish(ExitReason.FAULT, self._mailbox.time, f"silent: {', '.join(lost)}")
+            self._end(session)
+
+    def _on_error(self, error: Exception) -> None:
+        self.health.count("failed iteration", str(error))
+        level = self.get_logger().warning if isinstance(error, PackError) else self.get_logger().error
+        level(f"iteration failed: {error!r}", throttle_duration_sec=1.0)
+
+
+def main() -> int:
+    """Entry point of `mpc_node`."""
+    return run_node(MpcNode)

@@ -1,0 +1,149 @@
+"""The controller's model of the cell: batched rollouts and finite differences on reduced states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mujoco.rollout import Rollout
+from pack_core.cells.packing import PackingCell
+from pack_core.robots.panda import JOINTS
+from pack_core.rotations import Array
+from pack_core.scene.model import Arm, Held, build_model
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import JointSample, SceneState
+
+from pack_mpc.ilqr import Linearization
+
+STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+EPSILON = 1e-6
+"""Step of the finite differences: larger ones straddle contacts that switch on."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where things are in a full state `[time, qpos, qvel]`."""
+
+    q: np.ndarray
+    v: np.ndarray
+    object_p: dict[str, np.ndarray]
+    object_v: dict[str, np.ndarray]
+
+
+class PackingPlant:
+    """x_{t+1} = f(x_t, u_t) with u the torques of a gravity-compensated arm.
+
+    Args:
+        scene: shapes, sizes and masses; poses come with each state.
+        cell: the cell's physical facts.
+        timestep: the model's [s].
+        threads: for rollouts.
+        with_objects: False leaves out the objects in the container (Uninformed Physics).
+    """
+
+    nu = 7
+
+    def __init__(
+        self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, with_objects: bool = True
+    ) -> None:
+        self.scene = scene if with_objects else scene.model_copy(update={"objects": []})
+        self.model = build_model(self.scene, cell, timestep=timestep, arm=Arm.DRIVEN, held=Held.RIGID)
+        self.timestep = timestep
+        self._datas = [mujoco.MjData(self.model) for _ in range(threads)]
+        self._rollout = Rollout(nthread=threads)
+        self.nx = mujoco.mj_stateSize(self.model, STATE)
+        self.layout = self._find_layout()
+        self.limits = self.model.actuator_ctrlrange[:, 1].copy()
+
+    def sensor(self, name: str) -> slice:
+        """Where a sensor's values are in the output y."""
+        sensor = self.model.sensor(name)
+        return slice(int(sensor.adr[0]), int(sensor.adr[0] + sensor.dim[0]))
+
+    def state(self, joints: JointSample, scene: SceneState) -> Array:
+        """Full state `(nx,)` from measured joints and estimated objects.
+
+        Raises:
+            KeyError: the estimate lacks an object.
+        """
+        data = self._datas[0]
+        mujoco.mj_resetData(self.model, data)
+        x = np.empty(self.nx)
+        mujoco.mj_getState(self.model, data, x, STATE)
+        x[0] = joints.time
+        x[self.layout.q], x[self.layout.v] = joints.q, joints.v
+        for name in self.scene.names:
+            item = scene.objects[name]
+            p, v = self.layout.object_p[name], self.layout.object_v[name]
+            x[p[0] : p[0] + 7] = [*item.X_WO.p, *item.X_WO.q]
+            x[v] = item.v_WO_W
+        return x
+
+    def rollout(self, x0: Array, us: Array) -> tuple[Array, Array]:
+        """Simulate a batch of torque sequences from one state.
+
+        Args:
+            x0: `(nx,)`.
+            us: `(B, T, 7)` [N m].
+
+        Returns:
+            States `(B, T + 1, nx)` and sensor outputs `(B, T + 1, ny)`; the last output is taken
+            with zero torque.
+        """
+        batch, steps, _ = us.shape
+        controls = np.concatenate([us, np.zeros((batch, 1, self.nu))], axis=1)
+        x0s = np.broadcast_to(x0, (batch, self.nx)).copy()
+        states, ys = self._rollout.rollout(self.model, self._datas, x0s, controls)
+        return np.concatenate([x0s[:, None], states[:, :steps]], axis=1), ys
+
+    def linearize(self, xs: Array, us: Array, columns: np.ndarray, keypoints: np.ndarray) -> Linearization:
+        """Forward differences at the key-points, interpolated between them.
+
+        Args:
+            xs: `(T + 1, nx)`.
+            us: `(T, 7)`.
+            columns: the n state components that take part.
+            keypoints: rising step indices, first 0 and last T.
+        """
+        n, m, k = len(columns), self.nu, len(keypoints)
+        width = 1 + n + m
+        u = np.concatenate([us, np.zeros((1, m))])[keypoints]
+        states = np.repeat(xs[keypoints], width, axis=0).reshape(k, width, -1)
+        controls = np.repeat(u, width, axis=0).reshape(k, width, m)
+        states[:, np.arange(1, n + 1), columns] += EPSILON
+        controls[:, np.arange(n + 1, width), np.arange(m)] += EPSILON
+        nexts, ys = self._rollout.rollout(
+            self.model, self._datas, states.reshape(k * width, -1), controls.reshape(k * width, 1, m)
+        )
+        nexts = nexts.reshape(k, width, -1)[:, :, columns]
+        ys = ys.reshape(k, width, -1)
+        fx = (nexts[:, 1:] - nexts[:, :1]).swapaxes(1, 2) / EPSILON
+        yx = (ys[:, 1:] - ys[:, :1]).swapaxes(1, 2) / EPSILON
+        f, y = (_interpolate(values, keypoints, len(xs)) for values in (fx, yx))
+        return Linearization(A=f[:-1, :, :n], B=f[:-1, :, n:], C=y[:, :, :n], D=y[:-1, :, n:])
+
+    def columns(self, objects: list[str]) -> np.ndarray:
+        """Reduced state: the arm's q and v, position and velocity of the given objects."""
+        parts = [self.layout.q, *(self.layout.object_p[name] for name in objects)]
+        parts += [self.layout.v, *(self.layout.object_v[name] for name in objects)]
+        return np.concatenate(parts)
+
+    def _find_layout(self) -> Layout:
+        model, nq = self.model, self.model.nq
+        joints = {name: model.joint(name) for name in (*JOINTS, *self.scene.names)}
+        return Layout(
+            q=np.array([1 + joints[name].qposadr[0] for name in JOINTS]),
+            v=np.array([1 + nq + joints[name].dofadr[0] for name in JOINTS]),
+            object_p={name: 1 + joints[name].qposadr[0] + np.arange(3) for name in self.scene.names},
+            object_v={name: 1 + nq + joints[name].dofadr[0] + np.arange(3) for name in self.scene.names},
+        )
+
+
+def _interpolate(values: Array, keypoints: np.ndarray, length: int) -> Array:
+    """Linear interpolation of `(k, ...)` at `keypoints` to `(length, ...)`."""
+    steps = np.arange(length)
+    i = np.clip(np.searchsorted(keypoints, steps, side="right") - 1, 0, len(keypoints) - 2)
+    s = (steps - keypoints[i]) / (keypoints[i + 1] - keypoints[i])
+    s = s.reshape(-1, *([1] * (values.ndim - 1)))
+    return np.asarray((1 - s) * values[i] + s * values[i + 1])

@@ -1,0 +1,1 @@
+"""What the node `mpc` needs of ROS beside its shell."""

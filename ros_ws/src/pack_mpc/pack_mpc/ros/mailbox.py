@@ -1,0 +1,95 @@
+"""The newest message of every kind, converted only when it is asked for."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import numpy as np
+from geometry_msgs.msg import WrenchStamped
+from pack_core.errors import MessageError
+from pack_core.ros import contracts
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.conversions import finite, from_joint_state, from_scene, from_stamp
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import JointSample
+from pack_interfaces.msg import GripperState, SceneState
+from sensor_msgs.msg import JointState
+
+from pack_mpc.session import Observation
+
+SCENE_AGE = 0.1
+"""An older estimate is not planned from [s]."""
+
+
+class Mailbox:
+    """Keeps what the worker plans from; written by the executor, read by the worker."""
+
+    def __init__(self, node: CellNode) -> None:
+        self._lock = threading.Lock()
+        self._joints: JointState | None = None
+        self._scene: SceneState | None = None
+        self._is_held = True
+        self._forces: list[float] = []
+        self.on_joints: Callable[[], None] = lambda: None
+        node.listen(contracts.JOINT_STATES, self._on_joints)
+        node.listen(contracts.SCENE, self._on_scene)
+        node.listen(contracts.WRENCH, self._on_wrench)
+        node.listen(contracts.GRIPPER_STATE, self._on_gripper)
+
+    @property
+    def time(self) -> float:
+        """Stamp of the newest joint state [s]."""
+        joints = self._joints
+        return from_stamp(joints.header.stamp) if joints is not None else 0.0
+
+    def is_ready(self, scene: Scene) -> bool:
+        """Whether joints and every object of the scene have been seen."""
+        estimate = self._scene
+        if self._joints is None or estimate is None:
+            return False
+        return {*scene.names, scene.new_object.name} <= {item.name for item in estimate.objects}
+
+    def newest_joints(self) -> JointSample | None:
+        """The newest joint state, if any."""
+        joints = self._joints
+        return None if joints is None else from_joint_state(joints)
+
+    def clear_forces(self) -> None:
+        """Forget the forces felt so far."""
+        with self._lock:
+            self._forces.clear()
+
+    def observe(self) -> Observation:
+        """The newest of everything; forces since the last call by their largest.
+
+        Raises:
+            MessageError: something is missing, not finite, or too old to plan from.
+        """
+        joints, scene = self._joints, self._scene
+        if joints is None or scene is None:
+            raise MessageError("no joint state or no scene yet")
+        sample, state = from_joint_state(joints), from_scene(scene)
+        if sample.time - state.time > SCENE_AGE:
+            raise MessageError(f"the newest scene is {sample.time - state.time:.3f} s old; allowed: {SCENE_AGE} s")
+        with self._lock:
+            force = float(np.mean(self._forces)) if self._forces else 0.0
+            peak = max(self._forces, default=0.0)
+            self._forces.clear()
+        return Observation(sample, state, force, peak, self._is_held)
+
+    def _on_joints(self, message: JointState) -> None:
+        self._joints = message
+        self.on_joints()
+
+    def _on_scene(self, message: SceneState) -> None:
+        self._scene = message
+
+    def _on_wrench(self, message: WrenchStamped) -> None:
+        force = message.wrench.force
+        magnitude = float(np.linalg.norm(finite([force.x, force.y, force.z], "force")))
+        with self._lock:
+            self._forces.append(magnitude)
+
+    def _on_gripper(self, message: GripperState) -> None:
+        self._is_held = message.is_closed

@@ -1,0 +1,57 @@
+"""Asks the placement planner when the task needs a placement, without waiting for it."""
+
+from __future__ import annotations
+
+from pack_core.errors import MessageError
+from pack_core.ros import contracts
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.conversions import from_pose, to_point, to_scene
+from pack_interfaces.srv import PlanPlacement
+from rclpy.task import Future
+
+from pack_mpc.session import Observation, PackingSession
+from pack_mpc.stages import Placement
+
+
+class PlacementClient:
+    """One request at a time; the answer is taken up in the worker's next turn."""
+
+    def __init__(self, node: CellNode) -> None:
+        contract = contracts.PLAN_PLACEMENT
+        self._client = node.create_client(contract.type, contract.name)
+        self._pending: Future | None = None
+        self._seed = 0
+
+    def start(self, session: PackingSession, seed: int) -> None:
+        """Begin with a goal's seed."""
+        self._pending, self._seed = None, seed
+
+    def serve(self, session: PackingSession, seen: Observation) -> None:
+        """Hand over a finished placement, or ask for one that is needed."""
+        task = session.task
+        if self._pending is not None:
+            if self._pending.done():
+                response, self._pending = self._pending.result(), None
+                self._hand_over(session, seen, response)
+        elif task.needs_placement:
+            self._pending = self._client.call_async(self._request(session, seen))
+
+    def _request(self, session: PackingSession, seen: Observation) -> PlanPlacement.Request:
+        task = session.task
+        request = PlanPlacement.Request(
+            scene=to_scene(seen.scene), variant=session.method.placement_variant,
+            seed=self._seed + len(task.tried), avoid=[to_point(p) for p in task.avoid], avoid_radius=task.avoid_radius,
+        )  # fmt: skip
+        return request
+
+    def _hand_over(self, session: PackingSession, seen: Observation, response: PlanPlacement.Response) -> None:
+        task, time = session.task, seen.joints.time
+        if response.status != PlanPlacement.Response.SUCCESS:
+            task.refuse(time, response.message)
+            return
+        try:
+            placement = Placement(from_pose(response.pose), tuple(response.collisions))
+        except MessageError as error:
+            task.refuse(time, str(error))
+            return
+        task.place(placement, time, seen.scene.objects[session.scene.new_object.name].X_WO)

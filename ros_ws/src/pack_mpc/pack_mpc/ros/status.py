@@ -1,0 +1,45 @@
+"""Status, feedback and result of a goal as messages."""
+
+from __future__ import annotations
+
+from pack_core.ros.conversions import WORLD, to_pose, to_stamp
+from pack_interfaces.action import PackObject
+from pack_interfaces.msg import MpcStatus
+
+from pack_mpc.controller import Plan
+from pack_mpc.session import Observation, PackingSession
+
+
+def to_status(session: PackingSession, seen: Observation, plan: Plan) -> MpcStatus:
+    """One iteration, for plots and the recorder."""
+    task, machine = session.task, session.task.machine
+    assert machine is not None
+    message = MpcStatus(
+        stage=machine.stage.name, elapsed=task.elapsed(seen.joints.time), distance=task.distance,
+        cost=plan.cost, iteration_ms=plan.iteration_ms, step_size=plan.step_size,
+        regularisation=plan.regularisation, target=to_pose(machine.placement.X_WN),
+        collisions=list(machine.placement.collisions), placements=len(task.tried), warning=plan.warning,
+    )  # fmt: skip
+    message.header.stamp, message.header.frame_id = to_stamp(seen.joints.time), WORLD
+    return message
+
+
+def to_feedback(session: PackingSession, seen: Observation, plan: Plan) -> PackObject.Feedback:
+    """One iteration, for whoever sent the goal."""
+    task, machine = session.task, session.task.machine
+    assert machine is not None
+    return PackObject.Feedback(
+        stage=machine.stage.name, elapsed=task.elapsed(seen.joints.time), distance=task.distance,
+        cost=plan.cost, iteration_ms=plan.iteration_ms,
+    )  # fmt: skip
+
+
+def to_result(session: PackingSession) -> PackObject.Result:
+    """How a goal ended."""
+    outcome = session.task.outcome
+    assert outcome is not None
+    return PackObject.Result(
+        success=outcome.success, exit_reason=outcome.exit_reason.value, message=outcome.message,
+        execution_time=outcome.execution_time, distance=outcome.distance, force_mean=outcome.force_mean,
+        force_peak=outcome.force_peak, iteration_ms=session.iteration_ms, placements=outcome.placements,
+    )  # fmt: skip

@@ -1,0 +1,122 @@
+"""A goal in progress: the task, its controller and what was observed, one step at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config
+from pack_core.errors import ConfigError
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import JointSample, SceneState, Setpoints
+
+from pack_mpc.controller import ControllerConfig, PackingController, Plan
+from pack_mpc.task import ExitReason, PackingTask, TaskConfig
+from pack_mpc.weights import load_weights
+
+
+class Method(Enum):
+    """PackItIn and its two baselines (section IV-A)."""
+
+    PACK_IT_IN = "pack_it_in"
+    UNINFORMED_POSE = "uninformed_pose"
+    UNINFORMED_PHYSICS = "uninformed_physics"
+
+    @classmethod
+    def of(cls, name: str) -> Method:
+        """The method called `name`.
+
+        Raises:
+            ConfigError: there is none.
+        """
+        try:
+            return cls(name)
+        except ValueError:
+            raise ConfigError(f"method '{name}'; allowed: {', '.join(m.value for m in cls)}") from None
+
+    @property
+    def placement_variant(self) -> str:
+        """How the placement planner chooses."""
+        return "random" if self is Method.UNINFORMED_POSE else "physics"
+
+
+class SessionConfig(Config):
+    """Parameters of a goal and its controller."""
+
+    weights: str = "tuned"
+    controller: ControllerConfig = ControllerConfig()
+    task: TaskConfig = TaskConfig()
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What is known now: joints, objects, external force since the last one [N], whether the pump holds."""
+
+    joints: JointSample
+    scene: SceneState
+    force_mean: float
+    force_peak: float
+    is_held: bool = True
+
+
+class PackingSession:
+    """Carries a goal from acceptance to its outcome.
+
+    Args:
+        scene: shapes, sizes and masses.
+        cell: the cell's physical facts.
+        config: parameters.
+        method: PackItIn or a baseline.
+        time: when the goal was accepted [s].
+        timeout: overrides the configured one where positive [s].
+    """
+
+    def __init__(
+        self, scene: Scene, cell: PackingCell, config: SessionConfig, method: Method, time: float, timeout: float = 0.0
+    ) -> None:
+        self.scene, self.method = scene, method
+        self.task = PackingTask(scene, config.task, time, timeout)
+        self.controller = PackingController(
+            scene, cell, load_weights(config.weights), config.controller,
+            with_objects=method is not Method.UNINFORMED_PHYSICS,
+        )  # fmt: skip
+        self.iterations_ms: list[float] = []
+
+    def step(self, seen: Observation, latency: float) -> Plan | None:
+        """Follow the task and plan once.
+
+        Args:
+            seen: the newest observation.
+            latency: until the plan will be in force, counted from the observation [s].
+
+        Returns:
+            The plan; None before the first placement and once the goal has ended.
+        """
+        task, time = self.task, seen.joints.time
+        X_WN = seen.scene.objects[self.scene.new_object.name].X_WO
+        task.feel(time, seen.force_mean, seen.force_peak)
+        if not seen.is_held:
+            task.finish(ExitReason.DETACHED, time, "the pump lost the object")
+        if task.update(time, X_WN):
+            self.controller.forget_regularisation()
+        machine = task.machine
+        if task.outcome is not None or machine is None:
+            return None
+        plan = self.controller.plan(
+            seen.joints, seen.scene, machine.stage, machine.target, time - machine.stage_start, latency
+        )
+        self.iterations_ms.append(plan.iteration_ms)
+        return plan
+
+    @property
+    def iteration_ms(self) -> float:
+        """Median iteration time so far."""
+        return float(np.median(self.iterations_ms)) if self.iterations_ms else 0.0
+
+
+def hold(joints: JointSample) -> Setpoints:
+    """Setpoints that run out at once, so that the driver holds the arm where it is."""
+    zero = np.zeros((1, 7))
+    return Setpoints(joints.time, np.zeros(1), joints.q[None], zero, zero)

@@ -1,0 +1,116 @@
+"""Task stages PRE-PACK, INSERT, FINE-TUNE, and the stall detector (section III-B2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pack_core.config import Config
+from pack_core.rotations import Array, Pose, yaw_of
+from pack_core.scene.objects import Box, Cylinder
+from pack_core.scene.scene import Scene
+from pydantic import Field, PositiveFloat
+
+from pack_mpc.residuals import Target
+from pack_mpc.weights import Stage
+
+
+class StageConfig(Config):
+    """Thresholds of the stage machine."""
+
+    clearance: PositiveFloat = Field(default=0.03, description="pre-packing height over the tallest object [m]")
+    pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
+    insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
+    placed_distance: PositiveFloat = Field(default=0.015, description="placed, from the packing pose [m]")
+    stall_time: PositiveFloat = Field(default=2.0, description="INSERT without progress [s]")
+    stall_progress: PositiveFloat = Field(default=0.004, description="what counts as progress in height [m]")
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A packing pose X_WN for the held object N and the objects that it overlaps."""
+
+    X_WN: Pose
+    collisions: tuple[str, ...]
+
+
+class StageMachine:
+    """Follows one placement from above the container to its place.
+
+    Args:
+        scene: the container and the held object.
+        config: thresholds.
+        placement: where to go.
+        time: now [s].
+        heading: the held object's yaw now [rad]; the placement's yaw is taken at the nearest
+            heading that looks the same.
+    """
+
+    def __init__(self, scene: Scene, config: StageConfig, placement: Placement, time: float, heading: float) -> None:
+        self._scene, self._config = scene, config
+        self.placement = placement
+        self.stage = Stage.PRE_PACK
+        self.stage_start = time
+        self.is_stalled = False
+        self._yaw = nearest_heading(scene.new_object, yaw_of(placement.X_WN.q), heading)
+        self._lowest, self._progress = np.inf, time
+
+    @property
+    def target(self) -> Target:
+        """Where the held object shall go in this stage."""
+        p_WN = self.placement.X_WN.p.copy()
+        if self.stage is Stage.PRE_PACK:
+            p_WN[2] += self._pre_pack_height()
+        collisions = self.placement.collisions if self.stage is Stage.INSERT else ()
+        return Target(p_WN, self._yaw, collisions)
+
+    def distance(self, p_WN: Array) -> float:
+        """Distance [m] from the held object to the packing pose."""
+        return float(np.linalg.norm(p_WN - self.placement.X_WN.p))
+
+    def is_placed(self, p_WN: Array) -> bool:
+        """Whether the held object is within the tolerance of the packing pose."""
+        return self.stage is Stage.FINE_TUNE and self.distance(p_WN) < self._config.placed_distance
+
+    def update(self, time: float, p_WN: Array) -> bool:
+        """Move on with the held object at `p_WN`.
+
+        Returns:
+            Whether the stage changed.
+        """
+        before = self.stage
+        if self.stage is Stage.PRE_PACK:
+            if np.linalg.norm(p_WN - self.target.p_WN) < self._config.pre_pack_distance:
+                self._enter(Stage.INSERT, time)
+        elif self.stage is Stage.INSERT:
+            if self._is_on_base(p_WN):
+                self._enter(Stage.FINE_TUNE, time)
+            self._watch_progress(time, float(p_WN[2]))
+        return self.stage is not before
+
+    def _enter(self, stage: Stage, time: float) -> None:
+        self.stage, self.stage_start = stage, time
+        self._lowest, self._progress, self.is_stalled = np.inf, time, False
+
+    def _is_on_base(self, p_WN: Array) -> bool:
+        height = float(p_WN[2]) - float(self.placement.X_WN.p[2])
+        container = self._scene.container
+        inside = np.all(p_WN[:2] > container.lower) and np.all(p_WN[:2] < container.upper)
+        return bool(inside) and height < self._config.insert_height
+
+    def _watch_progress(self, time: float, height: float) -> None:
+        if height < self._lowest - self._config.stall_progress:
+            self._lowest, self._progress = height, time
+        self.is_stalled = self.stage is Stage.INSERT and time - self._progress > self._config.stall_time
+
+    def _pre_pack_height(self) -> float:
+        tallest = max((2.0 * item.half_extents[2] for item in self._scene.objects), default=0.0)
+        return max(tallest, self._scene.container.height) + self._config.clearance
+
+
+def nearest_heading(item: Box | Cylinder, yaw: float, heading: float) -> float:
+    """The yaw [rad] nearest to `heading` at which the object looks as it does at `yaw`."""
+    if isinstance(item, Cylinder):
+        return heading
+    period = np.pi / 2 if np.isclose(item.size[0], item.size[1]) else np.pi
+    return float(yaw + period * np.round((heading - yaw) / period))

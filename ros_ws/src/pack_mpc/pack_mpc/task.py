@@ -1,0 +1,147 @@
+"""One packing goal from the first placement to its end: placements, stages, stalls, exit conditions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from pack_core.config import Config
+from pack_core.rotations import Array, Pose, yaw_of
+from pack_core.scene.scene import Scene
+from pydantic import Field, PositiveFloat, PositiveInt
+
+from pack_mpc.stages import Placement, StageConfig, StageMachine
+from pack_mpc.weights import Stage
+
+
+class ExitReason(Enum):
+    """How a goal ends (section IV-C)."""
+
+    PLACED = "placed"
+    TIMEOUT = "timeout"
+    DETACHED = "detached"
+    FORCE = "force"
+    NO_PLACEMENT = "no_placement"
+    CANCELED = "canceled"
+    FAULT = "fault"
+
+
+class TaskConfig(Config):
+    """Exit conditions of a goal."""
+
+    timeout: PositiveFloat = Field(default=20.0, description="of simulated time [s]")
+    force_stop: PositiveFloat = Field(default=float("inf"), description="external force that ends the goal [N]")
+    avoid_radius: PositiveFloat = Field(default=0.02, description="new placements keep off those tried [m]")
+    placement_tries: PositiveInt = Field(default=3, description="refusals in a row before giving up")
+    stages: StageConfig = StageConfig()
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a goal ended."""
+
+    exit_reason: ExitReason
+    success: bool
+    message: str
+    execution_time: float
+    distance: float
+    force_mean: float
+    force_peak: float
+    placements: int
+
+
+class PackingTask:
+    """Follows a goal. The caller brings measurements and placements, this says what to do next.
+
+    Args:
+        scene: the container and the held object.
+        config: exit conditions.
+        time: when the goal was accepted [s].
+        timeout: overrides the configured one where positive [s].
+    """
+
+    def __init__(self, scene: Scene, config: TaskConfig, time: float, timeout: float = 0.0) -> None:
+        self._scene, self._config = scene, config
+        self._start, self._timeout = time, timeout or config.timeout
+        self.machine: StageMachine | None = None
+        self.tried: list[Pose] = []
+        self.needs_placement = True
+        self.outcome: Outcome | None = None
+        self._has_succeeded = False
+        self._refusals = 0
+        self._forces: list[float] = []
+        self._peak = 0.0
+        self.distance = 0.0
+
+    def elapsed(self, time: float) -> float:
+        """Time since the goal was accepted [s]."""
+        return time - self._start
+
+    @property
+    def avoid(self) -> list[Array]:
+        """Where placements have been tried `(3,)` [m]."""
+        return [X_WN.p for X_WN in self.tried]
+
+    def place(self, placement: Placement, time: float, X_WN: Pose) -> None:
+        """Go for a placement, with the held object at X_WN now."""
+        self.machine = StageMachine(self._scene, self._config.stages, placement, time, yaw_of(X_WN.q))
+        self.tried.append(placement.X_WN)
+        self.needs_placement, self._refusals = False, 0
+
+    def refuse(self, time: float, reason: str) -> None:
+        """There is no placement now; after some tries in a row the goal ends."""
+        self._refusals += 1
+        if self._refusals >= self._config.placement_tries:
+            self.finish(ExitReason.NO_PLACEMENT, time, reason)
+
+    @property
+    def avoid_radius(self) -> float:
+        """How far new placements keep off those tried [m]."""
+        return self._config.avoid_radius
+
+    def feel(self, time: float, force: float, peak: float) -> None:
+        """Note the external force since the last call, its mean and its largest magnitude [N]."""
+        self._forces.append(force)
+        self._peak = max(self._peak, peak)
+        if peak > self._config.force_stop:
+            limit = self._config.force_stop
+            self.finish(ExitReason.FORCE, time, f"external force {peak:.1f} N above {limit:.1f} N")
+
+    def update(self, time: float, X_WN: Pose) -> bool:
+        """Move on with the held object at X_WN.
+
+        Returns:
+            Whether the stage changed.
+        """
+        machine, changed = self.machine, False
+        if machine is not None:
+            changed = machine.update(time, X_WN.p)
+            self.distance = machine.distance(X_WN.p)
+            self._has_succeeded |= machine.stage is Stage.FINE_TUNE
+            if machine.is_placed(X_WN.p):
+                self.finish(ExitReason.PLACED, time, f"within {self._config.stages.placed_distance * 1e3:.0f} mm")
+            elif machine.is_stalled:
+                changed = self._retreat(machine, time, X_WN)
+        if self.outcome is None and self.elapsed(time) > self._timeout:
+            self.finish(ExitReason.TIMEOUT, time, self._where())
+        return changed
+
+    def finish(self, reason: ExitReason, time: float, message: str) -> None:
+        """End the goal, once."""
+        if self.outcome is not None:
+            return
+        self.outcome = Outcome(
+            reason, self._has_succeeded, message, self.elapsed(time), self.distance,
+            float(np.mean(self._forces or [0.0])), self._peak, len(self.tried),
+        )  # fmt: skip
+
+    def _retreat(self, machine: StageMachine, time: float, X_WN: Pose) -> bool:
+        """Go back above the container and ask for another placement."""
+        self.machine = StageMachine(self._scene, self._config.stages, machine.placement, time, yaw_of(X_WN.q))
+        self.needs_placement = True
+        return True
+
+    def _where(self) -> str:
+        stage = self.machine.stage.value if self.machine else "waiting for a placement"
+        return f"after {self._timeout:.1f} s in stage {stage}, {len(self.tried)} placements tried"

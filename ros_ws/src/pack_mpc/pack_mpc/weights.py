@@ -1,0 +1,75 @@
+"""Weights of the residuals, per stage: `config/weights/*.yaml` (Table I)."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Annotated, Literal
+
+from pack_core.config import Config, load_config
+from pack_core.errors import ConfigError
+from pack_core.paths import config_path
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+
+class Stage(Enum):
+    """Stages of the task (section III-B2)."""
+
+    PRE_PACK = "pre_pack"
+    INSERT = "insert"
+    FINE_TUNE = "fine_tune"
+
+
+class Weights(Config):
+    """One weight a residual."""
+
+    position: tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat]
+    upright: NonNegativeFloat
+    yaw: NonNegativeFloat
+    force: NonNegativeFloat
+    joint_limit: NonNegativeFloat
+    joint_velocity: Annotated[tuple[NonNegativeFloat, ...], Field(min_length=7, max_length=7)]
+    obstacle: NonNegativeFloat
+
+
+class StageWeights(Config):
+    """Weights of the steps before the last, and of the last."""
+
+    running: Weights
+    terminal: Weights
+
+
+class WeightSet(Config):
+    """A named set of weights.
+
+    Attributes:
+        upright: how the upright residual is written: as the angle, or as the axis' x and y.
+        force_dead_band: force that costs nothing [N].
+        obstacle_decay: Z of Eq. 3 as a time [s].
+        torque: cost of squared torque.
+    """
+
+    pre_pack: StageWeights
+    insert: StageWeights
+    fine_tune: StageWeights
+    upright: Literal["angle", "axis"]
+    force_dead_band: NonNegativeFloat
+    obstacle_decay: PositiveFloat
+    torque: PositiveFloat
+
+    def of(self, stage: Stage) -> StageWeights:
+        """The weights of a stage."""
+        weights: StageWeights = getattr(self, stage.value)
+        return weights
+
+
+def load_weights(name: str) -> WeightSet:
+    """The set `config/weights/<name>.yaml`.
+
+    Raises:
+        ConfigError: there is no such set, or it has a key or value that is not allowed.
+    """
+    path = config_path("weights", f"{name}.yaml")
+    if not path.is_file():
+        known = sorted(item.stem for item in path.parent.glob("*.yaml"))
+        raise ConfigError(f"no weight set '{name}'; allowed: {', '.join(known)} (files in {path.parent})")
+    return load_config(WeightSet, path)

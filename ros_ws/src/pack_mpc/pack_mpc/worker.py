@@ -1,0 +1,63 @@
+"""The asynchronous worker: a thread that always plans from the newest measurements."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from pack_core.config import Config
+from pydantic import Field, PositiveFloat
+
+Step = Callable[[float], float | None]
+"""One iteration: takes the latency to plan for [s], returns the latency that it had, or None when
+there was nothing to plan."""
+
+
+class WorkerConfig(Config):
+    """Parameters of the worker."""
+
+    latency: PositiveFloat = Field(default=0.048, description="first guess of the planning latency [s]")
+    latency_gain: float = Field(default=0.1, gt=0, le=1, description="of the running estimate")
+    latency_max: PositiveFloat = Field(default=0.12, description="the state is predicted no further [s]")
+
+
+class Worker:
+    """Calls `step` again and again in a thread of its own, with an estimate of its latency.
+
+    Args:
+        step: one iteration.
+        config: how latency is estimated.
+        on_error: is told when an iteration raised; the worker goes on.
+    """
+
+    def __init__(self, step: Step, config: WorkerConfig, on_error: Callable[[Exception], None]) -> None:
+        self._step, self._config, self._on_error = step, config, on_error
+        self._wake, self._stopped = threading.Event(), threading.Event()
+        self.latency = config.latency
+        self._thread = threading.Thread(target=self._run, name="mpc worker", daemon=True)
+        self._thread.start()
+
+    def wake(self) -> None:
+        """There is something new to plan from."""
+        self._wake.set()
+
+    def stop(self) -> None:
+        """End the thread after the iteration in flight."""
+        self._stopped.set()
+        self._wake.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while True:
+            self._wake.wait()
+            self._wake.clear()
+            if self._stopped.is_set():
+                return
+            try:
+                observed = self._step(self.latency)
+            except Exception as error:
+                self._on_error(error)
+                continue
+            if observed is not None:
+                g, bound = self._config.latency_gain, self._config.latency_max
+                self.latency = min((1 - g) * self.latency + g * max(observed, 0.0), bound)

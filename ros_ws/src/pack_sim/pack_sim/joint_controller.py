@@ -1,0 +1,105 @@
+"""Low-level joint controller: interpolated setpoints, PD with feed-forward torque, watchdog.
+
+Eq. 4 of "Pack it in", with the sign that stabilises:
+`tau = tau_ff + Kp (q_d - q) + Kd (v_d - v)`. Gravity is compensated below this law.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pack_core.cells.packing import Robot
+from pack_core.errors import MessageError
+from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
+from pack_core.rotations import Array
+from pack_core.scene.state import Setpoints
+
+SLACK = 1e-6
+"""What a setpoint may exceed a limit by, for rounding on the way [rad, rad/s, N m]."""
+
+
+class JointController:
+    """Tracks the newest setpoints; without fresh ones it holds the arm where it is.
+
+    Args:
+        robot: the gains.
+        watchdog: age at which setpoints are stale [s].
+    """
+
+    def __init__(self, robot: Robot, watchdog: float) -> None:
+        self._kp = np.array(robot.stiffness)
+        self._kd = np.array(robot.damping)
+        self._watchdog = watchdog
+        self._setpoints: Setpoints | None = None
+        self._received = -np.inf
+        self._q_hold: Array | None = None
+
+    @property
+    def is_holding(self) -> bool:
+        """Whether the last torque came from the watchdog's hold."""
+        return self._q_hold is not None
+
+    def accept(self, setpoints: Setpoints, time: float) -> None:
+        """Take setpoints that arrived at `time` [s].
+
+        Raises:
+            MessageError: wrong size, not finite, out of order, or beyond a joint's limits.
+        """
+        _check(setpoints)
+        self._setpoints, self._received = setpoints, time
+
+    def drop(self) -> None:
+        """Forget the setpoints, as when their sender died: hold from the next step on."""
+        self._setpoints = None
+
+    def reference(self, time: float, q: Array) -> tuple[Array, Array, Array]:
+        """Desired position, velocity and feed-forward torque at `time`, each `(7,)`."""
+        plan = self._setpoints
+        if plan is None or time - self._received > self._watchdog or time > plan.time + plan.offsets[-1]:
+            if self._q_hold is None:
+                self._q_hold = np.clip(q, LOWER, UPPER)
+            return self._q_hold, np.zeros(7), np.zeros(7)
+        self._q_hold = None
+        return _interpolate(plan, time - plan.time)
+
+    def torque(self, time: float, q: Array, v: Array) -> Array:
+        """Joint torques `(7,)` [N m] for measured `q` [rad] and `v` [rad/s], within the limits (Eq. 4)."""
+        q_d, v_d, tau_ff = self.reference(time, q)
+        tau: Array = tau_ff + self._kp * (q_d - q) + self._kd * (v_d - v)
+        return np.clip(tau, -TORQUE_LIMITS, TORQUE_LIMITS)
+
+
+def _interpolate(plan: Setpoints, offset: float) -> tuple[Array, Array, Array]:
+    offsets = plan.offsets
+    i = min(max(int(np.searchsorted(offsets, offset, side="right")) - 1, 0), len(offsets) - 1)
+    j = min(i + 1, len(offsets) - 1)
+    span = offsets[j] - offsets[i]
+    s = min(max((offset - offsets[i]) / span, 0.0), 1.0) if span > 0 else 0.0
+    return (
+        (1 - s) * plan.q[i] + s * plan.q[j],
+        (1 - s) * plan.v[i] + s * plan.v[j],
+        (1 - s) * plan.tau[i] + s * plan.tau[j],
+    )
+
+
+def _check(setpoints: Setpoints) -> None:
+    rows = len(setpoints.offsets)
+    bounds = {
+        "q": (setpoints.q, LOWER, UPPER, "rad"),
+        "v": (setpoints.v, -VELOCITY_LIMITS, VELOCITY_LIMITS, "rad/s"),
+        "tau": (setpoints.tau, -TORQUE_LIMITS, TORQUE_LIMITS, "N m"),
+    }
+    if rows == 0 or not np.all(np.isfinite(setpoints.offsets)) or np.any(np.diff(setpoints.offsets) <= 0):
+        raise MessageError("setpoint times must be finite, rise, and number at least one")
+    for name, (values, lower, upper, unit) in bounds.items():
+        if values.shape != (rows, 7):
+            raise MessageError(f"setpoint {name} has shape {values.shape}; allowed: ({rows}, 7)")
+        if not np.all(np.isfinite(values)):
+            raise MessageError(f"setpoint {name} is not finite")
+        beyond = (values < lower - SLACK) | (values > upper + SLACK)
+        if np.any(beyond):
+            row, joint = np.argwhere(beyond)[0]
+            raise MessageError(
+                f"setpoint {name} of joint {joint + 1} is {values[row, joint]:.3f} {unit}; "
+                f"allowed: {lower[joint]:.3f} to {upper[joint]:.3f}"
+            )

@@ -1,0 +1,37 @@
+"""Pacing of a physics thread against the wall clock."""
+
+from __future__ import annotations
+
+import time
+
+CATCH_UP = 0.05
+"""Lateness that is given up rather than caught up with [s of wall clock]."""
+
+
+class Pacer:
+    """Says how long to wait so that simulated time runs `factor` times as fast as the wall clock.
+
+    Args:
+        factor: 1 for real time, 0 for as fast as it can.
+    """
+
+    def __init__(self, factor: float) -> None:
+        self._factor = factor
+        self._next = time.perf_counter()
+        self._mark = (time.perf_counter(), 0.0)
+        self._simulated = 0.0
+
+    def delay(self, simulated: float) -> float:
+        """How long to wait [s] after a block of `simulated` seconds."""
+        self._simulated += simulated
+        if self._factor <= 0.0:
+            return 0.0
+        now = time.perf_counter()
+        self._next = max(self._next + simulated / self._factor, now - CATCH_UP)
+        return max(0.0, self._next - now)
+
+    def achieved(self) -> float:
+        """Simulated seconds a second of wall clock since the last call."""
+        (wall, simulated), now = self._mark, time.perf_counter()
+        self._mark = (now, self._simulated)
+        return (self._simulated - simulated) / max(now - wall, 1e-9)

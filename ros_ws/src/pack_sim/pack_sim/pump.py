@@ -1,0 +1,73 @@
+"""The suction pump: what it holds, how hard it is pulled, and when it lets go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pack_core.cells.packing import Suction
+from pack_core.rotations import Array
+
+FILTER_TIME = 0.005
+"""Time constant of the load filter [s]."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """Load on the cup: pull along its axis and shear [N], bending moment [N m]."""
+
+    pull: float = 0.0
+    shear: float = 0.0
+    moment: float = 0.0
+
+
+@dataclass(frozen=True)
+class PumpState:
+    """What the pump does now."""
+
+    is_closed: bool
+    load: Load = Load()
+    release_reason: str = ""
+
+
+class PumpModel:
+    """Filters the load on the cup and lets go when it exceeds what suction can hold."""
+
+    def __init__(self, suction: Suction, timestep: float) -> None:
+        self._suction = suction
+        self._gain = timestep / (FILTER_TIME + timestep)
+        self.state = PumpState(is_closed=True)
+
+    def update(self, force: Array, torque: Array) -> bool:
+        """Take the load on the cup `(3,)`, `(3,)` in its frame, z along the pull.
+
+        Returns:
+            Whether the pump holds on.
+        """
+        raw = (float(force[2]), float(np.hypot(force[0], force[1])), float(np.hypot(torque[0], torque[1])))
+        old, g = self.state.load, self._gain
+        load = Load(*(a + g * (b - a) for a, b in zip((old.pull, old.shear, old.moment), raw, strict=True)))
+        reason = self._excess(load)
+        self.state = replace(self.state, load=load)
+        if reason:
+            self.open(reason)
+        return not reason
+
+    def open(self, reason: str) -> None:
+        """Let go."""
+        self.state = PumpState(is_closed=False, release_reason=reason)
+
+    def close(self) -> None:
+        """Hold."""
+        self.state = PumpState(is_closed=True)
+
+    def _excess(self, load: Load) -> str:
+        limits = self._suction
+        for what, value, limit, unit in (
+            ("pull", load.pull, limits.pull, "N"), ("shear", load.shear, limits.shear, "N"),
+            ("moment", load.moment, limits.moment, "N m"),
+        ):  # fmt: skip
+            if value > limit:
+                return f"{what} {value:.1f} {unit} above {limit:.1f} {unit}"
+        return ""

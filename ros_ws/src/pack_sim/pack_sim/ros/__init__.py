@@ -1,0 +1,1 @@
+"""What the node `sim` needs of ROS beside its shell."""

@@ -1,0 +1,71 @@
+"""The controller's model and its derivatives."""
+
+import mujoco
+import numpy as np
+import pytest
+from pack_core.scene.model import HELD_POSITION
+from pack_mpc.plant import STATE, PackingPlant
+
+
+@pytest.fixture
+def trajectory(plant: PackingPlant, joints, state) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(0)
+    us = rng.normal(0.0, [4, 8, 4, 4, 1, 1, 1], (20, 7))
+    xs, _ = plant.rollout(plant.state(joints, state), us[None])
+    return xs[0], us
+
+
+def test_a_rollout_is_what_stepping_gives(plant: PackingPlant, trajectory) -> None:
+    xs, us = trajectory
+    data = mujoco.MjData(plant.model)
+    mujoco.mj_setState(plant.model, data, xs[0], STATE)
+    for u in us:
+        data.ctrl[:] = u
+        mujoco.mj_step(plant.model, data)
+    end = np.empty(plant.nx)
+    mujoco.mj_getState(plant.model, data, end, STATE)
+    np.testing.assert_allclose(xs[-1], end, atol=1e-9)
+
+
+def test_derivatives_agree_with_central_differences(plant: PackingPlant, trajectory) -> None:
+    xs, us = trajectory
+    columns = plant.columns([])
+    lin = plant.linearize(xs, us, columns, np.arange(len(xs)))
+    t, h = 7, 1e-5
+    for j, column in enumerate(columns):
+        ends = [plant.rollout(xs[t] + s * h * np.eye(plant.nx)[column], us[None, t : t + 1])[0] for s in (1, -1)]
+        expected = (ends[0][0, 1, columns] - ends[1][0, 1, columns]) / (2 * h)
+        np.testing.assert_allclose(lin.A[t, :, j], expected, atol=2e-4)
+
+
+def test_output_derivatives_are_the_jacobian_of_the_held_object(plant: PackingPlant, trajectory) -> None:
+    xs, us = trajectory
+    lin = plant.linearize(xs, us, plant.columns([]), np.arange(len(xs)))
+    data = mujoco.MjData(plant.model)
+    mujoco.mj_setState(plant.model, data, xs[5], STATE)
+    mujoco.mj_forward(plant.model, data)
+    jacobian = np.zeros((3, plant.model.nv))
+    mujoco.mj_jacBody(plant.model, data, jacobian, None, plant.model.body(plant.scene.new_object.name).id)
+    arm = plant.layout.v - 1 - plant.model.nq
+    np.testing.assert_allclose(lin.C[5, plant.sensor(HELD_POSITION), :7], jacobian[:, arm], atol=1e-4)
+
+
+def test_key_points_are_interpolated_linearly(plant: PackingPlant, trajectory) -> None:
+    xs, us = trajectory
+    coarse = plant.linearize(xs, us, plant.columns([]), np.array([0, 10, 20]))
+    np.testing.assert_allclose(coarse.A[5], 0.5 * (coarse.A[0] + coarse.A[10]), atol=1e-12)
+
+
+def test_state_keeps_joints_and_objects_where_they_belong(plant: PackingPlant, joints, state) -> None:
+    x = plant.state(joints, state)
+    np.testing.assert_array_equal(x[plant.layout.q], joints.q)
+    for name, p in plant.layout.object_p.items():
+        np.testing.assert_array_equal(x[p], state.objects[name].X_WO.p)
+
+
+def test_a_plant_without_objects_has_only_the_arm(scene, joints, state) -> None:
+    from pack_core.cells.packing import packing_cell
+
+    bare = PackingPlant(scene, packing_cell(), timestep=0.006, threads=1, with_objects=False)
+    assert bare.nx == 1 + 7 + 7
+    assert bare.state(joints, state).shape == (15,)
