@@ -41,7 +41,7 @@ class ProcessGroup:
         self._exit_codes: dict[str, int] = {}
         env = {**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})}
         self._processes = {
-            name: Process(_dies_with_us(command), name=name, colour=colour, env=env)
+            name: Process(_shell_command(command), name=name, colour=colour, env=env)
             for (name, command), colour in zip(commands.items(), get_colours(), strict=False)
         }
 
@@ -117,5 +117,6 @@ class ProcessGroup:
         self._printer.write(Message("line", text, datetime.now(), name, None))
 
 
-def _dies_with_us(command: Sequence[str]) -> str:
-    return "exec setpriv --pdeathsig TERM " + shlex.join(command)
+def _shell_command(command: Sequence[str]) -> str:
+    """Have it end when we are killed, and heed Ctrl-C even where we are a background job that ignores it."""
+    return "exec env --default-signal=INT setpriv --pdeathsig TERM " + shlex.join(command)

@@ -39,7 +39,8 @@ def up(
     commands = (graph.only(only) if only else graph).commands(parse_overrides(settings or []))
     environment = {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
     died: dict[str, int] = {}
-    signal.signal(signal.SIGTERM, _as_ctrl_c)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _as_ctrl_c)
     try:
         with ProcessGroup(commands, environment=environment) as group:
             try:
