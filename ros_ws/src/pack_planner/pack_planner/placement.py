@@ -1,9 +1,12 @@
 """Placement planner: where to put the new object so that it disturbs the others least.
 
 Algorithm 1 of Russell, Xu, Roa, Dogar, "Pack it in: Packing into Partially Filled Containers Through
-Contact". The collision list G holds the objects that the chosen, settled pose overlaps where they stand
-now (P_0), since those are what the arm has to push aside on its way; line 10 of the algorithm leaves
-open which of the two poses and which state it means.
+Contact". Two readings of it:
+
+- The collision list G holds the objects that the chosen, settled pose overlaps where they stand now
+  (P_0), since those are what the arm has to push aside; line 10 leaves open which pose and state it means.
+- The sum of Eq. 6 counts the new object too, from where it was teleported to: one that the physics
+  throws on top of another, which then need not move, is not a cheap placement.
 """
 
 from __future__ import annotations
@@ -37,7 +40,7 @@ class PlacementConfig(Config):
     steps: PositiveInt = Field(30, description="steps M in which overlaps must resolve")
     timestep: PositiveFloat = Field(0.006, description="step of the physics [s]")
     weights: tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat] = Field(
-        (1.0, 1.0, 10.0), description="w_x, w_y, w_z on the other objects' displacements"
+        (1.0, 1.0, 10.0), description="w_x, w_y, w_z on the objects' displacements"
     )
     beta: NonNegativeFloat = Field(1000.0, description="weight of lasting penetration [1/m]")
     resting_penetration: PositiveFloat = Field(
@@ -82,14 +85,16 @@ class PlacementPlanner:
         is_random = (variant or self._config.variant) == "random"
         sampled = sample_poses(new, container, self._config.samples, yaw_of(poses[new.name].q), rng)
         if is_random:
-            sampled = sampled[[_prefer(np.zeros(len(sampled)), sampled, avoid, avoid_radius)]]
+            sampled = sampled[[cheapest_elsewhere(np.zeros(len(sampled)), sampled, avoid, avoid_radius)]]
         samples, reason = self._evaluate(now, sampled)
         if is_random:
             return self._placement(now, samples, 0, samples.sampled[0])
         candidates = np.flatnonzero(samples.is_feasible)
         if candidates.size == 0:
             return Placement(PlacementStatus.NO_FEASIBLE_PLACEMENT, reason, None, (), np.inf, samples)
-        k = candidates[_prefer(samples.costs[candidates], samples.settled[candidates], avoid, avoid_radius)]
+        k = candidates[
+            cheapest_elsewhere(samples.costs[candidates], samples.settled[candidates], avoid, avoid_radius)
+        ]
         return self._placement(now, samples, k, samples.settled[k])
 
     def _checked(self, state: SceneState) -> dict[str, Pose]:
@@ -105,16 +110,17 @@ class PlacementPlanner:
 
     def _evaluate(self, now: Array, sampled: Array) -> tuple[Samples, str]:
         """Settle every sample and judge it; the reason says why none would do."""
-        states = self._settling.settle(self._settling.teleport(now, sampled), self._config.steps)
-        before, settled = self._settling.poses(now[None]), self._settling.poses(states)
+        teleported = self._settling.teleport(now, sampled)
+        states = self._settling.settle(teleported, self._config.steps)
+        before, settled = self._settling.poses(teleported), self._settling.poses(states)
         penetration = np.array([self._lasting_penetration(row) for row in states])
-        costs = self._disturbance(before, settled) + self._config.beta * penetration
+        costs = self.disturbance(before, settled) + self._config.beta * penetration
         verdict = judge(self._scene, settled, penetration)
         return Samples(sampled, settled[:, -1], costs, verdict.is_feasible), verdict.reason()
 
-    def _disturbance(self, before: Array, settled: Array) -> Array:
-        """First term of Eq. 6 `(S,)`: weighted displacements of the objects in the container."""
-        displacements = (settled - before)[:, :-1, :3] * np.array(self._config.weights)
+    def disturbance(self, before: Array, settled: Array) -> Array:
+        """First term of Eq. 6 `(S,)`: weighted displacements of all objects `(S, objects, 7)`."""
+        displacements = (settled - before)[..., :3] * np.array(self._config.weights)
         return np.asarray(np.linalg.norm(displacements, axis=-1).sum(axis=-1))
 
     def _lasting_penetration(self, state: Array) -> float:
@@ -143,8 +149,8 @@ def checked_variant(name: str) -> Variant:
     return cast(Variant, name)
 
 
-def _prefer(costs: Array, poses: Array, avoid: Sequence[npt.ArrayLike], radius: float) -> int:
-    """The cheapest of `(n,)` that is not near a point to avoid; if all are near, the farthest."""
+def cheapest_elsewhere(costs: Array, poses: Array, avoid: Sequence[npt.ArrayLike], radius: float) -> int:
+    """Index of the cheapest pose `(n, 7)` that is near none of `avoid`; if all are near, of the farthest."""
     if not len(avoid):
         return int(np.argmin(costs))
     tried = np.asarray(avoid, dtype=float)[:, :2]

@@ -11,7 +11,7 @@ from pack_interfaces.srv import PlanPlacement
 from std_msgs.msg import String
 
 from pack_core.cells.packing import packing_cell
-from pack_core.errors import PackError
+from pack_core.errors import MessageError, PackError
 from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.conversions import finite, from_scene, to_pose
@@ -37,6 +37,11 @@ class PlannerNode(CellNode):
         self.listen(contracts.DESCRIPTION, self._on_description)
         self.create_service(PlanPlacement, contracts.PLAN_PLACEMENT.name, self._serve)
         self.watch(("sim", "perception"))
+
+    @property
+    def is_ready(self) -> bool:
+        """A scene was described that can be planned in."""
+        return self._planner is not None
 
     def _on_description(self, message: String) -> None:
         self._planner = None
@@ -71,10 +76,16 @@ class PlannerNode(CellNode):
             np.random.default_rng(request.seed),
             variant=checked_variant(request.variant) if request.variant else None,
             avoid=[finite([p.x, p.y, p.z], "point to avoid") for p in request.avoid],
-            avoid_radius=float(finite(request.avoid_radius, "avoid_radius")),
+            avoid_radius=_checked_radius(request.avoid_radius),
         )
         self._markers.publish(to_visual_markers(state.time, placement, self._scene.new_object))
         return placement
+
+
+def _checked_radius(radius: float) -> float:
+    if not 0.0 <= radius < np.inf:
+        raise MessageError(f"avoid_radius is {radius}; allowed: metres from 0 on")
+    return radius
 
 
 def _fill(response: PlanPlacement.Response, placement: Placement) -> None:

@@ -18,7 +18,7 @@ from pack_core.scene.free_space import base_height, footprint, free_places, is_b
 from pack_core.scene.model import Arm, Held, body_pose, build_model, set_object_poses
 from pack_core.scene.scene import Scene
 
-MAX_ATTEMPTS = 2000
+MAX_ATTEMPTS = 500
 TIMESTEP = 0.004
 DROP_HEIGHT = 0.01
 SMALLEST_GAP = 1e-6
