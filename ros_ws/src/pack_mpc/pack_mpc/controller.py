@@ -23,7 +23,7 @@ from pack_mpc.predictor import predict
 from pack_mpc.residuals import Residuals, Target
 from pack_mpc.weights import Stage, WeightSet
 
-DIVERGED = 50.0
+DIVERGED = 20.0
 """Joint speed beyond which a rollout is worthless [rad/s]."""
 REGULARISATION = 1e-4
 
@@ -115,7 +115,7 @@ class PackingController:
         x0 = predict(self._plant, self._robot, self._plant.state(joints, scene), self._memory.plan, latency)
         cost = self._cost(stage, target, stage_age)
         nominal, warning = self._nominal(cost, x0)
-        columns = self._plant.columns(self._touched(nominal))
+        columns = self._plant.columns(self.touched(nominal))
         candidates = None
         if stage is Stage.INSERT and self.config.explorers.count:
             candidates = explore(self._plant, nominal.xs[0], nominal.us, self.config.explorers, self._rng)
@@ -152,7 +152,7 @@ class PackingController:
         nominal = evaluate(self._plant, cost, x0, np.zeros((steps, 7)))
         return nominal, "the last plan diverged from here; started afresh"
 
-    def _touched(self, nominal: Trajectory) -> list[str]:
+    def touched(self, nominal: Trajectory) -> list[str]:
         """Objects that move along the nominal trajectory."""
         moved = []
         for name, p in self._plant.layout.object_p.items():

@@ -1,0 +1,68 @@
+"""The stage machine and the stall detector."""
+
+import numpy as np
+import pytest
+from pack_core.rotations import Pose, from_yaw
+from pack_core.scene.scene import Scene
+from pack_mpc.stages import Placement, StageConfig, StageMachine, nearest_heading
+from pack_mpc.weights import Stage
+
+PLACE = np.array([0.5, 0.0, 0.09])
+
+
+@pytest.fixture
+def machine(scene: Scene) -> StageMachine:
+    return StageMachine(scene, StageConfig(), Placement(Pose(PLACE), ("tea_box",)), 0.0, 0.0)
+
+
+def test_stages_follow_one_another_down_to_the_place(machine: StageMachine) -> None:
+    above = machine.target.p_WN
+    assert above[2] > PLACE[2] + 0.15
+    assert machine.target.collisions == ()
+    assert machine.update(1.0, above)
+    assert machine.stage is Stage.INSERT
+    assert machine.target.collisions == ("tea_box",)
+    assert machine.update(2.0, PLACE + [0.03, 0.0, 0.01])
+    assert machine.stage is Stage.FINE_TUNE
+    assert not machine.is_placed(PLACE + [0.03, 0.0, 0.01])
+    assert machine.is_placed(PLACE + [0.01, 0.0, 0.0])
+
+
+def test_the_base_is_not_reached_outside_the_container(machine: StageMachine) -> None:
+    machine.update(1.0, machine.target.p_WN)
+    machine.update(2.0, PLACE + [0.3, 0.0, 0.0])
+    assert machine.stage is Stage.INSERT
+
+
+def test_insert_without_progress_stalls(machine: StageMachine) -> None:
+    machine.update(1.0, machine.target.p_WN)
+    stuck = PLACE + [0.0, 0.0, 0.11]
+    machine.update(1.1, stuck)
+    machine.update(1.0 + StageConfig().stall_time, stuck)
+    assert not machine.is_stalled
+    machine.update(1.2 + StageConfig().stall_time, stuck)
+    assert machine.is_stalled
+
+
+def test_insert_that_moves_down_does_not_stall(machine: StageMachine) -> None:
+    machine.update(1.0, machine.target.p_WN)
+    for i in range(20):
+        machine.update(1.0 + i, PLACE + [0.0, 0.0, 0.15 - 0.005 * i])
+        assert not machine.is_stalled
+
+
+@pytest.mark.parametrize(("yaw", "heading"), [(0.0, 1.5), (3.0, 0.2), (-2.0, 2.9)])
+def test_a_square_box_takes_the_nearest_of_four_headings(scene: Scene, yaw: float, heading: float) -> None:
+    found = nearest_heading(scene.new_object, yaw, heading)
+    assert abs(found - heading) <= np.pi / 4 + 1e-9
+    quarter_turns = (found - yaw) / (np.pi / 2)
+    assert quarter_turns == pytest.approx(round(quarter_turns))
+
+
+def test_a_cylinder_keeps_its_heading(scene: Scene) -> None:
+    assert nearest_heading(scene.model_of("soup_can"), 1.0, 0.3) == 0.3
+
+
+def test_the_placement_heading_is_kept_through_the_stages(scene: Scene) -> None:
+    placement = Placement(Pose(PLACE, from_yaw(0.4)), ())
+    assert StageMachine(scene, StageConfig(), placement, 0.0, 0.1).target.yaw == pytest.approx(0.4)

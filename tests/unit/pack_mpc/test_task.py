@@ -1,0 +1,88 @@
+"""A goal's life: placements, stalls and every way to end."""
+
+import numpy as np
+import pytest
+from pack_core.rotations import Pose
+from pack_core.scene.scene import Scene
+from pack_mpc.stages import Placement
+from pack_mpc.task import ExitReason, PackingTask, TaskConfig
+from pack_mpc.weights import Stage
+
+PLACE = Pose(np.array([0.5, 0.0, 0.09]))
+START = Pose(np.array([0.5, 0.0, 0.36]))
+
+
+@pytest.fixture
+def task(scene: Scene) -> PackingTask:
+    return PackingTask(scene, TaskConfig(force_stop=40.0), 10.0)
+
+
+def placed(task: PackingTask) -> PackingTask:
+    task.place(Placement(PLACE, ("tea_box",)), 10.3, START)
+    return task
+
+
+def at(height: float) -> Pose:
+    return Pose(PLACE.p + [0.0, 0.0, height])
+
+
+def test_a_goal_waits_for_its_placement(task: PackingTask) -> None:
+    assert task.needs_placement
+    task.update(10.1, START)
+    assert task.machine is None
+    assert not placed(task).needs_placement
+
+
+def test_a_goal_that_reaches_its_place_is_a_success(task: PackingTask) -> None:
+    placed(task).update(11.0, Pose(task.machine.target.p_WN))
+    task.update(12.0, Pose(PLACE.p + [0.03, 0.0, 0.01]))
+    task.update(12.1, at(0.005))
+    assert task.outcome is not None
+    assert task.outcome.exit_reason is ExitReason.PLACED
+    assert task.outcome.success
+    assert task.outcome.execution_time == pytest.approx(2.1)
+    assert task.outcome.distance == pytest.approx(0.005)
+
+
+def test_a_time_out_in_fine_tune_is_a_success_and_one_before_is_not(task: PackingTask, scene: Scene) -> None:
+    placed(task).update(11.0, Pose(task.machine.target.p_WN))
+    task.update(12.0, Pose(PLACE.p + [0.03, 0.0, 0.0]))
+    assert task.machine.stage is Stage.FINE_TUNE
+    task.update(30.1, Pose(PLACE.p + [0.03, 0.0, 0.0]))
+    early = PackingTask(scene, TaskConfig(), 10.0)
+    early.update(30.1, START)
+    assert task.outcome.exit_reason is early.outcome.exit_reason is ExitReason.TIMEOUT
+    assert task.outcome.success
+    assert not early.outcome.success
+
+
+def test_a_stall_retreats_and_asks_for_another_placement(task: PackingTask) -> None:
+    placed(task).update(11.0, Pose(task.machine.target.p_WN))
+    task.update(11.1, at(0.12))
+    assert task.update(14.0, at(0.12))
+    assert task.machine.stage is Stage.PRE_PACK
+    assert task.needs_placement
+    np.testing.assert_allclose(task.avoid[0], PLACE.p)
+
+
+def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
+    task.feel(10.5, 5.0, 39.0)
+    assert task.outcome is None
+    task.feel(10.6, 7.0, 41.0)
+    assert task.outcome.exit_reason is ExitReason.FORCE
+    assert task.outcome.force_mean == pytest.approx(6.0)
+    assert task.outcome.force_peak == 41.0
+
+
+def test_refused_placements_end_the_goal_with_the_planners_reason(task: PackingTask) -> None:
+    for _ in range(TaskConfig().placement_tries):
+        assert task.outcome is None
+        task.refuse(10.5, "all 300 samples collide")
+    assert task.outcome.exit_reason is ExitReason.NO_PLACEMENT
+    assert "300" in task.outcome.message
+
+
+def test_a_goal_ends_once(task: PackingTask) -> None:
+    task.finish(ExitReason.CANCELED, 10.5, "on request")
+    task.finish(ExitReason.FAULT, 10.6, "later")
+    assert task.outcome.exit_reason is ExitReason.CANCELED
