@@ -22,6 +22,7 @@ from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.rotations import Array, Pose, yaw_of
+from pack_core.scene.fit import fitting_yaws
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
 from pack_planner.feasibility import judge
@@ -59,7 +60,7 @@ class PlacementPlanner:
             PackError: the new object does not fit into the container.
         """
         self._scene, self._config = scene, config
-        sample_poses(scene.new_object, scene.container, 1, 0.0, np.random.default_rng(0))
+        fitting_yaws(scene.new_object, scene.container, 0.0)
         self._settling = Settling(scene, cell, config.timestep, config.threads)
 
     def plan(
@@ -82,19 +83,16 @@ class PlacementPlanner:
         poses = self._checked(state)
         now = self._settling.start(poses)
         new, container = self._scene.new_object, self._scene.container
-        is_random = (variant or self._config.variant) == "random"
         sampled = sample_poses(new, container, self._config.samples, yaw_of(poses[new.name].q), rng)
-        if is_random:
-            sampled = sampled[[cheapest_elsewhere(np.zeros(len(sampled)), sampled, avoid, avoid_radius)]]
+        if (variant or self._config.variant) == "random":
+            k = cheapest_elsewhere(np.zeros(len(sampled)), sampled, avoid, avoid_radius)
+            samples, _ = self._evaluate(now, sampled[[k]])
+            return self._placement(now, samples, 0, sampled[k])
         samples, reason = self._evaluate(now, sampled)
-        if is_random:
-            return self._placement(now, samples, 0, samples.sampled[0])
-        candidates = np.flatnonzero(samples.is_feasible)
-        if candidates.size == 0:
+        if not np.any(samples.is_feasible):
             return Placement(PlacementStatus.NO_FEASIBLE_PLACEMENT, reason, None, (), np.inf, samples)
-        k = candidates[
-            cheapest_elsewhere(samples.costs[candidates], samples.settled[candidates], avoid, avoid_radius)
-        ]
+        costs, settled = samples.costs[samples.is_feasible], samples.settled[samples.is_feasible]
+        k = int(np.flatnonzero(samples.is_feasible)[cheapest_elsewhere(costs, settled, avoid, avoid_radius)])
         return self._placement(now, samples, k, samples.settled[k])
 
     def _checked(self, state: SceneState) -> dict[str, Pose]:
