@@ -67,7 +67,7 @@ class PerceptionNode(CellNode):
         for name in advance.diverged:
             self.health.count("diverged", f"physics of '{name}' was put back")
         self._use_frames(estimator)
-        if estimator.time - self._published >= 1.0 / self._config.min_rate:
+        if estimator.time + self._config.step - self._published > 1.0 / self._config.min_rate:
             self._publish(estimator)
 
     def _on_markers(self, message: MocapMarkers) -> None:
