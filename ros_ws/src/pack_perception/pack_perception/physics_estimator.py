@@ -6,23 +6,23 @@ them, and what the cameras see corrects it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.robots.panda import VELOCITY_LIMITS
-from pack_core.rotations import Array, Pose, conjugate, log, multiply
+from pack_core.rotations import Array, Pose
 from pack_core.scene.model import Held, held_pose
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, MarkerFrame, ObjectState, SceneState, Source
+from pack_perception.correction_law import CorrectionConfig, corrections, is_put_anew, pose_errors
+from pack_perception.estimator_report import Advance, Correction
 from pack_perception.grip_tracker import GripConfig, GripTracker
 from pack_perception.guided_cell import GuidedCell, Rows, shifted
 from pack_perception.marker_table import MarkerTable
 from pack_perception.pose_history import PoseHistory
-from pack_perception.rigid_body_fit import FitConfig, Mask, Refusal, fit_rigid_bodies
+from pack_perception.rigid_body_fit import FitConfig, Mask, fit_rigid_bodies
 
 TELEPORT = 3.0
 """An arm that moves this many times faster than its limits has been put elsewhere."""
@@ -34,41 +34,11 @@ class EstimatorConfig(Config):
     """Parameters of the estimator."""
 
     step: float = Field(default=0.004, gt=0, le=0.008, description="of the physics [s]")
-    pose_gain: float = Field(default=0.1, gt=0, le=1, description="share of an error corrected each frame")
-    twist_gain: float = Field(default=0.01, ge=0, le=1, description="share of it put down to velocity")
-    jump: PositiveFloat = Field(default=0.03, description="error beyond which an object is put anew [m]")
     max_gap: PositiveFloat = Field(default=0.5, description="between joint samples, else it starts over [s]")
     mocap_age: PositiveFloat = Field(default=0.03, description="time since last seen that is still MOCAP [s]")
+    correction: CorrectionConfig = CorrectionConfig()
     fit: FitConfig = FitConfig()
     grip: GripConfig = GripConfig()
-
-
-@dataclass(frozen=True)
-class Advance:
-    """What happened on the way to a joint sample.
-
-    Attributes:
-        is_restart: everything was forgotten, because time or the arm jumped.
-        diverged: objects that were put back to where they were.
-    """
-
-    is_restart: bool = False
-    diverged: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Correction:
-    """What a frame brought.
-
-    Attributes:
-        seen: objects whose pose was corrected.
-        refused: objects whose markers could not be used, and why.
-        is_unused: the frame is older than the history or ahead of the joints, and changed nothing.
-    """
-
-    seen: tuple[str, ...] = ()
-    refused: dict[str, Refusal] = field(default_factory=dict)
-    is_unused: bool = False
 
 
 class PhysicsEstimator:
@@ -206,16 +176,10 @@ class PhysicsEstimator:
                 self._let_go()
 
     def _correct_free(self, rows: Rows, seen: Array, expected: Array, time: float) -> None:
-        config, poses = self._config, self._physics.poses()[rows]
-        turns = log(multiply(seen[:, 3:], conjugate(expected[:, 3:])))
-        errors = np.concatenate([seen[:, :3] - expected[:, :3], turns], axis=1)
-        periods = time - self._seen[rows]
-        is_new = np.isinf(periods) | (np.linalg.norm(errors[:, :3], axis=1) > config.jump)
-        is_tracked = ~is_new & (periods > 0.0) & (periods <= config.mocap_age)
-        shifts = np.where(is_new, 1.0, config.pose_gain)[:, None] * errors
-        rates = np.where(is_tracked, config.twist_gain, 0.0) / np.where(is_tracked, periods, 1.0)
-        self._physics.stop(rows[is_new])
-        self._physics.correct(rows, shifted(poses, shifts), rates[:, None] * errors)
+        errors, periods = pose_errors(seen, expected), time - self._seen[rows]
+        shifts, twists = corrections(errors, periods, self._config.correction)
+        self._physics.stop(rows[is_put_anew(errors, periods, self._config.correction)])
+        self._physics.correct(rows, shifted(self._physics.poses()[rows], shifts), twists)
         self._physics.shift_earlier(self._history.since(time), rows, shifts)
 
     def _let_go(self) -> None:
