@@ -118,7 +118,8 @@ class PackingController:
         columns = self._plant.columns(self.touched(nominal))
         candidates = None
         if stage is Stage.INSERT and self.config.explorers.count:
-            candidates = explore(self._plant, nominal.xs[0], nominal.us, self.config.explorers, self._rng)
+            away = self._away(nominal, target)
+            candidates = explore(self._plant, nominal.xs[0], nominal.us, away, self.config.explorers, self._rng)
         result = iterate(
             self._plant, cost, nominal, columns, self._memory.regularisation, self.config.ilqr, candidates
         )
@@ -160,6 +161,15 @@ class PackingController:
             if np.linalg.norm(path - path[0], axis=1).max() > self.config.touched:
                 moved.append(name)
         return moved
+
+    def _away(self, nominal: Trajectory, target: Target) -> Array:
+        """Horizontal direction `(2,)` from the obstacles' middle to the held object."""
+        obstacles = [self._plant.layout.object_p[name][:2] for name in target.collisions if name in self._plant.layout.object_p]
+        if not obstacles:
+            return np.zeros(2)
+        middle = np.mean([nominal.xs[0, p] for p in obstacles], axis=0)
+        offset = self.held_position(nominal)[0, :2] - middle
+        return np.asarray(offset / max(float(np.linalg.norm(offset)), 1e-6))
 
     def _setpoints(self, trajectory: Trajectory) -> Setpoints:
         n, layout = self.config.published, self._plant.layout

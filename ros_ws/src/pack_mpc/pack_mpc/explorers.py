@@ -25,14 +25,19 @@ class ExplorerConfig(Config):
     tilt: NonNegativeFloat = Field(default=0.25, description="deviation of the tilt about x and y [rad]")
 
 
-def explore(plant: PackingPlant, x0: Array, us: Array, config: ExplorerConfig, rng: np.random.Generator) -> Array:
+def explore(
+    plant: PackingPlant, x0: Array, us: Array, away: Array, config: ExplorerConfig, rng: np.random.Generator
+) -> Array:
     """Variations `(E, T, 7)` of the torques `us` `(T, 7)`.
+
+    Half of them go off `away` `(2,)` from the obstacles, with the lower end of the held object first.
 
     Each adds the torque of one smooth displacement d of the held object, whose acceleration is a full
     period of a sine, so that it starts and ends at rest; the inertia is the arm's at `x0`.
     """
     deviation = np.array([config.sideways] * 2 + [config.up] + [config.tilt] * 2 + [0.0])
     d = rng.normal(size=(config.count, 6)) * deviation
+    d[::2] = _lean(d[::2], away)
     steps = len(us)
     durations = rng.uniform(0.4, 1.0, config.count) * steps
     phase = np.arange(steps) / durations[:, None]
@@ -40,6 +45,14 @@ def explore(plant: PackingPlant, x0: Array, us: Array, config: ExplorerConfig, r
     peak = 2 * np.pi * d / (durations[:, None] * plant.timestep) ** 2
     acceleration = profile[..., None] * peak[:, None]
     return np.clip(us + acceleration @ _torque_per_acceleration(plant, x0), -plant.limits, plant.limits)
+
+
+def _lean(d: Array, away: Array) -> Array:
+    """Turn displacements `(n, 6)` so that they go `away`, the lower end of the object leading."""
+    leaned = d.copy()
+    leaned[:, :2] = np.abs(d[:, :1]) * away
+    leaned[:, 3:5] = np.abs(d[:, 3:4]) * np.array([away[1], -away[0]])
+    return leaned
 
 
 def _torque_per_acceleration(plant: PackingPlant, x0: Array) -> Array:

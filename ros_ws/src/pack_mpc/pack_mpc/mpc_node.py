@@ -160,6 +160,8 @@ class MpcNode(CellNode):
             self._end(session)
 
     def _on_error(self, error: Exception) -> None:
+        if not self.context.ok():
+            return
         self.health.count("failed iteration", str(error))
         level = self.get_logger().warning if isinstance(error, PackError) else self.get_logger().error
         level(f"iteration failed: {error!r}", throttle_duration_sec=1.0)

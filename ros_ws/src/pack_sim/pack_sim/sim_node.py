@@ -54,7 +54,7 @@ class SimNode(CellNode):
         for contract, serve in ((contracts.RESET, self._reset), (contracts.GRIPPER_COMMAND, self._command_gripper)):
             self.create_service(contract.type, contract.name, serve, callback_group=group)
         self.watch(("mpc",), self._on_peer)
-        self._thread = threading.Thread(target=self._run, name="physics")
+        self._thread = threading.Thread(target=self._run_until_shutdown, name="physics")
         self._thread.start()
 
     @property
@@ -76,6 +76,13 @@ class SimNode(CellNode):
     def _build(self, scene: Scene, seed: int, start: float) -> Simulator:
         self._description.publish(String(data=scene.description().to_yaml()))
         return Simulator(self._cell, scene, self._config, np.random.default_rng(seed), start)
+
+    def _run_until_shutdown(self) -> None:
+        try:
+            self._run()
+        except Exception:
+            if self.context.ok():
+                raise
 
     def _run(self) -> None:
         pacer, reported = Pacer(self._config.real_time_factor), time.monotonic()

@@ -20,8 +20,9 @@ from pack_core.ros import contracts
 from pack_core.ros.contracts import Contract
 from pack_core.ros.health import Health
 
-LEASE = Duration(seconds=0.06)
-"""A node is dead when the middleware has not heard of it for this long, in wall clock."""
+LEASE = Duration(seconds=0.1)
+"""A node is dead when the middleware has not heard of it for this long, in wall clock. A shorter
+lease sees deaths sooner, and takes a node that waits for a busy machine's processor for dead."""
 
 
 def _alive_qos() -> QoSProfile:
@@ -36,8 +37,8 @@ class CellNode(Node):
         self.health = Health(name)
         self._diagnostics = self.advertise(contracts.DIAGNOSTICS)
         self._alive = self.create_publisher(Empty, f"/alive/{name}", _alive_qos())
-        self._wall = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(1.0, self.report, clock=self._wall)
+        self.wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(1.0, self.report, clock=self.wall)
 
     def advertise(self, contract: Contract) -> Publisher:
         """A publisher of the contract's topic."""
