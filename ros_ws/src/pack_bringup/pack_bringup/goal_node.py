@@ -37,7 +37,6 @@ class GoalNode(CellNode):
     """One goal: sent again until it is accepted, then followed.
 
     Attributes:
-        alive: the nodes of the cell that are up.
         feedback: the newest, if any.
         result: once the goal has ended.
         real_time_factor: as the simulator reports it.
@@ -46,7 +45,6 @@ class GoalNode(CellNode):
     def __init__(self, goal: GoalConfig | None = None, **kwargs: Any) -> None:
         super().__init__("goal", **kwargs)
         self._goal = goal or read_parameters(self, GoalConfig)
-        self.alive: set[str] = set()
         self.feedback: PackObject.Feedback | None = None
         self.result: PackObject.Result | None = None
         self.real_time_factor = 0.0
@@ -55,7 +53,6 @@ class GoalNode(CellNode):
         self._pending: Future | None = None
         self._next_try = 0.0
         self.listen(contracts.REAL_TIME_FACTOR, self._on_real_time_factor)
-        self.watch(PEERS, self._on_peer)
 
     @property
     def is_accepted(self) -> bool:
@@ -64,7 +61,7 @@ class GoalNode(CellNode):
 
     def missing(self, peers: Iterable[str] = PEERS) -> list[str]:
         """Nodes that are not up."""
-        return [peer for peer in peers if peer not in self.alive]
+        return [peer for peer in peers if not self.count_publishers(f"/alive/{peer}")]
 
     def pursue(self) -> None:
         """Send the goal if it is not on its way; to be called again and again."""
@@ -96,9 +93,6 @@ class GoalNode(CellNode):
     def _on_real_time_factor(self, message: Any) -> None:
         self.real_time_factor = message.data
 
-    def _on_peer(self, peer: str, is_alive: bool) -> None:
-        (self.alive.add if is_alive else self.alive.discard)(peer)
-
 
 def main() -> int:
     """Send one goal; 0 if the object was packed."""
@@ -110,10 +104,10 @@ def main() -> int:
         while rclpy.ok() and node.result is None:
             executor.spin_once(timeout_sec=0.1)
             node.pursue()
-        print(node.result)
+        node.get_logger().info(f"goal ended: {node.result}")
         return 0 if node.result and node.result.success else 1
     except PackError as error:
-        print(f"error: {error}", file=sys.stderr)
+        sys.stderr.write(f"error: {error}\n")
         return 2
     finally:
         executor.shutdown()

@@ -73,6 +73,7 @@ def _commit() -> str:
     """The checked-out commit, marked `-dirty` when files differ from it."""
     command = ["git", "-C", str(project_root()), "describe", "--always", "--abbrev=40", "--dirty"]
     try:
-        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=10.0).stdout.strip()
+        answer = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10.0)
     except (OSError, subprocess.SubprocessError):
         return "unknown"
+    return answer.stdout.strip()

@@ -51,7 +51,7 @@ def to_run(bag: Bag) -> Run:
         joint_times=_times(joints), joints=np.array([message.position for message in joints]),
         force_times=_times(wrenches), force=_magnitudes(wrenches),
         release_reason=_release(bag, start),
-        real_time_factors=np.array([message.data for message in bag.of(REAL_TIME)]),
+        real_time_factors=_real_time_factors(bag, start, end),
         outcome=outcome, is_cut=bag.is_cut,
     )  # fmt: skip
 
@@ -135,6 +135,11 @@ def _orientation(pose: Any) -> list[float]:
 def _magnitudes(wrenches: Sequence[Any]) -> Array:
     forces = [message.wrench.force for message in wrenches]
     return np.asarray(np.linalg.norm([(force.x, force.y, force.z) for force in forces], axis=-1))
+
+
+def _real_time_factors(bag: Bag, start: float, end: float) -> Array:
+    reports = [item for item in bag.messages if item.topic == REAL_TIME]
+    return np.array([item.message.data for item in reports if start <= stamps.to_seconds(item.time_ns) <= end])
 
 
 def _release(bag: Bag, start: float) -> str:

@@ -14,7 +14,7 @@ def add_surroundings(spec: mujoco.MjSpec, container: Container) -> None:
     """Add a table, a floor, a sky and lights that cast soft shadows."""
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
     spec.visual.quality.shadowsize = 4096
-    spec.visual.headlight.ambient = (0.38, 0.38, 0.38)
+    spec.visual.headlight.ambient = (0.34, 0.34, 0.34)
     spec.visual.headlight.diffuse = (0.25, 0.25, 0.25)
     spec.visual.headlight.specular = (0.0, 0.0, 0.0)
     spec.visual.map.shadowclip = 1.4
@@ -29,8 +29,8 @@ def add_surroundings(spec: mujoco.MjSpec, container: Container) -> None:
     )  # fmt: skip
     x, y = container.centre
     for position, direction, bright, shadow in (
-        ((x + 0.6, y - 0.8, 2.5), (-0.35, 0.4, -1.0), 0.55, True),
-        ((x - 1.0, y + 1.2, 2.0), (0.5, -0.6, -1.0), 0.25, False),
+        ((x + 0.6, y - 0.8, 2.5), (-0.35, 0.4, -1.0), 0.42, True),
+        ((x - 1.0, y + 1.2, 2.0), (0.5, -0.6, -1.0), 0.16, False),
     ):
         spec.worldbody.add_light(
             pos=position, dir=direction, castshadow=shadow, diffuse=(bright,) * 3, specular=(0.15,) * 3,
@@ -50,13 +50,12 @@ def _add_textures(spec: mujoco.MjSpec) -> None:
     )  # fmt: skip
     floor = spec.add_material(name="floor", texrepeat=(6, 6), texuniform=True, reflectance=0.03)
     floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
-    spec.add_material(name="table", rgba=(0.86, 0.84, 0.80, 1.0), specular=0.1, shininess=0.2)
+    spec.add_material(name="table", rgba=(0.80, 0.76, 0.70, 1.0), specular=0.1, shininess=0.2)
 
 
 def _draw_box(
     spec: mujoco.MjSpec, pos: tuple[float, ...], size: tuple[float, ...], material: str = ""
 ) -> None:
     spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_BOX, pos=pos, size=size, material=material,
-        rgba=(0.35, 0.36, 0.38, 1.0) if not material else (1, 1, 1, 1), contype=0, conaffinity=0,
+        type=mujoco.mjtGeom.mjGEOM_BOX, pos=pos, size=size, material=material, contype=0, conaffinity=0,
     )  # fmt: skip
