@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Callable
 from typing import Any
 
 import rclpy
 from pack_interfaces.action import PackObject
 from pydantic import Field, NonNegativeFloat
 from rclpy.action import ActionClient
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from pack_core.config import Config
@@ -28,15 +29,16 @@ RETRY = 0.5
 class GoalConfig(Config):
     """The goal."""
 
-    method: str = Field("pack_it_in", description="pack_it_in, uninformed_pose or uninformed_physics")
-    seed: int = Field(0, ge=0, description="of the placement planner's samples")
-    timeout: NonNegativeFloat = Field(0.0, description="simulated [s]; 0: that of the controller")
+    method: str = Field(default="pack_it_in", description="pack_it_in, uninformed_pose or uninformed_physics")
+    seed: int = Field(default=0, ge=0, description="of the placement planner's samples")
+    timeout: NonNegativeFloat = Field(default=0.0, description="simulated [s]; 0: that of the controller")
 
 
 class GoalNode(CellNode):
     """One goal: sent again until it is accepted, then followed.
 
     Attributes:
+        is_accepted: whether the controller has taken the goal.
         feedback: the newest, if any.
         result: once the goal has ended.
         real_time_factor: as the simulator reports it.
@@ -45,43 +47,35 @@ class GoalNode(CellNode):
     def __init__(self, goal: GoalConfig | None = None, **kwargs: Any) -> None:
         super().__init__("goal", **kwargs)
         self._goal = goal or read_parameters(self, GoalConfig)
+        self.is_accepted = False
         self.feedback: PackObject.Feedback | None = None
         self.result: PackObject.Result | None = None
         self.real_time_factor = 0.0
         self._client = ActionClient(self, contracts.PACK_OBJECT.type, contracts.PACK_OBJECT.name)
-        self._handle: Any = None
-        self._pending: Future | None = None
+        self._is_sent = False
         self._next_try = 0.0
         self.listen(contracts.REAL_TIME_FACTOR, self._on_real_time_factor)
 
     @property
-    def is_accepted(self) -> bool:
-        """Whether the controller has taken the goal."""
-        return self._handle is not None
-
-    def missing(self, peers: Iterable[str] = PEERS) -> list[str]:
-        """Nodes that are not up."""
-        return [peer for peer in peers if not self.count_publishers(f"/alive/{peer}")]
+    def missing(self) -> list[str]:
+        """Nodes of the cell that are not up."""
+        return [peer for peer in PEERS if not self.count_publishers(f"/alive/{peer}")]
 
     def pursue(self) -> None:
         """Send the goal if it is not on its way; to be called again and again."""
-        if self._handle or self._pending or time.monotonic() < self._next_try or self.missing():
+        if self._is_sent or time.monotonic() < self._next_try or self.missing:
             return
         if self._client.server_is_ready():
             goal = PackObject.Goal(**self._goal.model_dump())
-            self._pending = self._client.send_goal_async(goal, feedback_callback=self._on_feedback)
-            self._pending.add_done_callback(self._on_answer)
-
-    def cancel(self) -> None:
-        """Ask the controller to give up the goal."""
-        if self._handle is not None and self.result is None:
-            self._handle.cancel_goal_async()
+            self._is_sent = True
+            future = self._client.send_goal_async(goal, feedback_callback=self._on_feedback)
+            future.add_done_callback(self._on_answer)
 
     def _on_answer(self, future: Future) -> None:
-        self._pending, self._next_try = None, time.monotonic() + RETRY
         handle = future.result()
+        self.is_accepted = self._is_sent = handle.accepted
+        self._next_try = time.monotonic() + RETRY
         if handle.accepted:
-            self._handle = handle
             handle.get_result_async().add_done_callback(self._on_result)
 
     def _on_feedback(self, message: Any) -> None:
@@ -94,23 +88,55 @@ class GoalNode(CellNode):
         self.real_time_factor = message.data
 
 
-def main() -> int:
-    """Send one goal; 0 if the object was packed."""
-    rclpy.init()
+def follow_goal(
+    goal: GoalConfig | None,
+    on_turn: Callable[[GoalNode], None],
+    *,
+    domain: int | None = None,
+    linger: float = 0.0,
+) -> PackObject.Result:
+    """Send a goal and wait for its result, leaving signals to the caller.
+
+    Args:
+        goal: what to do; the node's parameters if None.
+        on_turn: is called about ten times a second of wall clock; what it raises ends the wait.
+        domain: ROS domain; the environment's if None.
+        linger: wall clock to stay after the result, so that the end is recorded [s].
+    """
+    rclpy.init(domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
     executor, node = SingleThreadedExecutor(), None
     try:
-        node = GoalNode()
+        node = GoalNode(goal)
         executor.add_node(node)
-        while rclpy.ok() and node.result is None:
-            executor.spin_once(timeout_sec=0.1)
-            node.pursue()
-        node.get_logger().info(f"goal ended: {node.result}")
-        return 0 if node.result and node.result.success else 1
-    except PackError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return 2
+        while node.result is None:
+            _turn(executor, node, on_turn)
+        end = time.monotonic() + linger
+        while time.monotonic() < end:
+            _turn(executor, node, on_turn)
+        return node.result
     finally:
         executor.shutdown()
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
+
+
+def _turn(executor: SingleThreadedExecutor, node: GoalNode, on_turn: Callable[[GoalNode], None]) -> None:
+    end = time.monotonic() + 0.1
+    while (rest := end - time.monotonic()) > 0.0:
+        executor.spin_once(timeout_sec=rest)
+    node.pursue()
+    on_turn(node)
+
+
+def main() -> int:
+    """Send one goal to the cell that is running; 0 if the object was packed."""
+    try:
+        result = follow_goal(None, lambda node: None)
+    except PackError as error:
+        sys.stderr.write(f"error: {error}\n")
+        return 2
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return 1
+    sys.stdout.write(f"{result.exit_reason}: {result.message}\n")
+    return 0 if result.success else 1

@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from pack_bringup.cli import evaluate, executables, run, up, wiring
+from pack_bringup.cli import demo, evaluate, executables, run, up, wiring
 from pack_core.errors import PackError
 
 app = typer.Typer(
@@ -15,13 +15,14 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     help="""Brings up PackCell's cells, runs single nodes and shows how they are wired.
 
+    - `pack demo packing` packs one object and reports
     - `pack evaluate BAG` measures a recorded run
     - `pack up packing` starts a whole cell, each node a process
     - `pack run pack_sim sim_node` starts one node
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (evaluate, up, run, executables, wiring):
+for command in (demo, evaluate, up, run, executables, wiring):
     app.add_typer(command.app)
 
 

@@ -138,8 +138,9 @@ def _magnitudes(wrenches: Sequence[Any]) -> Array:
 
 
 def _real_time_factors(bag: Bag, start: float, end: float) -> Array:
+    first, last = stamps.to_ns(start), stamps.to_ns(end)
     reports = [item for item in bag.messages if item.topic == REAL_TIME]
-    return np.array([item.message.data for item in reports if start <= stamps.to_seconds(item.time_ns) <= end])
+    return np.array([item.message.data for item in reports if first <= item.time_ns <= last])
 
 
 def _release(bag: Bag, start: float) -> str:

@@ -1,0 +1,136 @@
+"""The main job: a cell's nodes as processes, one goal, its recording."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pack_bringup.graph import load_graph
+from pack_bringup.processes import ProcessGroup
+from pack_core.errors import PackError
+
+if TYPE_CHECKING:
+    from pack_interfaces.action import PackObject
+
+    from pack_bringup.goal_node import GoalNode
+
+LOG = "nodes.log"
+START_TIMEOUT = 60.0
+"""Wall clock for all nodes to come up and the goal to be accepted [s]."""
+LINGER = 2.0
+"""Wall clock for which the recording goes on after the goal [s]."""
+LOG_LINES = 12
+
+
+@dataclass(frozen=True)
+class Demo:
+    """What to run.
+
+    Attributes:
+        cell: a graph of config/graphs.
+        folder: of the run; nodes.log, bag/, run.yaml and scene.yaml go there.
+        seed: of the generated scene, the sensors' noise and the placement planner.
+        scene: a scene file; None: a generated scene.
+        method: pack_it_in, uninformed_pose or uninformed_physics.
+        real_time_factor: None: that of config/nodes/sim.yaml.
+        command: the command line, for run.yaml.
+    """
+
+    cell: str
+    folder: Path
+    seed: int = 0
+    scene: Path | None = None
+    method: str = "pack_it_in"
+    real_time_factor: float | None = None
+    command: str = ""
+
+    def overrides(self) -> dict[str, dict[str, str]]:
+        """Parameters by node, as YAML text."""
+        sim = {"seed": str(self.seed)}
+        if self.scene is not None:
+            sim["scene"] = json.dumps(str(self.scene.resolve()))
+        if self.real_time_factor is not None:
+            sim["real_time_factor"] = str(float(self.real_time_factor))
+        text = {"path": str(self.folder.resolve()), "cell": self.cell, "command": self.command}
+        recorder = {"seed": str(self.seed), **{name: json.dumps(value) for name, value in text.items()}}
+        return {"sim": sim, "recorder": recorder}
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What is shown while the goal is pursued; `stage` is empty until the controller plans."""
+
+    stage: str
+    elapsed: float
+    distance: float
+    iteration_ms: float
+    real_time_factor: float
+    missing: tuple[str, ...] = ()
+
+
+def run_demo(demo: Demo, on_progress: Callable[[Progress], None]) -> PackObject.Result:
+    """Start the nodes, pursue the goal, stop the nodes; the recording is then complete.
+
+    Raises:
+        PackError: a node did not come up or died, or the goal was refused; the log's last lines say why.
+    """
+    from pack_bringup.goal_node import GoalConfig, follow_goal
+
+    commands = load_graph(demo.cell).commands(demo.overrides())
+    domain = free_domain(os.environ)
+    demo.folder.mkdir(parents=True, exist_ok=True)
+    log = demo.folder / LOG
+    with log.open("w") as output:
+        group = ProcessGroup(commands, environment={"ROS_DOMAIN_ID": str(domain)}, output=output)
+        deadline = time.monotonic() + START_TIMEOUT
+
+        def check(node: GoalNode) -> None:
+            _check_alive(group, log)
+            _check_started(node, deadline, log)
+            on_progress(_progress(node))
+
+        with group:
+            goal = GoalConfig(method=demo.method, seed=demo.seed)
+            return follow_goal(goal, check, domain=domain, linger=LINGER)
+
+
+def free_domain(environment: Mapping[str, str]) -> int:
+    """The ROS domain: the environment's, else one that a second run on this machine is unlikely to share."""
+    given = environment.get("ROS_DOMAIN_ID", "")
+    return int(given) if given else 1 + os.getpid() % 100
+
+
+def _check_alive(group: ProcessGroup, log: Path) -> None:
+    for name, code in group.exit_codes.items():
+        raise PackError(f"node '{name}' ended with exit code {code}; {_tail(log, name)}")
+
+
+def _check_started(node: GoalNode, deadline: float, log: Path) -> None:
+    if node.is_accepted or time.monotonic() < deadline:
+        return
+    if missing := node.missing:
+        raise PackError(
+            f"did not come up within {START_TIMEOUT:.0f} s: {', '.join(missing)}; {_tail(log, missing[0])}"
+        )
+    raise PackError(f"the controller does not take the goal; {_tail(log, 'mpc')}")
+
+
+def _progress(node: GoalNode) -> Progress:
+    feedback, factor = node.feedback, node.real_time_factor
+    if feedback is None:
+        return Progress("", 0.0, 0.0, 0.0, factor, () if node.is_accepted else tuple(node.missing))
+    return Progress(feedback.stage, feedback.elapsed, feedback.distance, feedback.iteration_ms, factor)
+
+
+def _tail(log: Path, name: str) -> str:
+    """The last lines of a node in the log."""
+    lines = [
+        line for line in log.read_text(errors="replace").splitlines() if f" {name} " in line.partition("|")[0]
+    ]
+    shown = "\n  ".join(lines[-LOG_LINES:]) or "it wrote nothing"
+    return f"its last lines in {log}:\n  {shown}"
