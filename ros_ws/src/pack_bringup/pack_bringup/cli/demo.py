@@ -37,7 +37,7 @@ def demo(
     seed: Annotated[int, typer.Option(min=0, help="Of the scene, the noise and the plan.")] = 0,
     scene: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="An own scene instead of a generated one: docs/scenes.md."),
+        typer.Option(metavar="FILE", help="An own scene (docs/scenes.md), not a generated one."),
     ] = None,
     method: Annotated[
         Method, typer.Option(help="The paper's method, or one of its baselines.")
@@ -46,7 +46,7 @@ def demo(
         float | None,
         typer.Option(
             min=0.0,
-            help="Simulated seconds a second; 0: as fast as it can. Else that of config/nodes/sim.yaml.",
+            help="Simulated seconds a second; 0: as fast as it can. Default: config/nodes/sim.yaml.",
         ),
     ] = None,
     video: Annotated[bool, typer.Option(help="Render the run as MP4.")] = True,
