@@ -6,30 +6,35 @@ any real-time factor read alike; each message keeps its own header stamp besides
 
 from __future__ import annotations
 
-from dataclasses import replace
 from datetime import datetime
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
+from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
+from rclpy.subscription import Subscription
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
 from pack_bringup.message_types import message_types
 from pack_bringup.recorder import Recorder, Topic
 from pack_bringup.run_record import BAG_FOLDER, SCENE_FILE, default_folder, describe_run
+from pack_core import stamps
 from pack_core.config import Config
-from pack_core.errors import BagError
+from pack_core.errors import BagError, PackError
 from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import Contract
-from pack_core.ros.conversions import from_scene
+from pack_core.ros.conversions import from_scene, from_stamp
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.scene.scene import Scene
 
 DEPTH = 1000
-"""Messages that may wait in the middleware, whatever depth a topic has for others."""
+"""Messages a topic that may wait in the middleware, whatever depth it has for others."""
+DRAIN_PERIOD = 0.02
+"""Wall clock between two looks at what has arrived [s]."""
 FOREVER = QosTime(9223372036, 854775807)
 
 
@@ -44,6 +49,21 @@ class RecorderConfig(Config):
     """The command line that started the run, for run.yaml."""
 
 
+class TakenByHand(CallbackGroup):
+    """Keeps its subscriptions out of the executor, which would take four times the processor time."""
+
+    def can_execute(self, entity: Any) -> bool:
+        """Never."""
+        return False
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Never."""
+        return False
+
+    def ending_execution(self, entity: Any) -> None:
+        """Nothing began."""
+
+
 class RecorderNode(CellNode):
     """Records the run and says what it was."""
 
@@ -54,9 +74,11 @@ class RecorderNode(CellNode):
         topics = contracts.recorded()
         self.recorder = Recorder(self.folder / BAG_FOLDER, map(_topic, topics), message_types())
         describe_run(config.cell, config.seed, config.command, now).save(self.folder)
+        self._time_ns = 0
         self._description: Scene | None = None
-        for contract in topics:
-            self._record(contract)
+        group = TakenByHand()
+        self._taps = [(contract, self._tap(contract, group)) for contract in topics]
+        self.create_timer(DRAIN_PERIOD, self.drain, clock=self.wall)
         self.watch(("sim", "perception", "planner", "mpc"))
         self.get_logger().info(f"recording to {self.folder}")
 
@@ -71,32 +93,50 @@ class RecorderNode(CellNode):
 
     def destroy_node(self) -> None:
         """Finish the bag."""
+        self.drain()
         self.recorder.close()
         super().destroy_node()
 
-    def _record(self, contract: Contract) -> None:
-        notices = {contracts.DESCRIPTION.name: self._on_description, contracts.TRUTH.name: self._on_truth}
-        notice = notices.get(contract.name)
+    def drain(self) -> None:
+        """Record all that has arrived, in the order in which it was sent."""
+        taken: list[tuple[int, Contract, bytes]] = []
+        for contract, tap in self._taps:
+            with tap.handle:
+                while (item := tap.handle.take_message(contract.type, True)) is not None:
+                    taken.append((item[1]["source_timestamp"], contract, item[0]))
+        for _, contract, data in sorted(taken, key=itemgetter(0)):
+            self._record(contract, data)
 
-        def take(data: bytes) -> None:
-            self.recorder.write(contract.name, self.get_clock().now().nanoseconds, data)
-            if notice:
-                notice(data)
+    def _tap(self, contract: Contract, group: TakenByHand) -> Subscription:
+        qos = QoSProfile(
+            depth=DEPTH, reliability=contract.qos.reliability, durability=contract.qos.durability
+        )
+        return self.create_subscription(
+            contract.type, contract.name, lambda _: None, qos, callback_group=group, raw=True
+        )
 
-        self.listen(replace(contract, qos=_deep(contract.qos)), take, raw=True)
+    def _record(self, contract: Contract, data: bytes) -> None:
+        if contract.name == contracts.CLOCK.name:
+            self._time_ns = stamps.to_ns(from_stamp(deserialize_message(data, contract.type).clock))
+        self.recorder.write(contract.name, self._time_ns, data)
+        try:
+            if contract.name == contracts.DESCRIPTION.name:
+                self._on_description(data)
+            elif contract.name == contracts.TRUTH.name and self._description is not None:
+                self._on_truth(data, self._description)
+        except PackError as error:
+            self.health.count(f"refused {contract.name}", str(error))
 
     def _on_description(self, data: bytes) -> None:
         message = deserialize_message(data, contracts.DESCRIPTION.type)
         self._description = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
 
-    def _on_truth(self, data: bytes) -> None:
+    def _on_truth(self, data: bytes, description: Scene) -> None:
         """Complete the description by the first poses after it: a scene file to run again."""
-        if self._description is None:
-            return
-        scene, self._description = self._description, None
-        state = from_scene(deserialize_message(data, contracts.TRUTH.type))
+        self._description = None
+        poses = from_scene(deserialize_message(data, contracts.TRUTH.type)).poses()
         try:
-            (self.folder / SCENE_FILE).write_text(scene.with_poses(state.poses()).to_yaml())
+            (self.folder / SCENE_FILE).write_text(description.with_poses(poses).to_yaml())
         except OSError as error:
             raise BagError(f"cannot write {self.folder / SCENE_FILE}: {error}") from error
 
@@ -104,10 +144,6 @@ class RecorderNode(CellNode):
 def _topic(contract: Contract) -> Topic:
     package = contract.type.__module__.split(".")[0]
     return Topic(contract.name, f"{package}/msg/{contract.type.__name__}", (_offered(contract.qos),))
-
-
-def _deep(qos: QoSProfile) -> QoSProfile:
-    return QoSProfile(depth=DEPTH, reliability=qos.reliability, durability=qos.durability)
 
 
 def _offered(qos: QoSProfile) -> Qos:
