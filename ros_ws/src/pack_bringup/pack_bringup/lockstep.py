@@ -19,10 +19,10 @@ from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState
 from pack_mpc.controller import Plan
 from pack_mpc.session import Method, Observation, PackingSession, SessionConfig
-from pack_mpc.stages import Placement
 from pack_mpc.task import Outcome
 from pack_perception.physics_estimator import EstimatorConfig, PhysicsEstimator
-from pack_planner.placement import PlacementConfig, PlacementPlanner, PlacementStatus
+from pack_planner.placement import PlacementConfig, PlacementPlanner
+from pack_planner.placement_result import Placement
 from pack_sim.simulator import Simulator, SimulatorConfig
 
 
@@ -70,7 +70,7 @@ class Lockstep:
         self._forces: list[float] = []
         self._advance(config.settle)
         self.session = PackingSession(description, cell, config.session, method, self.simulator.time)
-        self._answer: tuple[float, Placement | str] | None = None
+        self._answer: tuple[float, Placement] | None = None
 
     def run(self, on_step: Callable[[Step], None] | None = None) -> Outcome:
         """Run to the outcome; `on_step` sees every cycle."""
@@ -111,16 +111,13 @@ class Lockstep:
             self._answer = (time + self._config.placement_latency, self._plan_placement(seen.scene, task.avoid))
         if self._answer is not None and time >= self._answer[0]:
             answer, self._answer = self._answer[1], None
-            if isinstance(answer, str):
-                task.refuse(time, answer)
+            if answer.X_WO is None:
+                task.refuse(time, answer.reason)
             else:
-                task.place(answer, time, seen.scene.objects[self.session.scene.new_object.name].X_WO)
+                task.place(answer.X_WO, answer.collisions, seen.scene)
 
-    def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> Placement | str:
-        found = self._planner.plan(
+    def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> Placement:
+        return self._planner.plan(
             scene, np.random.default_rng(self._seed + len(avoid)), avoid=avoid,
             avoid_radius=self.session.task.avoid_radius, variant=self.session.method.placement_variant,
         )  # fmt: skip
-        if found.status is not PlacementStatus.SUCCESS:
-            return found.reason
-        return Placement(found.X_WO, found.collisions)

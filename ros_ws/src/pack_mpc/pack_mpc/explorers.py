@@ -30,14 +30,14 @@ def explore(
 ) -> Array:
     """Variations `(E, T, 7)` of the torques `us` `(T, 7)`.
 
-    Half of them go off `away` `(2,)` from the obstacles, with the lower end of the held object first.
+    Half of them lean the held object over the obstacles, its lower end `away` `(2,)` from them.
 
     Each adds the torque of one smooth displacement d of the held object, whose acceleration is a full
     period of a sine, so that it starts and ends at rest; the inertia is the arm's at `x0`.
     """
     deviation = np.array([config.sideways] * 2 + [config.up] + [config.tilt] * 2 + [0.0])
     d = rng.normal(size=(config.count, 6)) * deviation
-    d[::2] = _lean(d[::2], away)
+    d[::2] = _lean(d[::2], away, float(plant.scene.new_object.half_extents[2]))
     steps = len(us)
     durations = rng.uniform(0.4, 1.0, config.count) * steps
     phase = np.arange(steps) / durations[:, None]
@@ -47,11 +47,11 @@ def explore(
     return np.clip(us + acceleration @ _torque_per_acceleration(plant, x0), -plant.limits, plant.limits)
 
 
-def _lean(d: Array, away: Array) -> Array:
-    """Turn displacements `(n, 6)` so that they go `away`, the lower end of the object leading."""
-    leaned = d.copy()
-    leaned[:, :2] = np.abs(d[:, :1]) * away
-    leaned[:, 3:5] = np.abs(d[:, 3:4]) * np.array([away[1], -away[0]])
+def _lean(d: Array, away: Array, half_height: float) -> Array:
+    """Turn displacements `(n, 6)` into tilts about the object's lower edge, its top over the obstacles."""
+    leaned, tilt = d.copy(), np.abs(d[:, 3:4])
+    leaned[:, :2] = 0.5 * d[:, :2] - half_height * tilt * away
+    leaned[:, 3:5] = tilt * np.array([away[1], -away[0]])
     return leaned
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from pack_core.robots.panda import LOWER, UPPER
@@ -19,10 +19,18 @@ DISTANCE_MIN = 1e-6
 
 @dataclass(frozen=True)
 class Target:
-    """Where the held object N shall go: `p_WN (3,)` [m], yaw [rad], and the collision list."""
+    """Where the held object N shall go.
+
+    Attributes:
+        p_WN: position `(3,)` [m].
+        yaw: heading [rad].
+        axis: x and y `(2,)` of its z axis, zero for upright.
+        collisions: the collision list.
+    """
 
     p_WN: Array
     yaw: float
+    axis: Array = field(default_factory=lambda: np.zeros(2))
     collisions: tuple[str, ...] = ()
 
 
@@ -82,7 +90,7 @@ class Residuals:
         """Upright residual `(..., 2)` and its derivative by the axis `(..., 2, 3)`."""
         shape = z_axis.shape[:-1]
         if not self._uses_angle:
-            return z_axis[..., :2], np.broadcast_to(np.eye(2, 3), (*shape, 2, 3))
+            return z_axis[..., :2] - self._target.axis, np.broadcast_to(np.eye(2, 3), (*shape, 2, 3))
         cosine = np.clip(z_axis[..., 2], -1.0 + 1e-9, 1.0 - 1e-9)
         residual = np.stack([np.arccos(cosine), np.zeros(shape)], axis=-1)
         slope = np.zeros((*shape, 2, 3))

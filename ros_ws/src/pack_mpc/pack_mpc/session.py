@@ -77,9 +77,10 @@ class PackingSession:
         self, scene: Scene, cell: PackingCell, config: SessionConfig, method: Method, time: float, timeout: float = 0.0
     ) -> None:
         self.scene, self.method = scene, method
-        self.task = PackingTask(scene, config.task, time, timeout)
+        weights = load_weights(config.weights)
+        self.task = PackingTask(scene, config.task, time, timeout, weights.lean)
         self.controller = PackingController(
-            scene, cell, load_weights(config.weights), config.controller,
+            scene, cell, weights, config.controller,
             with_objects=method is not Method.UNINFORMED_PHYSICS,
         )  # fmt: skip
         self.iterations_ms: list[float] = []

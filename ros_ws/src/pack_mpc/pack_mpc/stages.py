@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from pack_core.config import Config
 from pack_core.rotations import Array, Pose, yaw_of
@@ -11,6 +9,7 @@ from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Scene
 from pydantic import Field, PositiveFloat
 
+from pack_mpc.entry import Placement, lean_at
 from pack_mpc.residuals import Target
 from pack_mpc.weights import Stage
 
@@ -20,18 +19,12 @@ class StageConfig(Config):
 
     clearance: PositiveFloat = Field(default=0.03, description="pre-packing height over the tallest object [m]")
     pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
+    aligned: PositiveFloat = Field(default=0.01, description="beside its way by more, INSERT stays over the obstacles [m]")
+    hover: PositiveFloat = Field(default=0.01, description="how high over them [m]")
     insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
     placed_distance: PositiveFloat = Field(default=0.015, description="placed, from the packing pose [m]")
     stall_time: PositiveFloat = Field(default=2.0, description="INSERT without progress [s]")
     stall_progress: PositiveFloat = Field(default=0.004, description="what counts as progress in height [m]")
-
-
-@dataclass(frozen=True)
-class Placement:
-    """A packing pose X_WN for the held object N and the objects that it overlaps."""
-
-    X_WN: Pose
-    collisions: tuple[str, ...]
 
 
 class StageMachine:
@@ -44,9 +37,12 @@ class StageMachine:
         time: now [s].
         heading: the held object's yaw now [rad]; the placement's yaw is taken at the nearest
             heading that looks the same.
+        lean: tilt at the entry [rad].
     """
 
-    def __init__(self, scene: Scene, config: StageConfig, placement: Placement, time: float, heading: float) -> None:
+    def __init__(
+        self, scene: Scene, config: StageConfig, placement: Placement, time: float, heading: float, lean: float = 0.0
+    ) -> None:
         self._scene, self._config = scene, config
         self.placement = placement
         self.stage = Stage.PRE_PACK
@@ -54,15 +50,23 @@ class StageMachine:
         self.is_stalled = False
         self._yaw = nearest_heading(scene.new_object, yaw_of(placement.X_WN.q), heading)
         self._lowest, self._progress = np.inf, time
+        self._lean, self._p_WN = lean, np.full(3, np.inf)
 
     @property
     def target(self) -> Target:
         """Where the held object shall go in this stage."""
         p_WN = self.placement.X_WN.p.copy()
+        if self.stage is Stage.FINE_TUNE:
+            return Target(p_WN, self._yaw)
+        half_height = float(self._scene.new_object.half_extents[2])
+        axis = lean_at(self.placement, self._lean, self._p_WN[2] - half_height)
+        p_WN[:2] += half_height * axis
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._pre_pack_height()
-        collisions = self.placement.collisions if self.stage is Stage.INSERT else ()
-        return Target(p_WN, self._yaw, collisions)
+            return Target(p_WN, self._yaw, axis)
+        if self._is_astray(p_WN):
+            p_WN[2] += self.placement.top + self._config.hover
+        return Target(p_WN, self._yaw, axis, self.placement.collisions)
 
     def distance(self, p_WN: Array) -> float:
         """Distance [m] from the held object to the packing pose."""
@@ -78,7 +82,7 @@ class StageMachine:
         Returns:
             Whether the stage changed.
         """
-        before = self.stage
+        before, self._p_WN = self.stage, p_WN
         if self.stage is Stage.PRE_PACK:
             if np.linalg.norm(p_WN - self.target.p_WN) < self._config.pre_pack_distance:
                 self._enter(Stage.INSERT, time)
@@ -87,6 +91,12 @@ class StageMachine:
                 self._enter(Stage.FINE_TUNE, time)
             self._watch_progress(time, float(p_WN[2]))
         return self.stage is not before
+
+    def _is_astray(self, p_WN: Array) -> bool:
+        """Whether the object is over the obstacles, beside its way down."""
+        bottom = self._p_WN[2] - self._scene.new_object.half_extents[2]
+        aside = np.linalg.norm(self._p_WN[:2] - p_WN[:2])
+        return bool(bottom > self.placement.top - self._config.hover and aside > self._config.aligned)
 
     def _enter(self, stage: Stage, time: float) -> None:
         self.stage, self.stage_start = stage, time

@@ -9,9 +9,11 @@ import numpy as np
 from pack_core.config import Config
 from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.scene.scene import Scene
+from pack_core.scene.state import SceneState
 from pydantic import Field, PositiveFloat, PositiveInt
 
-from pack_mpc.stages import Placement, StageConfig, StageMachine
+from pack_mpc.entry import Placement, plan_entry
+from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage
 
 
@@ -59,11 +61,14 @@ class PackingTask:
         config: exit conditions.
         time: when the goal was accepted [s].
         timeout: overrides the configured one where positive [s].
+        lean: tilt of the held object at its entry [rad].
     """
 
-    def __init__(self, scene: Scene, config: TaskConfig, time: float, timeout: float = 0.0) -> None:
+    def __init__(
+        self, scene: Scene, config: TaskConfig, time: float, timeout: float = 0.0, lean: float = 0.0
+    ) -> None:
         self._scene, self._config = scene, config
-        self._start, self._timeout = time, timeout or config.timeout
+        self._start, self._timeout, self._lean = time, timeout or config.timeout, lean
         self.machine: StageMachine | None = None
         self.tried: list[Pose] = []
         self.needs_placement = True
@@ -83,10 +88,11 @@ class PackingTask:
         """Where placements have been tried `(3,)` [m]."""
         return [X_WN.p for X_WN in self.tried]
 
-    def place(self, placement: Placement, time: float, X_WN: Pose) -> None:
-        """Go for a placement, with the held object at X_WN now."""
-        self.machine = StageMachine(self._scene, self._config.stages, placement, time, yaw_of(X_WN.q))
-        self.tried.append(placement.X_WN)
+    def place(self, X_WN: Pose, collisions: tuple[str, ...], scene: SceneState) -> None:
+        """Go for the packing pose X_WN and its collision list, with the objects as they are in `scene`."""
+        placement = plan_entry(self._scene, X_WN, collisions, scene.poses())
+        self._follow(placement, scene.time, scene.objects[self._scene.new_object.name].X_WO)
+        self.tried.append(X_WN)
         self.needs_placement, self._refusals = False, 0
 
     def refuse(self, time: float, reason: str) -> None:
@@ -138,9 +144,13 @@ class PackingTask:
 
     def _retreat(self, machine: StageMachine, time: float, X_WN: Pose) -> bool:
         """Go back above the container and ask for another placement."""
-        self.machine = StageMachine(self._scene, self._config.stages, machine.placement, time, yaw_of(X_WN.q))
+        self._follow(machine.placement, time, X_WN)
         self.needs_placement = True
         return True
+
+    def _follow(self, placement: Placement, time: float, X_WN: Pose) -> None:
+        heading = yaw_of(X_WN.q)
+        self.machine = StageMachine(self._scene, self._config.stages, placement, time, heading, self._lean)
 
     def _where(self) -> str:
         stage = self.machine.stage.value if self.machine else "waiting for a placement"

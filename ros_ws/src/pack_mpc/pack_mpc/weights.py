@@ -46,6 +46,7 @@ class WeightSet(Config):
         force_dead_band: force that costs nothing [N].
         obstacle_decay: Z of Eq. 3 as a time [s].
         torque: cost of squared torque.
+        lean: tilt of the held object over its obstacles at the entry [rad].
     """
 
     pre_pack: StageWeights
@@ -55,6 +56,7 @@ class WeightSet(Config):
     force_dead_band: NonNegativeFloat
     obstacle_decay: PositiveFloat
     torque: PositiveFloat
+    lean: NonNegativeFloat
 
     def of(self, stage: Stage) -> StageWeights:
         """The weights of a stage."""

@@ -74,8 +74,12 @@ def _clearance(scene: Scene, poses: Array) -> Array:
 
 def _is_between_walls(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
     """The outline, taken as upright, is between the walls `(S,)`."""
+    return wall_clearance(scene, poses) > -WALL_LIMIT
+
+
+def wall_clearance(scene: Scene, poses: Array) -> Array:
+    """Distance `(S,)` [m] from the new object's outline, taken as upright, to the nearest wall."""
     x_axes = rotate(poses[:, 3:], FORWARD)
     spans = half_spans(scene.new_object, np.arctan2(x_axes[:, 1], x_axes[:, 0]))
     offsets = np.abs(poses[:, :2] - np.array(scene.container.centre))
-    room = 0.5 * np.array(scene.container.size) + WALL_LIMIT
-    return np.asarray(np.all(offsets + spans < room, axis=1))
+    return np.asarray((0.5 * np.array(scene.container.size) - offsets - spans).min(axis=1))

@@ -25,7 +25,7 @@ from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.scene.fit import fitting_yaws
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
-from pack_planner.feasibility import judge
+from pack_planner.feasibility import judge, wall_clearance
 from pack_planner.placement_result import Placement, PlacementStatus, Samples
 from pack_planner.pose_sampling import sample_poses
 from pack_planner.settling import Settling
@@ -46,6 +46,9 @@ class PlacementConfig(Config):
     beta: NonNegativeFloat = Field(1000.0, description="weight of lasting penetration [1/m]")
     resting_penetration: PositiveFloat = Field(
         0.001, description="depth [m] up to which two objects touch; what is deeper has not resolved"
+    )
+    wall_clearance: NonNegativeFloat = Field(
+        0.005, description="placements nearer to a wall [m] are taken only where there are no others"
     )
     threads: NonNegativeInt = Field(0, description="threads of the physics; 0: all cores")
 

@@ -10,7 +10,6 @@ from pack_interfaces.srv import PlanPlacement
 from rclpy.task import Future
 
 from pack_mpc.session import Observation, PackingSession
-from pack_mpc.stages import Placement
 
 
 class PlacementClient:
@@ -50,8 +49,8 @@ class PlacementClient:
             task.refuse(time, response.message)
             return
         try:
-            placement = Placement(from_pose(response.pose), tuple(response.collisions))
+            X_WN = from_pose(response.pose)
         except MessageError as error:
             task.refuse(time, str(error))
             return
-        task.place(placement, time, seen.scene.objects[session.scene.new_object.name].X_WO)
+        task.place(X_WN, tuple(response.collisions), seen.scene)

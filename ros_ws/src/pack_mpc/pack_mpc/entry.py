@@ -1,0 +1,57 @@
+"""How the held object enters among the others: leaning over its obstacles, lower edge first.
+
+Flat on top of an obstacle it would stand there. With its lower edge in the gap beside the obstacle it
+wedges itself in, and is upright again once it is down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from pack_core.rotations import Array, Pose
+from pack_core.scene.scene import Scene
+
+ONE_SIDED = 0.3
+"""Obstacles all around (length of the mean of their unit directions below this) leave no side to lean to."""
+UPRIGHT_BELOW = 0.02
+"""Height of the lower end at which the object is upright again [m]."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A packing pose X_WN for the held object N.
+
+    Attributes:
+        X_WN: the pose.
+        collisions: the objects that it overlaps, the collision list G.
+        over: horizontal unit vector `(2,)` from the pose to its obstacles; zero without a clear side.
+        top: height of the tallest obstacle [m].
+    """
+
+    X_WN: Pose
+    collisions: tuple[str, ...]
+    over: Array = field(default_factory=lambda: np.zeros(2))
+    top: float = 0.0
+
+
+def plan_entry(scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) -> Placement:
+    """The placement with its side to lean to, from where its obstacles stand."""
+    if not collisions:
+        return Placement(X_WN, collisions)
+    offsets = np.array([poses[name].p[:2] - X_WN.p[:2] for name in collisions])
+    lengths = np.maximum(np.linalg.norm(offsets, axis=1, keepdims=True), 1e-6)
+    mean = (offsets / lengths).mean(axis=0)
+    length = float(np.linalg.norm(mean))
+    over = mean / length if length > ONE_SIDED else np.zeros(2)
+    top = max(2.0 * float(scene.model_of(name).half_extents[2]) for name in collisions)
+    return Placement(X_WN, collisions, over, top)
+
+
+def lean_at(placement: Placement, lean: float, bottom: float) -> Array:
+    """Wanted x and y `(2,)` of the object's z axis with its lower end at height `bottom` [m]."""
+    if placement.top <= UPRIGHT_BELOW:
+        return np.zeros(2)
+    share = np.clip((bottom - UPRIGHT_BELOW) / (placement.top - UPRIGHT_BELOW), 0.0, 1.0)
+    return np.asarray(np.sin(lean * share) * placement.over)
