@@ -55,8 +55,7 @@ class Recorder:
         self.dropped = 0
         self.written: Counter[str] = Counter()
         self._queue: Queue[tuple[str, int, bytes] | None] = Queue(QUEUE_SIZE)
-        self._writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
-        self._connections = self._open(topics, types)
+        self._writer, self._connections = _open(path, topics, types)
         self._thread = Thread(target=self._run, name="bag writer", daemon=True)
         self._thread.start()
 
@@ -75,18 +74,6 @@ class Recorder:
         if self._thread.is_alive():
             self._queue.put(None)
             self._thread.join()
-
-    def _open(self, topics: Iterable[Topic], types: Typestore) -> dict[str, Connection]:
-        try:
-            self._writer.open()
-            return {
-                topic.name: self._writer.add_connection(
-                    topic.name, topic.type, typestore=types, offered_qos_profiles=topic.offered_qos
-                )
-                for topic in topics
-            }
-        except STORAGE_ERRORS as error:
-            raise BagError(f"cannot record to {self.path}: {error}; give another `path`") from error
 
     def _run(self) -> None:
         try:
@@ -125,3 +112,17 @@ class Recorder:
         """Take messages until the end without keeping them, so that nobody waits for room."""
         while self._queue.get() is not None:
             self.dropped += 1
+
+
+def _open(path: Path, topics: Iterable[Topic], types: Typestore) -> tuple[Writer, dict[str, Connection]]:
+    try:
+        writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
+        writer.open()
+        return writer, {
+            topic.name: writer.add_connection(
+                topic.name, topic.type, typestore=types, offered_qos_profiles=topic.offered_qos
+            )
+            for topic in topics
+        }
+    except STORAGE_ERRORS as error:
+        raise BagError(f"cannot record to {path}: {error}; give another `path`") from error

@@ -21,6 +21,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from pack_core.errors import BagError
 
+UNREADABLE = (AnyReaderError, OSError, TypeError, ValueError, struct.error)
+"""What rosbags raises on a bag that has no end, or is none."""
 HEAD = 9
 """Bytes in front of a record's content: what it is (1), and its length (8)."""
 
@@ -84,7 +86,7 @@ def read_bag(path: Path, topics: Collection[str] | None = None) -> Bag:
     bag = find_bag(path)
     try:
         messages, is_cut = list(_read_finished(bag, topics)), False
-    except (AnyReaderError, OSError) as error:
+    except UNREADABLE as error:
         messages, is_cut = _read_cut(_storage_file(bag, error), topics)
     return Bag(bag, tuple(sorted(messages, key=lambda item: item.time_ns)), is_cut)
 
