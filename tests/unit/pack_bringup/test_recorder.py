@@ -10,9 +10,10 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2 import Reader
 
 from pack_bringup.message_types import message_types
-from pack_bringup.recorder import Recorder, Topic
+from pack_bringup.recorder import Recorder
 from pack_core.errors import BagError
 from pack_core.evaluation.bag import read_bag
+from pack_core.evaluation.raw_bag import Topic
 
 NUMBER = "std_msgs/msg/Float64"
 NUMBERS = Topic("/numbers", NUMBER)
@@ -27,7 +28,8 @@ import sys
 from pathlib import Path
 from threading import Event
 from pack_bringup.message_types import message_types
-from pack_bringup.recorder import Recorder, Topic
+from pack_bringup.recorder import Recorder
+from pack_core.evaluation.raw_bag import Topic
 
 types = message_types()
 recorder = Recorder(Path(sys.argv[1]), [Topic("/numbers", "std_msgs/msg/Float64")], types)

@@ -7,34 +7,25 @@ import time
 from collections import Counter
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from queue import Empty, Full, Queue
 from threading import Thread
 from typing import cast
 
-from rosbags.interfaces import Connection, Qos
+from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.errors import WriterError
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.typesys.store import Typestore
 
 from pack_core.errors import BagError
+from pack_core.evaluation.raw_bag import Topic
 
 FLUSH_PERIOD = 0.5
 """Wall clock [s] between two moments at which all that was received is in the file."""
 QUEUE_SIZE = 100_000
 """Messages that may wait for a slow disk before new ones are dropped and counted."""
 STORAGE_ERRORS = (OSError, WriterError)
-
-
-@dataclass(frozen=True)
-class Topic:
-    """What the bag must know of a topic; `type` is as in `sensor_msgs/msg/JointState`."""
-
-    name: str
-    type: str
-    offered_qos: tuple[Qos, ...] = ()
 
 
 class Recorder:

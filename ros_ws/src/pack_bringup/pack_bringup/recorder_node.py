@@ -18,11 +18,12 @@ from rclpy.subscription import Subscription
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
 from pack_bringup.message_types import message_types
-from pack_bringup.recorder import Recorder, Topic
+from pack_bringup.recorder import Recorder
 from pack_bringup.run_record import BAG_FOLDER, SCENE_FILE, default_folder, describe_run
 from pack_core import stamps
 from pack_core.config import Config
 from pack_core.errors import BagError, PackError
+from pack_core.evaluation.raw_bag import Topic
 from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import Contract

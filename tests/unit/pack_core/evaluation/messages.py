@@ -10,10 +10,11 @@ import numpy as np
 from rosbags.interfaces import Nodetype
 
 from pack_bringup.message_types import message_types
-from pack_bringup.recorder import Recorder, Topic
+from pack_bringup.recorder import Recorder
 from pack_core import stamps
 from pack_core.cells.packing import packing_cell
 from pack_core.evaluation import arrays
+from pack_core.evaluation.raw_bag import Topic
 from pack_core.robots.panda import JOINTS
 
 TYPES = message_types()

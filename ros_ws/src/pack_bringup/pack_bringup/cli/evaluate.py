@@ -75,6 +75,24 @@ def info(bag: BagPath) -> None:
         typer.echo("the recording was cut off; all in front of the cut was read")
 
 
+@bag_app.command()
+def copy(
+    bag: BagPath,
+    target: Annotated[Path, typer.Argument(help="The new bag's folder.")],
+    start: Annotated[float, typer.Option("--from", help="Simulated time [s].")] = 0.0,
+    end: Annotated[float, typer.Option("--to", help="Simulated time [s].")] = float("inf"),
+) -> None:
+    """Copy a bag or a stretch of it, compressed; a bag that was cut off becomes a finished one.
+
+    - `pack bag copy bags/packing_20260101_120000_seed0 short --from 2 --to 5`
+    """
+    from pack_bringup.bag_copy import copy_bag
+
+    copied = copy_bag(bag, target, start, end)
+    note = " of a recording that was cut off" if copied.was_cut else ""
+    typer.echo(f"{copied.messages} messages{note} in {target}")
+
+
 def run_evaluation(bag: Path, output: Path, *, with_video: bool) -> Evaluation:
     """Evaluate with a progress bar for the video."""
     from pack_core.evaluation.evaluate import evaluate as evaluate_bag

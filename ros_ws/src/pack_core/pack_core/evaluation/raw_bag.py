@@ -1,0 +1,145 @@
+"""Serialised messages of a bag; one that a kill cut off is read up to the cut.
+
+Types come from the schemas in the bag, so a bag is readable wherever it is carried.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any, cast
+
+from mcap.exceptions import McapError
+from mcap.records import Channel, Footer, Message, Schema
+from mcap.stream_reader import StreamReader
+from mcap.writer import MCAP0_MAGIC
+from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.interfaces import ConnectionExtRosbag2, Qos
+from rosbags.rosbag2.metadata import parse_qos
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from pack_core.errors import BagError
+
+UNREADABLE = (AnyReaderError, OSError, TypeError, ValueError, struct.error)
+"""What rosbags raises on a bag that has no end, or is none."""
+HEAD = 9
+"""Bytes in front of a record's content: what it is (1), and its length (8)."""
+
+
+@dataclass(frozen=True)
+class Topic:
+    """What a bag knows of a topic; `type` is as in `sensor_msgs/msg/JointState`."""
+
+    name: str
+    type: str
+    offered_qos: tuple[Qos, ...] = ()
+
+
+@dataclass(frozen=True)
+class RawMessage:
+    """A message of `topic` in CDR form, recorded at simulated time `time_ns` [ns]."""
+
+    topic: str
+    time_ns: int
+    data: bytes
+
+
+@dataclass(frozen=True)
+class RawBag:
+    """What was read; `is_cut` where the recording ended without finishing the bag."""
+
+    path: Path
+    topics: dict[str, Topic]
+    messages: tuple[RawMessage, ...]
+    types: Typestore
+    is_cut: bool
+
+
+def find_bag(path: Path) -> Path:
+    """The bag in a run's folder, or `path` itself where it is a bag already.
+
+    Raises:
+        BagError: there is nothing like a bag.
+    """
+    for candidate in (path / "bag", path):
+        if candidate.is_file() or (candidate / "metadata.yaml").is_file() or list(candidate.glob("*.mcap")):
+            return candidate
+    what = "has no metadata.yaml and no .mcap file" if path.is_dir() else "does not exist"
+    raise BagError(f"{path} {what}; give a run's folder, a bag's folder or an .mcap file")
+
+
+def read_raw_bag(path: Path, topics: Collection[str] | None = None) -> RawBag:
+    """Read a run's folder, a bag's folder or an MCAP file, in order of time.
+
+    Args:
+        path: what `find_bag` accepts.
+        topics: names of those wanted; all if None.
+
+    Raises:
+        BagError: the bag is missing, or nothing in it is readable.
+    """
+    bag = find_bag(path)
+    try:
+        return _read_finished(bag, topics)
+    except UNREADABLE as error:
+        return _read_cut(bag, _storage_file(bag, error), topics)
+
+
+def _read_finished(bag: Path, topics: Collection[str] | None) -> RawBag:
+    with AnyReader([bag]) as reader:
+        wanted = [item for item in reader.connections if topics is None or item.topic in topics]
+        found = {
+            item.topic: Topic(
+                item.topic, item.msgtype, tuple(cast(ConnectionExtRosbag2, item.ext).offered_qos_profiles)
+            )
+            for item in wanted
+        }
+        records = reader.messages(wanted) if wanted else ()
+        messages = tuple(RawMessage(item.topic, time_ns, bytes(data)) for item, time_ns, data in records)
+        return RawBag(bag, found, messages, reader.typestore, is_cut=False)
+
+
+def _storage_file(bag: Path, reason: Exception) -> Path:
+    files = [bag] if bag.is_file() else sorted(bag.glob("*.mcap"))
+    if len(files) != 1:
+        raise BagError(f"{bag} is not readable as a bag: {reason}") from reason
+    return files[0]
+
+
+def _read_cut(bag: Path, file: Path, topics: Collection[str] | None) -> RawBag:
+    """All messages of an MCAP file in front of the first broken record."""
+    types = get_typestore(Stores.EMPTY)
+    names: dict[int, str] = {}
+    channels: dict[int, Topic] = {}
+    messages: list[RawMessage] = []
+    is_cut = True
+    for record in _whole_records(file.read_bytes()):
+        if isinstance(record, Schema):
+            names[record.id] = record.name
+            types.register(get_types_from_msg(record.data.decode(), record.name))
+        elif isinstance(record, Channel):
+            qos = parse_qos(record.metadata.get("offered_qos_profiles", ""))
+            channels[record.id] = Topic(record.topic, names[record.schema_id], tuple(qos))
+        elif isinstance(record, Message):
+            messages.append(RawMessage(channels[record.channel_id].name, record.log_time, record.data))
+        elif isinstance(record, Footer):
+            is_cut = False
+    if not channels:
+        raise BagError(f"{file} holds no readable recording: not an MCAP file, or cut off at its very start")
+    wanted = {item.name: item for item in channels.values() if topics is None or item.name in topics}
+    kept = (item for item in messages if item.topic in wanted)
+    return RawBag(bag, wanted, tuple(sorted(kept, key=lambda item: item.time_ns)), types, is_cut)
+
+
+def _whole_records(data: bytes) -> Iterator[Any]:
+    end = len(MCAP0_MAGIC)
+    while (follows := end + HEAD + int.from_bytes(data[end + 1 : end + HEAD], "little")) <= len(data):
+        end = follows
+    try:
+        yield from StreamReader(BytesIO(data[:end])).records
+    except (McapError, struct.error):
+        return
