@@ -21,7 +21,7 @@ test: setup ## all tests but the benchmarks (ARGS goes to pytest)
 	@$(IN_ENV) pytest -m "not benchmark" $(ARGS)
 
 bench: setup ## measure speed and success (ARGS goes to the command)
-	@$(IN_ENV) pack bench $(CELL) $(ARGS)
+	@$(IN_ENV) pytest -m benchmark && pack benchmark $(CELL) $(ARGS)
 
 lint: setup ## ruff, formatting, mypy
 	@$(IN_ENV) ruff check && ruff format --check && mypy

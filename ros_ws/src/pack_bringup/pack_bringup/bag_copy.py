@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
+from rosbags.interfaces import QosDurability
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.errors import WriterError
 
 from pack_core import stamps
 from pack_core.errors import BagError
-from pack_core.evaluation.raw_bag import read_raw_bag
+from pack_core.evaluation.raw_bag import Topic, read_raw_bag
 
 
 @dataclass(frozen=True)
@@ -21,23 +23,25 @@ class Copied:
     was_cut: bool
 
 
-def copy_bag(source: Path, target: Path, start: float = 0.0, end: float = float("inf")) -> Copied:
+def copy_bag(
+    source: Path,
+    target: Path,
+    *,
+    start: float = 0.0,
+    end: float = float("inf"),
+    topics: Collection[str] | None = None,
+) -> Copied:
     """Copy what was recorded from `start` to `end` [s of simulated time], with index and metadata.
 
-    Topics with one message only, such as the cell's description, are kept whatever their time.
+    Latched messages from before `start`, such as the cell's description, are copied too.
 
     Raises:
         BagError: the source is not readable, or the target exists.
     """
-    raw = read_raw_bag(source)
-    counts = dict.fromkeys(raw.topics, 0)
-    for item in raw.messages:
-        counts[item.topic] += 1
-    wanted = [
-        item
-        for item in raw.messages
-        if counts[item.topic] == 1 or start <= stamps.to_seconds(item.time_ns) <= end
-    ]
+    raw = read_raw_bag(source, topics)
+    latched = {name for name, topic in raw.topics.items() if _is_latched(topic)}
+    first = {name: 0.0 if name in latched else start for name in raw.topics}
+    wanted = [item for item in raw.messages if first[item.topic] <= stamps.to_seconds(item.time_ns) <= end]
     try:
         writer = Writer(target, version=9, storage_plugin=StoragePlugin.MCAP)
         writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
@@ -53,3 +57,7 @@ def copy_bag(source: Path, target: Path, start: float = 0.0, end: float = float(
     except (OSError, WriterError) as error:
         raise BagError(f"cannot write {target}: {error}; give a folder that does not exist yet") from error
     return Copied(len(wanted), raw.is_cut)
+
+
+def _is_latched(topic: Topic) -> bool:
+    return any(qos.durability is QosDurability.TRANSIENT_LOCAL for qos in topic.offered_qos)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
+from pack_bringup.node_parameters import load_parameters
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.rotations import Array
@@ -121,3 +122,14 @@ class Lockstep:
             scene, np.random.default_rng(self._seed + len(avoid)), avoid=avoid,
             avoid_radius=self.session.task.avoid_radius, variant=self.session.method.placement_variant,
         )  # fmt: skip
+
+
+def lockstep_config(weights: str | None = None) -> LockstepConfig:
+    """The nodes' own configuration, from `config/nodes`; `weights` overrides the controller's set."""
+    session = load_parameters("mpc", SessionConfig)
+    return LockstepConfig(
+        simulator=load_parameters("sim", SimulatorConfig),
+        estimator=load_parameters("perception", EstimatorConfig),
+        planner=load_parameters("planner", PlacementConfig),
+        session=session.model_copy(update={"weights": weights}) if weights else session,
+    )

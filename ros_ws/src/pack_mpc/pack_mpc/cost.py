@@ -28,9 +28,14 @@ class PackingCost:
 
     def value(self, xs: Array, ys: Array, us: Array) -> Array:
         """Costs `(B,)` of trajectories `xs (B,T+1,nx)`, `ys (B,T+1,ny)`, `us (B,T,7)`."""
-        r2 = self._residuals.values(xs, ys) ** 2
-        running = (r2[:, :-1] @ self._running).sum(axis=1)
-        return np.asarray(running + r2[:, -1] @ self._terminal + self._torque * (us**2).sum(axis=(1, 2)))
+        return np.asarray((self.weighted(xs, ys) ** 2).sum(axis=1) + self._torque * (us**2).sum(axis=(1, 2)))
+
+    def weighted(self, xs: Array, ys: Array) -> Array:
+        """Residuals of a batch times the roots of their weights, as one row a trajectory `(B, M)`."""
+        r = self._residuals.values(xs, ys)
+        r[:, :-1] *= np.sqrt(self._running)
+        r[:, -1] *= np.sqrt(self._terminal)
+        return r.reshape(len(r), -1)
 
     def expand(self, xs: Array, ys: Array, us: Array, lin: Linearization, columns: np.ndarray) -> Expansion:
         """Gauss-Newton expansion along one trajectory."""

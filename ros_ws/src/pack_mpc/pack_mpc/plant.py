@@ -32,23 +32,22 @@ class Layout:
 
 
 class PackingPlant:
-    """x_{t+1} = f(x_t, u_t) with u the torques of a gravity-compensated arm.
+    """x_{t+1} = f(x_t, u_t) with u the controls of a gravity-compensated arm.
 
     Args:
         scene: shapes, sizes and masses; poses come with each state.
         cell: the cell's physical facts.
         timestep: the model's [s].
         threads: for rollouts.
-        with_objects: False leaves out the objects in the container (Uninformed Physics).
+        arm: driven by torques, or by the driver's servos.
     """
 
-    nu = 7
-
     def __init__(
-        self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, with_objects: bool = True
+        self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, arm: Arm = Arm.DRIVEN
     ) -> None:
-        self.scene = scene if with_objects else scene.model_copy(update={"objects": []})
-        self.model = build_model(self.scene, cell, timestep=timestep, arm=Arm.DRIVEN, held=Held.RIGID)
+        self.scene = scene
+        self.model = build_model(scene, cell, timestep=timestep, arm=arm, held=Held.RIGID)
+        self.nu = int(self.model.nu)
         self.timestep = timestep
         self._datas = [mujoco.MjData(self.model) for _ in range(threads)]
         self._rollout = Rollout(nthread=threads)
@@ -80,19 +79,26 @@ class PackingPlant:
             x[v] = item.v_WO_W
         return x
 
+    def held_position(self, x: Array) -> Array:
+        """Position `(3,)` [m] of the held object in a state `(nx,)`."""
+        data = self._datas[0]
+        mujoco.mj_setState(self.model, data, x, STATE)
+        mujoco.mj_kinematics(self.model, data)
+        return data.body(self.scene.new_object.name).xpos.copy()
+
     def rollout(self, x0: Array, us: Array) -> tuple[Array, Array]:
-        """Simulate a batch of torque sequences from one state.
+        """Simulate a batch of control sequences from one state.
 
         Args:
             x0: `(nx,)`.
-            us: `(B, T, 7)` [N m].
+            us: `(B, T, nu)`.
 
         Returns:
             States `(B, T + 1, nx)` and sensor outputs `(B, T + 1, ny)`; the last output is taken
-            with zero torque.
+            with the last controls held.
         """
         batch, steps, _ = us.shape
-        controls = np.concatenate([us, np.zeros((batch, 1, self.nu))], axis=1)
+        controls = np.concatenate([us, us[:, -1:]], axis=1)
         x0s = np.broadcast_to(x0, (batch, self.nx)).copy()
         states, ys = self._rollout.rollout(self.model, self._datas, x0s, controls)
         return np.concatenate([x0s[:, None], states[:, :steps]], axis=1), ys
@@ -102,13 +108,13 @@ class PackingPlant:
 
         Args:
             xs: `(T + 1, nx)`.
-            us: `(T, 7)`.
+            us: `(T, nu)`.
             columns: the n state components that take part.
             keypoints: rising step indices, first 0 and last T.
         """
         n, m, k = len(columns), self.nu, len(keypoints)
         width = 1 + n + m
-        u = np.concatenate([us, np.zeros((1, m))])[keypoints]
+        u = np.concatenate([us, us[-1:]])[keypoints]
         states = np.repeat(xs[keypoints], width, axis=0).reshape(k, width, -1)
         controls = np.repeat(u, width, axis=0).reshape(k, width, m)
         states[:, np.arange(1, n + 1), columns] += EPSILON

@@ -2,49 +2,48 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import mujoco
 import numpy as np
-from pack_core.cells.packing import Robot
+from pack_core.cells.packing import PackingCell
 from pack_core.rotations import Array
+from pack_core.scene.model import Arm
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import Setpoints
 
 from pack_mpc.plant import STATE, PackingPlant
 
-if TYPE_CHECKING:
-    from pack_mpc.controller import Plan
+TIMESTEP = 0.006
 
 
-def predict(plant: PackingPlant, robot: Robot, x: Array, plan: Plan | None, latency: float) -> Array:
-    """Advance a state by `latency` [s] under the plan in flight (Eq. 4); without a plan the arm holds.
+class Predictor:
+    """Advances a state under the setpoints in flight.
 
-    Args:
-        plant: the controller's model.
-        robot: the driver's gains.
-        x: full state `(nx,)`.
-        plan: in flight.
-        latency: rounded to whole steps of the model.
+    The servos are part of the model: evaluated once a step, the driver's damping would be unstable
+    at this step length.
     """
-    steps = int(round(latency / plant.timestep))
-    if steps == 0:
-        return x
-    data = mujoco.MjData(plant.model)
-    mujoco.mj_setState(plant.model, data, x, STATE)
-    kp, kd = np.array(robot.stiffness), np.array(robot.damping)
-    q_index, v_index = plant.layout.q, plant.layout.v
-    q_hold = x[q_index]
-    state = x
-    for _ in range(steps):
-        q_d, v_d, tau = (q_hold, np.zeros(7), np.zeros(7)) if plan is None else _reference(plan, state[0], plant)
-        tau = tau + kp * (q_d - state[q_index]) + kd * (v_d - state[v_index])
-        data.ctrl[:] = np.clip(tau, -plant.limits, plant.limits)
-        mujoco.mj_step(plant.model, data)
-        state = np.empty(plant.nx)
-        mujoco.mj_getState(plant.model, data, state, STATE)
-    return state
 
+    def __init__(self, scene: Scene, cell: PackingCell) -> None:
+        self._plant = PackingPlant(scene, cell, timestep=TIMESTEP, threads=1, arm=Arm.SERVO)
+        self._data = mujoco.MjData(self._plant.model)
 
-def _reference(plan: Plan, time: float, plant: PackingPlant) -> tuple[Array, Array, Array]:
-    xs, us = plan.trajectory.xs, plan.trajectory.us
-    i = min(max(int(round((time - xs[0, 0]) / plant.timestep)), 0), len(us) - 1)
-    return xs[i, plant.layout.q], xs[i, plant.layout.v], us[i]
+    def predict(self, x: Array, setpoints: Setpoints | None, latency: float) -> Array:
+        """The full state `(nx,)` after `latency` [s], rounded to whole steps.
+
+        Args:
+            x: full state `(nx,)`.
+            setpoints: in flight; without any, the arm holds.
+            latency: [s].
+        """
+        model, layout, data = self._plant.model, self._plant.layout, self._data
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_setState(model, data, x, STATE)
+        hold = Setpoints(x[0], np.zeros(1), x[layout.q][None], np.zeros((1, 7)), np.zeros((1, 7)))
+        reference, arm = setpoints or hold, layout.v - 1 - model.nq
+        for _ in range(int(round(latency / TIMESTEP))):
+            q_d, v_d, tau_ff = reference.at(data.time + TIMESTEP)
+            data.ctrl[:] = np.concatenate([q_d, v_d])
+            data.qfrc_applied[arm] = tau_ff
+            mujoco.mj_step(model, data)
+        state = np.empty(self._plant.nx)
+        mujoco.mj_getState(model, data, state, STATE)
+        return state

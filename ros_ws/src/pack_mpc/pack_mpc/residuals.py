@@ -25,12 +25,14 @@ class Target:
         p_WN: position `(3,)` [m].
         yaw: heading [rad].
         axis: x and y `(2,)` of its z axis, zero for upright.
+        over: horizontal direction `(2,)` to the obstacles, zero without a clear side.
         collisions: the collision list.
     """
 
     p_WN: Array
     yaw: float
     axis: Array = field(default_factory=lambda: np.zeros(2))
+    over: Array = field(default_factory=lambda: np.zeros(2))
     collisions: tuple[str, ...] = ()
 
 

@@ -79,10 +79,8 @@ class PackingSession:
         self.scene, self.method = scene, method
         weights = load_weights(config.weights)
         self.task = PackingTask(scene, config.task, time, timeout, weights.lean)
-        self.controller = PackingController(
-            scene, cell, weights, config.controller,
-            with_objects=method is not Method.UNINFORMED_PHYSICS,
-        )  # fmt: skip
+        known = scene.model_copy(update={"objects": []}) if method is Method.UNINFORMED_PHYSICS else scene
+        self.controller = PackingController(known, cell, weights, config.controller)
         self.iterations_ms: list[float] = []
 
     def step(self, seen: Observation, latency: float) -> Plan | None:
@@ -101,7 +99,7 @@ class PackingSession:
         if not seen.is_held:
             task.finish(ExitReason.DETACHED, time, "the pump lost the object")
         if task.update(time, X_WN):
-            self.controller.forget_regularisation()
+            self.controller.change_cost()
         machine = task.machine
         if task.outcome is not None or machine is None:
             return None

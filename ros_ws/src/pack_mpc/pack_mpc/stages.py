@@ -19,8 +19,6 @@ class StageConfig(Config):
 
     clearance: PositiveFloat = Field(default=0.03, description="pre-packing height over the tallest object [m]")
     pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
-    aligned: PositiveFloat = Field(default=0.01, description="beside its way by more, INSERT stays over the obstacles [m]")
-    hover: PositiveFloat = Field(default=0.01, description="how high over them [m]")
     insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
     placed_distance: PositiveFloat = Field(default=0.015, description="placed, from the packing pose [m]")
     stall_time: PositiveFloat = Field(default=2.0, description="INSERT without progress [s]")
@@ -50,7 +48,7 @@ class StageMachine:
         self.is_stalled = False
         self._yaw = nearest_heading(scene.new_object, yaw_of(placement.X_WN.q), heading)
         self._lowest, self._progress = np.inf, time
-        self._lean, self._p_WN = lean, np.full(3, np.inf)
+        self._lean, self._height = lean, np.inf
 
     @property
     def target(self) -> Target:
@@ -59,14 +57,12 @@ class StageMachine:
         if self.stage is Stage.FINE_TUNE:
             return Target(p_WN, self._yaw)
         half_height = float(self._scene.new_object.half_extents[2])
-        axis = lean_at(self.placement, self._lean, self._p_WN[2] - half_height)
+        axis = lean_at(self.placement, self._lean, self._height - half_height)
         p_WN[:2] += half_height * axis
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._pre_pack_height()
             return Target(p_WN, self._yaw, axis)
-        if self._is_astray(p_WN):
-            p_WN[2] += self.placement.top + self._config.hover
-        return Target(p_WN, self._yaw, axis, self.placement.collisions)
+        return Target(p_WN, self._yaw, axis, self.placement.over, self.placement.collisions)
 
     def distance(self, p_WN: Array) -> float:
         """Distance [m] from the held object to the packing pose."""
@@ -82,7 +78,7 @@ class StageMachine:
         Returns:
             Whether the stage changed.
         """
-        before, self._p_WN = self.stage, p_WN
+        before, self._height = self.stage, float(p_WN[2])
         if self.stage is Stage.PRE_PACK:
             if np.linalg.norm(p_WN - self.target.p_WN) < self._config.pre_pack_distance:
                 self._enter(Stage.INSERT, time)
@@ -91,12 +87,6 @@ class StageMachine:
                 self._enter(Stage.FINE_TUNE, time)
             self._watch_progress(time, float(p_WN[2]))
         return self.stage is not before
-
-    def _is_astray(self, p_WN: Array) -> bool:
-        """Whether the object is over the obstacles, beside its way down."""
-        bottom = self._p_WN[2] - self._scene.new_object.half_extents[2]
-        aside = np.linalg.norm(self._p_WN[:2] - p_WN[:2])
-        return bool(bottom > self.placement.top - self._config.hover and aside > self._config.aligned)
 
     def _enter(self, stage: Stage, time: float) -> None:
         self.stage, self.stage_start = stage, time

@@ -1,10 +1,12 @@
-"""Low-level joint controller: interpolated setpoints, PD with feed-forward torque, watchdog.
+"""Low-level joint controller: interpolated setpoints, PD with feed-forward torque, watchdog, brake.
 
 Eq. 4 of "Pack it in", with the sign that stabilises:
 `tau = tau_ff + Kp (q_d - q) + Kd (v_d - v)`. Gravity is compensated below this law.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -16,10 +18,14 @@ from pack_core.scene.state import Setpoints
 
 SLACK = 1e-6
 """What a setpoint may exceed a limit by, for rounding on the way [rad, rad/s, N m]."""
+BRAKE_TIME = 0.005
+"""Time constant of the stop before a hold [s]; the gains of Eq. 4 alone would take up to 0.4 s."""
+AT_REST = 0.01
+"""Joint speed at which braking ends and the arm is held where it is [rad/s]."""
 
 
 class JointController:
-    """Tracks the newest setpoints; without fresh ones it holds the arm where it is.
+    """Tracks the newest setpoints; without fresh ones it stops the arm and holds it where it is.
 
     Args:
         robot: the gains.
@@ -33,11 +39,8 @@ class JointController:
         self._setpoints: Setpoints | None = None
         self._received = -np.inf
         self._q_hold: Array | None = None
-
-    @property
-    def is_holding(self) -> bool:
-        """Whether the last torque came from the watchdog's hold."""
-        return self._q_hold is not None
+        self.is_holding = False
+        """Whether the last torque came from the watchdog: the arm brakes or is held."""
 
     def accept(self, setpoints: Setpoints, time: float) -> None:
         """Take setpoints that arrived at `time` [s].
@@ -52,34 +55,34 @@ class JointController:
         """Forget the setpoints, as when their sender died: hold from the next step on."""
         self._setpoints = None
 
-    def reference(self, time: float, q: Array) -> tuple[Array, Array, Array]:
-        """Desired position, velocity and feed-forward torque at `time`, each `(7,)`."""
+    def reference(self, time: float, q: Array, v: Array, M: Callable[[], Array]) -> tuple[Array, Array, Array]:
+        """Desired position, velocity and feed-forward torque at `time`, each `(7,)`; see `torque`."""
         plan = self._setpoints
-        if plan is None or time - self._received > self._watchdog or time > plan.time + plan.offsets[-1]:
-            if self._q_hold is None:
-                self._q_hold = np.clip(q, LOWER, UPPER)
-            return self._q_hold, np.zeros(7), np.zeros(7)
-        self._q_hold = None
-        return _interpolate(plan, time - plan.time)
+        if plan is not None and self._is_fresh(plan, time):
+            self._q_hold, self.is_holding = None, False
+            return plan.at(time)
+        self.is_holding = True
+        if self._q_hold is None and np.abs(v).max() > AT_REST:
+            return q, v, -(M() @ v) / BRAKE_TIME
+        if self._q_hold is None:
+            self._q_hold = np.clip(q, LOWER, UPPER)
+        return self._q_hold, np.zeros(7), np.zeros(7)
 
-    def torque(self, time: float, q: Array, v: Array) -> Array:
-        """Joint torques `(7,)` [N m] for measured `q` [rad] and `v` [rad/s], within the limits (Eq. 4)."""
-        q_d, v_d, tau_ff = self.reference(time, q)
+    def torque(self, time: float, q: Array, v: Array, M: Callable[[], Array]) -> Array:
+        """Joint torques `(7,)` [N m], within the limits (Eq. 4).
+
+        Args:
+            time: now [s].
+            q: measured positions `(7,)` [rad].
+            v: measured velocities `(7,)` [rad/s].
+            M: gives the arm's mass matrix `(7, 7)` [kg m^2], where it must brake.
+        """
+        q_d, v_d, tau_ff = self.reference(time, q, v, M)
         tau: Array = tau_ff + self._kp * (q_d - q) + self._kd * (v_d - v)
         return np.clip(tau, -TORQUE_LIMITS, TORQUE_LIMITS)
 
-
-def _interpolate(plan: Setpoints, offset: float) -> tuple[Array, Array, Array]:
-    offsets = plan.offsets
-    i = min(max(int(np.searchsorted(offsets, offset, side="right")) - 1, 0), len(offsets) - 1)
-    j = min(i + 1, len(offsets) - 1)
-    span = offsets[j] - offsets[i]
-    s = min(max((offset - offsets[i]) / span, 0.0), 1.0) if span > 0 else 0.0
-    return (
-        (1 - s) * plan.q[i] + s * plan.q[j],
-        (1 - s) * plan.v[i] + s * plan.v[j],
-        (1 - s) * plan.tau[i] + s * plan.tau[j],
-    )
+    def _is_fresh(self, plan: Setpoints, time: float) -> bool:
+        return time - self._received <= self._watchdog and time <= plan.time + plan.offsets[-1]
 
 
 def _check(setpoints: Setpoints) -> None:

@@ -110,12 +110,11 @@ class SimNode(CellNode):
             scene = (
                 parse_scene(request.scene, "request") if request.scene else generate_scene(request.seed, self._cell)
             )
-            simulator = self._build(scene, request.seed, self._simulator.time)
+            with self._lock:
+                self._simulator = self._build(scene, request.seed, self._simulator.time)
         except Exception as error:
             response.message = str(error)
             return response
-        with self._lock:
-            self._simulator = simulator
         response.success = True
         return response
 

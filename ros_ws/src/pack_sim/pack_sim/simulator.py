@@ -74,7 +74,8 @@ class Simulator:
     def step(self) -> None:
         """Advance by one time step; the physics stays still when it would diverge."""
         data = self.data
-        data.ctrl[:] = self.controller.torque(self.time, data.qpos[self._q], data.qvel[self._v])
+        q, v = data.qpos[self._q], data.qvel[self._v]
+        data.ctrl[:] = self.controller.torque(self.time, q, v, self._mass_matrix)
         mujoco.mj_step(self.model, data)
         if self.pump.state.is_closed:
             force, torque = self._cup_load()
@@ -138,6 +139,12 @@ class Simulator:
     def _index(self) -> None:
         self._q = np.array([self.model.joint(name).qposadr[0] for name in JOINTS])
         self._v = np.array([self.model.joint(name).dofadr[0] for name in JOINTS])
+
+    def _mass_matrix(self) -> Array:
+        """The arm's `(7, 7)`, with what it holds [kg m^2]."""
+        M = np.empty((self.model.nv, self.model.nv))
+        mujoco.mj_fullM(self.model, self.data, M)
+        return M[np.ix_(self._v, self._v)]
 
     def _swap(self, held: Held) -> None:
         """Go on with the new object held or free, everything else as it is."""

@@ -81,6 +81,9 @@ def copy(
     target: Annotated[Path, typer.Argument(help="The new bag's folder.")],
     start: Annotated[float, typer.Option("--from", help="Simulated time [s].")] = 0.0,
     end: Annotated[float, typer.Option("--to", help="Simulated time [s].")] = float("inf"),
+    topics: Annotated[
+        list[str] | None, typer.Option("--topic", help="This topic only; may be repeated.")
+    ] = None,
 ) -> None:
     """Copy a bag or a stretch of it, compressed; a bag that was cut off becomes a finished one.
 
@@ -88,7 +91,7 @@ def copy(
     """
     from pack_bringup.bag_copy import copy_bag
 
-    copied = copy_bag(bag, target, start, end)
+    copied = copy_bag(bag, target, start=start, end=end, topics=topics)
     note = " of a recording that was cut off" if copied.was_cut else ""
     typer.echo(f"{copied.messages} messages{note} in {target}")
 

@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from pack_bringup.cli import demo, evaluate, executables, run, up, wiring
+from pack_bringup.cli import benchmark, demo, evaluate, executables, run, up, wiring
 from pack_core.errors import PackError
 
 app = typer.Typer(
@@ -17,12 +17,13 @@ app = typer.Typer(
 
     - `pack demo packing` packs one object and reports
     - `pack evaluate BAG` measures a recorded run
+    - `pack benchmark packing` measures many scenes in lockstep
     - `pack up packing` starts a whole cell, each node a process
     - `pack run pack_sim sim_node` starts one node
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, up, run, executables, wiring):
+for command in (demo, evaluate, benchmark, up, run, executables, wiring):
     app.add_typer(command.app)
 
 

@@ -76,13 +76,12 @@ LINKS = (
 )  # fmt: skip
 
 
-def add_panda(spec: mujoco.MjSpec, pump: Pump, *, actuated: bool, gravcomp: bool = True) -> mujoco.MjsBody:
+def add_panda(spec: mujoco.MjSpec, pump: Pump, *, gravcomp: bool = True) -> mujoco.MjsBody:
     """Add the arm with its pump at the world's origin.
 
     Args:
         spec: the model under construction.
         pump: the tool.
-        actuated: give every joint a torque actuator with the published limit.
         gravcomp: compensate the weight of the links and the tool, as the robot's driver does.
 
     Returns:
@@ -100,13 +99,6 @@ def add_panda(spec: mujoco.MjSpec, pump: Pump, *, actuated: bool, gravcomp: bool
         )  # fmt: skip
         _draw(parent, link.capsules, WHITE)
         _draw_joint(parent, 0.062 if i < 5 else 0.047, ACCENT if i in (1, 3) else DARK)
-        if actuated:
-            limit = TORQUE_LIMITS[i]
-            motor = spec.add_actuator(
-                name=JOINTS[i], target=JOINTS[i], trntype=mujoco.mjtTrn.mjTRN_JOINT,
-                ctrllimited=True, ctrlrange=(-limit, limit),
-            )  # fmt: skip
-            motor.set_to_motor()
     return _add_pump(parent, pump, gravcomp)
 
 

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from pack_core.cells.packing import PackingCell
+from pack_core.robots.actuation import add_motors, add_servos, make_heavy
 from pack_core.robots.panda import add_panda
 from pack_core.rotations import Pose
 from pack_core.scene.objects import Box, Cylinder
@@ -29,6 +30,8 @@ class Arm(Enum):
     ABSENT = "absent"
     DRIVEN = "driven"
     """Torque actuators on every joint."""
+    SERVO = "servo"
+    """The driver's position and velocity servos on every joint (Eq. 4 without feed-forward)."""
     GUIDED = "guided"
     """Heavy joints without actuators, for a caller that sets their positions and velocities."""
 
@@ -41,9 +44,6 @@ class Held(Enum):
     FREE = "free"
     """A body of its own."""
     ABSENT = "absent"
-
-
-GUIDED_ARMATURE = 1e4
 
 
 def build_model(
@@ -71,12 +71,14 @@ def build_model(
     _add_container(spec, scene.container, scene.friction)
     for item in scene.objects:
         _add_object(spec.worldbody.add_body(name=item.name), item, scene.friction, free=True)
-    tool = None if arm is Arm.ABSENT else add_panda(spec, cell.pump, actuated=arm is Arm.DRIVEN)
+    tool = None if arm is Arm.ABSENT else add_panda(spec, cell.pump)
     _add_new_object(spec, tool, scene, held)
-    if arm is Arm.GUIDED:
-        for joint in spec.joints:
-            if joint.type == mujoco.mjtJoint.mjJNT_HINGE:
-                joint.armature = GUIDED_ARMATURE
+    if arm is Arm.DRIVEN:
+        add_motors(spec)
+    elif arm is Arm.SERVO:
+        add_servos(spec, cell.robot)
+    elif arm is Arm.GUIDED:
+        make_heavy(spec)
     if surroundings:
         add_surroundings(spec, scene.container)
     return spec.compile()

@@ -99,3 +99,19 @@ class Setpoints:
     q: Array
     v: Array
     tau: Array
+
+    def at(self, time: float) -> tuple[Array, Array, Array]:
+        """Position, velocity and torque `(7,)` at `time` [s]: interpolated, and held beyond the ends."""
+        offset, offsets = time - self.time, self.offsets
+        last = len(offsets) - 1
+        i = min(max(int(np.searchsorted(offsets, offset, side="right")) - 1, 0), last)
+        j = min(i + 1, last)
+        span = offsets[j] - offsets[i]
+        s = min(max((offset - offsets[i]) / span, 0.0), 1.0) if span > 0 else 0.0
+        q, v, tau = ((1 - s) * rows[i] + s * rows[j] for rows in (self.q, self.v, self.tau))
+        return q, v, tau
+
+    def until(self, offset: float) -> Setpoints:
+        """The rows up to `offset` [s] from the first."""
+        n = int(np.searchsorted(self.offsets, offset, side="right"))
+        return Setpoints(self.time, self.offsets[:n], self.q[:n], self.v[:n], self.tau[:n])

@@ -16,9 +16,9 @@ def to_status(session: PackingSession, seen: Observation, plan: Plan) -> MpcStat
     assert machine is not None
     message = MpcStatus(
         stage=machine.stage.name, elapsed=task.elapsed(seen.joints.time), distance=task.distance,
-        cost=plan.cost, iteration_ms=plan.iteration_ms, step_size=plan.step_size,
-        regularisation=plan.regularisation, target=to_pose(machine.placement.X_WN),
-        collisions=list(machine.placement.collisions), placements=len(task.tried), warning=plan.warning,
+        cost=plan.solution.cost, iteration_ms=plan.iteration_ms, step_size=plan.solution.step_size,
+        regularisation=plan.solution.regularisation, target=to_pose(machine.placement.X_WN),
+        collisions=list(machine.placement.collisions), placements=len(task.tried), warning=plan.solution.warning,
     )  # fmt: skip
     message.header.stamp, message.header.frame_id = to_stamp(seen.joints.time), WORLD
     return message
@@ -30,7 +30,7 @@ def to_feedback(session: PackingSession, seen: Observation, plan: Plan) -> PackO
     assert machine is not None
     return PackObject.Feedback(
         stage=machine.stage.name, elapsed=task.elapsed(seen.joints.time), distance=task.distance,
-        cost=plan.cost, iteration_ms=plan.iteration_ms,
+        cost=plan.solution.cost, iteration_ms=plan.iteration_ms,
     )  # fmt: skip
 
 

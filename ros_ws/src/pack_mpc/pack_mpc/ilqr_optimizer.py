@@ -1,0 +1,105 @@
+"""iLQR on torques, as the paper has it: finite differences over the objects that are touched."""
+
+from __future__ import annotations
+
+import numpy as np
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config
+from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
+from pack_core.rotations import Array
+from pack_core.scene.model import HELD_POSITION
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import Setpoints
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
+
+from pack_mpc.cost import PackingCost
+from pack_mpc.explorers import ExplorerConfig, explore
+from pack_mpc.ilqr import IlqrConfig, Iteration, Trajectory, evaluate, iterate
+from pack_mpc.plant import PackingPlant
+from pack_mpc.residuals import Target
+from pack_mpc.solution import Solution
+from pack_mpc.weights import Stage
+
+DIVERGED = 20.0
+"""Joint speed beyond which a rollout is worthless [rad/s]."""
+REGULARISATION = 1e-4
+
+
+class IlqrOptimizerConfig(Config):
+    """Parameters of iLQR."""
+
+    timestep: PositiveFloat = Field(default=0.006, description="of the model [s]")
+    horizon: PositiveInt = Field(default=100, description="steps")
+    touched: NonNegativeFloat = Field(
+        default=0.0005, description="an object that moves further over the horizon is in the state [m]"
+    )
+    iteration: IlqrConfig = IlqrConfig()
+    explorers: ExplorerConfig = ExplorerConfig()
+
+
+class IlqrOptimizer:
+    """Improves a torque sequence; its nominal trajectory is the last plan, shifted to now."""
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: IlqrOptimizerConfig, threads: int) -> None:
+        self._config = config
+        self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads)
+        self._rng = np.random.default_rng(0)
+        self._regularisation = REGULARISATION
+        self._last: Trajectory | None = None
+
+    def change_cost(self) -> None:
+        """A new cost wants a fresh step; the last plan stays, the driver is following it."""
+        self._regularisation = REGULARISATION
+
+    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
+        """One iteration from state `x0`."""
+        nominal, warning = self._nominal(cost, x0)
+        columns = self.plant.columns(self.touched(nominal))
+        candidates = self._explore(nominal, target) if stage is Stage.INSERT else None
+        result = iterate(
+            self.plant, cost, nominal, columns, self._regularisation, self._config.iteration, candidates
+        )
+        self._last, self._regularisation = result.trajectory, result.regularisation
+        return self._solution(result, warning)
+
+    def touched(self, nominal: Trajectory) -> list[str]:
+        """Objects that move along the nominal trajectory."""
+        moved = []
+        for name, p in self.plant.layout.object_p.items():
+            path = nominal.xs[:, p]
+            if np.linalg.norm(path - path[0], axis=1).max() > self._config.touched:
+                moved.append(name)
+        return moved
+
+    def _nominal(self, cost: PackingCost, x0: Array) -> tuple[Trajectory, str]:
+        """The last plan, shifted to now; gravity compensation alone where that diverges."""
+        steps, us = self._config.horizon, np.zeros((self._config.horizon, 7))
+        if self._last is not None:
+            shift = int(round((x0[0] - self._last.xs[0, 0]) / self._config.timestep))
+            if 0 <= shift < steps:
+                us[: steps - shift] = self._last.us[shift:]
+        nominal = evaluate(self.plant, cost, x0, us)
+        if _is_sane(nominal, self.plant):
+            return nominal, ""
+        nominal = evaluate(self.plant, cost, x0, np.zeros((steps, 7)))
+        return nominal, "the last plan diverged from here; started afresh"
+
+    def _explore(self, nominal: Trajectory, target: Target) -> Array:
+        away = -target.over
+        return explore(self.plant, nominal.xs[0], nominal.us, away, self._config.explorers, self._rng)
+
+    def _solution(self, result: Iteration, warning: str) -> Solution:
+        xs, us, layout = result.trajectory.xs[:-1], result.trajectory.us, self.plant.layout
+        setpoints = Setpoints(
+            float(xs[0, 0]), self._config.timestep * np.arange(len(us)), np.clip(xs[:, layout.q], LOWER, UPPER),
+            np.clip(xs[:, layout.v], -VELOCITY_LIMITS, VELOCITY_LIMITS), np.clip(us, -TORQUE_LIMITS, TORQUE_LIMITS),
+        )  # fmt: skip
+        path = result.trajectory.ys[:, self.plant.sensor(HELD_POSITION)]
+        return Solution(
+            setpoints, path, result.trajectory.cost, result.step_size, result.regularisation, result.warning or warning
+        )
+
+
+def _is_sane(trajectory: Trajectory, plant: PackingPlant) -> bool:
+    speeds = trajectory.xs[:, plant.layout.v]
+    return bool(np.isfinite(trajectory.cost) and np.all(np.abs(speeds) < DIVERGED))

@@ -1,0 +1,143 @@
+"""Spline Gauss-Newton by rollouts (SGN): a few twist knots, large finite differences, explorers.
+
+One batch of rollouts perturbs every knot by a step that is large enough to see past a contact; the
+Gauss-Newton steps that follow from it, at several dampings, are rolled out in a second batch, and the
+cheapest rollout of both is the plan. Every rollout is independent of the others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config
+from pack_core.rotations import Array
+from pack_core.scene.model import HELD_POSITION, Arm
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import Setpoints
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
+
+from pack_mpc.cost import PackingCost
+from pack_mpc.plant import PackingPlant
+from pack_mpc.residuals import Target
+from pack_mpc.solution import Solution
+from pack_mpc.spline import Basis, Servo
+from pack_mpc.weights import Stage
+
+
+class SgnConfig(Config):
+    """Parameters of SGN; twists are linear [m/s], then angular [rad/s]."""
+
+    timestep: PositiveFloat = Field(default=0.012, description="of the model [s]")
+    horizon: PositiveInt = Field(default=50, description="steps")
+    knots: PositiveInt = Field(default=3, description="of the spline")
+    step_linear: PositiveFloat = Field(default=0.05, description="finite difference [m/s]")
+    step_angular: PositiveFloat = Field(default=0.25, description="finite difference [rad/s]")
+    explorers: NonNegativeInt = Field(default=10, description="random splines an iteration")
+    spread_linear: PositiveFloat = Field(default=0.12, description="deviation of explorers [m/s]")
+    spread_angular: PositiveFloat = Field(default=0.5, description="deviation of explorers [rad/s]")
+    dampings: tuple[PositiveFloat, ...] = Field(default=(0.001, 0.01, 0.1, 1.0, 10.0), description="of the steps")
+    speed_linear: PositiveFloat = Field(default=0.4, description="largest twist [m/s]")
+    speed_angular: PositiveFloat = Field(default=1.5, description="largest twist [rad/s]")
+    effort: NonNegativeFloat = Field(default=0.02, description="cost of squared knots")
+    leash: PositiveFloat = Field(default=0.04, description="how far the reference may lead the arm [m]")
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Rollouts: weighted residuals `(B, M)`, costs `(B,)`, outputs, desired positions and velocities."""
+
+    residuals: Array
+    costs: Array
+    ys: Array
+    q: Array
+    v: Array
+
+
+class SgnOptimizer:
+    """Improves a twist spline; the driver's servos are part of the model."""
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: SgnConfig, threads: int) -> None:
+        self._config = config
+        self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads, arm=Arm.SERVO)
+        end = config.horizon * config.timestep
+        self._basis = Basis(config.timestep * np.arange(config.horizon), np.linspace(0.0, end, config.knots))
+        self._rng = np.random.default_rng(0)
+        self._steps = np.repeat([[config.step_linear] * 3 + [config.step_angular] * 3], config.knots, axis=0)
+        self._spread = np.array([config.spread_linear] * 3 + [config.spread_angular] * 3)
+        self._bound = np.array([config.speed_linear] * 3 + [config.speed_angular] * 3)
+        self._theta = np.zeros((config.knots, 6))
+        self._setpoints: Setpoints | None = None
+
+    def change_cost(self) -> None:
+        """Nothing is kept that belongs to one cost."""
+
+    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
+        """One iteration from state `x0`."""
+        servo = Servo(self.plant, x0, self._reference(x0), self._config.leash)
+        nominal = self._shifted(x0)
+        thetas, signs = self._first_batch(nominal, x0, target)
+        first = self._roll_out(servo, x0, cost, thetas)
+        steps = self._gauss_newton(first, thetas, signs)
+        second = self._roll_out(servo, x0, cost, steps)
+        costs = np.concatenate([first.costs, second.costs])
+        best = int(np.argmin(costs))
+        batch, i = (first, best) if best < len(first.costs) else (second, best - len(first.costs))
+        self._theta = np.concatenate([thetas, steps])[best]
+        offsets = np.append(self._basis.times, self._basis.knots[-1])
+        q, v = (np.concatenate([part[i], part[i, -1:]]) for part in (batch.q, batch.v))
+        self._setpoints = Setpoints(float(x0[0]), offsets, q, v, np.zeros_like(q))
+        path = batch.ys[i][:, self.plant.sensor(HELD_POSITION)]
+        return Solution(self._setpoints, path, float(costs[best]), float(best > 0), 0.0)
+
+    def _reference(self, x0: Array) -> Array:
+        """Where the reference in force stands at the time of `x0`; the arm's own place without one."""
+        plan = self._setpoints
+        if plan is None or not 0.0 <= x0[0] - plan.time <= plan.offsets[-1]:
+            return np.asarray(x0[self.plant.layout.q])
+        return np.array([np.interp(x0[0] - plan.time, plan.offsets, column) for column in plan.q.T])
+
+    def _shifted(self, x0: Array) -> Array:
+        if self._setpoints is None:
+            return np.zeros_like(self._theta)
+        return self._basis.shifted(self._theta, float(x0[0]) - self._setpoints.time)
+
+    def _first_batch(self, nominal: Array, x0: Array, target: Target) -> tuple[Array, Array]:
+        """The nominal, one perturbation a parameter, and explorers `(B, K, 6)`; and the perturbations' signs."""
+        signs = self._rng.choice([-1.0, 1.0], nominal.size)
+        deltas = np.diag(signs * self._steps.ravel()).reshape(-1, *nominal.shape)
+        explorers = nominal + self._rng.normal(size=(self._config.explorers, *nominal.shape)) * self._spread
+        straight = np.stack([np.zeros_like(nominal), self._straight(x0, target)])
+        thetas = np.concatenate([nominal[None], nominal + deltas, self._clip(np.concatenate([straight, explorers]))])
+        return thetas, signs
+
+    def _straight(self, x0: Array, target: Target) -> Array:
+        """The spline that heads straight for the target and stops there."""
+        twist = np.zeros(6)
+        twist[:3] = (target.p_WN - self.plant.held_position(x0)) / (0.5 * self._basis.knots[-1])
+        return np.concatenate([np.tile(twist, (len(self._theta) - 1, 1)), np.zeros((1, 6))])
+
+    def _roll_out(self, servo: Servo, x0: Array, cost: PackingCost, thetas: Array) -> Batch:
+        q, v = servo.references(self._basis.matrix() @ thetas, self._config.timestep)
+        xs, ys = self.plant.rollout(x0, np.concatenate([q, v], axis=2))
+        residuals = cost.weighted(xs, ys)
+        costs = (residuals**2).sum(axis=1) + self._config.effort * (thetas**2).sum(axis=(1, 2))
+        return Batch(residuals, np.where(np.isfinite(costs), costs, np.inf), ys, q, v)
+
+    def _gauss_newton(self, batch: Batch, thetas: Array, signs: Array) -> Array:
+        """Damped Gauss-Newton steps from the nominal `(D, K, 6)`."""
+        n, nominal = thetas[0].size, thetas[0]
+        J = (batch.residuals[1 : n + 1] - batch.residuals[0]).T / (signs * self._steps.ravel())
+        if not np.all(np.isfinite(J)):
+            return nominal[None]
+        gradient = J.T @ batch.residuals[0] + self._config.effort * nominal.ravel()
+        hessian = J.T @ J + self._config.effort * np.eye(n)
+        steps = [
+            -np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), gradient)
+            for damping in self._config.dampings
+        ]
+        return self._clip(nominal + np.array(steps).reshape(-1, *nominal.shape))
+
+    def _clip(self, thetas: Array) -> Array:
+        return np.clip(thetas, -self._bound, self._bound)
