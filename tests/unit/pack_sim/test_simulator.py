@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from pack_core.cells.packing import PackingCell, Suction, packing_cell
 from pack_core.rotations import Pose, angle_between
 from pack_core.scene.scene import Scene
@@ -54,10 +55,30 @@ def test_the_arm_follows_its_setpoints(scene: Scene) -> None:
     simulator = build(scene)
     goal = simulator.joints().q + np.array([0.1, 0, 0, 0, 0, 0, 0.2])
     for _ in range(80):
-        plan = Setpoints(simulator.time, np.array([0.0, 1.0]), np.tile(goal, (2, 1)), *2 * (np.zeros((2, 7)),))
+        plan = Setpoints(
+            simulator.time, np.array([0.0, 1.0]), np.tile(goal, (2, 1)), *2 * (np.zeros((2, 7)),)
+        )
         simulator.accept(plan)
         run(simulator, 0.05)
     np.testing.assert_allclose(simulator.joints().q, goal, atol=2e-3)
+
+
+@pytest.mark.parametrize("joint", range(7))
+def test_a_fast_arm_without_setpoints_is_at_rest_within_40_ms(scene: Scene, joint: int) -> None:
+    simulator = build(scene)
+    plan = Setpoints(simulator.time, np.linspace(0.0, 1.0, 40), *(np.zeros((40, 7)) for _ in range(3)))
+    plan.q[:] = simulator.joints().q
+    plan.q[:, joint] -= plan.offsets
+    plan.v[:, joint] = -1.0
+    for _ in range(6):
+        simulator.accept(plan)
+        run(simulator, 0.05)
+    assert np.abs(simulator.joints().v).max() > 0.9
+    simulator.controller.drop()
+    run(simulator, 0.04)
+    for _ in range(100):
+        run(simulator, 0.002)
+        assert np.abs(simulator.joints().v).max() < 0.02
 
 
 def test_an_object_that_is_let_go_falls_and_the_arm_carries_on(scene: Scene) -> None:
