@@ -5,6 +5,7 @@ import pytest
 import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from pack_mpc.ilqr import Expansion, IlqrConfig, Linearization, evaluate, iterate
 
 CONFIG = IlqrConfig(regularisation_min=1e-12)

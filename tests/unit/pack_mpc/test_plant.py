@@ -3,6 +3,8 @@
 import mujoco
 import numpy as np
 import pytest
+
+from pack_core.cells.packing import packing_cell
 from pack_core.scene.model import HELD_POSITION
 from pack_mpc.plant import STATE, PackingPlant
 
@@ -64,8 +66,7 @@ def test_state_keeps_joints_and_objects_where_they_belong(plant: PackingPlant, j
 
 
 def test_a_plant_without_objects_has_only_the_arm(scene, joints, state) -> None:
-    from pack_core.cells.packing import packing_cell
-
-    bare = PackingPlant(scene, packing_cell(), timestep=0.006, threads=1, with_objects=False)
+    known = scene.model_copy(update={"objects": []})
+    bare = PackingPlant(known, packing_cell(), timestep=0.006, threads=1)
     assert bare.nx == 1 + 7 + 7
     assert bare.state(joints, state).shape == (15,)

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+
 from pack_mpc.ilqr import Linearization
 from pack_mpc.residuals import Residuals, Target
 from pack_mpc.weights import WeightSet, load_weights
 
-TARGET = Target(np.array([0.48, 0.02, 0.09]), 0.3, ("tea_box", "soup_can"))
+TARGET = Target(np.array([0.48, 0.02, 0.09]), 0.3, collisions=("tea_box", "soup_can"))
 
 
 @pytest.fixture(params=["table_1", "tuned"])

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+
 from pack_core.rotations import Pose, from_yaw
 from pack_core.scene.scene import Scene
-from pack_mpc.stages import Placement, StageConfig, StageMachine, nearest_heading
+from pack_mpc.entry import Placement
+from pack_mpc.stages import StageConfig, StageMachine, nearest_heading
 from pack_mpc.weights import Stage
 
 PLACE = np.array([0.5, 0.0, 0.09])

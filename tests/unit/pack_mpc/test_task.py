@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+
 from pack_core.rotations import Pose
 from pack_core.scene.scene import Scene
-from pack_mpc.stages import Placement
+from pack_core.scene.state import ObjectState, SceneState
 from pack_mpc.task import ExitReason, PackingTask, TaskConfig
 from pack_mpc.weights import Stage
 
@@ -18,8 +19,13 @@ def task(scene: Scene) -> PackingTask:
 
 
 def placed(task: PackingTask) -> PackingTask:
-    task.place(Placement(PLACE, ("tea_box",)), 10.3, START)
+    task.place(PLACE, ("tea_box",), scene_at(START))
     return task
+
+
+def scene_at(X_WN: Pose) -> SceneState:
+    poses = {"tea_box": Pose(np.array([0.45, 0.0, 0.065])), "passata": X_WN}
+    return SceneState(10.3, {name: ObjectState(X_WO) for name, X_WO in poses.items()})
 
 
 def at(height: float) -> Pose:

@@ -3,6 +3,7 @@
 import threading
 
 import pytest
+
 from pack_mpc.worker import Worker, WorkerConfig
 
 

@@ -1,0 +1,48 @@
+"""The predicted state is the one that the driver brings about."""
+
+import numpy as np
+import pytest
+from pack_core.cells.packing import packing_cell
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import Setpoints
+from pack_mpc.plant import PackingPlant
+from pack_mpc.predictor import Predictor
+from pack_sim.simulator import Simulator, SimulatorConfig
+
+
+@pytest.fixture
+def simulator(scene: Scene) -> Simulator:
+    return Simulator(packing_cell(), scene, SimulatorConfig(), np.random.default_rng(0))
+
+
+def swing(simulator: Simulator) -> Setpoints:
+    """Setpoints that move every joint, with some feed-forward torque."""
+    offsets = np.linspace(0.0, 0.3, 31)
+    v = np.array([0.4, 0.3, -0.4, 0.3, 0.5, -0.5, 0.6])
+    q = simulator.joints().q + offsets[:, None] * v
+    return Setpoints(simulator.time, offsets, q, np.tile(v, (31, 1)), np.tile(0.5 * np.sign(v), (31, 1)))
+
+
+def run(simulator: Simulator, duration: float) -> None:
+    for _ in range(round(duration / simulator.config.timestep)):
+        simulator.step()
+
+
+@pytest.mark.parametrize("latency", [0.012, 0.048, 0.096])
+def test_prediction_agrees_with_the_driver(scene: Scene, plant: PackingPlant, simulator: Simulator, latency) -> None:
+    setpoints = swing(simulator)
+    simulator.accept(setpoints)
+    run(simulator, 0.06)
+    x = plant.state(simulator.joints(), simulator.truth())
+    predicted = Predictor(scene.description(), packing_cell()).predict(x, setpoints, latency)
+    simulator.accept(setpoints)
+    run(simulator, latency)
+    np.testing.assert_allclose(predicted[plant.layout.q], simulator.joints().q, atol=4e-3)
+    np.testing.assert_allclose(predicted[plant.layout.v], simulator.joints().v, atol=0.06)
+    assert predicted[0] == pytest.approx(simulator.time)
+
+
+def test_without_setpoints_the_arm_is_predicted_to_stay(scene: Scene, plant: PackingPlant, simulator: Simulator) -> None:
+    x = plant.state(simulator.joints(), simulator.truth())
+    predicted = Predictor(scene.description(), packing_cell()).predict(x, None, 0.096)
+    np.testing.assert_allclose(predicted[plant.layout.q], simulator.joints().q, atol=1e-6)
