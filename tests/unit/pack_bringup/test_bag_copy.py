@@ -25,10 +25,15 @@ def test_a_copy_holds_the_same_messages_and_topics(recording: Path, tmp_path: Pa
 
 
 def test_a_stretch_keeps_the_description_whatever_its_time(recording: Path, tmp_path: Path) -> None:
-    copy_bag(recording, tmp_path / "copy", 1.205, 1.405)
+    copy_bag(recording, tmp_path / "copy", start=1.205, end=1.405)
     counts = read_bag(tmp_path / "copy").counts()
     assert counts["/cell_description"] == 1
     assert counts["/joint_states"] == 20
+
+
+def test_topics_that_are_not_asked_for_are_left_out(recording: Path, tmp_path: Path) -> None:
+    copy_bag(recording, tmp_path / "copy", topics=["/wrench"])
+    assert set(read_raw_bag(tmp_path / "copy").topics) == {"/wrench"}
 
 
 def test_a_copy_of_a_bag_that_was_cut_off_is_finished(recording: Path, tmp_path: Path) -> None:

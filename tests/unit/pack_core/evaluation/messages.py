@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rosbags.interfaces import Nodetype
+from rosbags.interfaces import (
+    Nodetype,
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
 
 from pack_bringup.message_types import message_types
 from pack_bringup.recorder import Recorder
@@ -67,11 +75,21 @@ def pose(x: float, y: float, z: float) -> Any:
     )
 
 
+def _topic(name: str, type_name: str) -> Topic:
+    latched = QosDurability.TRANSIENT_LOCAL if name == arrays.DESCRIPTION else QosDurability.VOLATILE
+    forever = QosTime(9223372036, 854775807)
+    qos = Qos(
+        QosHistory.KEEP_LAST, 1, QosReliability.RELIABLE, latched, forever, forever, QosLiveliness.AUTOMATIC,
+        forever, avoid_ros_namespace_conventions=False,
+    )  # fmt: skip
+    return Topic(name, type_name, (qos,))
+
+
 class GoalWriter:
     """Writes goals of one second each; topics that are left out stay empty."""
 
     def __init__(self, folder: Path, *, without: tuple[str, ...] = ()) -> None:
-        self._recorder = Recorder(folder / "bag", [Topic(*item) for item in TOPICS.items()], TYPES)
+        self._recorder = Recorder(folder / "bag", [_topic(*item) for item in TOPICS.items()], TYPES)
         self._without = without
         self._scene = packing_cell().scene
         self.write(0.0, arrays.DESCRIPTION, data=self._scene.description().to_yaml())

@@ -1,0 +1,39 @@
+"""The recording that the replay tests feed through the cores; bags/README.md says how it was made."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from pack_core.evaluation.arrays import to_run
+from pack_core.evaluation.bag import Bag, read_bag
+from pack_core.evaluation.run import Run
+from pack_core.paths import bags_path
+from pack_core.ros import contracts
+from pack_core.scene.scene import Scene
+
+COUNTS = {"/joint_states": 2732, "/mocap/markers": 655, "/scene": 709, "/mpc/status": 86}
+"""Messages that the sample holds; scores count for nothing if frames are missing."""
+SEED = 5
+"""Of the goal."""
+
+
+@cache
+def sample() -> Bag:
+    """The sample, all its topics."""
+    return read_bag(sample_path())
+
+
+def sample_path() -> Path:
+    """The sample's folder."""
+    return bags_path() / "samples" / "packing"
+
+
+def sample_scene() -> Scene:
+    """The cell's description in the sample."""
+    return Scene.from_yaml(sample().of(contracts.DESCRIPTION.name)[-1].data)
+
+
+def sample_run() -> Run:
+    """The sample's goal as arrays."""
+    return to_run(sample())
