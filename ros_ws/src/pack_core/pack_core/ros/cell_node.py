@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import LivelinessPolicy, QoSProfile
@@ -20,13 +23,16 @@ from pack_core.ros import contracts
 from pack_core.ros.contracts import Contract
 from pack_core.ros.health import Health
 
-LEASE = Duration(seconds=0.1)
-"""A node is dead when the middleware has not heard of it for this long, in wall clock. A shorter
-lease sees deaths sooner, and takes a node that waits for a busy machine's processor for dead."""
+LEASE = Duration(seconds=0.2)
+"""A node is dead when it has not been heard of for this long, in wall clock."""
+ASSERTION_PERIOD = 0.02
+"""How often a node says that it is alive [s of wall clock]; a busy machine may swallow a few."""
 
 
 def _alive_qos() -> QoSProfile:
-    return QoSProfile(depth=1, liveliness=LivelinessPolicy.AUTOMATIC, liveliness_lease_duration=LEASE)
+    return QoSProfile(
+        depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE
+    )
 
 
 class CellNode(Node):
@@ -36,9 +42,30 @@ class CellNode(Node):
         super().__init__(name, **kwargs)
         self.health = Health(name)
         self._diagnostics = self.advertise(contracts.DIAGNOSTICS)
-        self._alive = self.create_publisher(Empty, f"/alive/{name}", _alive_qos())
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0, self.report, clock=self.wall)
+        self._ended = threading.Event()
+        self._heart: threading.Thread | None = None
+        self._birth = self.create_timer(0.001, self._come_alive, clock=self.wall)
+
+    def destroy_node(self) -> None:
+        """Fall silent and end."""
+        self._ended.set()
+        if self._heart is not None:
+            self._heart.join()
+        super().destroy_node()
+
+    def _come_alive(self) -> None:
+        """From the executor's first turn on: what a constructor builds may take longer than the lease."""
+        self._birth.cancel()
+        self._alive = self.create_publisher(Empty, f"/alive/{self.get_name()}", _alive_qos())
+        self._heart = threading.Thread(target=self._beat, name="alive", daemon=True)
+        self._heart.start()
+
+    def _beat(self) -> None:
+        with suppress(InvalidHandle, RuntimeError):  # the context may end first
+            while not self._ended.wait(ASSERTION_PERIOD) and self.context.ok():
+                self._alive.assert_liveliness()
 
     def advertise(self, contract: Contract) -> Publisher:
         """A publisher of the contract's topic."""
