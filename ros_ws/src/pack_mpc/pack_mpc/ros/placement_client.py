@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from pack_interfaces.srv import PlanPlacement
+from rclpy.task import Future
+
 from pack_core.errors import MessageError
 from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.conversions import from_pose, to_point, to_scene
-from pack_interfaces.srv import PlanPlacement
-from rclpy.task import Future
-
 from pack_mpc.session import Observation, PackingSession
 
 
@@ -32,18 +32,19 @@ class PlacementClient:
             if self._pending.done():
                 response, self._pending = self._pending.result(), None
                 self._hand_over(session, seen, response)
-        elif task.needs_placement:
+        elif task.needs_placement and self._client.service_is_ready():
             self._pending = self._client.call_async(self._request(session, seen))
 
     def _request(self, session: PackingSession, seen: Observation) -> PlanPlacement.Request:
         task = session.task
-        request = PlanPlacement.Request(
+        return PlanPlacement.Request(
             scene=to_scene(seen.scene), variant=session.method.placement_variant,
             seed=self._seed + len(task.tried), avoid=[to_point(p) for p in task.avoid], avoid_radius=task.avoid_radius,
         )  # fmt: skip
-        return request
 
-    def _hand_over(self, session: PackingSession, seen: Observation, response: PlanPlacement.Response) -> None:
+    def _hand_over(
+        self, session: PackingSession, seen: Observation, response: PlanPlacement.Response
+    ) -> None:
         task, time = session.task, seen.joints.time
         if response.status != PlanPlacement.Response.SUCCESS:
             task.refuse(time, response.message)
