@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
+import threading
 import time
 from dataclasses import asdict
 from typing import Any
+
+from pack_interfaces.action import PackObject
+from pydantic import Field, PositiveFloat
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from std_msgs.msg import String
 
 from pack_core.cells.packing import packing_cell
 from pack_core.errors import PackError
@@ -15,18 +24,13 @@ from pack_core.ros.conversions import to_setpoints
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.scene.scene import Scene
-from pack_interfaces.action import PackObject
-from pydantic import Field, PositiveFloat
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
-from rclpy.action.server import ServerGoalHandle
-from rclpy.task import Future
-from std_msgs.msg import String
-
+from pack_mpc.controller import Plan
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
-from pack_mpc.session import Method, PackingSession, SessionConfig, hold
 from pack_mpc.ros.status import to_feedback, to_result, to_status
+from pack_mpc.session import Method, PackingSession, SessionConfig, hold
 from pack_mpc.task import ExitReason
+from pack_mpc.weights import load_weights
 from pack_mpc.worker import Worker, WorkerConfig
 
 
@@ -35,7 +39,8 @@ class MpcNodeConfig(SessionConfig):
 
     worker: WorkerConfig = WorkerConfig()
     watched: tuple[str, ...] = Field(
-        default=("sim", "perception", "planner", "recorder"), description="the arm holds while one of them is silent"
+        default=("sim", "perception", "planner", "recorder"),
+        description="the arm holds while one of them is silent",
     )
     fault_time: PositiveFloat = Field(default=1.0, description="silence that ends a goal [s of wall clock]")
 
@@ -46,11 +51,14 @@ class MpcNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("mpc", **kwargs)
         self._config = read_parameters(self, MpcNodeConfig)
+        load_weights(self._config.weights)  # a set that does not exist is found now, not at the first goal
         self._scene: Scene | None = None
         self._session: PackingSession | None = None
         self._done: Future | None = None
         self._goal: ServerGoalHandle | None = None
+        self._is_busy = False
         self._silent: dict[str, float] = {}
+        self._sending = threading.Lock()
         self._mailbox = Mailbox(self)
         self._placements = PlacementClient(self)
         self._setpoints = self.advertise(contracts.SETPOINTS)
@@ -66,6 +74,11 @@ class MpcNode(CellNode):
         self._worker = Worker(self._iterate, self._config.worker, self._on_error)
         self._mailbox.on_joints = self._worker.wake
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether the cell is described, and its joints and objects have been seen."""
+        return self._scene is not None and self._mailbox.is_ready(self._scene)
+
     def destroy_node(self) -> None:
         """Stop the worker, then the node."""
         self._worker.stop()
@@ -76,34 +89,37 @@ class MpcNode(CellNode):
         self._scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
 
     def _on_goal(self, goal: PackObject.Goal) -> GoalResponse:
-        reason = ""
-        if self._session is not None:
-            reason = "a goal is in progress; cancel it first"
-        elif self._scene is None or not self._mailbox.is_ready(self._scene):
-            reason = "no cell description, joint state or scene yet: are sim and perception up?"
-        elif self._silent:
-            reason = f"silent: {', '.join(self._silent)}"
-        elif goal.method not in {method.value for method in Method}:
-            reason = f"method '{goal.method}'; allowed: {', '.join(m.value for m in Method)}"
+        reason = self._refusal(goal)
         if not reason:
+            self._is_busy = True
             return GoalResponse.ACCEPT
         self.health.count("refused goal", reason)
         self.get_logger().error(f"refused goal: {reason}")
         return GoalResponse.REJECT
 
+    def _refusal(self, goal: PackObject.Goal) -> str:
+        """Why a goal cannot be pursued; empty when it can."""
+        if self._is_busy:
+            return "a goal is in progress; cancel it first"
+        if not self.is_ready:
+            return "no cell description, joint state or scene yet: are sim and perception up?"
+        if self._silent:
+            return f"silent: {', '.join(self._silent)}"
+        methods = [method.value for method in Method]
+        if goal.method not in methods:
+            return f"method '{goal.method}'; allowed: {', '.join(methods)}"
+        if not 0.0 <= goal.timeout < math.inf:
+            return f"timeout {goal.timeout}; allowed: seconds from 0 on, 0 being the parameter task.timeout"
+        return ""
+
     async def _execute(self, goal: ServerGoalHandle) -> PackObject.Result:
-        request, now = goal.request, self._mailbox.time
-        assert self._scene is not None
-        session = PackingSession(
-            self._scene, packing_cell(), self._config, Method.of(request.method), now, request.timeout
-        )
-        self._placements.start(session, request.seed)
-        self._mailbox.clear_forces()
-        self._done, self._goal = Future(executor=self.executor), goal
-        self._session = session
-        await self._done
+        try:
+            session = await self._pursue(goal)
+        finally:
+            self._is_busy = False
         result = to_result(session)
-        self._result.publish(String(data=json.dumps(asdict(session.task.outcome), default=lambda reason: reason.value)))
+        outcome = json.dumps(asdict(session.task.outcome), default=lambda reason: reason.value)
+        self._result.publish(String(data=outcome))
         self.get_logger().info(f"goal ended: {result.exit_reason}, {result.message}")
         if result.exit_reason == ExitReason.CANCELED.value:
             goal.canceled()
@@ -112,6 +128,20 @@ class MpcNode(CellNode):
         else:
             goal.abort()
         return result
+
+    async def _pursue(self, goal: ServerGoalHandle) -> PackingSession:
+        """Hand the goal to the worker and wait for its outcome."""
+        assert self._scene is not None
+        request, now = goal.request, self._mailbox.time
+        session = PackingSession(
+            self._scene, packing_cell(), self._config, Method.of(request.method), now, request.timeout
+        )
+        self._placements.start(session, request.seed)
+        self._mailbox.clear_forces()
+        self._done, self._goal = Future(executor=self.executor), goal
+        self._session = session
+        await self._done
+        return session
 
     def _iterate(self, latency: float) -> float | None:
         """One turn of the worker."""
@@ -126,35 +156,46 @@ class MpcNode(CellNode):
         if session.task.outcome is not None:
             self._end(session)
             return None
-        if plan is None:
+        if plan is None or not self._send(session, plan):
             return None
-        self._setpoints.publish(to_setpoints(plan.setpoints))
         self._status.publish(to_status(session, seen, plan))
         goal.publish_feedback(to_feedback(session, seen, plan))
         return self._mailbox.time - seen.joints.time
 
+    def _send(self, session: PackingSession, plan: Plan) -> bool:
+        """Publish setpoints, unless the goal ended or a peer fell silent while they were planned."""
+        with self._sending:
+            is_wanted = self._session is session and not self._silent
+            if is_wanted:
+                self._setpoints.publish(to_setpoints(plan.setpoints))
+        return is_wanted
+
     def _end(self, session: PackingSession) -> None:
         """Hold the arm and let the action return."""
-        if self._session is session and self._done is not None:
+        with self._sending:
+            if self._session is not session or self._done is None:
+                return
             self._session = None
             self._hold()
-            self._done.set_result(None)
+        self._done.set_result(None)
 
     def _hold(self) -> None:
-        if (joints := self._mailbox.newest_joints()) is not None:
-            self._setpoints.publish(to_setpoints(hold(joints)))
+        if self._mailbox.joints is not None:
+            self._setpoints.publish(to_setpoints(hold(self._mailbox.joints)))
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
-        if is_alive:
-            self._silent.pop(peer, None)
-        else:
-            self._silent[peer] = time.monotonic()
-            self._hold()
+        with self._sending:
+            if is_alive:
+                self._silent.pop(peer, None)
+            else:
+                self._silent[peer] = time.monotonic()
+                self._hold()
 
     def _check(self) -> None:
         """End a goal whose peers stay silent, though simulated time may stand still."""
         session = self._session
-        lost = [peer for peer, since in self._silent.items() if time.monotonic() - since > self._config.fault_time]
+        patience, now = self._config.fault_time, time.monotonic()
+        lost = [peer for peer, since in self._silent.items() if now - since > patience]
         if session is not None and lost:
             session.task.finish(ExitReason.FAULT, self._mailbox.time, f"silent: {', '.join(lost)}")
             self._end(session)

@@ -1,4 +1,4 @@
-"""The newest message of every kind, converted only when it is asked for."""
+"""The newest value of every kind; a message that must not be used never replaces a good one."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from collections.abc import Callable
 
 import numpy as np
 from geometry_msgs.msg import WrenchStamped
+from pack_interfaces.msg import GripperState
+from pack_interfaces.msg import SceneState as SceneMessage
+from sensor_msgs.msg import JointState
+
 from pack_core.errors import MessageError
 from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
-from pack_core.ros.conversions import finite, from_joint_state, from_scene, from_stamp
+from pack_core.ros.conversions import finite, from_joint_state, from_scene
 from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample
-from pack_interfaces.msg import GripperState, SceneState
-from sensor_msgs.msg import JointState
-
+from pack_core.scene.state import JointSample, SceneState
 from pack_mpc.session import Observation
 
 SCENE_AGE = 0.1
@@ -27,7 +28,7 @@ class Mailbox:
 
     def __init__(self, node: CellNode) -> None:
         self._lock = threading.Lock()
-        self._joints: JointState | None = None
+        self.joints: JointSample | None = None
         self._scene: SceneState | None = None
         self._is_held = True
         self._forces: list[float] = []
@@ -40,20 +41,13 @@ class Mailbox:
     @property
     def time(self) -> float:
         """Stamp of the newest joint state [s]."""
-        joints = self._joints
-        return from_stamp(joints.header.stamp) if joints is not None else 0.0
+        return self.joints.time if self.joints is not None else 0.0
 
     def is_ready(self, scene: Scene) -> bool:
         """Whether joints and every object of the scene have been seen."""
-        estimate = self._scene
-        if self._joints is None or estimate is None:
+        if self.joints is None or self._scene is None:
             return False
-        return {*scene.names, scene.new_object.name} <= {item.name for item in estimate.objects}
-
-    def newest_joints(self) -> JointSample | None:
-        """The newest joint state, if any."""
-        joints = self._joints
-        return None if joints is None else from_joint_state(joints)
+        return {*scene.names, scene.new_object.name} <= set(self._scene.objects)
 
     def clear_forces(self) -> None:
         """Forget the forces felt so far."""
@@ -64,26 +58,26 @@ class Mailbox:
         """The newest of everything; forces since the last call by their largest.
 
         Raises:
-            MessageError: something is missing, not finite, or too old to plan from.
+            MessageError: something is missing, or too old to plan from.
         """
-        joints, scene = self._joints, self._scene
+        joints, scene = self.joints, self._scene
         if joints is None or scene is None:
             raise MessageError("no joint state or no scene yet")
-        sample, state = from_joint_state(joints), from_scene(scene)
-        if sample.time - state.time > SCENE_AGE:
-            raise MessageError(f"the newest scene is {sample.time - state.time:.3f} s old; allowed: {SCENE_AGE} s")
+        age = joints.time - scene.time
+        if age > SCENE_AGE:
+            raise MessageError(f"the newest scene is {age:.3f} s old; allowed: {SCENE_AGE} s")
         with self._lock:
             force = float(np.mean(self._forces)) if self._forces else 0.0
             peak = max(self._forces, default=0.0)
             self._forces.clear()
-        return Observation(sample, state, force, peak, self._is_held)
+        return Observation(joints, scene, force, peak, self._is_held)
 
     def _on_joints(self, message: JointState) -> None:
-        self._joints = message
+        self.joints = from_joint_state(message)
         self.on_joints()
 
-    def _on_scene(self, message: SceneState) -> None:
-        self._scene = message
+    def _on_scene(self, message: SceneMessage) -> None:
+        self._scene = from_scene(message)
 
     def _on_wrench(self, message: WrenchStamped) -> None:
         force = message.wrench.force
