@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from pack_core.cells.packing import packing_cell
 from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
 from pack_core.scene.scene import Scene
@@ -33,7 +34,7 @@ def test_plans_bring_the_held_object_towards_its_target(controller, joints, stat
 def test_setpoints_respect_every_limit_and_start_when_they_are_in_force(controller, joints, state) -> None:
     setpoints = controller.plan(joints, state, Stage.INSERT, INSIDE, 0.0, 0.048).setpoints
     assert setpoints.time == pytest.approx(0.048)
-    assert np.all((LOWER <= setpoints.q) & (setpoints.q <= UPPER))
+    assert np.all((setpoints.q >= LOWER) & (setpoints.q <= UPPER))
     assert np.all(np.abs(setpoints.v) <= VELOCITY_LIMITS)
     assert np.all(np.abs(setpoints.tau) <= TORQUE_LIMITS)
     assert setpoints.offsets[-1] == pytest.approx(ControllerConfig().published, abs=0.013)

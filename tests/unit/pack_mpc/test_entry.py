@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from pack_core.rotations import Pose
 from pack_core.scene.scene import Scene
 from pack_mpc.entry import UPRIGHT_BELOW, lean_at, plan_entry

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from pack_core.cells.packing import packing_cell
 from pack_core.robots.panda import TORQUE_LIMITS
 from pack_core.scene.scene import Scene

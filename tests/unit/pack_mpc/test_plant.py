@@ -35,7 +35,9 @@ def test_derivatives_agree_with_central_differences(plant: PackingPlant, traject
     lin = plant.linearize(xs, us, columns, np.arange(len(xs)))
     t, h = 7, 1e-5
     for j, column in enumerate(columns):
-        ends = [plant.rollout(xs[t] + s * h * np.eye(plant.nx)[column], us[None, t : t + 1])[0] for s in (1, -1)]
+        ends = [
+            plant.rollout(xs[t] + s * h * np.eye(plant.nx)[column], us[None, t : t + 1])[0] for s in (1, -1)
+        ]
         expected = (ends[0][0, 1, columns] - ends[1][0, 1, columns]) / (2 * h)
         np.testing.assert_allclose(lin.A[t, :, j], expected, atol=2e-4)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from pack_core.cells.packing import packing_cell
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import Setpoints
@@ -29,7 +30,9 @@ def run(simulator: Simulator, duration: float) -> None:
 
 
 @pytest.mark.parametrize("latency", [0.012, 0.048, 0.096])
-def test_prediction_agrees_with_the_driver(scene: Scene, plant: PackingPlant, simulator: Simulator, latency) -> None:
+def test_prediction_agrees_with_the_driver(
+    scene: Scene, plant: PackingPlant, simulator: Simulator, latency
+) -> None:
     setpoints = swing(simulator)
     simulator.accept(setpoints)
     run(simulator, 0.06)
@@ -42,7 +45,9 @@ def test_prediction_agrees_with_the_driver(scene: Scene, plant: PackingPlant, si
     assert predicted[0] == pytest.approx(simulator.time)
 
 
-def test_without_setpoints_the_arm_is_predicted_to_stay(scene: Scene, plant: PackingPlant, simulator: Simulator) -> None:
+def test_without_setpoints_the_arm_is_predicted_to_stay(
+    scene: Scene, plant: PackingPlant, simulator: Simulator
+) -> None:
     x = plant.state(simulator.joints(), simulator.truth())
     predicted = Predictor(scene.description(), packing_cell()).predict(x, None, 0.096)
     np.testing.assert_allclose(predicted[plant.layout.q], simulator.joints().q, atol=1e-6)

@@ -23,7 +23,9 @@ def test_jacobians_agree_with_finite_differences_of_the_residuals(plant, joints,
     ys = rng.normal(0, 1.0, (3, ny))
     ys[:, plant.sensor("held_z_axis")] = [0.1, -0.2, 0.97]
     n = len(columns)
-    no_outputs = Linearization(np.zeros((2, n, n)), np.zeros((2, n, 7)), np.zeros((3, ny, n)), np.zeros((2, ny, 7)))
+    no_outputs = Linearization(
+        np.zeros((2, n, n)), np.zeros((2, n, 7)), np.zeros((3, ny, n)), np.zeros((2, ny, 7))
+    )
     jx, _ = residuals.jacobians(xs, ys, no_outputs, columns)
     for j, column in enumerate(columns):
         step = h * np.eye(plant.nx)[column]
@@ -32,7 +34,9 @@ def test_jacobians_agree_with_finite_differences_of_the_residuals(plant, joints,
     for k in range(ny):
         C = np.zeros((3, ny, n))
         C[:, k, 0] = 1.0
-        jy, _ = residuals.jacobians(xs, ys, Linearization(no_outputs.A, no_outputs.B, C, no_outputs.D), columns)
+        jy, _ = residuals.jacobians(
+            xs, ys, Linearization(no_outputs.A, no_outputs.B, C, no_outputs.D), columns
+        )
         step = h * np.eye(ny)[k]
         expected = (residuals.values(xs, ys + step) - residuals.values(xs, ys - step)) / (2 * h)
         np.testing.assert_allclose(jy[:, :, 0] - jx[:, :, 0], expected, atol=1e-5)
@@ -53,7 +57,7 @@ def test_an_obstacle_repels_most_where_the_target_is(plant, joints, state, weigh
     y = np.zeros(plant.model.nsensordata)
     at, away = x.copy(), x.copy()
     at[plant.layout.object_p["tea_box"][:2]] = TARGET.p_WN[:2]
-    away[plant.layout.object_p["tea_box"][:2]] = TARGET.p_WN[:2] + [0.3, 0.4]
+    away[plant.layout.object_p["tea_box"][:2]] = [*TARGET.p_WN[:2], 0.3, 0.4]
     assert residuals.values(at, y)[-2] == pytest.approx(1.0, abs=1e-5)
     assert residuals.values(away, y)[-2] == pytest.approx(np.exp(-0.5))
 

@@ -1,6 +1,7 @@
 """The asynchronous worker."""
 
 import threading
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -30,7 +31,7 @@ class Recorder:
 
 
 @pytest.fixture
-def run():
+def run() -> Iterator[Callable[[list[float | Exception | None]], Recorder]]:
     recorders = []
 
     def start(outcomes: list[float | Exception | None]) -> Recorder:

@@ -110,7 +110,7 @@ def test_gripping_needs_the_object_under_the_cup(scene: Scene) -> None:
     assert simulator.pump.state.is_closed
     simulator.release()
     run(simulator, 0.15)
-    assert "at most 5 mm" in simulator.grip()
+    assert "allowed: 5 mm" in simulator.grip()
     assert not simulator.pump.state.is_closed
 
 

@@ -30,9 +30,15 @@ from pack_sim.simulator import Simulator, SimulatorConfig
 class LockstepConfig(Config):
     """Parameters of a run; the parts' own are those of the nodes."""
 
-    latency: PositiveFloat = Field(default=0.048, description="an optimizer iteration takes [s of simulated time]")
-    placement_latency: NonNegativeFloat = Field(default=0.3, description="a placement takes [s of simulated time]")
-    settle: PositiveFloat = Field(default=0.3, description="before the goal, so that everything has been seen [s]")
+    latency: PositiveFloat = Field(
+        default=0.048, description="an optimizer iteration takes [s of simulated time]"
+    )
+    placement_latency: NonNegativeFloat = Field(
+        default=0.3, description="a placement takes [s of simulated time]"
+    )
+    settle: PositiveFloat = Field(
+        default=0.3, description="before the goal, so that everything has been seen [s]"
+    )
     simulator: SimulatorConfig = SimulatorConfig()
     estimator: EstimatorConfig = EstimatorConfig()
     planner: PlacementConfig = PlacementConfig()
@@ -62,7 +68,9 @@ class Lockstep:
         seed: of the sensors' noise and the placements.
     """
 
-    def __init__(self, cell: PackingCell, scene: Scene, config: LockstepConfig, method: Method, seed: int) -> None:
+    def __init__(
+        self, cell: PackingCell, scene: Scene, config: LockstepConfig, method: Method, seed: int
+    ) -> None:
         self._config, self._seed = config, seed
         description = scene.description()
         self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
@@ -82,7 +90,9 @@ class Lockstep:
             plan = session.step(seen, self._config.latency)
             if on_step is not None:
                 stage = session.task.machine.stage.name if session.task.machine else "IDLE"
-                on_step(Step(seen.joints.time, stage, session.task.distance, seen, self.simulator.truth(), plan))
+                on_step(
+                    Step(seen.joints.time, stage, session.task.distance, seen, self.simulator.truth(), plan)
+                )
             self._advance(self._config.latency)
             if plan is not None:
                 self.simulator.accept(plan.setpoints)
@@ -103,13 +113,18 @@ class Lockstep:
         joints: JointSample = self.simulator.joints()
         forces, self._forces = self._forces or [0.0], []
         scene = self._estimator.state(joints.time)
-        return Observation(joints, scene, float(np.mean(forces)), max(forces), self.simulator.pump.state.is_closed)
+        return Observation(
+            joints, scene, float(np.mean(forces)), max(forces), self.simulator.pump.state.is_closed
+        )
 
     def _serve_placement(self, seen: Observation) -> None:
         """Take up a placement that is due, or plan one that will be due."""
         task, time = self.session.task, seen.joints.time
         if self._answer is None and task.needs_placement:
-            self._answer = (time + self._config.placement_latency, self._plan_placement(seen.scene, task.avoid))
+            self._answer = (
+                time + self._config.placement_latency,
+                self._plan_placement(seen.scene, task.avoid),
+            )
         if self._answer is not None and time >= self._answer[0]:
             answer, self._answer = self._answer[1], None
             if answer.X_WO is None:

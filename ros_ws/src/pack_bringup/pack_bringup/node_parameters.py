@@ -18,7 +18,7 @@ def load_parameters(node: str, cls: type[C]) -> C:
     """The part of `config/nodes/<node>.yaml` that belongs to a core's configuration class.
 
     Raises:
-        ConfigError: the file is missing, is no parameter file of this node, or has a value that is not allowed.
+        ConfigError: the file is missing, is not of this node, or has a value that is not allowed.
     """
     path = config_path("nodes", f"{node}.yaml")
     if not path.is_file():
@@ -27,4 +27,6 @@ def load_parameters(node: str, cls: type[C]) -> C:
         parameters = yaml.safe_load(path.read_text())[node]["ros__parameters"]
     except (KeyError, TypeError) as error:
         raise ConfigError(f"{path}: expected `{node}: ros__parameters:` at the top") from error
-    return validate_config(cls, {key: parameters[key] for key in cls.model_fields if key in parameters}, str(path))
+    return validate_config(
+        cls, {key: parameters[key] for key in cls.model_fields if key in parameters}, str(path)
+    )

@@ -6,12 +6,12 @@ import time as wall_clock
 from dataclasses import dataclass
 from typing import Literal
 
+from pydantic import Field, PositiveFloat
+
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState, Setpoints
-from pydantic import Field, PositiveFloat
-
 from pack_mpc.cost import PackingCost
 from pack_mpc.ilqr_optimizer import IlqrOptimizer, IlqrOptimizerConfig
 from pack_mpc.predictor import Predictor
@@ -26,7 +26,9 @@ class ControllerConfig(Config):
 
     optimizer: Literal["ilqr", "sgn"] = Field(default="ilqr", description="ilqr (the paper's) or sgn")
     threads: int = Field(default=2, ge=1, description="of the rollouts")
-    published: PositiveFloat = Field(default=0.24, description="part of the horizon that is sent to the driver [s]")
+    published: PositiveFloat = Field(
+        default=0.24, description="part of the horizon that is sent to the driver [s]"
+    )
     ilqr: IlqrOptimizerConfig = IlqrOptimizerConfig()
     sgn: SgnConfig = SgnConfig()
 
@@ -61,7 +63,13 @@ class PackingController:
         self._optimizer.change_cost()
 
     def plan(
-        self, joints: JointSample, scene: SceneState, stage: Stage, target: Target, stage_age: float, latency: float
+        self,
+        joints: JointSample,
+        scene: SceneState,
+        stage: Stage,
+        target: Target,
+        stage_age: float,
+        latency: float,
     ) -> Plan:
         """One iteration.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from pack_core.rotations import Array
 
+from pack_core.rotations import Array
 from pack_mpc.ilqr import Expansion, Linearization
 from pack_mpc.residuals import Residuals
 from pack_mpc.weights import StageWeights
@@ -20,7 +20,9 @@ class PackingCost:
         obstacle_scale: decay of the obstacle repulsion, 1 to 0 (Eq. 3).
     """
 
-    def __init__(self, residuals: Residuals, weights: StageWeights, torque: float, obstacle_scale: float) -> None:
+    def __init__(
+        self, residuals: Residuals, weights: StageWeights, torque: float, obstacle_scale: float
+    ) -> None:
         self._residuals = residuals
         self._running = residuals.spread(weights.running, obstacle_scale)
         self._terminal = residuals.spread(weights.terminal, obstacle_scale)

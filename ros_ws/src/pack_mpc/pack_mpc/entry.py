@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from pack_core.rotations import Array, Pose
 from pack_core.scene.scene import Scene
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-from pack_core.config import Config
-from pack_core.rotations import Array
 from pydantic import Field, NonNegativeFloat, NonNegativeInt
 
+from pack_core.config import Config
+from pack_core.rotations import Array
 from pack_mpc.plant import STATE, PackingPlant
 
 
@@ -44,7 +44,8 @@ def explore(
     profile = np.where(phase < 1.0, np.sin(2 * np.pi * phase), 0.0)
     peak = 2 * np.pi * d / (durations[:, None] * plant.timestep) ** 2
     acceleration = profile[..., None] * peak[:, None]
-    return np.clip(us + acceleration @ _torque_per_acceleration(plant, x0), -plant.limits, plant.limits)
+    torques = us + acceleration @ _torque_per_acceleration(plant, x0)
+    return np.asarray(np.clip(torques, -plant.limits, plant.limits))
 
 
 def _lean(d: Array, away: Array, half_height: float) -> Array:

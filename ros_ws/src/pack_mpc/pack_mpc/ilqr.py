@@ -11,9 +11,10 @@ from typing import Protocol
 
 import numpy as np
 import scipy.linalg
+from pydantic import Field, PositiveFloat
+
 from pack_core.config import Config
 from pack_core.rotations import Array
-from pydantic import Field, PositiveFloat
 
 
 @dataclass(frozen=True)
@@ -102,8 +103,8 @@ def evaluate(plant: Plant, cost: Cost, x0: Array, us: Array) -> Trajectory:
 
 
 def iterate(
-    plant: Plant, cost: Cost, nominal: Trajectory, columns: np.ndarray, regularisation: float, config: IlqrConfig,
-    candidates: Array | None = None,
+    plant: Plant, cost: Cost, nominal: Trajectory, columns: np.ndarray, regularisation: float,
+    config: IlqrConfig, candidates: Array | None = None,
 ) -> Iteration:  # fmt: skip
     """Improve a nominal trajectory once; the cost never rises.
 

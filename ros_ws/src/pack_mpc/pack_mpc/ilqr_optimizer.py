@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
+
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
@@ -10,8 +12,6 @@ from pack_core.rotations import Array
 from pack_core.scene.model import HELD_POSITION
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import Setpoints
-from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
-
 from pack_mpc.cost import PackingCost
 from pack_mpc.explorers import ExplorerConfig, explore
 from pack_mpc.ilqr import IlqrConfig, Iteration, Trajectory, evaluate, iterate
@@ -75,7 +75,7 @@ class IlqrOptimizer:
         """The last plan, shifted to now; gravity compensation alone where that diverges."""
         steps, us = self._config.horizon, np.zeros((self._config.horizon, 7))
         if self._last is not None:
-            shift = int(round((x0[0] - self._last.xs[0, 0]) / self._config.timestep))
+            shift = round((x0[0] - self._last.xs[0, 0]) / self._config.timestep)
             if 0 <= shift < steps:
                 us[: steps - shift] = self._last.us[shift:]
         nominal = evaluate(self.plant, cost, x0, us)
@@ -91,12 +91,20 @@ class IlqrOptimizer:
     def _solution(self, result: Iteration, warning: str) -> Solution:
         xs, us, layout = result.trajectory.xs[:-1], result.trajectory.us, self.plant.layout
         setpoints = Setpoints(
-            float(xs[0, 0]), self._config.timestep * np.arange(len(us)), np.clip(xs[:, layout.q], LOWER, UPPER),
-            np.clip(xs[:, layout.v], -VELOCITY_LIMITS, VELOCITY_LIMITS), np.clip(us, -TORQUE_LIMITS, TORQUE_LIMITS),
-        )  # fmt: skip
+            float(xs[0, 0]),
+            np.asarray(self._config.timestep * np.arange(len(us)), dtype=float),
+            np.clip(xs[:, layout.q], LOWER, UPPER),
+            np.clip(xs[:, layout.v], -VELOCITY_LIMITS, VELOCITY_LIMITS),
+            np.clip(us, -TORQUE_LIMITS, TORQUE_LIMITS),
+        )
         path = result.trajectory.ys[:, self.plant.sensor(HELD_POSITION)]
         return Solution(
-            setpoints, path, result.trajectory.cost, result.step_size, result.regularisation, result.warning or warning
+            setpoints,
+            path,
+            result.trajectory.cost,
+            result.step_size,
+            result.regularisation,
+            result.warning or warning,
         )
 
 

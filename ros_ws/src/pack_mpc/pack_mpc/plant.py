@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
+
 from pack_core.cells.packing import PackingCell
 from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array
 from pack_core.scene.model import Arm, Held, build_model
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState
-
 from pack_mpc.ilqr import Linearization
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -84,7 +84,7 @@ class PackingPlant:
         data = self._datas[0]
         mujoco.mj_setState(self.model, data, x, STATE)
         mujoco.mj_kinematics(self.model, data)
-        return data.body(self.scene.new_object.name).xpos.copy()
+        return np.array(data.body(self.scene.new_object.name).xpos)
 
     def rollout(self, x0: Array, us: Array) -> tuple[Array, Array]:
         """Simulate a batch of control sequences from one state.

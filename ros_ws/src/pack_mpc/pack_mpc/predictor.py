@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+
 from pack_core.cells.packing import PackingCell
 from pack_core.rotations import Array
 from pack_core.scene.model import Arm
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import Setpoints
-
 from pack_mpc.plant import STATE, PackingPlant
 
 TIMESTEP = 0.006
@@ -39,7 +39,7 @@ class Predictor:
         mujoco.mj_setState(model, data, x, STATE)
         hold = Setpoints(x[0], np.zeros(1), x[layout.q][None], np.zeros((1, 7)), np.zeros((1, 7)))
         reference, arm = setpoints or hold, layout.v - 1 - model.nq
-        for _ in range(int(round(latency / TIMESTEP))):
+        for _ in range(round(latency / TIMESTEP)):
             q_d, v_d, tau_ff = reference.at(data.time + TIMESTEP)
             data.ctrl[:] = np.concatenate([q_d, v_d])
             data.qfrc_applied[arm] = tau_ff

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from pack_core.robots.panda import LOWER, UPPER
 from pack_core.rotations import Array
 from pack_core.scene.model import HELD_POSITION, HELD_X_AXIS, HELD_Z_AXIS, TIP_FORCE
-
 from pack_mpc.ilqr import Linearization
 from pack_mpc.plant import PackingPlant
-from pack_mpc.weights import WeightSet, Weights
+from pack_mpc.weights import Weights, WeightSet
 
 MIDDLE = 0.5 * (LOWER + UPPER)
 DISTANCE_MIN = 1e-6
@@ -61,7 +61,9 @@ class Residuals:
         joint_limit = np.cosh(xs[..., self._plant.layout.q] - MIDDLE) - 1.0
         joint_velocity = xs[..., self._plant.layout.v]
         obstacles = [np.exp(-self._offset(xs, name)[1])[..., None] for name in self._obstacles]
-        return np.concatenate([position, upright, yaw, force, joint_limit, joint_velocity, *obstacles], axis=-1)
+        return np.concatenate(
+            [position, upright, yaw, force, joint_limit, joint_velocity, *obstacles], axis=-1
+        )
 
     def jacobians(self, xs: Array, ys: Array, lin: Linearization, columns: np.ndarray) -> tuple[Array, Array]:
         """dr/dx `(T+1, R, n)` over the reduced state and dr/du `(T, R, 7)`."""

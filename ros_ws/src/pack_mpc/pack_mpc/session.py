@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Literal
 
 import numpy as np
+
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState, Setpoints
-
 from pack_mpc.controller import ControllerConfig, PackingController, Plan
 from pack_mpc.task import ExitReason, PackingTask, TaskConfig
 from pack_mpc.weights import load_weights
@@ -37,7 +38,7 @@ class Method(Enum):
             raise ConfigError(f"method '{name}'; allowed: {', '.join(m.value for m in cls)}") from None
 
     @property
-    def placement_variant(self) -> str:
+    def placement_variant(self) -> Literal["physics", "random"]:
         """How the placement planner chooses."""
         return "random" if self is Method.UNINFORMED_POSE else "physics"
 
@@ -74,7 +75,13 @@ class PackingSession:
     """
 
     def __init__(
-        self, scene: Scene, cell: PackingCell, config: SessionConfig, method: Method, time: float, timeout: float = 0.0
+        self,
+        scene: Scene,
+        cell: PackingCell,
+        config: SessionConfig,
+        method: Method,
+        time: float,
+        timeout: float = 0.0,
     ) -> None:
         self.scene, self.method = scene, method
         weights = load_weights(config.weights)

@@ -10,14 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
+
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_core.scene.model import HELD_POSITION, Arm
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import Setpoints
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
-
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
 from pack_mpc.residuals import Target
@@ -37,7 +37,9 @@ class SgnConfig(Config):
     explorers: NonNegativeInt = Field(default=10, description="random splines an iteration")
     spread_linear: PositiveFloat = Field(default=0.12, description="deviation of explorers [m/s]")
     spread_angular: PositiveFloat = Field(default=0.5, description="deviation of explorers [rad/s]")
-    dampings: tuple[PositiveFloat, ...] = Field(default=(0.001, 0.01, 0.1, 1.0, 10.0), description="of the steps")
+    dampings: tuple[PositiveFloat, ...] = Field(
+        default=(0.001, 0.01, 0.1, 1.0, 10.0), description="of the steps"
+    )
     speed_linear: PositiveFloat = Field(default=0.4, description="largest twist [m/s]")
     speed_angular: PositiveFloat = Field(default=1.5, description="largest twist [rad/s]")
     effort: NonNegativeFloat = Field(default=0.02, description="cost of squared knots")
@@ -61,8 +63,9 @@ class SgnOptimizer:
     def __init__(self, scene: Scene, cell: PackingCell, config: SgnConfig, threads: int) -> None:
         self._config = config
         self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads, arm=Arm.SERVO)
+        times = np.asarray(config.timestep * np.arange(config.horizon), dtype=float)
         end = config.horizon * config.timestep
-        self._basis = Basis(config.timestep * np.arange(config.horizon), np.linspace(0.0, end, config.knots))
+        self._basis = Basis(times, np.linspace(0.0, end, config.knots))
         self._rng = np.random.default_rng(0)
         self._steps = np.repeat([[config.step_linear] * 3 + [config.step_angular] * 3], config.knots, axis=0)
         self._spread = np.array([config.spread_linear] * 3 + [config.spread_angular] * 3)
@@ -104,12 +107,14 @@ class SgnOptimizer:
         return self._basis.shifted(self._theta, float(x0[0]) - self._setpoints.time)
 
     def _first_batch(self, nominal: Array, x0: Array, target: Target) -> tuple[Array, Array]:
-        """The nominal, one perturbation a parameter, and explorers `(B, K, 6)`; and the perturbations' signs."""
+        """The nominal, one perturbation a parameter, explorers `(B, K, 6)`; the perturbations' signs."""
         signs = self._rng.choice([-1.0, 1.0], nominal.size)
         deltas = np.diag(signs * self._steps.ravel()).reshape(-1, *nominal.shape)
         explorers = nominal + self._rng.normal(size=(self._config.explorers, *nominal.shape)) * self._spread
         straight = np.stack([np.zeros_like(nominal), self._straight(x0, target)])
-        thetas = np.concatenate([nominal[None], nominal + deltas, self._clip(np.concatenate([straight, explorers]))])
+        thetas = np.concatenate(
+            [nominal[None], nominal + deltas, self._clip(np.concatenate([straight, explorers]))]
+        )
         return thetas, signs
 
     def _straight(self, x0: Array, target: Target) -> Array:
@@ -130,14 +135,14 @@ class SgnOptimizer:
         n, nominal = thetas[0].size, thetas[0]
         J = (batch.residuals[1 : n + 1] - batch.residuals[0]).T / (signs * self._steps.ravel())
         if not np.all(np.isfinite(J)):
-            return nominal[None]
+            return np.asarray(nominal[None])
         gradient = J.T @ batch.residuals[0] + self._config.effort * nominal.ravel()
         hessian = J.T @ J + self._config.effort * np.eye(n)
         steps = [
             -np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), gradient)
             for damping in self._config.dampings
         ]
-        return self._clip(nominal + np.array(steps).reshape(-1, *nominal.shape))
+        return self._clip(np.asarray(nominal + np.array(steps).reshape(-1, *nominal.shape)))
 
     def _clip(self, thetas: Array) -> Array:
-        return np.clip(thetas, -self._bound, self._bound)
+        return np.asarray(np.clip(thetas, -self._bound, self._bound))

@@ -7,7 +7,6 @@ from typing import Protocol
 
 from pack_core.rotations import Array
 from pack_core.scene.state import Setpoints
-
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
 from pack_mpc.residuals import Target

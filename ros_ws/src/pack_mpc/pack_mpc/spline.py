@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+
 from pack_core.robots.panda import LOWER, UPPER, VELOCITY_LIMITS
 from pack_core.rotations import Array
-
 from pack_mpc.plant import STATE, PackingPlant
 
 DAMPING = 1e-4

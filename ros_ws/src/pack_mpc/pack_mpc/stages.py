@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from pack_core.config import Config
-from pack_core.rotations import Array, Pose, yaw_of
-from pack_core.scene.objects import Box, Cylinder
-from pack_core.scene.scene import Scene
 from pydantic import Field, PositiveFloat
 
+from pack_core.config import Config
+from pack_core.rotations import Array, yaw_of
+from pack_core.scene.objects import Box, Cylinder
+from pack_core.scene.scene import Scene
 from pack_mpc.entry import Placement, lean_at
 from pack_mpc.residuals import Target
 from pack_mpc.weights import Stage
@@ -17,7 +17,9 @@ from pack_mpc.weights import Stage
 class StageConfig(Config):
     """Thresholds of the stage machine."""
 
-    clearance: PositiveFloat = Field(default=0.03, description="pre-packing height over the tallest object [m]")
+    clearance: PositiveFloat = Field(
+        default=0.03, description="pre-packing height over the tallest object [m]"
+    )
     pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
     insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
     placed_distance: PositiveFloat = Field(default=0.015, description="placed, from the packing pose [m]")
@@ -39,7 +41,13 @@ class StageMachine:
     """
 
     def __init__(
-        self, scene: Scene, config: StageConfig, placement: Placement, time: float, heading: float, lean: float = 0.0
+        self,
+        scene: Scene,
+        config: StageConfig,
+        placement: Placement,
+        time: float,
+        heading: float,
+        lean: float = 0.0,
     ) -> None:
         self._scene, self._config = scene, config
         self.placement = placement

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from pydantic import Field, PositiveFloat, PositiveInt
+
 from pack_core.config import Config
 from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
-from pydantic import Field, PositiveFloat, PositiveInt
-
 from pack_mpc.entry import Placement, plan_entry
 from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage
@@ -33,7 +33,9 @@ class TaskConfig(Config):
     """Exit conditions of a goal."""
 
     timeout: PositiveFloat = Field(default=20.0, description="of simulated time [s]")
-    force_stop: PositiveFloat = Field(default=float("inf"), description="external force that ends the goal [N]")
+    force_stop: PositiveFloat = Field(
+        default=float("inf"), description="external force that ends the goal [N]"
+    )
     avoid_radius: PositiveFloat = Field(default=0.02, description="new placements keep off those tried [m]")
     placement_tries: PositiveInt = Field(default=3, description="refusals in a row before giving up")
     stages: StageConfig = StageConfig()
@@ -126,7 +128,9 @@ class PackingTask:
             self.distance = machine.distance(X_WN.p)
             self._has_succeeded |= machine.stage is Stage.FINE_TUNE
             if machine.is_placed(X_WN.p):
-                self.finish(ExitReason.PLACED, time, f"within {self._config.stages.placed_distance * 1e3:.0f} mm")
+                self.finish(
+                    ExitReason.PLACED, time, f"within {self._config.stages.placed_distance * 1e3:.0f} mm"
+                )
             elif machine.is_stalled:
                 changed = self._retreat(machine, time, X_WN)
         if self.outcome is None and self.elapsed(time) > self._timeout:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from enum import Enum
 from typing import Annotated, Literal
 
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
 from pack_core.config import Config, load_config
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
-from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 
 class Stage(Enum):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-from pack_core.config import Config
 from pydantic import Field, PositiveFloat
+
+from pack_core.config import Config
 
 Step = Callable[[float], float | None]
 """One iteration: takes the latency to plan for [s], returns the latency that it had, or None when

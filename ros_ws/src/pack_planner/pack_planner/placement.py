@@ -25,7 +25,7 @@ from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.scene.fit import fitting_yaws
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
-from pack_planner.feasibility import judge, wall_clearance
+from pack_planner.feasibility import judge
 from pack_planner.placement_result import Placement, PlacementStatus, Samples
 from pack_planner.pose_sampling import sample_poses
 from pack_planner.settling import Settling

@@ -55,7 +55,9 @@ class JointController:
         """Forget the setpoints, as when their sender died: hold from the next step on."""
         self._setpoints = None
 
-    def reference(self, time: float, q: Array, v: Array, M: Callable[[], Array]) -> tuple[Array, Array, Array]:
+    def reference(
+        self, time: float, q: Array, v: Array, M: Callable[[], Array]
+    ) -> tuple[Array, Array, Array]:
         """Desired position, velocity and feed-forward torque at `time`, each `(7,)`; see `torque`."""
         plan = self._setpoints
         if plan is not None and self._is_fresh(plan, time):

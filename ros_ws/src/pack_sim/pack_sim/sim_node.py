@@ -8,6 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pack_interfaces.srv import GripperCommand, ResetScene
+from pydantic import Field, NonNegativeFloat
+from rclpy.callback_groups import ReentrantCallbackGroup
+from std_msgs.msg import Float64, String
+from trajectory_msgs.msg import JointTrajectory
+
 from pack_core.cells.packing import packing_cell
 from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
@@ -16,15 +22,9 @@ from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.scene.scene import Scene
 from pack_core.scene.scene_file import load_scene, parse_scene
-from pack_interfaces.srv import GripperCommand, ResetScene
-from pydantic import Field, NonNegativeFloat
-from rclpy.callback_groups import ReentrantCallbackGroup
-from std_msgs.msg import Float64, String
-from trajectory_msgs.msg import JointTrajectory
-
 from pack_sim.pacing import Pacer
-from pack_sim.scene_generator import generate_scene
 from pack_sim.ros.sensor_publisher import BLOCK, SensorPublisher
+from pack_sim.scene_generator import generate_scene
 from pack_sim.simulator import Simulator, SimulatorConfig
 
 
@@ -51,7 +51,10 @@ class SimNode(CellNode):
         self._simulator = self._build(self._first_scene(), self._config.seed, 0.0)
         self.listen(contracts.SETPOINTS, self._on_setpoints)
         group = ReentrantCallbackGroup()
-        for contract, serve in ((contracts.RESET, self._reset), (contracts.GRIPPER_COMMAND, self._command_gripper)):
+        for contract, serve in (
+            (contracts.RESET, self._reset),
+            (contracts.GRIPPER_COMMAND, self._command_gripper),
+        ):
             self.create_service(contract.type, contract.name, serve, callback_group=group)
         self.watch(("mpc",), self._on_peer)
         self._thread = threading.Thread(target=self._run_until_shutdown, name="physics")
@@ -108,7 +111,9 @@ class SimNode(CellNode):
     def _reset(self, request: ResetScene.Request, response: ResetScene.Response) -> ResetScene.Response:
         try:
             scene = (
-                parse_scene(request.scene, "request") if request.scene else generate_scene(request.seed, self._cell)
+                parse_scene(request.scene, "request")
+                if request.scene
+                else generate_scene(request.seed, self._cell)
             )
             with self._lock:
                 self._simulator = self._build(scene, request.seed, self._simulator.time)

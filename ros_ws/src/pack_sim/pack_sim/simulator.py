@@ -43,7 +43,12 @@ class Simulator:
     """
 
     def __init__(
-        self, cell: PackingCell, scene: Scene, config: SimulatorConfig, rng: np.random.Generator, time: float = 0.0
+        self,
+        cell: PackingCell,
+        scene: Scene,
+        config: SimulatorConfig,
+        rng: np.random.Generator,
+        time: float = 0.0,
     ) -> None:
         self.cell, self.scene, self.config = cell, scene, config
         self.controller = JointController(cell.robot, config.watchdog)
@@ -86,9 +91,7 @@ class Simulator:
     def joints(self) -> JointSample:
         """What the joint sensors measure."""
         d = self.data
-        return JointSample(
-            self.time, d.qpos[self._q].copy(), d.qvel[self._v].copy(), d.ctrl.copy()
-        )
+        return JointSample(self.time, d.qpos[self._q].copy(), d.qvel[self._v].copy(), d.ctrl.copy())
 
     def external_wrench(self) -> tuple[Array, Array]:
         """External force `(3,)` [N] and torque `(3,)` [N m] on the held object, in the cup's frame.
@@ -124,7 +127,7 @@ class Simulator:
         nominal = held_pose(self.scene)
         distance = float(np.linalg.norm(X_TN.p - nominal.p))
         if distance > GRIP_DISTANCE or angle_between(X_TN.q, nominal.q) > GRIP_ANGLE:
-            return f"no object under the cup: the nearest is {1000 * distance:.0f} mm off, at most 5 mm are allowed"
+            return f"the object is {1000 * distance:.0f} mm off the cup; allowed: 5 mm and 2 degrees"
         self.pump.close()
         self._swap(Held.RIGID)
         return ""
@@ -144,7 +147,7 @@ class Simulator:
         """The arm's `(7, 7)`, with what it holds [kg m^2]."""
         M = np.empty((self.model.nv, self.model.nv))
         mujoco.mj_fullM(self.model, self.data, M)
-        return M[np.ix_(self._v, self._v)]
+        return np.asarray(M[np.ix_(self._v, self._v)])
 
     def _swap(self, held: Held) -> None:
         """Go on with the new object held or free, everything else as it is."""

@@ -105,7 +105,9 @@ def add_panda(spec: mujoco.MjSpec, pump: Pump, *, gravcomp: bool = True) -> mujo
 def _add_pump(link7: mujoco.MjsBody, pump: Pump, gravcomp: bool) -> mujoco.MjsBody:
     tool = link7.add_body(name="tool", pos=(0, 0, FLANGE + pump.length), gravcomp=gravcomp)
     tool.mass, tool.ipos = pump.mass, (0, 0, -pump.stem_length - pump.body_length / 2)
-    moments = pump.mass * np.array([3 * pump.body_radius**2 + pump.body_length**2] * 2 + [6 * pump.body_radius**2])
+    moments = pump.mass * np.array(
+        [3 * pump.body_radius**2 + pump.body_length**2] * 2 + [6 * pump.body_radius**2]
+    )
     tool.inertia, tool.explicitinertial = moments / 12, True
     top, neck = -pump.length, -pump.stem_length
     collide = dict(contype=1, conaffinity=1, condim=3)
@@ -115,14 +117,19 @@ def _add_pump(link7: mujoco.MjsBody, pump: Pump, gravcomp: bool) -> mujoco.MjsBo
                   size=(0.010, 0, 0), rgba=DARK, mass=0, contype=0, conaffinity=0)  # fmt: skip
     tool.add_geom(name="pump_cup", type=CYLINDER, fromto=(0, 0, -0.012, 0, 0, 0),
                   size=(pump.cup_radius, 0, 0), rgba=ACCENT, mass=0, contype=0, conaffinity=0)  # fmt: skip
-    tool.add_geom(type=CYLINDER, fromto=(0, 0, -0.6 * pump.body_length + neck, 0, 0, -0.5 * pump.body_length + neck),
-                  size=(pump.body_radius + 0.001, 0, 0), rgba=ACCENT, mass=0, contype=0, conaffinity=0)  # fmt: skip
+    ring = (neck - 0.6 * pump.body_length, neck - 0.5 * pump.body_length)
+    tool.add_geom(type=CYLINDER, fromto=(0, 0, ring[0], 0, 0, ring[1]), rgba=ACCENT, mass=0,
+                  size=(pump.body_radius + 0.001, 0, 0), contype=0, conaffinity=0)  # fmt: skip
     return tool
 
 
-def _draw(body: mujoco.MjsBody, capsules: tuple[tuple[float, tuple[float, ...]], ...], rgba: tuple[float, ...]) -> None:
+def _draw(
+    body: mujoco.MjsBody, capsules: tuple[tuple[float, tuple[float, ...]], ...], rgba: tuple[float, ...]
+) -> None:
     for radius, ends in capsules:
-        body.add_geom(type=CAPSULE, fromto=ends, size=(radius, 0, 0), rgba=rgba, contype=0, conaffinity=0, mass=0)
+        body.add_geom(
+            type=CAPSULE, fromto=ends, size=(radius, 0, 0), rgba=rgba, contype=0, conaffinity=0, mass=0
+        )
 
 
 def _draw_joint(body: mujoco.MjsBody, radius: float, rgba: tuple[float, ...]) -> None:

@@ -30,9 +30,7 @@ ASSERTION_PERIOD = 0.02
 
 
 def _alive_qos() -> QoSProfile:
-    return QoSProfile(
-        depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE
-    )
+    return QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE)
 
 
 class CellNode(Node):

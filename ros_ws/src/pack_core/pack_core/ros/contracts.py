@@ -50,7 +50,9 @@ def _reliable(depth: int) -> QoSProfile:
 
 
 def _latched() -> QoSProfile:
-    return QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    return QoSProfile(
+        depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+    )
 
 
 STREAM = _reliable(50)
@@ -59,6 +61,7 @@ EVENTS = _reliable(100)
 LATCHED = _latched()
 ALL = ("sim", "perception", "planner", "mpc", "recorder")
 
+# fmt: off
 CLOCK = Contract(
     "/clock", Clock, ("sim",), ("all",), "simulated time", qos=LATEST, rate="250 Hz", recorded=True)
 DESCRIPTION = Contract(
@@ -80,13 +83,14 @@ SCENE = Contract(
     "estimated pose and twist of every object, with source and age", qos=STREAM, rate="120 Hz", recorded=True)
 WRENCH = Contract(
     "/wrench", WrenchStamped, ("sim",), ("mpc", "recorder"),
-    "load on the cup less the held object's weight, in the cup's frame", qos=STREAM, rate="250 Hz", recorded=True)
+    "load on the cup less the held object's weight, in the cup's frame",
+    qos=STREAM, rate="250 Hz", recorded=True)
 GRIPPER_STATE = Contract(
     "/gripper/state", GripperState, ("sim",), ("mpc", "recorder"),
     "what the pump holds and how hard it is pulled", qos=STREAM, rate="50 Hz", recorded=True)
 TRUTH = Contract(
     "/sim/truth", SceneState, ("sim",), ("recorder",),
-    "true poses and twists; for the recorder and tests only", qos=STREAM, rate="120 Hz", recorded=True)
+    "true poses and twists; for the recorder and tests only", qos=STREAM, rate="125 Hz", recorded=True)
 REAL_TIME_FACTOR = Contract(
     "/sim/real_time_factor", Float64, ("sim",), ("recorder", "user"),
     "simulated seconds a second, achieved", qos=STREAM, rate="1 Hz of wall clock", recorded=True)
@@ -109,9 +113,11 @@ PLAN_PLACEMENT = Contract(
 RESET = Contract(
     "/sim/reset", ResetScene, ("user",), ("sim",), "new scene, arm at home", kind=Kind.SERVICE)
 GRIPPER_COMMAND = Contract(
-    "/gripper/command", GripperCommand, ("mpc", "user"), ("sim",), "close or open the pump", kind=Kind.SERVICE)
+    "/gripper/command", GripperCommand, ("user",), ("sim",), "close or open the pump", kind=Kind.SERVICE)
 PACK_OBJECT = Contract(
     "/pack_object", PackObject, ("user",), ("mpc",), "pack the held object", kind=Kind.ACTION)
+
+# fmt: on
 
 CONTRACTS: tuple[Contract, ...] = tuple(
     value for value in list(globals().values()) if isinstance(value, Contract)

@@ -172,9 +172,7 @@ def to_setpoints(setpoints: Setpoints) -> JointTrajectory:
 
 def from_setpoints(message: JointTrajectory) -> Setpoints:
     """Joint references as they came; the driver judges their size and limits."""
-    rows = [
-        (from_stamp(p.time_from_start), p.positions, p.velocities, p.effort) for p in message.points
-    ]
+    rows = [(from_stamp(p.time_from_start), p.positions, p.velocities, p.effort) for p in message.points]
     try:
         offsets, q, v, tau = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
     except ValueError as error:

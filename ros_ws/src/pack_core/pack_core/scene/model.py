@@ -161,7 +161,8 @@ def _add_sensors(spec: mujoco.MjSpec, held: str) -> None:
     sensor, site, body = mujoco.mjtSensor, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_XBODY
     for name, kind, on, target in (
         (TIP_FORCE, sensor.mjSENS_FORCE, site, "tip"), (TIP_TORQUE, sensor.mjSENS_TORQUE, site, "tip"),
-        (HELD_POSITION, sensor.mjSENS_FRAMEPOS, body, held), (HELD_X_AXIS, sensor.mjSENS_FRAMEXAXIS, body, held),
+        (HELD_POSITION, sensor.mjSENS_FRAMEPOS, body, held),
+        (HELD_X_AXIS, sensor.mjSENS_FRAMEXAXIS, body, held),
         (HELD_Z_AXIS, sensor.mjSENS_FRAMEZAXIS, body, held),
     ):  # fmt: skip
         spec.add_sensor(name=name, type=kind, objtype=on, objname=target)

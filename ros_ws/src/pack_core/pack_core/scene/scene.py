@@ -77,7 +77,9 @@ class Scene(Config):
         """
         missing = [item.name for item in self.objects if item.pose is None]
         if missing:
-            raise ConfigError(f"key 'pose' is missing in {', '.join(missing)}; give `pose: position: [x, y, z]`")
+            raise ConfigError(
+                f"key 'pose' is missing in {', '.join(missing)}; give `pose: position: [x, y, z]`"
+            )
         return {item.name: item.pose.to_pose() for item in self.objects if item.pose}
 
     def with_poses(self, poses: dict[str, Pose]) -> Scene:

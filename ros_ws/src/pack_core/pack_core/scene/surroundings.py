@@ -19,10 +19,14 @@ def add_surroundings(spec: mujoco.MjSpec, container: Container) -> None:
     spec.visual.headlight.specular = (0.0, 0.0, 0.0)
     spec.visual.map.shadowclip = 1.4
     _add_textures(spec)
-    _draw_box(spec, (0.35, 0, -TABLE_THICKNESS / 2 - 0.0005), (0.75, 0.6, TABLE_THICKNESS / 2), material="table")
+    _draw_box(
+        spec, (0.35, 0, -TABLE_THICKNESS / 2 - 0.0005), (0.75, 0.6, TABLE_THICKNESS / 2), material="table"
+    )
     for x in (-0.3, 1.0):
         for y in (-0.5, 0.5):
-            _draw_box(spec, (x, y, ROOM_FLOOR / 2 - TABLE_THICKNESS / 2), (0.03, 0.03, -ROOM_FLOOR / 2 - 0.02))
+            _draw_box(
+                spec, (x, y, ROOM_FLOOR / 2 - TABLE_THICKNESS / 2), (0.03, 0.03, -ROOM_FLOOR / 2 - 0.02)
+            )
     spec.worldbody.add_geom(
         type=mujoco.mjtGeom.mjGEOM_PLANE, size=(5, 5, 0.1), pos=(0, 0, ROOM_FLOOR), material="floor",
         contype=0, conaffinity=0,

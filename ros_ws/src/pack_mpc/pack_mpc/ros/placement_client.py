@@ -39,7 +39,8 @@ class PlacementClient:
         task = session.task
         return PlanPlacement.Request(
             scene=to_scene(seen.scene), variant=session.method.placement_variant,
-            seed=self._seed + len(task.tried), avoid=[to_point(p) for p in task.avoid], avoid_radius=task.avoid_radius,
+            seed=self._seed + len(task.tried),
+            avoid=[to_point(p) for p in task.avoid], avoid_radius=task.avoid_radius,
         )  # fmt: skip
 
     def _hand_over(

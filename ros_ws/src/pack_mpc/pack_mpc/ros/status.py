@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from pack_core.ros.conversions import WORLD, to_pose, to_stamp
 from pack_interfaces.action import PackObject
 from pack_interfaces.msg import MpcStatus
 
+from pack_core.ros.conversions import WORLD, to_pose, to_stamp
 from pack_mpc.controller import Plan
 from pack_mpc.session import Observation, PackingSession
 
@@ -18,7 +18,8 @@ def to_status(session: PackingSession, seen: Observation, plan: Plan) -> MpcStat
         stage=machine.stage.name, elapsed=task.elapsed(seen.joints.time), distance=task.distance,
         cost=plan.solution.cost, iteration_ms=plan.iteration_ms, step_size=plan.solution.step_size,
         regularisation=plan.solution.regularisation, target=to_pose(machine.placement.X_WN),
-        collisions=list(machine.placement.collisions), placements=len(task.tried), warning=plan.solution.warning,
+        collisions=list(machine.placement.collisions), placements=len(task.tried),
+        warning=plan.solution.warning,
     )  # fmt: skip
     message.header.stamp, message.header.frame_id = to_stamp(seen.joints.time), WORLD
     return message

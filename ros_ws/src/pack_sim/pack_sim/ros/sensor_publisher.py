@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pack_core.ros import contracts
-from pack_core.ros.cell_node import CellNode
-from pack_core.ros.conversions import to_joint_state, to_markers, to_scene, to_stamp, to_wrench
 from pack_interfaces.msg import GripperState
 from rosgraph_msgs.msg import Clock
 
+from pack_core.ros import contracts
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.conversions import to_joint_state, to_markers, to_scene, to_stamp, to_wrench
 from pack_sim.simulator import Simulator
 
 BLOCK = 4
@@ -49,7 +49,8 @@ def _gripper_state(simulator: Simulator) -> GripperState:
     state, load = simulator.pump.state, simulator.pump.state.load
     message = GripperState(
         is_closed=state.is_closed, object=simulator.scene.new_object.name if state.is_closed else "",
-        coaxial_force=load.pull, shear_force=load.shear, moment=load.moment, release_reason=state.release_reason,
+        coaxial_force=load.pull, shear_force=load.shear, moment=load.moment,
+        release_reason=state.release_reason,
     )  # fmt: skip
     message.header.stamp = to_stamp(simulator.time)
     return message
