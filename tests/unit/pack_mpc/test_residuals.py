@@ -57,7 +57,7 @@ def test_an_obstacle_repels_most_where_the_target_is(plant, joints, state, weigh
     y = np.zeros(plant.model.nsensordata)
     at, away = x.copy(), x.copy()
     at[plant.layout.object_p["tea_box"][:2]] = TARGET.p_WN[:2]
-    away[plant.layout.object_p["tea_box"][:2]] = [*TARGET.p_WN[:2], 0.3, 0.4]
+    away[plant.layout.object_p["tea_box"][:2]] = TARGET.p_WN[:2] + np.array([0.3, 0.4])
     assert residuals.values(at, y)[-2] == pytest.approx(1.0, abs=1e-5)
     assert residuals.values(away, y)[-2] == pytest.approx(np.exp(-0.5))
 

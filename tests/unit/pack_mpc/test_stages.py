@@ -24,21 +24,21 @@ def test_stages_follow_one_another_down_to_the_place(machine: StageMachine) -> N
     assert machine.update(1.0, above)
     assert machine.stage is Stage.INSERT
     assert machine.target.collisions == ("tea_box",)
-    assert machine.update(2.0, [*PLACE, 0.03, 0.0, 0.01])
+    assert machine.update(2.0, PLACE + np.array([0.03, 0.0, 0.01]))
     assert machine.stage is Stage.FINE_TUNE
-    assert not machine.is_placed([*PLACE, 0.03, 0.0, 0.01])
-    assert machine.is_placed([*PLACE, 0.01, 0.0, 0.0])
+    assert not machine.is_placed(PLACE + np.array([0.03, 0.0, 0.01]))
+    assert machine.is_placed(PLACE + np.array([0.01, 0.0, 0.0]))
 
 
 def test_the_base_is_not_reached_outside_the_container(machine: StageMachine) -> None:
     machine.update(1.0, machine.target.p_WN)
-    machine.update(2.0, [*PLACE, 0.3, 0.0, 0.0])
+    machine.update(2.0, PLACE + np.array([0.3, 0.0, 0.0]))
     assert machine.stage is Stage.INSERT
 
 
 def test_insert_without_progress_stalls(machine: StageMachine) -> None:
     machine.update(1.0, machine.target.p_WN)
-    stuck = [*PLACE, 0.0, 0.0, 0.11]
+    stuck = PLACE + np.array([0.0, 0.0, 0.11])
     machine.update(1.1, stuck)
     machine.update(1.0 + StageConfig().stall_time, stuck)
     assert not machine.is_stalled
@@ -49,7 +49,7 @@ def test_insert_without_progress_stalls(machine: StageMachine) -> None:
 def test_insert_that_moves_down_does_not_stall(machine: StageMachine) -> None:
     machine.update(1.0, machine.target.p_WN)
     for i in range(20):
-        machine.update(1.0 + i, [*PLACE, 0.0, 0.0, 0.15 - 0.005 * i])
+        machine.update(1.0 + i, PLACE + np.array([0.0, 0.0, 0.15 - 0.005 * i]))
         assert not machine.is_stalled
 
 

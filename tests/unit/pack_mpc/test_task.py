@@ -29,7 +29,7 @@ def scene_at(X_WN: Pose) -> SceneState:
 
 
 def at(height: float) -> Pose:
-    return Pose([*PLACE.p, 0.0, 0.0, height])
+    return Pose(PLACE.p + np.array([0.0, 0.0, height]))
 
 
 def test_a_goal_waits_for_its_placement(task: PackingTask) -> None:
@@ -41,7 +41,7 @@ def test_a_goal_waits_for_its_placement(task: PackingTask) -> None:
 
 def test_a_goal_that_reaches_its_place_is_a_success(task: PackingTask) -> None:
     placed(task).update(11.0, Pose(task.machine.target.p_WN))
-    task.update(12.0, Pose([*PLACE.p, 0.03, 0.0, 0.01]))
+    task.update(12.0, Pose(PLACE.p + np.array([0.03, 0.0, 0.01])))
     task.update(12.1, at(0.005))
     assert task.outcome is not None
     assert task.outcome.exit_reason is ExitReason.PLACED
@@ -52,9 +52,9 @@ def test_a_goal_that_reaches_its_place_is_a_success(task: PackingTask) -> None:
 
 def test_a_time_out_in_fine_tune_is_a_success_and_one_before_is_not(task: PackingTask, scene: Scene) -> None:
     placed(task).update(11.0, Pose(task.machine.target.p_WN))
-    task.update(12.0, Pose([*PLACE.p, 0.03, 0.0, 0.0]))
+    task.update(12.0, Pose(PLACE.p + np.array([0.03, 0.0, 0.0])))
     assert task.machine.stage is Stage.FINE_TUNE
-    task.update(30.1, Pose([*PLACE.p, 0.03, 0.0, 0.0]))
+    task.update(30.1, Pose(PLACE.p + np.array([0.03, 0.0, 0.0])))
     early = PackingTask(scene, TaskConfig(), 10.0)
     early.update(30.1, START)
     assert task.outcome.exit_reason is early.outcome.exit_reason is ExitReason.TIMEOUT
