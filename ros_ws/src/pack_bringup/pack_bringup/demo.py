@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from pack_bringup.goal_node import GoalNode
 
 LOG = "nodes.log"
-START_TIMEOUT = 60.0
-"""Wall clock for all nodes to come up and the goal to be accepted [s]."""
+TIMEOUT = 60.0
+"""Wall clock for all nodes to come up and the controller to plan, and between two of its plans [s]."""
 LINGER = 2.0
 """Wall clock for which the recording goes on after the goal [s]."""
 LOG_LINES = 12
@@ -87,11 +87,11 @@ def run_demo(demo: Demo, on_progress: Callable[[Progress], None]) -> PackObject.
     log = demo.folder / LOG
     with log.open("w") as output:
         group = ProcessGroup(commands, environment={"ROS_DOMAIN_ID": str(domain)}, output=output)
-        deadline = time.monotonic() + START_TIMEOUT
+        patience = _Patience(log)
 
         def check(node: GoalNode) -> None:
             _check_alive(group, log)
-            _check_started(node, deadline, log)
+            patience.check(node)
             on_progress(_progress(node))
 
         with group:
@@ -110,14 +110,27 @@ def _check_alive(group: ProcessGroup, log: Path) -> None:
         raise PackError(f"node '{name}' ended with exit code {code}; {_tail(log, name)}")
 
 
-def _check_started(node: GoalNode, deadline: float, log: Path) -> None:
-    if node.is_accepted or time.monotonic() < deadline:
-        return
-    if missing := node.missing:
-        raise PackError(
-            f"did not come up within {START_TIMEOUT:.0f} s: {', '.join(missing)}; {_tail(log, missing[0])}"
-        )
-    raise PackError(f"the controller does not take the goal; {_tail(log, 'mpc')}")
+class _Patience:
+    """Runs out when nothing has changed for `TIMEOUT`."""
+
+    def __init__(self, log: Path) -> None:
+        self._log = log
+        self._seen: object = None
+        self._deadline = time.monotonic() + TIMEOUT
+
+    def check(self, node: GoalNode) -> None:
+        seen = (node.feedback, node.result)
+        if seen != self._seen:
+            self._seen, self._deadline = seen, time.monotonic() + TIMEOUT
+        if time.monotonic() < self._deadline:
+            return
+        if missing := node.missing:
+            what, culprit = f"did not come up: {', '.join(missing)}", missing[0]
+        elif not node.is_accepted:
+            what, culprit = "the controller does not take the goal", "mpc"
+        else:
+            what, culprit = "the controller has taken the goal but does not plan", "mpc"
+        raise PackError(f"nothing happened for {TIMEOUT:.0f} s: {what}; {_tail(self._log, culprit)}")
 
 
 def _progress(node: GoalNode) -> Progress:

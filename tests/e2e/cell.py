@@ -1,0 +1,89 @@
+"""The packing cell as separate processes, for tests that kill them one by one."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from pack_interfaces.action import PackObject
+
+from integration.harness import Graph
+from pack_bringup.demo import Demo
+from pack_bringup.graph import load_graph
+from pack_bringup.processes import ProcessGroup
+from pack_core.ros import contracts
+from pack_core.ros.conversions import from_stamp
+from pack_core.rotations import Array
+
+EASY_SCENE = Path(__file__).with_name("easy_scene.yaml")
+NODES = ("sim", "perception", "planner", "mpc", "recorder")
+START_TIMEOUT = 60.0
+
+
+class Cell:
+    """The nodes' processes and a probe that hears what they say."""
+
+    def __init__(self, graph: Graph, folder: Path) -> None:
+        self.graph, self.folder = graph, folder
+        folder.mkdir()
+        demo = Demo("packing", folder, scene=EASY_SCENE)
+        self._log = (folder / "nodes.log").open("w")
+        domain = str(graph.context.get_domain_id())
+        self.processes = ProcessGroup(
+            load_graph("packing").commands(demo.overrides()),
+            environment={"ROS_DOMAIN_ID": domain}, output=self._log,
+        )  # fmt: skip
+        graph.probe.listen(contracts.JOINT_STATES, contracts.DIAGNOSTICS, contracts.RESULT)
+
+    def __enter__(self) -> Self:
+        self.processes.start()
+        probe = self.graph.probe
+        self.graph.wait_until(
+            lambda: all(probe.count_publishers(f"/alive/{name}") for name in NODES), START_TIMEOUT
+        )
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.processes.stop()
+        self._log.close()
+
+    def start_goal(self) -> Any:
+        """Send the goal until it is accepted."""
+        handles: list[Any] = []
+
+        def is_accepted() -> bool:
+            handles.append(self.graph.send_goal(contracts.PACK_OBJECT, PackObject.Goal(method="pack_it_in")))
+            return bool(handles[-1].accepted)
+
+        self.graph.wait_until(is_accepted, START_TIMEOUT)
+        return handles[-1]
+
+    def kill(self, name: str) -> float:
+        """End a node without warning; the simulated time of it [s]."""
+        self.processes.signal(name, signal.SIGKILL)
+        self.graph.executor.spin_once(timeout_sec=0.0)
+        return self.time
+
+    @property
+    def time(self) -> float:
+        """Stamp of the newest joint state [s]."""
+        return from_stamp(self.graph.probe.last(contracts.JOINT_STATES).header.stamp)
+
+    @property
+    def speed(self) -> float:
+        """Of the fastest joint, newest [rad/s]."""
+        return max(abs(v) for v in self.graph.probe.last(contracts.JOINT_STATES).velocity)
+
+    def speeds(self) -> tuple[Array, Array]:
+        """Times [s] and speeds of the fastest joint [rad/s], all that was heard."""
+        mail = self.graph.probe.mail[contracts.JOINT_STATES.name]
+        times = np.array([from_stamp(message.header.stamp) for message in mail])
+        return times, np.abs([message.velocity for message in mail]).max(axis=-1)
+
+    def has_reported(self, node: str, text: str) -> bool:
+        """Whether a node's newest diagnostics are an error with this text in it."""
+        mail = self.graph.probe.mail[contracts.DIAGNOSTICS.name]
+        status = [item for message in mail for item in message.status if item.name == node]
+        return bool(status) and status[-1].level == b"\x02" and text in status[-1].message
