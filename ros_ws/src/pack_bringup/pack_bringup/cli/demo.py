@@ -18,7 +18,6 @@ from rich.text import Text
 from pack_bringup.cli.evaluate import run_evaluation, show
 from pack_bringup.demo import LOG, Demo, Progress, run_demo
 from pack_bringup.run_record import default_folder
-from pack_core.scene.scene_file import load_scene
 
 app = typer.Typer()
 
@@ -66,7 +65,7 @@ def demo(
     - `pack demo packing --scene config/scenarios/example.yaml --real-time-factor 0.3`
     """
     if scene:
-        load_scene(scene)
+        _check_scene(scene)
     folder = output or default_folder(cell, seed, datetime.now())
     command = " ".join(["pack", *sys.argv[1:]])
     job = Demo(cell, folder, seed, scene, method.value, real_time_factor, command)
@@ -119,6 +118,12 @@ def describe(progress: Progress) -> str:
         f"{progress.stage:9} {progress.elapsed:5.1f} s   distance {100 * progress.distance:5.1f} cm   "
         f"iteration {progress.iteration_ms:5.0f} ms   real-time factor {progress.real_time_factor:4.2f}"
     )
+
+
+def _check_scene(path: Path) -> None:
+    from pack_core.scene.scene_file import load_scene
+
+    load_scene(path)
 
 
 def _as_ctrl_c(*_: Any) -> None:

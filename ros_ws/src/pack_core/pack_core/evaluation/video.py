@@ -59,7 +59,7 @@ def write_video(
 def write_still(run: Run, path: Path, time: float | None = None, config: ViewConfig | None = None) -> None:
     """Write one picture, by default of the moment the object is half way down."""
     size = config or ViewConfig()
-    large = {"width": STILL_SCALE * size.width, "height": STILL_SCALE * size.height}
+    large = {"width": STILL_SCALE * size.width, "height": STILL_SCALE * size.height, "shadow_size": 8192}
     with View(run, size.model_copy(update=large)) as view:
         picture = view.picture(_half_way(run) if time is None else time)
     Image.fromarray(picture).resize((size.width, size.height), Image.Resampling.LANCZOS).save(path)
