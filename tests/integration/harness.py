@@ -18,13 +18,16 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
+from pack_bringup.domains import DOMAINS, is_free
 from pack_core.ros.contracts import Contract
 
 N = TypeVar("N", bound=Node)
-DOMAINS = 100
-"""Domain ids that leave Linux' ephemeral ports alone."""
-
 _domains = itertools.count(7 * os.getpid())
+
+
+def _own_domain() -> int:
+    """The next domain that no process of this machine is on."""
+    return next(domain for domain in (1 + n % DOMAINS for n in _domains) if is_free(domain))
 
 
 class Probe(Node):
@@ -72,7 +75,7 @@ class Graph:
 
     def __init__(self) -> None:
         self.context = Context()
-        rclpy.init(context=self.context, domain_id=1 + next(_domains) % DOMAINS)
+        rclpy.init(context=self.context, domain_id=_own_domain())
         self.executor = SingleThreadedExecutor(context=self.context)
         self.probe = Probe(self.context)
         self._nodes: list[Node] = []

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pack_bringup.domains import choose_domain
 from pack_bringup.graph import load_graph
 from pack_bringup.processes import ProcessGroup
 from pack_core.errors import PackError
@@ -82,7 +83,7 @@ def run_demo(demo: Demo, on_progress: Callable[[Progress], None]) -> PackObject.
     from pack_bringup.goal_node import GoalConfig, follow_goal
 
     commands = load_graph(demo.cell).commands(demo.overrides())
-    domain = free_domain(os.environ)
+    domain = choose_domain(os.environ)
     demo.folder.mkdir(parents=True, exist_ok=True)
     log = demo.folder / LOG
     with log.open("w") as output:
@@ -97,12 +98,6 @@ def run_demo(demo: Demo, on_progress: Callable[[Progress], None]) -> PackObject.
         with group:
             goal = GoalConfig(method=demo.method, seed=demo.seed)
             return follow_goal(goal, check, domain=domain, linger=LINGER)
-
-
-def free_domain(environment: Mapping[str, str]) -> int:
-    """The ROS domain: the environment's, else one that a second run on this machine is unlikely to share."""
-    given = environment.get("ROS_DOMAIN_ID", "")
-    return int(given) if given else 1 + os.getpid() % 100
 
 
 def _check_alive(group: ProcessGroup, log: Path) -> None:
