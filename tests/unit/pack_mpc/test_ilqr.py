@@ -6,7 +6,7 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pack_mpc.ilqr import Expansion, IlqrConfig, Linearization, evaluate, iterate
+from pack_mpc.ilqr import Expansion, IlqrConfig, Linearization, cheapest, iterate
 
 CONFIG = IlqrConfig(regularisation_min=1e-12)
 
@@ -76,7 +76,7 @@ def riccati(plant: Pendulum, steps: int, x0: np.ndarray) -> np.ndarray:
 
 def test_one_iteration_solves_a_linear_problem_as_lqr_does() -> None:
     plant, cost, x0 = Pendulum(is_linear=True), Quadratic(), np.array([1.0, -0.5])
-    nominal = evaluate(plant, cost, x0, np.zeros((40, 1)))
+    nominal = cheapest(plant, cost, x0, np.zeros((40, 1))[None])[0]
     result = iterate(plant, cost, nominal, np.arange(2), 1e-12, CONFIG)
     np.testing.assert_allclose(result.trajectory.us, riccati(plant, 40, x0), atol=1e-8)
 
@@ -86,7 +86,7 @@ def test_one_iteration_solves_a_linear_problem_as_lqr_does() -> None:
 def test_iterations_never_raise_the_cost(angle: float, speed: float, limit: float, seed: int) -> None:
     plant, cost = Pendulum(is_linear=False, limit=limit), Quadratic()
     us = np.random.default_rng(seed).uniform(-limit, limit, (40, 1))
-    trajectory, regularisation = evaluate(plant, cost, np.array([angle, speed]), us), 1e-6
+    trajectory, regularisation = cheapest(plant, cost, np.array([angle, speed]), us[None])[0], 1e-6
     for _ in range(8):
         result = iterate(plant, cost, trajectory, np.arange(2), regularisation, CONFIG)
         assert result.trajectory.cost <= trajectory.cost
@@ -102,7 +102,7 @@ def test_derivatives_that_are_not_finite_leave_the_trajectory_as_it_is() -> None
             return lin
 
     plant, cost = Broken(is_linear=True), Quadratic()
-    nominal = evaluate(plant, cost, np.array([1.0, 0.0]), np.zeros((10, 1)))
+    nominal = cheapest(plant, cost, np.array([1.0, 0.0]), np.zeros((10, 1))[None])[0]
     result = iterate(plant, cost, nominal, np.arange(2), 1e-6, CONFIG)
     assert result.trajectory is nominal
     assert "not finite" in result.warning
@@ -110,7 +110,7 @@ def test_derivatives_that_are_not_finite_leave_the_trajectory_as_it_is() -> None
 
 def test_a_line_search_that_finds_nothing_better_keeps_the_trajectory_and_regularises_more() -> None:
     plant, cost, x0 = Pendulum(is_linear=True), Quadratic(), np.array([1.0, -0.5])
-    best = evaluate(plant, cost, x0, riccati(plant, 40, x0))
+    best = cheapest(plant, cost, x0, riccati(plant, 40, x0)[None])[0]
     result = iterate(plant, cost, best, np.arange(2), 1e-6, CONFIG)
     assert result.trajectory.cost == pytest.approx(best.cost)
     assert result.step_size == 0.0 or result.trajectory.cost <= best.cost

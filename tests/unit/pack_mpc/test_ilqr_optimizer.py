@@ -7,7 +7,7 @@ from pack_core.cells.packing import packing_cell
 from pack_core.robots.panda import TORQUE_LIMITS
 from pack_core.scene.scene import Scene
 from pack_mpc.cost import PackingCost
-from pack_mpc.ilqr import evaluate
+from pack_mpc.ilqr import cheapest
 from pack_mpc.ilqr_optimizer import IlqrOptimizer, IlqrOptimizerConfig
 from pack_mpc.residuals import Residuals, Target
 from pack_mpc.weights import Stage, load_weights
@@ -31,12 +31,12 @@ def test_iterations_from_one_state_never_raise_the_cost(optimizer, cost, joints,
     x0 = optimizer.plant.state(joints, state)
     costs = [optimizer.improve(x0, cost, Stage.PRE_PACK, ABOVE).cost for _ in range(6)]
     assert costs == sorted(costs, reverse=True)
-    assert costs[-1] < 0.5 * evaluate(optimizer.plant, cost, x0, np.zeros((100, 7))).cost
+    assert costs[-1] < 0.5 * cheapest(optimizer.plant, cost, x0, np.zeros((100, 7))[None])[0].cost
 
 
 def test_only_objects_that_move_are_in_the_state(optimizer, cost, joints, state) -> None:
     x0 = optimizer.plant.state(joints, state)
-    trajectory = evaluate(optimizer.plant, cost, x0, np.zeros((100, 7)))
+    trajectory = cheapest(optimizer.plant, cost, x0, np.zeros((100, 7))[None])[0]
     assert optimizer.touched(trajectory) == []
     trajectory.xs[50, optimizer.plant.layout.object_p["tea_box"]] += 0.002
     assert optimizer.touched(trajectory) == ["tea_box"]

@@ -96,15 +96,18 @@ class Iteration:
     warning: str = ""
 
 
-def evaluate(plant: Plant, cost: Cost, x0: Array, us: Array) -> Trajectory:
-    """Roll out one control sequence `(T, m)`."""
-    xs, ys = plant.rollout(x0, us[None])
-    return Trajectory(xs[0], ys[0], us, float(cost.value(xs, ys, us[None])[0]))
+def cheapest(plant: Plant, cost: Cost, x0: Array, us: Array) -> tuple[Trajectory, int]:
+    """Roll out control sequences `(B, T, m)`; the cheapest, and which it is. Infinite if all diverge."""
+    xs, ys = plant.rollout(x0, us)
+    costs = cost.value(xs, ys, us)
+    costs = np.where(np.isfinite(costs), costs, np.inf)
+    best = int(np.argmin(costs))
+    return Trajectory(xs[best], ys[best], us[best], float(costs[best])), best
 
 
 def iterate(
     plant: Plant, cost: Cost, nominal: Trajectory, columns: np.ndarray, regularisation: float,
-    config: IlqrConfig, candidates: Array | None = None,
+    config: IlqrConfig,
 ) -> Iteration:  # fmt: skip
     """Improve a nominal trajectory once; the cost never rises.
 
@@ -115,7 +118,6 @@ def iterate(
         columns: components of the state that take part.
         regularisation: added to Quu's diagonal.
         config: parameters.
-        candidates: control sequences `(E, T, m)` that are tried beside the line search.
     """
     steps = len(nominal.us)
     keypoints = np.unique(np.append(np.arange(0, steps, config.keypoint_interval), steps))
@@ -130,49 +132,44 @@ def iterate(
         regularisation *= 10.0
     else:
         return Iteration(nominal, 0.0, config.regularisation_max, "no descent direction")
-    tried = nominal.us[None] + np.array(config.step_sizes)[:, None, None] * _direction(lin, *gains)
-    if candidates is not None:
-        tried = np.concatenate([tried, candidates])
-    return _best(plant, cost, nominal, tried, regularisation, config)
+    return _line_search(plant, cost, nominal, _direction(lin, *gains), regularisation, config)
 
 
 def backward_pass(lin: Linearization, cost: Expansion, regularisation: float) -> tuple[Array, Array] | None:
     """Gains `k (T,m)` and `K (T,m,n)` of the Riccati recursion; None when Quu is not positive definite."""
     steps, n, m = lin.B.shape
     k, K = np.empty((steps, m)), np.empty((steps, m, n))
+    F = np.concatenate([lin.A, lin.B], axis=2)
+    q = np.concatenate([cost.lx[:-1], cost.lu], axis=1)
+    Q = np.block([[cost.lxx[:-1], cost.lux.swapaxes(1, 2)], [cost.lux, cost.luu]])
     vx, vxx = cost.lx[-1], cost.lxx[-1]
     damping = regularisation * np.eye(m)
     for t in reversed(range(steps)):
-        A, B = lin.A[t], lin.B[t]
-        vA, vB = vxx @ A, vxx @ B
-        qx, qu = cost.lx[t] + A.T @ vx, cost.lu[t] + B.T @ vx
-        qxx, qux, quu = cost.lxx[t] + A.T @ vA, cost.lux[t] + B.T @ vA, cost.luu[t] + B.T @ vB
+        qt = q[t] + F[t].T @ vx
+        Qt = Q[t] + F[t].T @ (vxx @ F[t])
+        quu, qux = Qt[n:, n:], Qt[n:, :n]
         factor, info = scipy.linalg.lapack.dpotrf(quu + damping, lower=1)
         if info != 0:
             return None
-        solution, _ = scipy.linalg.lapack.dpotrs(factor, np.column_stack([qu, qux]), lower=1)
-        k[t], K[t] = -solution[:, 0], -solution[:, 1:]
-        vx = qx + K[t].T @ (quu @ k[t] + qu) + qux.T @ k[t]
-        vxx = qxx + K[t].T @ (quu @ K[t] + qux) + qux.T @ K[t]
+        gains, _ = scipy.linalg.lapack.dpotrs(factor, np.column_stack([qt[n:], qux]), lower=1)
+        k[t], K[t] = -gains[:, 0], -gains[:, 1:]
+        vx = qt[:n] + K[t].T @ (quu @ k[t] + qt[n:]) + qux.T @ k[t]
+        vxx = Qt[:n, :n] + K[t].T @ (quu @ K[t] + qux) + qux.T @ K[t]
         vxx = 0.5 * (vxx + vxx.T)
     return k, K
 
 
-def _best(
-    plant: Plant, cost: Cost, nominal: Trajectory, tried: Array, regularisation: float, config: IlqrConfig
+def _line_search(
+    plant: Plant, cost: Cost, nominal: Trajectory, direction: Array, regularisation: float, config: IlqrConfig
 ) -> Iteration:
-    """Roll out the line search, followed by other candidates, and keep the cheapest."""
-    us = np.clip(tried, -plant.limits, plant.limits)
-    xs, ys = plant.rollout(nominal.xs[0], us)
-    costs = cost.value(xs, ys, us)
-    costs = np.where(np.isfinite(costs), costs, np.inf)
-    best = int(np.argmin(costs))
-    if not costs[best] < nominal.cost:
+    """Roll out every step size at once and keep the cheapest, if it is cheaper than the nominal."""
+    sizes = np.array(config.step_sizes)
+    us = np.clip(nominal.us + sizes[:, None, None] * direction, -plant.limits, plant.limits)
+    trajectory, best = cheapest(plant, cost, nominal.xs[0], us)
+    if not trajectory.cost < nominal.cost:
         return Iteration(nominal, 0.0, min(regularisation * 10.0, config.regularisation_max))
-    trajectory = Trajectory(xs[best], ys[best], us[best], float(costs[best]))
-    size = config.step_sizes[best] if best < len(config.step_sizes) else 1.0
-    relaxed = regularisation / 5.0 if size > 0.2 else regularisation
-    return Iteration(trajectory, size, max(relaxed, config.regularisation_min))
+    relaxed = regularisation / 5.0 if sizes[best] > 0.2 else regularisation
+    return Iteration(trajectory, float(sizes[best]), max(relaxed, config.regularisation_min))
 
 
 def _direction(lin: Linearization, k: Array, K: Array) -> Array:

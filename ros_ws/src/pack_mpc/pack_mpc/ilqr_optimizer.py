@@ -14,7 +14,7 @@ from pack_core.scene.scene import Scene
 from pack_core.scene.state import Setpoints
 from pack_mpc.cost import PackingCost
 from pack_mpc.explorers import ExplorerConfig, explore
-from pack_mpc.ilqr import IlqrConfig, Iteration, Trajectory, evaluate, iterate
+from pack_mpc.ilqr import IlqrConfig, Iteration, Trajectory, cheapest, iterate
 from pack_mpc.plant import PackingPlant
 from pack_mpc.residuals import Target
 from pack_mpc.solution import Solution
@@ -53,12 +53,9 @@ class IlqrOptimizer:
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
         """One iteration from state `x0`."""
-        nominal, warning = self._nominal(cost, x0)
+        nominal, warning = self._nominal(x0, cost, stage, target)
         columns = self.plant.columns(self.touched(nominal))
-        candidates = self._explore(nominal, target) if stage is Stage.INSERT else None
-        result = iterate(
-            self.plant, cost, nominal, columns, self._regularisation, self._config.iteration, candidates
-        )
+        result = iterate(self.plant, cost, nominal, columns, self._regularisation, self._config.iteration)
         self._last, self._regularisation = result.trajectory, result.regularisation
         return self._solution(result, warning)
 
@@ -71,22 +68,28 @@ class IlqrOptimizer:
                 moved.append(name)
         return moved
 
-    def _nominal(self, cost: PackingCost, x0: Array) -> tuple[Trajectory, str]:
-        """The last plan, shifted to now; gravity compensation alone where that diverges."""
-        steps, us = self._config.horizon, np.zeros((self._config.horizon, 7))
-        if self._last is not None:
-            shift = round((x0[0] - self._last.xs[0, 0]) / self._config.timestep)
-            if 0 <= shift < steps:
-                us[: steps - shift] = self._last.us[shift:]
-        nominal = evaluate(self.plant, cost, x0, us)
+    def _nominal(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> tuple[Trajectory, str]:
+        """The last plan, shifted to now, or a cheaper explorer; gravity compensation if all diverge."""
+        candidates = self._shifted(x0)[None]
+        if stage is Stage.INSERT:
+            explorers = explore(
+                self.plant, x0, candidates[0], -target.over, self._config.explorers, self._rng
+            )
+            candidates = np.concatenate([candidates, explorers])
+        nominal, _ = cheapest(self.plant, cost, x0, candidates)
         if _is_sane(nominal, self.plant):
             return nominal, ""
-        nominal = evaluate(self.plant, cost, x0, np.zeros((steps, 7)))
+        nominal, _ = cheapest(self.plant, cost, x0, np.zeros_like(candidates[:1]))
         return nominal, "the last plan diverged from here; started afresh"
 
-    def _explore(self, nominal: Trajectory, target: Target) -> Array:
-        away = -target.over
-        return explore(self.plant, nominal.xs[0], nominal.us, away, self._config.explorers, self._rng)
+    def _shifted(self, x0: Array) -> Array:
+        steps = self._config.horizon
+        us = np.zeros((steps, 7))
+        if self._last is not None:
+            shift = round(float(x0[0] - self._last.xs[0, 0]) / self._config.timestep)
+            if 0 <= shift < steps:
+                us[: steps - shift] = self._last.us[shift:]
+        return us
 
     def _solution(self, result: Iteration, warning: str) -> Solution:
         xs, us, layout = result.trajectory.xs[:-1], result.trajectory.us, self.plant.layout

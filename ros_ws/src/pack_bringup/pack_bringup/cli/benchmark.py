@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import track
 from rich.table import Table
 
@@ -77,5 +78,5 @@ def table(summary: dict[str, Any]) -> Table:
     view = Table("measure", "mean", "deviation", "median", "95th percentile", title=heading)
     for key, name in UNITS.items():
         values = summary[key]
-        view.add_row(name, *(f"{values[part]:.2f}" for part in ("mean", "std", "median", "p95")))
+        view.add_row(escape(name), *(f"{values[part]:.2f}" for part in ("mean", "std", "median", "p95")))
     return view
