@@ -26,6 +26,10 @@ RETRY = 0.5
 """Wall clock [s] between two tries while the controller still refuses the goal."""
 
 
+SETTLE = 1.0
+"""Wall clock [s] for which all nodes are up before the goal is sent, so that all hear each other."""
+
+
 class GoalConfig(Config):
     """The goal."""
 
@@ -54,6 +58,7 @@ class GoalNode(CellNode):
         self._client = ActionClient(self, contracts.PACK_OBJECT.type, contracts.PACK_OBJECT.name)
         self._is_sent = False
         self._next_try = 0.0
+        self._is_complete = False
         self.listen(contracts.REAL_TIME_FACTOR, self._on_real_time_factor)
 
     @property
@@ -63,9 +68,11 @@ class GoalNode(CellNode):
 
     def pursue(self) -> None:
         """Send the goal if it is not on its way; to be called again and again."""
-        if self._is_sent or time.monotonic() < self._next_try or self.missing:
+        if self._is_sent or self.missing:
             return
-        if self._client.server_is_ready():
+        if not self._is_complete:
+            self._is_complete, self._next_try = True, time.monotonic() + SETTLE
+        if time.monotonic() >= self._next_try and self._client.server_is_ready():
             goal = PackObject.Goal(**self._goal.model_dump())
             self._is_sent = True
             future = self._client.send_goal_async(goal, feedback_callback=self._on_feedback)
