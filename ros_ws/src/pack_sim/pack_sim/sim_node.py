@@ -15,6 +15,7 @@ from std_msgs.msg import Float64, String
 from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.cells.packing import packing_cell
+from pack_core.errors import MessageError
 from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.conversions import from_setpoints
@@ -45,6 +46,7 @@ class SimNode(CellNode):
         self._cell = packing_cell()
         self._lock = threading.Lock()
         self._stopped = threading.Event()
+        self._is_abandoned = False
         self._sensors = SensorPublisher(self)
         self._description = self.advertise(contracts.DESCRIPTION)
         self._factor = self.advertise(contracts.REAL_TIME_FACTOR)
@@ -99,12 +101,15 @@ class SimNode(CellNode):
                 self._factor.publish(Float64(data=pacer.achieved()))
 
     def _on_setpoints(self, message: JointTrajectory) -> None:
+        if self._is_abandoned:
+            raise MessageError("their sender has fallen silent since; the arm holds")
         setpoints = from_setpoints(message)
         with self._lock:
             self._simulator.accept(setpoints)
 
     def _on_peer(self, _: str, is_alive: bool) -> None:
-        if not is_alive:
+        self._is_abandoned = not is_alive
+        if self._is_abandoned:
             with self._lock:
                 self._simulator.controller.drop()
 
