@@ -72,11 +72,11 @@ def test_a_stall_retreats_and_asks_for_another_placement(task: PackingTask) -> N
 
 
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
-    task.feel(10.5, 5.0, 39.0)
+    task.feel(10.5, np.array([1.0, 39.0]))
     assert task.outcome is None
-    task.feel(10.6, 7.0, 41.0)
+    task.feel(10.6, np.array([41.0, 3.0]))
     assert task.outcome.exit_reason is ExitReason.FORCE
-    assert task.outcome.force_mean == pytest.approx(6.0)
+    assert task.outcome.force_mean == pytest.approx(21.0)
     assert task.outcome.force_peak == 41.0
 
 

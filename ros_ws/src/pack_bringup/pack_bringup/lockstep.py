@@ -111,11 +111,9 @@ class Lockstep:
 
     def _observe(self) -> Observation:
         joints: JointSample = self.simulator.joints()
-        forces, self._forces = self._forces or [0.0], []
+        forces, self._forces = np.array(self._forces), []
         scene = self._estimator.state(joints.time)
-        return Observation(
-            joints, scene, float(np.mean(forces)), max(forces), self.simulator.pump.state.is_closed
-        )
+        return Observation(joints, scene, forces, self.simulator.pump.state.is_closed)
 
     def _serve_placement(self, seen: Observation) -> None:
         """Take up a placement that is due, or plan one that will be due."""

@@ -11,6 +11,7 @@ import numpy as np
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.errors import ConfigError
+from pack_core.rotations import Array
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState, Setpoints
 from pack_mpc.controller import ControllerConfig, PackingController, Plan
@@ -53,12 +54,18 @@ class SessionConfig(Config):
 
 @dataclass(frozen=True)
 class Observation:
-    """What is known now: joints, objects, external force since the last one [N], whether the pump holds."""
+    """What is known now.
+
+    Attributes:
+        joints: newest sample.
+        scene: newest estimate.
+        forces: magnitudes of the external force since the last observation `(n,)` [N].
+        is_held: whether the pump holds.
+    """
 
     joints: JointSample
     scene: SceneState
-    force_mean: float
-    force_peak: float
+    forces: Array
     is_held: bool = True
 
 
@@ -102,7 +109,7 @@ class PackingSession:
         """
         task, time = self.task, seen.joints.time
         X_WN = seen.scene.objects[self.scene.new_object.name].X_WO
-        task.feel(time, seen.force_mean, seen.force_peak)
+        task.feel(time, seen.forces)
         if not seen.is_held:
             task.finish(ExitReason.DETACHED, time, "the pump lost the object")
         if task.update(time, X_WN):

@@ -78,7 +78,6 @@ class PackingTask:
         self._has_succeeded = False
         self._refusals = 0
         self._forces: list[float] = []
-        self._peak = 0.0
         self.distance = 0.0
 
     def elapsed(self, time: float) -> float:
@@ -108,12 +107,11 @@ class PackingTask:
         """How far new placements keep off those tried [m]."""
         return self._config.avoid_radius
 
-    def feel(self, time: float, force: float, peak: float) -> None:
-        """Note the external force since the last call, its mean and its largest magnitude [N]."""
-        self._forces.append(force)
-        self._peak = max(self._peak, peak)
-        if peak > self._config.force_stop:
-            limit = self._config.force_stop
+    def feel(self, time: float, forces: Array) -> None:
+        """Note the magnitudes of the external force since the last call `(n,)` [N]."""
+        self._forces.extend(forces.tolist())
+        peak, limit = float(np.max(forces, initial=0.0)), self._config.force_stop
+        if peak > limit:
             self.finish(ExitReason.FORCE, time, f"external force {peak:.1f} N above {limit:.1f} N")
 
     def update(self, time: float, X_WN: Pose) -> bool:
@@ -143,7 +141,7 @@ class PackingTask:
             return
         self.outcome = Outcome(
             reason, self._has_succeeded, message, self.elapsed(time), self.distance,
-            float(np.mean(self._forces or [0.0])), self._peak, len(self.tried),
+            float(np.mean(self._forces or [0.0])), max(self._forces, default=0.0), len(self.tried),
         )  # fmt: skip
 
     def _retreat(self, machine: StageMachine, time: float, X_WN: Pose) -> bool:

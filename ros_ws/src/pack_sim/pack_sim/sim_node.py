@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from pack_interfaces.srv import GripperCommand, ResetScene
-from pydantic import Field, NonNegativeFloat
+from pydantic import Field
 from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Float64, String
 from trajectory_msgs.msg import JointTrajectory

@@ -55,7 +55,7 @@ class Mailbox:
             self._forces.clear()
 
     def observe(self) -> Observation:
-        """The newest of everything; forces since the last call by their largest.
+        """The newest of everything; forces since the last call.
 
         Raises:
             MessageError: something is missing, or too old to plan from.
@@ -67,10 +67,8 @@ class Mailbox:
         if age > SCENE_AGE:
             raise MessageError(f"the newest scene is {age:.3f} s old; allowed: {SCENE_AGE} s")
         with self._lock:
-            force = float(np.mean(self._forces)) if self._forces else 0.0
-            peak = max(self._forces, default=0.0)
-            self._forces.clear()
-        return Observation(joints, scene, force, peak, self._is_held)
+            forces, self._forces = np.array(self._forces), []
+        return Observation(joints, scene, forces, self._is_held)
 
     def _on_joints(self, message: JointState) -> None:
         self.joints = from_joint_state(message)
