@@ -32,7 +32,9 @@ from pack_sim.simulator import Simulator, SimulatorConfig
 class SimNodeConfig(SimulatorConfig):
     """Parameters of the node `sim`."""
 
-    real_time_factor: NonNegativeFloat = Field(default=1.0, description="1: real time, 0: as fast as it can")
+    real_time_factor: float = Field(
+        default=1.0, ge=0, le=100, description="1: real time, 0: as fast as it can"
+    )
     seed: int = Field(default=0, ge=0, description="seed of the scene and of the sensors' noise")
     scene: str = Field(default="", description="a scene file; empty: a generated one")
 
