@@ -5,16 +5,14 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
-from rclpy.duration import Duration
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import LivelinessPolicy, QoSProfile
 from rclpy.subscription import Subscription
 from std_msgs.msg import Empty
 
@@ -22,15 +20,11 @@ from pack_core.errors import PackError
 from pack_core.ros import contracts
 from pack_core.ros.contracts import Contract
 from pack_core.ros.health import Health
+from pack_core.ros.lifeline import Lifeline
+from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
 
-LEASE = Duration(seconds=0.2)
-"""A node is dead when it has not been heard of for this long, in wall clock."""
 ASSERTION_PERIOD = 0.02
 """How often a node says that it is alive [s of wall clock]; a busy machine may swallow a few."""
-
-
-def _alive_qos() -> QoSProfile:
-    return QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE)
 
 
 class CellNode(Node):
@@ -43,6 +37,8 @@ class CellNode(Node):
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0, self.report, clock=self.wall)
         self._ended = threading.Event()
+        self._lifeline: Lifeline | None = None
+        self._watches: list[PeerWatch] = []
         self._heart: threading.Thread | None = None
         self._birth = self.create_timer(0.001, self._come_alive, clock=self.wall)
 
@@ -51,12 +47,17 @@ class CellNode(Node):
         self._ended.set()
         if self._heart is not None:
             self._heart.join()
+        for watch in self._watches:
+            watch.end()
         super().destroy_node()
+        if self._lifeline is not None:
+            self._lifeline.cut()
 
     def _come_alive(self) -> None:
         """From the executor's first turn on: what a constructor builds may take longer than the lease."""
         self._birth.cancel()
-        self._alive = self.create_publisher(Empty, f"/alive/{self.get_name()}", _alive_qos())
+        self._lifeline = Lifeline(self.context.get_domain_id(), self.get_name())
+        self._alive = self.create_publisher(Empty, alive_topic(self.get_name()), ALIVE_QOS)
         self._heart = threading.Thread(target=self._beat, name="alive", daemon=True)
         self._heart.start()
 
@@ -84,24 +85,19 @@ class CellNode(Node):
     def watch(self, peers: Iterable[str], on_change: Callable[[str, bool], None] | None = None) -> None:
         """Report peers that die; `on_change(peer, is_alive)` is called when one dies or comes (back)."""
         for peer in peers:
-            self._watch(peer, on_change)
+            self._watches.append(PeerWatch(self, peer, partial(self._on_peer_change, on_change)))
 
-    def _watch(self, peer: str, on_change: Callable[[str, bool], None] | None) -> None:
-        def changed(event: Any) -> None:
-            is_alive = event.alive_count > 0
-            if is_alive:
-                self.health.faults.pop(peer, None)
-            else:
-                self.health.faults[peer] = f"node '{peer}' is silent: restart it (pack run, or pack up)"
-                self.get_logger().error(self.health.faults[peer])
-                self.report()
-            if on_change:
-                on_change(peer, is_alive)
-
-        self.create_subscription(
-            Empty, f"/alive/{peer}", lambda _: None, _alive_qos(),
-            event_callbacks=SubscriptionEventCallbacks(liveliness=changed),
-        )  # fmt: skip
+    def _on_peer_change(
+        self, on_change: Callable[[str, bool], None] | None, peer: str, is_alive: bool
+    ) -> None:
+        if is_alive:
+            self.health.faults.pop(peer, None)
+        else:
+            self.health.faults[peer] = f"node '{peer}' is silent: restart it (pack run, or pack up)"
+            self.get_logger().error(self.health.faults[peer])
+            self.report()
+        if on_change:
+            on_change(peer, is_alive)
 
     def report(self) -> None:
         """Publish this node's health."""

@@ -1,0 +1,64 @@
+"""Watch over another node: does it still say that it is alive, and does its process still exist?"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.exceptions import InvalidHandle
+from rclpy.node import Node
+from rclpy.qos import LivelinessPolicy, QoSProfile
+from std_msgs.msg import Empty
+
+from pack_core.ros.lifeline import Grasp
+
+LEASE = Duration(seconds=0.5)
+"""A node is dead when it has not been heard of for this long, in wall clock; one of this machine whose
+process ends is known to be dead at once."""
+ALIVE_QOS = QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE)
+
+
+def alive_topic(name: str) -> str:
+    """Where a node asserts that it is alive."""
+    return f"/alive/{name}"
+
+
+class PeerWatch:
+    """Tells when a peer comes and when it ends.
+
+    Args:
+        node: who watches.
+        peer: name of the node that is watched.
+        on_change: `on_change(peer, is_alive)`, from the executor or from a thread; never twice the same.
+    """
+
+    def __init__(self, node: Node, peer: str, on_change: Callable[[str, bool], None]) -> None:
+        self._node, self._peer, self._on_change = node, peer, on_change
+        self._is_alive: bool | None = None
+        self._lock = threading.Lock()
+        self._grasp: Grasp | None = None
+        node.create_subscription(
+            Empty, alive_topic(peer), lambda _: None, ALIVE_QOS,
+            event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_liveliness),
+        )  # fmt: skip
+
+    def end(self) -> None:
+        """Watch no longer."""
+        if self._grasp is not None:
+            self._grasp.release()
+
+    def _on_liveliness(self, event: Any) -> None:
+        self._change(event.alive_count > 0)
+        if event.alive_count_change > 0:
+            self.end()
+            self._grasp = Grasp(self._node.context.get_domain_id(), self._peer, lambda: self._change(False))
+
+    def _change(self, is_alive: bool) -> None:
+        with self._lock, suppress(InvalidHandle):  # the watching node may end in between
+            if self._node.context.ok() and self._is_alive is not is_alive:
+                self._is_alive = is_alive
+                self._on_change(self._peer, is_alive)
