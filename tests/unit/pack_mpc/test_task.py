@@ -71,6 +71,16 @@ def test_a_stall_retreats_and_asks_for_another_placement(task: PackingTask) -> N
     np.testing.assert_allclose(task.avoid[0], PLACE.p)
 
 
+def test_after_a_stall_the_object_waits_over_the_container_for_its_placement(task: PackingTask) -> None:
+    placed(task).update(11.0, Pose(task.machine.target.p_WN))
+    task.update(11.1, at(0.12))
+    task.update(14.0, at(0.12))
+    task.update(15.0, Pose(task.machine.target.p_WN))
+    assert task.machine.stage is Stage.PRE_PACK
+    placed(task).update(15.1, Pose(task.machine.target.p_WN))
+    assert task.machine.stage is Stage.INSERT
+
+
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
     task.feel(10.5, np.array([1.0, 39.0]))
     assert task.outcome is None

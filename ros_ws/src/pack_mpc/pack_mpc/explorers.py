@@ -19,7 +19,7 @@ from pack_mpc.plant import STATE, PackingPlant
 class ExplorerConfig(Config):
     """How far explorers go; displacements are drawn from normal distributions."""
 
-    count: NonNegativeInt = Field(default=3, description="explorers an iteration, in INSERT")
+    count: NonNegativeInt = Field(default=5, description="explorers an iteration, in INSERT")
     sideways: NonNegativeFloat = Field(default=0.04, description="deviation along x and y [m]")
     up: NonNegativeFloat = Field(default=0.02, description="deviation along z [m]")
     tilt: NonNegativeFloat = Field(default=0.25, description="deviation of the tilt about x and y [rad]")

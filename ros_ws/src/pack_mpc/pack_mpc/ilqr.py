@@ -71,7 +71,7 @@ class IlqrConfig(Config):
     """Parameters of the optimizer."""
 
     keypoint_interval: int = Field(default=10, ge=1, description="steps between finite differences")
-    step_sizes: tuple[float, ...] = Field(default=(1.0, 0.6, 0.3, 0.1), description="line search")
+    step_sizes: tuple[float, ...] = Field(default=(1.0, 0.3), description="line search")
     regularisation_min: PositiveFloat = 1e-6
     regularisation_max: PositiveFloat = 1e4
 

@@ -80,15 +80,21 @@ class StageMachine:
         """Whether the held object is within the tolerance of the packing pose."""
         return self.stage is Stage.FINE_TUNE and self.distance(p_WN) < self._config.placed_distance
 
-    def update(self, time: float, p_WN: Array) -> bool:
+    def update(self, time: float, p_WN: Array, *, may_insert: bool = True) -> bool:
         """Move on with the held object at `p_WN`.
+
+        Args:
+            time: now [s].
+            p_WN: `(3,)` [m].
+            may_insert: False keeps it over the container, while another placement is on its way.
 
         Returns:
             Whether the stage changed.
         """
         before, self._height = self.stage, float(p_WN[2])
         if self.stage is Stage.PRE_PACK:
-            if np.linalg.norm(p_WN - self.target.p_WN) < self._config.pre_pack_distance:
+            is_there = np.linalg.norm(p_WN - self.target.p_WN) < self._config.pre_pack_distance
+            if is_there and may_insert:
                 self._enter(Stage.INSERT, time)
         elif self.stage is Stage.INSERT:
             if self._is_on_base(p_WN):

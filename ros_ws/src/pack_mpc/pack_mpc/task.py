@@ -122,7 +122,7 @@ class PackingTask:
         """
         machine, changed = self.machine, False
         if machine is not None:
-            changed = machine.update(time, X_WN.p)
+            changed = machine.update(time, X_WN.p, may_insert=not self.needs_placement)
             self.distance = machine.distance(X_WN.p)
             self._has_succeeded |= machine.stage is Stage.FINE_TUNE
             if machine.is_placed(X_WN.p):
