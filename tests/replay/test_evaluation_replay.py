@@ -1,8 +1,9 @@
 import pytest
 
 from pack_core.evaluation.arrays import load_run
-from pack_core.evaluation.criteria import Criteria, Exit, judge
+from pack_core.evaluation.criteria import Criteria, judge
 from pack_core.evaluation.metrics import measure
+from pack_core.exit_reason import ExitReason
 from replay.sample import COUNTS, sample, sample_path
 
 
@@ -11,7 +12,7 @@ def test_the_evaluation_agrees_with_what_the_controller_reported() -> None:
     run = load_run(sample_path())
     m = measure(run)
     assert m.success == run.outcome["success"]
-    assert m.exit_reason is Exit(run.outcome["exit_reason"])
+    assert m.exit_reason is ExitReason(run.outcome["exit_reason"])
     assert m.execution_time == pytest.approx(run.outcome["execution_time"])
     assert m.distance == pytest.approx(run.outcome["distance"], abs=2e-3)
     assert m.force_peak == pytest.approx(run.outcome["force_peak"])
@@ -20,4 +21,4 @@ def test_the_evaluation_agrees_with_what_the_controller_reported() -> None:
 
 def test_the_recorded_motion_alone_says_how_the_goal_ended() -> None:
     run = load_run(sample_path())
-    assert judge(run, Criteria()) is Exit(run.outcome["exit_reason"])
+    assert judge(run, Criteria()) is ExitReason(run.outcome["exit_reason"])

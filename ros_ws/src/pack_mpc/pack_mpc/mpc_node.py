@@ -18,6 +18,7 @@ from std_msgs.msg import String
 
 from pack_core.cells.packing import packing_cell
 from pack_core.errors import PackError
+from pack_core.exit_reason import ExitReason
 from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.conversions import to_setpoints
@@ -29,7 +30,6 @@ from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
 from pack_mpc.ros.status import to_feedback, to_result, to_status
 from pack_mpc.session import Method, PackingSession, SessionConfig, hold
-from pack_mpc.task import ExitReason
 from pack_mpc.weights import load_weights
 from pack_mpc.worker import Worker, WorkerConfig
 

@@ -11,11 +11,12 @@ import numpy as np
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.errors import ConfigError
+from pack_core.exit_reason import ExitReason
 from pack_core.rotations import Array
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState, Setpoints
 from pack_mpc.controller import ControllerConfig, PackingController, Plan
-from pack_mpc.task import ExitReason, PackingTask, TaskConfig
+from pack_mpc.task import PackingTask, TaskConfig
 from pack_mpc.weights import load_weights
 
 

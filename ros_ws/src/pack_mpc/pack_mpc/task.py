@@ -3,30 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
+from pack_core.exit_reason import ExitReason
 from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
 from pack_mpc.entry import Placement, plan_entry
 from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage
-
-
-class ExitReason(Enum):
-    """How a goal ends (section IV-C)."""
-
-    PLACED = "placed"
-    TIMEOUT = "timeout"
-    DETACHED = "detached"
-    FORCE = "force"
-    NO_PLACEMENT = "no_placement"
-    CANCELED = "canceled"
-    FAULT = "fault"
 
 
 class TaskConfig(Config):

@@ -6,8 +6,8 @@ import pytest
 from pack_core.errors import BagError
 from pack_core.evaluation import arrays
 from pack_core.evaluation.arrays import load_run
-from pack_core.evaluation.criteria import Exit
 from pack_core.evaluation.metrics import measure
+from pack_core.exit_reason import ExitReason
 from unit.pack_core.evaluation.messages import HEIGHTS, OUTCOME, TARGET, GoalWriter
 
 
@@ -18,7 +18,7 @@ def test_a_recorded_goal_measures_what_was_written(tmp_path: Path) -> None:
     run = load_run(tmp_path)
     m = measure(run)
     assert (run.start, run.end) == pytest.approx((3.0, 4.0))
-    assert (m.success, m.exit_reason, m.iterations, m.placements) == (True, Exit.PLACED, 10, 1)
+    assert (m.success, m.exit_reason, m.iterations, m.placements) == (True, ExitReason.PLACED, 10, 1)
     assert m.distance == pytest.approx(HEIGHTS[1])
     assert m.force_mean == pytest.approx(1.0, abs=0.02)
     assert m.force_peak == 2.0
@@ -45,7 +45,7 @@ def test_the_result_of_an_earlier_goal_is_not_taken_for_that_of_an_unfinished_on
     writer.close()
     run = load_run(tmp_path)
     assert run.outcome == {}
-    assert measure(run).exit_reason is Exit.UNFINISHED
+    assert measure(run).exit_reason is ExitReason.UNFINISHED
 
 
 def test_a_goal_without_any_placement_is_a_run_without_iterations(tmp_path: Path) -> None:
@@ -55,7 +55,7 @@ def test_a_goal_without_any_placement_is_a_run_without_iterations(tmp_path: Path
     run = load_run(tmp_path)
     assert run.iterations.times.size == 0
     assert (run.start, run.end) == pytest.approx((2.0, 3.0))
-    assert measure(run).exit_reason is Exit.NO_PLACEMENT
+    assert measure(run).exit_reason is ExitReason.NO_PLACEMENT
 
 
 def test_a_bag_without_a_goal_is_refused_in_words(tmp_path: Path) -> None:

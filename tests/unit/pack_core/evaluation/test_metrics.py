@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from pack_core import rotations
-from pack_core.evaluation.criteria import Exit
 from pack_core.evaluation.metrics import measure, object_displacements
 from pack_core.evaluation.run import Run
 from pack_core.evaluation.track import Track
+from pack_core.exit_reason import ExitReason
 from pack_core.scene.state import Source
 from unit.pack_core.evaluation.runs import END, START, TARGET, make_run, still
 
@@ -18,7 +18,7 @@ def shifted(track: Track, offset: tuple[float, float, float]) -> Track:
 
 def test_a_run_in_which_nothing_is_wrong_measures_zero() -> None:
     m = measure(make_run())
-    assert (m.success, m.exit_reason, m.execution_time) == (True, Exit.PLACED, END - START)
+    assert (m.success, m.exit_reason, m.execution_time) == (True, ExitReason.PLACED, END - START)
     assert (m.distance, m.m_pos, m.m_rot, m.m_per, m.displacement, m.force_peak) == (0, 0, 0, 0, 0, 0)
     assert m.real_time_factor == pytest.approx(0.5)
 

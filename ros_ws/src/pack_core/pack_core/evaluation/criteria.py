@@ -2,33 +2,19 @@
 
 from __future__ import annotations
 
-from enum import Enum
-
 import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.evaluation.run import Run
 from pack_core.evaluation.track import Track
+from pack_core.exit_reason import ExitReason
 
 PACKED_STAGE = "FINE_TUNE"
 
 
-class Exit(Enum):
-    """How a goal ended; `UNFINISHED` where the recording stops before its end."""
-
-    PLACED = "placed"
-    TIMEOUT = "timeout"
-    DETACHED = "detached"
-    FORCE = "force"
-    NO_PLACEMENT = "no_placement"
-    CANCELED = "canceled"
-    FAULT = "fault"
-    UNFINISHED = "unfinished"
-
-
 class Criteria(Config):
-    """Exit conditions, as the paper has them."""
+    """ExitReason conditions, as the paper has them."""
 
     distance: PositiveFloat = Field(default=0.015, description="to the packing pose when placed [m]")
     timeout: PositiveFloat = Field(default=20.0, description="simulated time [s]")
@@ -40,24 +26,24 @@ def is_packed(run: Run) -> bool:
     return bool(run.outcome.get("success", False)) or PACKED_STAGE in run.iterations.stages
 
 
-def exit_reason(run: Run, criteria: Criteria) -> Exit:
+def exit_reason(run: Run, criteria: Criteria) -> ExitReason:
     """How the goal ended: what was recorded, else what the recorded motion says."""
     if "exit_reason" in run.outcome:
-        return Exit(run.outcome["exit_reason"])
+        return ExitReason(run.outcome["exit_reason"])
     return judge(run, criteria)
 
 
-def judge(run: Run, criteria: Criteria) -> Exit:
+def judge(run: Run, criteria: Criteria) -> ExitReason:
     """How the goal ended by the recorded motion alone."""
     iterations = run.iterations
     if not iterations.times.size:
-        return Exit.NO_PLACEMENT
+        return ExitReason.NO_PLACEMENT
     if run.release_reason:
-        return Exit.DETACHED
+        return ExitReason.DETACHED
     rows = (run.force_times >= run.start) & (run.force_times <= run.end)
     if np.any(run.force[rows] > criteria.force):
-        return Exit.FORCE
+        return ExitReason.FORCE
     held: Track = run.estimate[run.held].at(np.array([run.end]))
     if iterations.stages[-1] == PACKED_STAGE and held.distance_to(iterations.p_WT[-1])[0] < criteria.distance:
-        return Exit.PLACED
-    return Exit.TIMEOUT if run.end - run.start >= criteria.timeout else Exit.UNFINISHED
+        return ExitReason.PLACED
+    return ExitReason.TIMEOUT if run.end - run.start >= criteria.timeout else ExitReason.UNFINISHED

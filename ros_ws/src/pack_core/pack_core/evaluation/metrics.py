@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_core.evaluation.criteria import Criteria, Exit, exit_reason, is_packed
+from pack_core.evaluation.criteria import Criteria, exit_reason, is_packed
 from pack_core.evaluation.run import Run
+from pack_core.exit_reason import ExitReason
 from pack_core.rotations import Array
 
 NAN = float("nan")
@@ -37,7 +38,7 @@ class Measures:
     """
 
     success: bool
-    exit_reason: Exit
+    exit_reason: ExitReason
     execution_time: float
     distance: float
     force_mean: float

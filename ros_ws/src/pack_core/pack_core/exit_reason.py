@@ -1,0 +1,18 @@
+"""How a goal can end (section IV-C); live and in the evaluation of a recording."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class ExitReason(Enum):
+    """How a goal ended; `UNFINISHED` where a recording stops before its end."""
+
+    PLACED = "placed"
+    TIMEOUT = "timeout"
+    DETACHED = "detached"
+    FORCE = "force"
+    NO_PLACEMENT = "no_placement"
+    CANCELED = "canceled"
+    FAULT = "fault"
+    UNFINISHED = "unfinished"
