@@ -43,6 +43,7 @@ class Cell:
         self.graph.wait_until(
             lambda: all(probe.count_publishers(f"/alive/{name}") for name in NODES), START_TIMEOUT
         )
+        self.graph.wait_until(lambda: probe.last(contracts.JOINT_STATES), START_TIMEOUT)
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -34,10 +35,10 @@ def _flat(values: dict[str, Any], prefix: str = "") -> dict[str, Any]:
 class Cell(Witness):
     """Its nodes, up and ready for a goal, and a witness."""
 
-    def __init__(self, graph: Graph, factor: float) -> None:
+    def __init__(self, graph: Graph, factor: float, scene: Path = EASY) -> None:
         super().__init__(graph)
         watched = ["sim", "perception", "planner"]
-        self.sim = graph.start(SimNode, **parameters_of("sim", scene=str(EASY), real_time_factor=factor))
+        self.sim = graph.start(SimNode, **parameters_of("sim", scene=str(scene), real_time_factor=factor))
         self.perception = graph.start(PerceptionNode, **parameters_of("perception"))
         self.planner = graph.start(PlannerNode, **parameters_of("planner"))
         self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched))

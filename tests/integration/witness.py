@@ -32,9 +32,9 @@ class Witness:
             contracts.DIAGNOSTICS,
         )
 
-    def pack(self) -> Any:
+    def pack(self, seed: int = 0) -> Any:
         """Send a goal; its handle."""
-        goal = PackObject.Goal(method="pack_it_in")
+        goal = PackObject.Goal(method="pack_it_in", seed=seed)
         return self.graph.send_goal(
             contracts.PACK_OBJECT, goal, feedback=lambda message: self.feedback.append(message.feedback)
         )
