@@ -15,6 +15,7 @@ from pack_mpc.stages import Stage
 
 FACTOR = 0.3
 """Real-time factor at which one process runs four nodes."""
+STAGES = [stage.name for stage in Stage]
 LIMIT = 0.1
 """The arm is at rest this long after a fault [s of simulated time]."""
 
@@ -33,8 +34,8 @@ def test_a_goal_is_packed_with_feedback_status_and_a_full_result(cell: Cell) -> 
     assert 0.0 < result.distance < 0.015
     assert 0.0 <= result.force_mean <= result.force_peak
     assert result.iteration_ms > 0.0
-    stages = [message.stage for message in cell.feedback]
-    assert list(dict.fromkeys(stages)) == [stage.name for stage in Stage]
+    stages = list(dict.fromkeys(message.stage for message in cell.feedback))
+    assert stages in (STAGES, STAGES[:2])  # it may be placed the moment it enters the last one
     assert cell.feedback[-1].distance < cell.feedback[0].distance
     statuses = cell.graph.probe.mail[contracts.MPC_STATUS.name]
     assert len(statuses) >= len(cell.feedback)
@@ -76,10 +77,10 @@ def test_joints_and_scenes_that_are_not_finite_are_dropped_and_counted_and_the_g
         probe.send(contracts.SCENE, scene)
     result = cell.graph.result_of(handle)
     assert result.exit_reason == "placed", result.message
-    status = cell.status_of("mpc")
-    counts = {item.key: item.value for item in status.values}
-    assert counts["refused /joint_states"] == counts["refused /scene"] == "5"
-    assert "joint position is not finite" in status.message
+    cell.graph.wait_until(lambda: cell.counts_of("mpc").get("refused /scene") == "5")
+    counts = cell.counts_of("mpc")
+    assert counts["refused /joint_states"] == "5"
+    assert "joint position is not finite" in cell.status_of("mpc").message
     assert "failed iteration" not in counts
 
 

@@ -59,6 +59,10 @@ class Witness:
         statuses = [status for message in messages for status in message.status if status.name == name]
         return statuses[-1] if statuses else DiagnosticStatus()
 
+    def counts_of(self, name: str) -> dict[str, str]:
+        """What a node has counted, by what it was."""
+        return {item.key: item.value for item in self.status_of(name).values}
+
     def wait_for_report(self, name: str, text: str) -> None:
         """Until a node's health says so."""
         self.graph.wait_until(lambda: text in self.status_of(name).message)
