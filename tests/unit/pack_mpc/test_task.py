@@ -99,6 +99,13 @@ def test_refused_placements_end_the_goal_with_the_planners_reason(task: PackingT
     assert "300" in task.outcome.message
 
 
+def test_a_goal_expires_without_being_updated(task: PackingTask) -> None:
+    task.expire(29.9)
+    assert task.outcome is None
+    task.expire(30.1)
+    assert task.outcome.exit_reason is ExitReason.TIMEOUT
+
+
 def test_a_goal_ends_once(task: PackingTask) -> None:
     task.finish(ExitReason.CANCELED, 10.5, "on request")
     task.finish(ExitReason.FAULT, 10.6, "later")

@@ -192,12 +192,17 @@ class MpcNode(CellNode):
                 self._hold()
 
     def _check(self) -> None:
-        """End a goal whose peers stay silent, though simulated time may stand still."""
+        """End a goal whose peers stay silent, though simulated time may stand still, or whose time is up,
+        though there is nothing to plan from."""
         session = self._session
+        if session is None:
+            return
         patience, now = self._config.fault_time, time.monotonic()
         lost = [peer for peer, since in self._silent.items() if now - since > patience]
-        if session is not None and lost:
+        if lost:
             session.task.finish(ExitReason.FAULT, self._mailbox.time, f"silent: {', '.join(lost)}")
+        session.task.expire(self._mailbox.time)
+        if session.task.outcome is not None:
             self._end(session)
 
     def _on_error(self, error: Exception) -> None:

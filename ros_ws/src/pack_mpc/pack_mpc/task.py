@@ -119,9 +119,13 @@ class PackingTask:
                 )
             elif machine.is_stalled:
                 changed = self._retreat(machine, time, X_WN)
-        if self.outcome is None and self.elapsed(time) > self._timeout:
-            self.finish(ExitReason.TIMEOUT, time, self._where())
+        self.expire(time)
         return changed
+
+    def expire(self, time: float) -> None:
+        """End the goal when its time is up."""
+        if self.elapsed(time) > self._timeout:
+            self.finish(ExitReason.TIMEOUT, time, self._where())
 
     def finish(self, reason: ExitReason, time: float, message: str) -> None:
         """End the goal, once."""
