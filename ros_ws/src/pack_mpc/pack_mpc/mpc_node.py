@@ -192,8 +192,7 @@ class MpcNode(CellNode):
                 self._hold()
 
     def _check(self) -> None:
-        """End a goal whose peers stay silent, though simulated time may stand still, or whose time is up,
-        though there is nothing to plan from."""
+        """End a goal that the worker cannot: its peers stay silent, or its time ran out unobserved."""
         session = self._session
         if session is None:
             return
