@@ -28,7 +28,8 @@ def test_when_a_node_is_killed_the_arm_stops_the_others_report_it_and_the_bag_is
     cell: Cell, victim: str
 ) -> None:
     cell.start_goal()
-    cell.graph.wait_until(lambda: cell.speed > 0.2, 30.0)
+    started = cell.time
+    cell.graph.wait_until(lambda: cell.speed > 0.2 and cell.time > started + LOST, 30.0)
     killed = cell.kill(victim)
     for watcher in WATCHERS[victim]:
         cell.graph.wait_until(lambda name=watcher: cell.has_reported(name, f"'{victim}' is silent"), 5.0)
