@@ -20,6 +20,7 @@ from pack_core.rotations import Array
 EASY_SCENE = Path(__file__).with_name("easy_scene.yaml")
 NODES = ("sim", "perception", "planner", "mpc", "recorder")
 START_TIMEOUT = 60.0
+CATCH_UP_TURNS = 5
 
 
 class Cell:
@@ -63,9 +64,18 @@ class Cell:
 
     def kill(self, name: str) -> float:
         """End a node without warning; the simulated time of it [s]."""
+        self._catch_up()
+        killed = self.time
         self.processes.signal(name, signal.SIGKILL)
-        self.graph.executor.spin_once(timeout_sec=0.0)
-        return self.time
+        return killed
+
+    def _catch_up(self) -> None:
+        """Take all that has arrived, so that the newest stamp is that of now."""
+        mail, seen = self.graph.probe.mail[contracts.JOINT_STATES.name], -1
+        while len(mail) > seen:
+            seen = len(mail)
+            for _ in range(CATCH_UP_TURNS):
+                self.graph.executor.spin_once(timeout_sec=0.0)
 
     @property
     def time(self) -> float:

@@ -36,14 +36,19 @@ class Grasp:
         domain: ROS domain id.
         name: of the node.
         on_cut: is called once, from a thread of its own, when the node has ended.
+
+    Attributes:
+        is_held: whether there was a lifeline and it has not been cut.
     """
 
     def __init__(self, domain: int, name: str, on_cut: Callable[[], None]) -> None:
         self._socket = socket.socket(socket.AF_UNIX)
         self._on_cut = on_cut
         self._is_released = False
+        self.is_held = False
         with suppress(OSError):
             self._socket.connect(_address(domain, name))
+            self.is_held = True
             threading.Thread(target=self._wait, name=f"lifeline of {name}", daemon=True).start()
 
     def release(self) -> None:
@@ -56,6 +61,7 @@ class Grasp:
     def _wait(self) -> None:
         with suppress(OSError):
             self._socket.recv(1)
+        self.is_held = False
         if not self._is_released:
             self._on_cut()
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.exceptions import InvalidHandle
@@ -19,6 +20,8 @@ from pack_core.ros.lifeline import Grasp
 LEASE = Duration(seconds=0.5)
 """A node is dead when it has not been heard of for this long, in wall clock; one of this machine whose
 process ends is known to be dead at once."""
+REACH_PERIOD = 0.1
+"""How often a peer that is not held is reached for [s of wall clock]."""
 ALIVE_QOS = QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE)
 
 
@@ -41,6 +44,7 @@ class PeerWatch:
         self._is_alive: bool | None = None
         self._lock = threading.Lock()
         self._grasp: Grasp | None = None
+        node.create_timer(REACH_PERIOD, self._reach, clock=Clock(clock_type=ClockType.STEADY_TIME))
         node.create_subscription(
             Empty, alive_topic(peer), lambda _: None, ALIVE_QOS,
             event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_liveliness),
@@ -53,9 +57,17 @@ class PeerWatch:
 
     def _on_liveliness(self, event: Any) -> None:
         self._change(event.alive_count > 0)
-        if event.alive_count_change > 0:
-            self.end()
-            self._grasp = Grasp(self._node.context.get_domain_id(), self._peer, lambda: self._change(False))
+
+    def _reach(self) -> None:
+        """Take hold of the peer's lifeline as soon as there is one: it came, or came back."""
+        if self._grasp is not None and self._grasp.is_held:
+            return
+        grasp = Grasp(self._node.context.get_domain_id(), self._peer, lambda: self._change(False))
+        if grasp.is_held:
+            self._grasp = grasp
+            self._change(True)
+        else:
+            grasp.release()
 
     def _change(self, is_alive: bool) -> None:
         with self._lock, suppress(InvalidHandle):  # the watching node may end in between
