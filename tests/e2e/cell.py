@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import signal
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Self
 
@@ -13,6 +15,8 @@ from integration.harness import Graph
 from pack_bringup.demo import Demo
 from pack_bringup.graph import load_graph
 from pack_bringup.processes import ProcessGroup
+from pack_core.errors import BagError
+from pack_core.evaluation.bag import read_bag
 from pack_core.ros import contracts
 from pack_core.ros.conversions import from_stamp
 from pack_core.rotations import Array
@@ -20,7 +24,7 @@ from pack_core.rotations import Array
 EASY_SCENE = Path(__file__).with_name("easy_scene.yaml")
 NODES = ("sim", "perception", "planner", "mpc", "recorder")
 START_TIMEOUT = 60.0
-CATCH_UP_TURNS = 5
+CATCH_UP_TURNS = 50
 
 
 class Cell:
@@ -92,6 +96,13 @@ class Cell:
         mail = self.graph.probe.mail[contracts.JOINT_STATES.name]
         times = np.array([from_stamp(message.header.stamp) for message in mail])
         return times, np.abs([message.velocity for message in mail]).max(axis=-1)
+
+    def newest_recorded(self) -> float:
+        """Stamp of the newest joint state in the bag [s]; minus infinity while there is none."""
+        with suppress(BagError):
+            messages = read_bag(self.folder).of(contracts.JOINT_STATES.name)
+            return max((from_stamp(message.header.stamp) for message in messages), default=-math.inf)
+        return -math.inf
 
     def has_reported(self, node: str, text: str) -> bool:
         """Whether a node's newest diagnostics are an error with this text in it."""
