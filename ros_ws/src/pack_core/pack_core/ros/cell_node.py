@@ -90,14 +90,14 @@ class CellNode(Node):
     def _on_peer_change(
         self, on_change: Callable[[str, bool], None] | None, peer: str, is_alive: bool
     ) -> None:
+        if on_change:
+            on_change(peer, is_alive)
         if is_alive:
             self.health.faults.pop(peer, None)
         else:
             self.health.faults[peer] = f"node '{peer}' is silent: restart it (pack run, or pack up)"
             self.get_logger().error(self.health.faults[peer])
             self.report()
-        if on_change:
-            on_change(peer, is_alive)
 
     def report(self) -> None:
         """Publish this node's health."""

@@ -12,6 +12,9 @@ from rclpy.node import Node
 
 from pack_core.errors import PackError
 
+SWITCH_INTERVAL = 0.001
+"""A thread that has to react waits this long for one that computes [s]; Python's default is 0.005."""
+
 
 def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
     """Spin the node that `make` builds until it is told to stop.
@@ -19,6 +22,7 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
     Returns:
         0 after a clean end, 2 when the configuration was refused.
     """
+    sys.setswitchinterval(SWITCH_INTERVAL)
     rclpy.init(args=args)
     executor = SingleThreadedExecutor()
     node = None
