@@ -46,7 +46,7 @@ def test_cores_import_with_rclpy_hidden(package: Path) -> None:
 
 
 def test_hiding_rclpy_is_noticed_by_a_module_that_needs_it() -> None:
-    outcome = import_without_rclpy("pack_core.ros.contracts")
+    outcome = import_without_rclpy("pack_core.ros.contracts.packing")
     assert outcome.returncode != 0
     assert "rclpy" in outcome.stderr
 

@@ -11,8 +11,8 @@ from pack_core.paths import config_path
 from pack_core.rotations import Pose
 from pack_core.scene.scene_file import load_scene
 from pack_core.scene.state import ObjectState, SceneState
-from pack_planner.placement import PlacementConfig, PlacementPlanner
-from pack_sim.scene_generator import generate_scene
+from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
+from pack_sim.packing.scene_generator import generate_scene
 
 pytestmark = pytest.mark.benchmark
 

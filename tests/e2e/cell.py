@@ -17,7 +17,8 @@ from pack_bringup.graph import load_graph
 from pack_bringup.processes import ProcessGroup
 from pack_core.errors import BagError
 from pack_core.evaluation.bag import read_bag
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import from_stamp
 from pack_core.rotations import Array
 
@@ -40,7 +41,7 @@ class Cell:
             load_graph("packing").commands(demo.overrides()),
             environment={"ROS_DOMAIN_ID": domain}, output=self._log,
         )  # fmt: skip
-        graph.probe.listen(contracts.JOINT_STATES, contracts.DIAGNOSTICS, contracts.RESULT)
+        graph.probe.listen(contracts.JOINT_STATES, shared.DIAGNOSTICS, contracts.RESULT)
 
     def __enter__(self) -> Self:
         self.processes.start()
@@ -106,6 +107,6 @@ class Cell:
 
     def has_reported(self, node: str, text: str) -> bool:
         """Whether a node's newest diagnostics are an error with this text in it."""
-        mail = self.graph.probe.mail[contracts.DIAGNOSTICS.name]
+        mail = self.graph.probe.mail[shared.DIAGNOSTICS.name]
         status = [item for message in mail for item in message.status if item.name == node]
         return bool(status) and status[-1].level == b"\x02" and text in status[-1].message

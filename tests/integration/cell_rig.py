@@ -10,11 +10,11 @@ import yaml
 from integration.harness import Graph
 from integration.witness import Witness
 from pack_core.paths import config_path, project_root
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_mpc.mpc_node import MpcNode
-from pack_perception.perception_node import PerceptionNode
-from pack_planner.planner_node import PlannerNode
-from pack_sim.sim_node import SimNode
+from pack_perception.mocap.perception_node import PerceptionNode
+from pack_planner.placement.planner_node import PlannerNode
+from pack_sim.packing.sim_node import SimNode
 
 EASY = project_root() / "tests" / "e2e" / "easy_scene.yaml"
 

@@ -19,7 +19,7 @@ from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
 from pack_bringup.domains import DOMAINS, is_free
-from pack_core.ros.contracts import Contract
+from pack_core.ros.contracts.contract import Contract
 
 N = TypeVar("N", bound=Node)
 _domains = itertools.count(7 * os.getpid())

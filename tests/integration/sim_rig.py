@@ -6,16 +6,17 @@ import numpy as np
 
 from integration.harness import Graph
 from pack_core.paths import config_path
-from pack_core.ros import contracts
-from pack_core.ros.contracts import Contract
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.conversions import from_joint_state, from_stamp
 from pack_core.rotations import Array
 from pack_core.scene.state import JointSample, Setpoints
-from pack_sim.sim_node import SimNode
+from pack_sim.packing.sim_node import SimNode
 
 EXAMPLE = config_path("scenarios", "example.yaml")
 SENSORS = (
-    contracts.CLOCK, contracts.JOINT_STATES, contracts.WRENCH,
+    shared.CLOCK, contracts.JOINT_STATES, contracts.WRENCH,
     contracts.MARKERS, contracts.TRUTH, contracts.GRIPPER_STATE,
 )  # fmt: skip
 SLOW = 0.2
@@ -28,7 +29,7 @@ STEPS = 40
 def start_sim(graph: Graph, factor: float = SLOW) -> SimNode:
     """The simulator with the example's scene, once it is heard and hears the probe."""
     node = graph.start(SimNode, scene=str(EXAMPLE), real_time_factor=factor)
-    graph.probe.listen(*SENSORS, contracts.DESCRIPTION, contracts.DIAGNOSTICS)
+    graph.probe.listen(*SENSORS, contracts.DESCRIPTION, shared.DIAGNOSTICS)
     graph.wait_until(
         lambda: all(graph.probe.last(contract) for contract in (*SENSORS, contracts.DESCRIPTION))
     )

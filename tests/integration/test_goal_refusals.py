@@ -13,7 +13,8 @@ from std_msgs.msg import String
 from integration.harness import Graph
 from pack_core.cells.packing import packing_cell
 from pack_core.paths import config_path
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_joint_state, to_scene
 from pack_core.rotations import Pose
 from pack_core.scene.scene import Scene
@@ -29,7 +30,7 @@ def scene() -> Scene:
 
 @pytest.fixture
 def mpc(graph: Graph) -> MpcNode:
-    graph.probe.listen(contracts.DIAGNOSTICS)
+    graph.probe.listen(shared.DIAGNOSTICS)
     node = graph.start(MpcNode)
     graph.connect(contracts.DESCRIPTION, contracts.JOINT_STATES, contracts.SCENE)
     return node
@@ -49,7 +50,7 @@ def refusal(graph: Graph, **fields: object) -> str:
     """What /diagnostics says about a goal that is not accepted."""
     goal = PackObject.Goal(**{"method": "pack_it_in", **fields})
     assert not graph.send_goal(contracts.PACK_OBJECT, goal).accepted
-    mail = graph.probe.mail[contracts.DIAGNOSTICS.name]
+    mail = graph.probe.mail[shared.DIAGNOSTICS.name]
     graph.wait_until(lambda: mail and mail[-1].status[0].level == DiagnosticStatus.WARN)
     status = mail[-1].status[0]
     assert status.name == "mpc"

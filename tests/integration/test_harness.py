@@ -6,21 +6,21 @@ import pytest
 from std_msgs.msg import Float64
 
 from integration.harness import Graph
-from pack_core.ros import contracts
+from pack_core.ros.contracts import shared
 
 
 def test_probe_hears_itself_and_no_other_graph(graph: Graph) -> None:
     other = Graph()
     try:
         for each in (graph, other):
-            each.probe.listen(contracts.REAL_TIME_FACTOR)
-            each.connect(contracts.REAL_TIME_FACTOR)
-        graph.probe.send(contracts.REAL_TIME_FACTOR, Float64(data=2.0))
-        other.probe.send(contracts.REAL_TIME_FACTOR, Float64(data=3.0))
+            each.probe.listen(shared.REAL_TIME_FACTOR)
+            each.connect(shared.REAL_TIME_FACTOR)
+        graph.probe.send(shared.REAL_TIME_FACTOR, Float64(data=2.0))
+        other.probe.send(shared.REAL_TIME_FACTOR, Float64(data=3.0))
         for each in (graph, other):
-            each.wait_until(lambda each=each: each.probe.last(contracts.REAL_TIME_FACTOR))
-        assert [m.data for m in graph.probe.mail[contracts.REAL_TIME_FACTOR.name]] == [2.0]
-        assert [m.data for m in other.probe.mail[contracts.REAL_TIME_FACTOR.name]] == [3.0]
+            each.wait_until(lambda each=each: each.probe.last(shared.REAL_TIME_FACTOR))
+        assert [m.data for m in graph.probe.mail[shared.REAL_TIME_FACTOR.name]] == [2.0]
+        assert [m.data for m in other.probe.mail[shared.REAL_TIME_FACTOR.name]] == [3.0]
     finally:
         other.close()
 

@@ -13,7 +13,7 @@ from integration.harness import Graph
 from integration.sim_rig import EXAMPLE
 from pack_bringup.lockstep import Lockstep, Step, lockstep_config
 from pack_core.cells.packing import packing_cell
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose
 from pack_core.rotations import Array, Pose, angle_between
 from pack_core.scene.scene_file import load_scene

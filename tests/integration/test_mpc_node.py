@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 
 from integration.cell_rig import Cell
 from integration.harness import Graph
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_mpc.stages import Stage
 
 FACTOR = 0.3

@@ -16,12 +16,13 @@ from integration.harness import Graph
 from pack_core.cells.packing import packing_cell
 from pack_core.config import validate_config
 from pack_core.paths import config_path
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import from_scene, to_joint_state, to_markers
 from pack_core.scene.state import SceneState, Source
-from pack_perception.perception_node import PerceptionNode, PerceptionNodeConfig
-from pack_sim.scene_generator import generate_scene
-from pack_sim.simulator import Simulator, SimulatorConfig
+from pack_perception.mocap.perception_node import PerceptionNode, PerceptionNodeConfig
+from pack_sim.packing.scene_generator import generate_scene
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 
 def test_the_parameter_file_says_what_the_defaults_are() -> None:
@@ -38,7 +39,7 @@ class Rig:
         self.scene = generate_scene(0, self.cell)
         self.simulator = Simulator(self.cell, self.scene, SimulatorConfig(), np.random.default_rng(0))
         self.node = graph.start(PerceptionNode)
-        graph.probe.listen(contracts.SCENE, contracts.DIAGNOSTICS)
+        graph.probe.listen(contracts.SCENE, shared.DIAGNOSTICS)
         graph.connect(contracts.DESCRIPTION, contracts.JOINT_STATES, contracts.MARKERS)
         graph.wait_until(lambda: self.node.count_subscribers(contracts.SCENE.name))
 
@@ -76,7 +77,7 @@ class Rig:
 
     def health(self) -> list[DiagnosticStatus]:
         self.node.report()
-        return [status for m in self.graph.probe.mail[contracts.DIAGNOSTICS.name] for status in m.status]
+        return [status for m in self.graph.probe.mail[shared.DIAGNOSTICS.name] for status in m.status]
 
 
 @pytest.fixture

@@ -11,13 +11,13 @@ from visualization_msgs.msg import Marker
 
 from integration.harness import Graph
 from pack_core.paths import config_path
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose, to_scene
 from pack_core.rotations import Pose
 from pack_core.scene.scene import Scene
 from pack_core.scene.scene_file import load_scene
 from pack_core.scene.state import ObjectState, SceneState
-from pack_planner.planner_node import PlannerNode
+from pack_planner.placement.planner_node import PlannerNode
 
 Response = PlanPlacement.Response
 SAMPLES = 40

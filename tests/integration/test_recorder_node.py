@@ -10,7 +10,9 @@ from std_msgs.msg import String
 from integration.harness import Graph
 from pack_bringup.recorder_node import RecorderNode
 from pack_core.evaluation.raw_bag import read_raw_bag
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.table import recorded
 from pack_core.ros.conversions import to_scene, to_stamp
 from pack_core.rotations import Pose
 from pack_core.scene.scene_file import load_scene
@@ -20,7 +22,7 @@ from pack_core.scene.state import ObjectState, SceneState
 @pytest.fixture
 def recorder(graph: Graph, tmp_path: Path) -> RecorderNode:
     node = graph.start(RecorderNode, path=str(tmp_path / "run"), seed=5, command="pack demo")
-    graph.connect(contracts.CLOCK, contracts.JOINT_STATES, contracts.DESCRIPTION, contracts.TRUTH)
+    graph.connect(shared.CLOCK, contracts.JOINT_STATES, contracts.DESCRIPTION, contracts.TRUTH)
     return node
 
 
@@ -33,7 +35,7 @@ def test_stamps_are_the_simulated_time_at_which_a_message_was_sent(
 ) -> None:
     graph.probe.send(contracts.JOINT_STATES, JointState())
     for k in range(1, 6):
-        graph.probe.send(contracts.CLOCK, Clock(clock=to_stamp(0.1 * k)))
+        graph.probe.send(shared.CLOCK, Clock(clock=to_stamp(0.1 * k)))
         graph.probe.send(contracts.JOINT_STATES, JointState())
     graph.wait_until(received(recorder, contracts.JOINT_STATES, 6))
     graph.stop(recorder)
@@ -46,7 +48,7 @@ def test_every_recorded_contract_is_in_the_bag_with_its_type_and_qos(
 ) -> None:
     graph.stop(recorder)
     bag = read_raw_bag(tmp_path / "run")
-    assert set(bag.topics) == {contract.name for contract in contracts.recorded()}
+    assert set(bag.topics) == {contract.name for contract in recorded("packing")}
     assert bag.topics["/scene"].type == "pack_interfaces/msg/SceneState"
     (offered,) = bag.topics["/cell_description"].offered_qos
     assert (offered.durability.name, offered.depth) == ("TRANSIENT_LOCAL", 1)
@@ -83,11 +85,11 @@ def test_a_bad_description_is_counted_recorded_and_survived(
 
 
 def test_a_failing_disk_is_reported_as_a_fault(graph: Graph, recorder: RecorderNode) -> None:
-    graph.probe.listen(contracts.DIAGNOSTICS)
+    graph.probe.listen(shared.DIAGNOSTICS)
     recorder.recorder.fault = "recording stopped: no space left on device"
     graph.wait_until(
         lambda: any(
             "no space left" in message.status[0].message and message.status[0].level == b"\x02"
-            for message in graph.probe.mail[contracts.DIAGNOSTICS.name]
+            for message in graph.probe.mail[shared.DIAGNOSTICS.name]
         )
     )

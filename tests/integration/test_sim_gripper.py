@@ -6,7 +6,7 @@ from pack_interfaces.srv import GripperCommand
 
 from integration.harness import Graph
 from integration.sim_rig import start_sim
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_scene
 from pack_core.scene.state import ObjectState
 

@@ -9,12 +9,12 @@ from pack_interfaces.srv import ResetScene
 from integration.harness import Graph
 from integration.sim_rig import EXAMPLE, newest_joints, ramp, stamps_of, start_sim
 from pack_core.cells.packing import packing_cell
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_scene, to_setpoints
 from pack_core.scene.scene import Scene
 from pack_core.scene.scene_file import load_scene
-from pack_sim.scene_generator import generate_scene
-from pack_sim.sim_node import SimNode
+from pack_sim.packing.scene_generator import generate_scene
+from pack_sim.packing.sim_node import SimNode
 
 SENSORS = (contracts.TRUTH, contracts.JOINT_STATES)
 

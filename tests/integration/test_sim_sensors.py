@@ -11,8 +11,9 @@ import pytest
 from integration.harness import Graph
 from integration.sim_rig import EXAMPLE, SLOW, newest_joints, stamps_of, start_sim
 from pack_core.cells.packing import packing_cell
-from pack_core.ros import contracts
-from pack_core.ros.contracts import Contract
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.conversions import from_markers, from_scene, from_stamp
 from pack_core.scene.scene import Scene
 from pack_core.scene.scene_file import load_scene
@@ -52,8 +53,8 @@ def test_messages_say_what_the_cell_is_like(graph: Graph) -> None:
 
 def test_the_clock_runs_as_fast_as_it_is_told(graph: Graph) -> None:
     start_sim(graph)
-    graph.probe.listen(contracts.REAL_TIME_FACTOR)
-    graph.wait_until(lambda: graph.probe.last(contracts.REAL_TIME_FACTOR))
-    assert graph.probe.last(contracts.REAL_TIME_FACTOR).data == pytest.approx(SLOW, rel=0.1)
-    clocks = [from_stamp(message.clock) for message in graph.probe.mail[contracts.CLOCK.name]]
+    graph.probe.listen(shared.REAL_TIME_FACTOR)
+    graph.wait_until(lambda: graph.probe.last(shared.REAL_TIME_FACTOR))
+    assert graph.probe.last(shared.REAL_TIME_FACTOR).data == pytest.approx(SLOW, rel=0.1)
+    clocks = [from_stamp(message.clock) for message in graph.probe.mail[shared.CLOCK.name]]
     assert all(later > earlier for earlier, later in pairwise(clocks))

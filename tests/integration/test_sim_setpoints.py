@@ -10,7 +10,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from integration.harness import Graph
 from integration.sim_rig import SPEED, joint_samples, newest_joints, ramp, speeds, start_sim
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_setpoints
 
 AT_REST = 0.02
@@ -77,5 +78,5 @@ def test_bad_setpoints_are_refused_counted_and_named_while_the_arm_goes_on(
 
 
 def status_of(graph: Graph) -> DiagnosticStatus:
-    messages = graph.probe.mail[contracts.DIAGNOSTICS.name]
+    messages = graph.probe.mail[shared.DIAGNOSTICS.name]
     return messages[-1].status[0] if messages else DiagnosticStatus()

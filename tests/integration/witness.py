@@ -10,7 +10,8 @@ from pack_interfaces.action import PackObject
 
 from integration.harness import Graph
 from integration.sim_rig import joint_samples, newest_joints, speeds
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
 
 AT_REST = 0.02
 """[rad/s]"""
@@ -29,7 +30,7 @@ class Witness:
             contracts.SCENE,
             contracts.MPC_STATUS,
             contracts.RESULT,
-            contracts.DIAGNOSTICS,
+            shared.DIAGNOSTICS,
         )
 
     def pack(self, seed: int = 0) -> Any:
@@ -55,7 +56,7 @@ class Witness:
 
     def status_of(self, name: str) -> DiagnosticStatus:
         """A node's newest health."""
-        messages = self.graph.probe.mail[contracts.DIAGNOSTICS.name]
+        messages = self.graph.probe.mail[shared.DIAGNOSTICS.name]
         statuses = [status for message in messages for status in message.status if status.name == name]
         return statuses[-1] if statuses else DiagnosticStatus()
 

@@ -9,7 +9,7 @@ from pack_core.evaluation.arrays import to_run
 from pack_core.evaluation.bag import Bag, read_bag
 from pack_core.evaluation.run import Run
 from pack_core.paths import bags_path
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_core.scene.scene import Scene
 
 COUNTS = {"/joint_states": 2732, "/mocap/markers": 655, "/scene": 709, "/mpc/status": 86}

@@ -6,10 +6,10 @@ import pytest
 from pack_bringup.node_parameters import load_parameters
 from pack_core.cells.packing import packing_cell
 from pack_core.evaluation.track import Track
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_joint_state, from_markers
 from pack_core.scene.state import MarkerFrame, SceneState
-from pack_perception.physics_estimator import EstimatorConfig, PhysicsEstimator
+from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 from replay.sample import COUNTS, sample, sample_run, sample_scene
 
 

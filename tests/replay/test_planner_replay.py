@@ -2,9 +2,9 @@ import numpy as np
 
 from pack_bringup.node_parameters import load_parameters
 from pack_core.cells.packing import packing_cell
-from pack_core.ros import contracts
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_scene
-from pack_planner.placement import PlacementConfig, PlacementPlanner
+from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
 from replay.sample import COUNTS, SEED, sample, sample_run, sample_scene
 
 

@@ -7,7 +7,7 @@ from pack_bringup.lockstep import lockstep_config
 from pack_bringup.node_parameters import load_parameters
 from pack_core.errors import ConfigError
 from pack_mpc.session import SessionConfig
-from pack_sim.simulator import SimulatorConfig
+from pack_sim.packing.simulator import SimulatorConfig
 
 
 def test_lockstep_runs_with_what_the_nodes_are_given() -> None:

@@ -8,7 +8,7 @@ from pack_core.scene.scene import Scene
 from pack_core.scene.state import Setpoints
 from pack_mpc.plant import PackingPlant
 from pack_mpc.predictor import Predictor
-from pack_sim.simulator import Simulator, SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 
 @pytest.fixture

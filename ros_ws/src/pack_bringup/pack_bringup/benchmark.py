@@ -10,7 +10,7 @@ import numpy as np
 from pack_bringup.lockstep import Lockstep, lockstep_config
 from pack_core.cells.packing import packing_cell
 from pack_mpc.session import Method
-from pack_sim.scene_generator import generate_scene
+from pack_sim.packing.scene_generator import generate_scene
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,9 @@ from rclpy.task import Future
 
 from pack_core.config import Config
 from pack_core.errors import PackError
-from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
 from pack_core.ros.params import read_parameters
 
 PEERS = ("sim", "perception", "planner", "mpc", "recorder")
@@ -59,7 +60,7 @@ class GoalNode(CellNode):
         self._is_sent = False
         self._next_try = 0.0
         self._is_complete = False
-        self.listen(contracts.REAL_TIME_FACTOR, self._on_real_time_factor)
+        self.listen(shared.REAL_TIME_FACTOR, self._on_real_time_factor)
 
     @property
     def missing(self) -> list[str]:

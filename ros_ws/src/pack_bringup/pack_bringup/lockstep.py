@@ -21,10 +21,10 @@ from pack_core.scene.state import JointSample, SceneState
 from pack_mpc.controller import Plan
 from pack_mpc.session import Method, Observation, PackingSession, SessionConfig
 from pack_mpc.task import Outcome
-from pack_perception.physics_estimator import EstimatorConfig, PhysicsEstimator
-from pack_planner.placement import PlacementConfig, PlacementPlanner
-from pack_planner.placement_result import Placement
-from pack_sim.simulator import Simulator, SimulatorConfig
+from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
+from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
+from pack_planner.placement.placement_result import Placement
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 
 class LockstepConfig(Config):

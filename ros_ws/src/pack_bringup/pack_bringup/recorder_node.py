@@ -24,9 +24,11 @@ from pack_core import stamps
 from pack_core.config import Config
 from pack_core.errors import BagError, PackError
 from pack_core.evaluation.raw_bag import Topic
-from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
-from pack_core.ros.contracts import Contract
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.contracts.table import recorded
 from pack_core.ros.conversions import from_scene, from_stamp
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
@@ -72,7 +74,7 @@ class RecorderNode(CellNode):
         super().__init__("recorder", **kwargs)
         config, now = read_parameters(self, RecorderConfig), datetime.now()
         self.folder = Path(config.path) if config.path else default_folder(config.cell, config.seed, now)
-        topics = contracts.recorded()
+        topics = recorded(config.cell)
         self.recorder = Recorder(self.folder / BAG_FOLDER, map(_topic, topics), message_types())
         describe_run(config.cell, config.seed, config.command, now).save(self.folder)
         self._time_ns = 0
@@ -117,7 +119,7 @@ class RecorderNode(CellNode):
         )
 
     def _record(self, contract: Contract, data: bytes) -> None:
-        if contract.name == contracts.CLOCK.name:
+        if contract.name == shared.CLOCK.name:
             self._time_ns = stamps.to_ns(from_stamp(deserialize_message(data, contract.type).clock))
         self.recorder.write(contract.name, self._time_ns, data)
         try:

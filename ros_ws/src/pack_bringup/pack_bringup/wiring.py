@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pack_core.ros.contracts import Contract
+    from pack_core.ros.contracts.contract import Contract
 
 COLUMNS = ("name", "kind", "type", "from", "to", "rate", "QoS", "recorded", "what")
 
-PAGE = """# Data flow of the packing cell
+PAGE = """# Data flow
 
-Written by `pack wiring --markdown` from the wiring table, `pack_core/ros/contracts.py`.
+Written by `pack wiring --markdown` from the wiring tables, `pack_core/ros/contracts/`.
+"""
+
+SECTION = """
+## {cell}
 
 ```mermaid
 flowchart LR
@@ -39,11 +43,15 @@ def wiring_rows(contracts: Iterable[Contract]) -> Iterator[tuple[str, ...]]:
         )
 
 
-def wiring_page(contracts: Sequence[Contract]) -> str:
-    """The text of docs/dataflow.md."""
+def wiring_page(tables: Mapping[str, Sequence[Contract]]) -> str:
+    """The text of docs/dataflow.md, from the contracts by cell."""
+    return PAGE + "".join(_section(cell, contracts) for cell, contracts in tables.items())
+
+
+def _section(cell: str, contracts: Sequence[Contract]) -> str:
     lines = [COLUMNS, tuple("---" for _ in COLUMNS), *wiring_rows(contracts)]
     table = "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
-    return PAGE.format(edges="\n".join(_edges(contracts)), table=table)
+    return SECTION.format(cell=cell.capitalize(), edges="\n".join(_edges(contracts)), table=table)
 
 
 def _edges(contracts: Sequence[Contract]) -> Iterator[str]:

@@ -19,8 +19,8 @@ from std_msgs.msg import String
 from pack_core.cells.packing import packing_cell
 from pack_core.errors import PackError
 from pack_core.exit_reason import ExitReason
-from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import to_setpoints
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node

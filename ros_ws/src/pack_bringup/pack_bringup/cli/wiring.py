@@ -15,19 +15,20 @@ app = typer.Typer()
 
 @app.command()
 def wiring(
-    markdown: Annotated[bool, typer.Option("--markdown", help="The text of docs/dataflow.md.")] = False,
+    cell: Annotated[str, typer.Argument(help="A graph of config/graphs.")] = "packing",
+    markdown: Annotated[bool, typer.Option("--markdown", help="All cells, as docs/dataflow.md.")] = False,
 ) -> None:
-    """List every topic, service and action of the packing cell, with who sends and who takes it.
+    """List every topic, service and action of a cell, with who sends and who takes it.
 
-    - `pack wiring`
+    - `pack wiring packing`
     - `pack wiring --markdown > docs/dataflow.md`
     """
-    from pack_core.ros.contracts import CONTRACTS
+    from pack_core.ros.contracts.table import WIRING, wiring_of
 
     if markdown:
-        typer.echo(wiring_page(CONTRACTS), nl=False)
+        typer.echo(wiring_page(WIRING), nl=False)
         return
     table = Table(*COLUMNS)
-    for row in wiring_rows(CONTRACTS):
+    for row in wiring_rows(wiring_of(cell)):
         table.add_row(*row)
     Console().print(table)

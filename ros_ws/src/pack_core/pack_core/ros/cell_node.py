@@ -17,8 +17,8 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import Empty
 
 from pack_core.errors import PackError
-from pack_core.ros import contracts
-from pack_core.ros.contracts import Contract
+from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.health import Health
 from pack_core.ros.lifeline import Lifeline
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
@@ -33,7 +33,7 @@ class CellNode(Node):
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
         self.health = Health(name)
-        self._diagnostics = self.advertise(contracts.DIAGNOSTICS)
+        self._diagnostics = self.advertise(shared.DIAGNOSTICS)
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0, self.report, clock=self.wall)
         self._ended = threading.Event()

@@ -12,8 +12,8 @@ from pack_interfaces.msg import SceneState as SceneMessage
 from sensor_msgs.msg import JointState
 
 from pack_core.errors import MessageError
-from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite, from_joint_state, from_scene
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState

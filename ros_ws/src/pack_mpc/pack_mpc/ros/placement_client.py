@@ -6,8 +6,8 @@ from pack_interfaces.srv import PlanPlacement
 from rclpy.task import Future
 
 from pack_core.errors import MessageError
-from pack_core.ros import contracts
 from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose, to_point, to_scene
 from pack_mpc.session import Observation, PackingSession
 

@@ -1,0 +1,1 @@
+"""The wiring tables: every topic, service and action of every cell, once."""

@@ -1,0 +1,54 @@
+"""A line of a wiring table, and the qualities of service that lines share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+
+class Kind(Enum):
+    """What a contract is."""
+
+    TOPIC = "topic"
+    SERVICE = "service"
+    ACTION = "action"
+
+
+@dataclass(frozen=True)
+class Contract:
+    """One line of a wiring table."""
+
+    name: str
+    type: type[Any]
+    sources: tuple[str, ...]
+    targets: tuple[str, ...]
+    what: str
+    kind: Kind = Kind.TOPIC
+    qos: QoSProfile | None = None
+    rate: str = ""
+    recorded: bool = False
+
+
+def contracts_in(names: Mapping[str, object]) -> tuple[Contract, ...]:
+    """The contracts among a module's names, in the order in which they stand there."""
+    return tuple(value for value in list(names.values()) if isinstance(value, Contract))
+
+
+def _reliable(depth: int) -> QoSProfile:
+    return QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=ReliabilityPolicy.RELIABLE)
+
+
+def _latched() -> QoSProfile:
+    return QoSProfile(
+        depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+    )
+
+
+STREAM = _reliable(50)
+LATEST = _reliable(1)
+EVENTS = _reliable(100)
+LATCHED = _latched()

@@ -1,0 +1,23 @@
+"""What every cell has on its wires."""
+
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64
+
+from pack_core.ros.contracts.contract import EVENTS, LATEST, STREAM, Contract, contracts_in
+
+# fmt: off
+CLOCK = Contract(
+    "/clock", Clock, ("sim",), ("all",), "simulated time", qos=LATEST, rate="250 Hz", recorded=True)
+REAL_TIME_FACTOR = Contract(
+    "/sim/real_time_factor", Float64, ("sim",), ("recorder", "user"),
+    "simulated seconds a second, achieved", qos=STREAM, rate="1 Hz of wall clock", recorded=True)
+DIAGNOSTICS = Contract(
+    "/diagnostics", DiagnosticArray, ("all",), ("recorder", "user"),
+    "health of every node: counts of refused messages, silent peers", qos=EVENTS,
+    rate="1 Hz of wall clock", recorded=True)
+# fmt: on
+
+SHARED = contracts_in(globals())

@@ -1,0 +1,44 @@
+"""How much of the difference between what is seen and what physics expected is believed."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.rotations import Array, conjugate, log, multiply
+from pack_perception.mocap.rigid_body_fit import Mask
+
+
+class CorrectionConfig(Config):
+    """Gains of the correction; low ones suffice, because physics predicts well."""
+
+    pose_gain: float = Field(default=0.1, gt=0, le=1, description="share of an error corrected each frame")
+    twist_gain: float = Field(default=0.01, ge=0, le=1, description="share of it put down to velocity")
+    jump: PositiveFloat = Field(default=0.03, description="error beyond which an object is put anew [m]")
+    max_period: PositiveFloat = Field(default=0.03, description="between sights that tell a velocity [s]")
+
+
+def pose_errors(seen: Array, expected: Array) -> Array:
+    """Way [m] and rotation vector [rad] `(k, 6)` from `expected` to `seen` poses `(k, 7)`, in world axes."""
+    turns = log(multiply(seen[:, 3:], conjugate(expected[:, 3:])))
+    return np.concatenate([seen[:, :3] - expected[:, :3], turns], axis=1)
+
+
+def is_put_anew(errors: Array, periods: Array, config: CorrectionConfig) -> Mask:
+    """Which of k objects `(k,)` are put where they are seen: at first sight, and after a jump."""
+    return np.asarray(np.isinf(periods) | (np.linalg.norm(errors[:, :3], axis=1) > config.jump))
+
+
+def corrections(errors: Array, periods: Array, config: CorrectionConfig) -> tuple[Array, Array]:
+    """Shifts and twists `(k, 6)` that correct k objects.
+
+    Args:
+        errors: `(k, 6)`, from `pose_errors`.
+        periods: time since each was last seen `(k,)` [s]; infinite at first sight.
+        config: the gains.
+    """
+    anew = is_put_anew(errors, periods, config)
+    tells_velocity = ~anew & (periods > 0.0) & (periods <= config.max_period)
+    rates = np.where(tells_velocity, config.twist_gain, 0.0) / np.where(tells_velocity, periods, 1.0)
+    return np.where(anew, 1.0, config.pose_gain)[:, None] * errors, rates[:, None] * errors

@@ -1,0 +1,35 @@
+"""What the estimator did with a measurement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pack_perception.mocap.rigid_body_fit import Refusal
+
+
+@dataclass(frozen=True)
+class Advance:
+    """What happened on the way to a joint sample.
+
+    Attributes:
+        is_restart: everything was forgotten, because time or the arm jumped.
+        diverged: objects that were put back to where they were.
+    """
+
+    is_restart: bool = False
+    diverged: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What a frame brought.
+
+    Attributes:
+        seen: objects whose pose was corrected.
+        refused: objects whose markers could not be used, and why.
+        is_unused: the frame is older than the history or ahead of the joints, and changed nothing.
+    """
+
+    seen: tuple[str, ...] = ()
+    refused: dict[str, Refusal] = field(default_factory=dict)
+    is_unused: bool = False

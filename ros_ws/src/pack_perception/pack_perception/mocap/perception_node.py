@@ -1,0 +1,105 @@
+"""Perception as a ROS 2 node: markers and joints in, the estimated scene out."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+from pack_interfaces.msg import MocapMarkers
+from pydantic import Field, PositiveFloat
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from pack_core.cells.packing import packing_cell
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.conversions import from_joint_state, from_markers, from_stamp, to_scene
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import MarkerFrame, SceneState, Source
+from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
+from pack_perception.mocap.rigid_body_fit import Refusal
+
+
+class PerceptionNodeConfig(EstimatorConfig):
+    """Parameters of the node `perception`."""
+
+    min_rate: PositiveFloat = Field(default=60.0, description="of /scene while no frames come [Hz]")
+
+
+class PerceptionNode(CellNode):
+    """Publishes the scene after every marker frame, and from joint states alone when frames stop."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("perception", **kwargs)
+        self._config = read_parameters(self, PerceptionNodeConfig)
+        self._cell = packing_cell()
+        self._estimator: PhysicsEstimator | None = None
+        self._new_object = ""
+        self._published = -float("inf")
+        self._frames: deque[MarkerFrame] = deque(maxlen=50)
+        self._unused_frames = 0
+        self._scene = self.advertise(contracts.SCENE)
+        self.listen(contracts.DESCRIPTION, self._on_description)
+        self.listen(contracts.JOINT_STATES, self._on_joints)
+        self.listen(contracts.MARKERS, self._on_markers)
+        self.watch(("sim",))
+
+    def _on_description(self, message: String) -> None:
+        scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
+        self._estimator = PhysicsEstimator(scene, self._cell, self._config)
+        self._new_object = scene.new_object.name
+        self._start_over()
+
+    def _start_over(self) -> None:
+        self._frames.clear()
+        self._published = -float("inf")
+
+    def _on_joints(self, message: JointState) -> None:
+        estimator = self._estimator
+        if estimator is None or not estimator.wants(from_stamp(message.header.stamp)):
+            return
+        advance = estimator.advance(from_joint_state(message))
+        if advance.is_restart:
+            self._start_over()
+            self.get_logger().info("time or the arm jumped: starting over")
+        for name in advance.diverged:
+            self.health.count("diverged", f"physics of '{name}' was put back")
+        self._use_frames(estimator)
+        if estimator.time + self._config.step - self._published > 1.0 / self._config.min_rate:
+            self._publish(estimator)
+
+    def _on_markers(self, message: MocapMarkers) -> None:
+        if self._estimator is not None:
+            self._frames.append(from_markers(message))
+            self._use_frames(self._estimator)
+
+    def _use_frames(self, estimator: PhysicsEstimator) -> None:
+        while self._frames and not estimator.is_ahead(self._frames[0]):
+            correction = estimator.correct(self._frames.popleft())
+            self._unused_frames += correction.is_unused
+            for name, refusal in correction.refused.items():
+                if refusal is Refusal.RESIDUAL:
+                    self.health.count("refused fit", f"{refusal.value} '{name}'")
+            if not correction.is_unused:
+                self._publish(estimator)
+
+    def _publish(self, estimator: PhysicsEstimator) -> None:
+        state = estimator.state(estimator.time)
+        self._published = state.time
+        self._scene.publish(to_scene(state))
+        self._note(state, estimator.is_held)
+
+    def _note(self, state: SceneState, is_held: bool) -> None:
+        hidden = [f"{n} {o.age:.1f} s" for n, o in state.objects.items() if o.source is Source.PHYSICS]
+        self.health.values["carried by physics"] = ", ".join(hidden) or "none"
+        self.health.values["frames too late"] = str(self._unused_frames)
+        self.health.faults.pop("grip", None)
+        if not is_held:
+            self.health.faults["grip"] = f"'{self._new_object}' no longer hangs on the cup as it was gripped"
+
+
+def main() -> int:
+    """Entry point of `perception_node`."""
+    return run_node(PerceptionNode)

@@ -1,0 +1,192 @@
+"""Where every object is: fitted to its markers when they are seen, carried by physics when not.
+
+After Russell, Xu, Roa, Dogar, "Pack it in": physics moves the objects as the measured arm pushes
+them, and what the cameras see corrects it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config
+from pack_core.robots.panda import VELOCITY_LIMITS
+from pack_core.rotations import Array, Pose
+from pack_core.scene.model import Held, held_pose
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import JointSample, MarkerFrame, ObjectState, SceneState, Source
+from pack_perception.mocap.correction_law import CorrectionConfig, corrections, is_put_anew, pose_errors
+from pack_perception.mocap.estimator_report import Advance, Correction
+from pack_perception.mocap.grip_tracker import GripConfig, GripTracker
+from pack_perception.mocap.guided_cell import GuidedCell, Rows, shifted
+from pack_perception.mocap.marker_table import MarkerTable
+from pack_perception.mocap.pose_history import PoseHistory
+from pack_perception.mocap.rigid_body_fit import FitConfig, Mask, fit_rigid_bodies
+
+TELEPORT = 3.0
+"""An arm that moves this many times faster than its limits has been put elsewhere."""
+HISTORY = 50
+"""Steps of physics that a frame may be late."""
+
+
+class EstimatorConfig(Config):
+    """Parameters of the estimator."""
+
+    step: float = Field(default=0.004, gt=0, le=0.008, description="of the physics [s]")
+    max_gap: PositiveFloat = Field(default=0.5, description="between joint samples, else it starts over [s]")
+    mocap_age: PositiveFloat = Field(default=0.03, description="time since last seen that is still MOCAP [s]")
+    correction: CorrectionConfig = CorrectionConfig()
+    fit: FitConfig = FitConfig()
+    grip: GripConfig = GripConfig()
+
+
+class PhysicsEstimator:
+    """Poses and twists of all objects from joint samples and marker frames.
+
+    Args:
+        scene: shapes and masses; poses are ignored.
+        cell: the cell's physical facts.
+        config: gains and limits.
+    """
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: EstimatorConfig) -> None:
+        self._scene, self._cell, self._config = scene, cell, config
+        self._markers = MarkerTable(scene)
+        self._joints: JointSample | None = None
+        self._start_over()
+
+    @property
+    def time(self) -> float:
+        """Time of the estimate [s]; nan before the first joint sample."""
+        return self._joints.time if self._joints else float("nan")
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the new object is believed to hang on the cup."""
+        return self._grip.is_held
+
+    def wants(self, time: float) -> bool:
+        """Whether `advance` would use a joint sample of `time` [s]; those less than a step later it skips."""
+        return not 0.0 <= time - self.time < self._config.step - 1e-6
+
+    def is_ahead(self, frame: MarkerFrame) -> bool:
+        """Whether a frame is to wait until joint samples have come as far as its exposure."""
+        return not frame.time <= self.time + 2 * self._config.step
+
+    def advance(self, joints: JointSample) -> Advance:
+        """Let physics carry the objects to the time of a joint sample."""
+        last = self._joints
+        if last is None or self._jumps(last, joints):
+            self._start_over()
+            self._started = joints.time
+            self._note(joints)
+            return Advance(is_restart=last is not None)
+        if not self.wants(joints.time):
+            return Advance()
+        diverged = self._physics.follow(last, joints)
+        self._note(joints)
+        return Advance(diverged=tuple(diverged))
+
+    def correct(self, frame: MarkerFrame) -> Correction:
+        """Correct the objects that a frame shows.
+
+        Raises:
+            MessageError: the frame has an object or a marker that the scene does not have.
+        """
+        names, (p_WM, visible) = self._markers.names, self._markers.sort(frame)
+        if self.is_ahead(frame) or not self._history.covers(frame.time):
+            return Correction(is_unused=True)
+        fits = fit_rigid_bodies(self._markers.p_BM, p_WM, visible, self._config.fit)
+        refused = {names[i]: r for i, r in enumerate(fits.refusals) if r and visible[i].any()}
+        rows = np.array([i for i, refusal in enumerate(fits.refusals) if refusal is None], dtype=int)
+        self._take(rows, np.concatenate([fits.p_WB, fits.q_WB], axis=1), frame.time)
+        return Correction(tuple(names[i] for i in rows), refused)
+
+    def state(self, time: float) -> SceneState:
+        """All objects that have been seen, and the held one, as they move on to `time` [s].
+
+        Objects that were never seen are left out.
+        """
+        poses, twists = self._estimates()
+        ahead = float(np.clip(time - self.time, 0.0, self._config.step))
+        if ahead > 0.0:
+            poses = shifted(poses, ahead * twists)
+        ages = np.maximum(time - np.where(self._is_known, self._seen, self._started), 0.0)
+        is_mocap = self._is_known & (ages <= self._config.mocap_age)
+        objects = {
+            name: ObjectState(
+                Pose(poses[i, :3], poses[i, 3:]), twists[i, :3], twists[i, 3:],
+                Source.MOCAP if is_mocap[i] else Source.PHYSICS, float(ages[i]),
+            )
+            for i, name in enumerate(self._markers.names)
+            if self._is_known[i] or i == self._held
+        }  # fmt: skip
+        return SceneState(time, objects)
+
+    @property
+    def _is_known(self) -> Mask:
+        return np.asarray(np.isfinite(self._seen))
+
+    @property
+    def _held(self) -> int:
+        """Row of the object that physics has fixed to the cup: the last one, or -1 when it is free."""
+        n = len(self._markers.names)
+        return n - 1 if len(self._physics.free) < n else -1
+
+    def _start_over(self) -> None:
+        self._seen = np.full(len(self._markers.names), -np.inf)
+        self._started = 0.0
+        self._grip = GripTracker(self._config.grip, held_pose(self._scene))
+        self._use(GuidedCell(self._scene, self._cell, Held.RIGID, self._config.step))
+
+    def _use(self, physics: GuidedCell) -> None:
+        self._physics = physics
+        self._history = PoseHistory(HISTORY, len(physics.qpos))
+
+    def _note(self, joints: JointSample) -> None:
+        self._joints = joints
+        self._physics.set_arm(joints)
+        self._history.add(joints.time, self._physics.qpos)
+
+    def _jumps(self, last: JointSample, joints: JointSample) -> bool:
+        gap = joints.time - last.time
+        reach = TELEPORT * VELOCITY_LIMITS * max(gap, 1e-3)
+        return bool(gap < 0.0 or gap > self._config.max_gap or np.any(np.abs(joints.q - last.q) > reach))
+
+    def _estimates(self) -> tuple[Array, Array]:
+        """Poses `(n, 7)` and twists `(n, 6)` of all objects."""
+        poses, twists = self._physics.poses(), self._physics.twists()
+        if self._held < 0:
+            return poses, twists
+        pose, twist = self._physics.held_state()
+        return np.vstack([poses, pose]), np.vstack([twists, twist])
+
+    def _take(self, rows: Rows, seen: Array, time: float) -> None:
+        """Use the poses `seen` `(n, 7)` of some rows, exposed at `time`."""
+        earlier = self._history.at(time)
+        free = rows[rows != self._held]
+        self._correct_free(free, seen[free], self._physics.poses(earlier)[free], time)
+        self._seen[rows] = time
+        if self._held in rows:
+            p, q = np.split(seen[self._held], [3])
+            self._grip.correct(self._physics.cup_pose(earlier).inverse() @ Pose(p, q), time)
+            self._physics.set_grip(self._grip.X_TN)
+            if not self.is_held:
+                self._let_go()
+
+    def _correct_free(self, rows: Rows, seen: Array, expected: Array, time: float) -> None:
+        errors, periods = pose_errors(seen, expected), time - self._seen[rows]
+        shifts, twists = corrections(errors, periods, self._config.correction)
+        self._physics.stop(rows[is_put_anew(errors, periods, self._config.correction)])
+        self._physics.correct(rows, shifted(self._physics.poses()[rows], shifts), twists)
+        self._physics.shift_earlier(self._history.since(time), rows, shifts)
+
+    def _let_go(self) -> None:
+        """Go on with the new object as one of the free ones; the next frame puts it where it is."""
+        assert self._joints is not None
+        poses, twists = self._estimates()
+        self._use(GuidedCell(self._scene, self._cell, Held.FREE, self._config.step))
+        known = np.flatnonzero(self._is_known)
+        self._physics.correct(known, poses[known], twists[known])
+        self._note(self._joints)

@@ -1,0 +1,1 @@
+"""Where to put an object down in a partly filled container."""

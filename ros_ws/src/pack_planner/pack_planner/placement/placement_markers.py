@@ -1,0 +1,57 @@
+"""A placement as markers for RViz and Foxglove."""
+
+from __future__ import annotations
+
+import numpy as np
+from geometry_msgs.msg import Vector3
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from pack_core.ros.conversions import WORLD, to_point, to_pose, to_stamp
+from pack_core.rotations import Array
+from pack_core.scene.objects import Box, Cylinder
+from pack_planner.placement.placement_result import Placement, Samples
+
+INFEASIBLE = ColorRGBA(r=0.4, g=0.4, b=0.4, a=0.35)
+CHOSEN = ColorRGBA(r=0.1, g=0.8, b=0.3, a=0.45)
+SAMPLE_DIAMETER = 0.004
+SAMPLE_HEIGHT = 0.002
+
+
+def to_visual_markers(time: float, placement: Placement, item: Box | Cylinder) -> MarkerArray:
+    """The samples as dots on the base, green (cheap) to red (dear), and the chosen pose as a ghost."""
+    return MarkerArray(markers=[_samples(time, placement.samples), _chosen(time, placement, item)])
+
+
+def _samples(time: float, samples: Samples) -> Marker:
+    marker = _marker(time, "placement samples", Marker.SPHERE_LIST)
+    marker.scale = Vector3(x=SAMPLE_DIAMETER, y=SAMPLE_DIAMETER, z=SAMPLE_DIAMETER)
+    marker.points = [to_point(np.array([*row[:2], SAMPLE_HEIGHT])) for row in samples.settled]
+    shares = _ranks(samples.costs)
+    marker.colors = [
+        ColorRGBA(r=share, g=1.0 - share, b=0.1, a=0.9) if is_feasible else INFEASIBLE
+        for share, is_feasible in zip(shares.tolist(), samples.is_feasible, strict=True)
+    ]
+    return marker
+
+
+def _chosen(time: float, placement: Placement, item: Box | Cylinder) -> Marker:
+    marker = _marker(time, "placement", Marker.CUBE if isinstance(item, Box) else Marker.CYLINDER)
+    if placement.X_WO is None:
+        marker.action = Marker.DELETE
+        return marker
+    x, y, z = (2 * item.half_extents).tolist()
+    marker.pose, marker.scale, marker.color = to_pose(placement.X_WO), Vector3(x=x, y=y, z=z), CHOSEN
+    return marker
+
+
+def _marker(time: float, namespace: str, kind: int) -> Marker:
+    marker = Marker(ns=namespace, type=kind, action=Marker.ADD)
+    marker.header.stamp, marker.header.frame_id = to_stamp(time), WORLD
+    marker.pose.orientation.w = 1.0
+    return marker
+
+
+def _ranks(costs: Array) -> Array:
+    """Share of samples that are cheaper `(S,)`, since costs spread over decades."""
+    return np.argsort(np.argsort(costs)) / max(len(costs) - 1, 1)

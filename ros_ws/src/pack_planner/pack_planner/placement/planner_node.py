@@ -1,0 +1,112 @@
+"""The placement planner as a ROS 2 service."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from pack_interfaces.msg import PlacementSample
+from pack_interfaces.srv import PlanPlacement
+from std_msgs.msg import String
+
+from pack_core.cells.packing import packing_cell
+from pack_core.errors import MessageError, PackError
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.conversions import finite, from_scene, to_pose
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pack_core.rotations import Pose
+from pack_core.scene.scene import Scene
+from pack_planner.placement.placement_markers import to_visual_markers
+from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
+from pack_planner.placement.placement_result import Placement, Samples
+
+
+class PlannerNode(CellNode):
+    """Plans a placement on request, in the scene that was described last."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("planner", **kwargs)
+        self._config = read_parameters(self, PlacementConfig)
+        self._scene: Scene | None = None
+        self._planner: PlacementPlanner | None = None
+        self._refusal = f"no description of the cell yet on {contracts.DESCRIPTION.name}: start the sim"
+        self._markers = self.advertise(contracts.VISUAL_MARKERS)
+        self.listen(contracts.DESCRIPTION, self._on_description)
+        self.create_service(PlanPlacement, contracts.PLAN_PLACEMENT.name, self._serve)
+        self.watch(("sim", "perception"))
+
+    @property
+    def is_ready(self) -> bool:
+        """A scene was described that can be planned in."""
+        return self._planner is not None
+
+    def _on_description(self, message: String) -> None:
+        self._planner = None
+        try:
+            self._scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
+            self._planner = PlacementPlanner(self._scene, packing_cell(), self._config)
+        except PackError as error:
+            self._refusal = str(error)
+            raise
+
+    def _serve(
+        self, request: PlanPlacement.Request, response: PlanPlacement.Response
+    ) -> PlanPlacement.Response:
+        started = time.monotonic()
+        try:
+            placement = self._plan(request)
+        except PackError as error:
+            response.status, response.message = PlanPlacement.Response.INVALID_INPUT, str(error)
+            self.health.count(f"refused {contracts.PLAN_PLACEMENT.name}", str(error))
+            return response
+        _fill(response, placement)
+        response.planning_time = time.monotonic() - started
+        self.health.values["planning time [s]"] = f"{response.planning_time:.3f}"
+        return response
+
+    def _plan(self, request: PlanPlacement.Request) -> Placement:
+        if self._planner is None or self._scene is None:
+            raise PackError(self._refusal)
+        state = from_scene(request.scene)
+        placement = self._planner.plan(
+            state,
+            np.random.default_rng(request.seed),
+            variant=checked_variant(request.variant) if request.variant else None,
+            avoid=[finite([p.x, p.y, p.z], "point to avoid") for p in request.avoid],
+            avoid_radius=_checked_radius(request.avoid_radius),
+        )
+        self._markers.publish(to_visual_markers(state.time, placement, self._scene.new_object))
+        return placement
+
+
+def _checked_radius(radius: float) -> float:
+    if not 0.0 <= radius < np.inf:
+        raise MessageError(f"avoid_radius is {radius}; allowed: metres from 0 on")
+    return radius
+
+
+def _fill(response: PlanPlacement.Response, placement: Placement) -> None:
+    response.status, response.message = int(placement.status), placement.reason
+    response.collisions, response.cost = list(placement.collisions), placement.cost
+    response.samples = _to_samples(placement.samples)
+    if placement.X_WO is not None:
+        response.pose = to_pose(placement.X_WO)
+
+
+def _to_samples(samples: Samples) -> list[PlacementSample]:
+    rows = zip(samples.sampled, samples.settled, samples.costs, samples.is_feasible, strict=True)
+    return [
+        PlacementSample(
+            pose=to_pose(Pose(sampled[:3], sampled[3:])), settled=to_pose(Pose(settled[:3], settled[3:])),
+            cost=float(cost), is_feasible=bool(is_feasible),
+        )
+        for sampled, settled, cost, is_feasible in rows
+    ]  # fmt: skip
+
+
+def main() -> int:
+    """Entry point of `planner_node`."""
+    return run_node(PlannerNode)

@@ -1,0 +1,1 @@
+"""The packing cell: Panda, suction pump, container, motion capture."""

@@ -1,0 +1,177 @@
+"""The simulated cell: MuJoCo physics behind the interface of a robot driver."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import mujoco
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config
+from pack_core.robots.panda import JOINTS
+from pack_core.rotations import Array, angle_between, conjugate, rotate
+from pack_core.scene.model import Arm, Held, body_pose, build_model, held_pose, set_object_poses
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import JointSample, ObjectState, SceneState, Setpoints
+from pack_sim.packing.joint_controller import JointController
+from pack_sim.packing.mocap import Mocap, MocapConfig
+from pack_sim.packing.pump import PumpModel
+
+GRIP_DISTANCE = 0.005
+GRIP_ANGLE = np.deg2rad(2.0)
+
+
+class SimulatorConfig(Config):
+    """Parameters of the simulated driver and its sensors."""
+
+    timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
+    watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
+    mocap: MocapConfig = MocapConfig()
+
+
+class Simulator:
+    """One scene in motion.
+
+    Args:
+        cell: the cell's physical facts.
+        scene: with a pose for every object.
+        config: rates and limits.
+        rng: for the sensors' noise.
+        time: what the clock shows at the start [s].
+    """
+
+    def __init__(
+        self,
+        cell: PackingCell,
+        scene: Scene,
+        config: SimulatorConfig,
+        rng: np.random.Generator,
+        time: float = 0.0,
+    ) -> None:
+        self.cell, self.scene, self.config = cell, scene, config
+        self.controller = JointController(cell.robot, config.watchdog)
+        self.pump = PumpModel(cell.suction, config.timestep)
+        self.mocap = Mocap(scene, cell, config.mocap, rng)
+        self.model = self._compile(Held.RIGID)
+        self.data = mujoco.MjData(self.model)
+        self.data.time = time
+        self._index()
+        self.data.qpos[self._q] = cell.robot.home
+        set_object_poses(self.model, self.data, scene.poses())
+        mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self.data.time)
+
+    @cached_property
+    def _weight(self) -> Array:
+        gravity = float(self.model.opt.gravity[2])
+        return np.array([0.0, 0.0, -gravity * self.scene.new_object.mass])
+
+    def accept(self, setpoints: Setpoints) -> None:
+        """Hand setpoints to the joint controller; raises MessageError when they are refused."""
+        self.controller.accept(setpoints, self.time)
+
+    def step(self) -> None:
+        """Advance by one time step; the physics stays still when it would diverge."""
+        data = self.data
+        q, v = data.qpos[self._q], data.qvel[self._v]
+        data.ctrl[:] = self.controller.torque(self.time, q, v, self._mass_matrix)
+        mujoco.mj_step(self.model, data)
+        if self.pump.state.is_closed:
+            force, torque = self._cup_load()
+            if not self.pump.update(force, torque):
+                self._swap(Held.FREE)
+        self.mocap.update(self.model, data, self.time)
+
+    def joints(self) -> JointSample:
+        """What the joint sensors measure."""
+        d = self.data
+        return JointSample(self.time, d.qpos[self._q].copy(), d.qvel[self._v].copy(), d.ctrl.copy())
+
+    def external_wrench(self) -> tuple[Array, Array]:
+        """External force `(3,)` [N] and torque `(3,)` [N m] on the held object, in the cup's frame.
+
+        The weight of the object is taken off; zero when nothing is held.
+        """
+        if not self.pump.state.is_closed:
+            return np.zeros(3), np.zeros(3)
+        force, torque = self._cup_load()
+        R_WN = self.data.body(self.scene.new_object.name).xmat.reshape(3, 3)
+        return R_WN.T @ self._weight - force, -torque
+
+    def truth(self) -> SceneState:
+        """True poses and twists of all objects, the new one included."""
+        mujoco.mj_kinematics(self.model, self.data)
+        return SceneState(self.time, {name: self._object_state(name) for name in self._names})
+
+    def release(self, reason: str = "asked to open") -> None:
+        """Open the pump; the object falls or stays where it stands."""
+        if self.pump.state.is_closed:
+            self.pump.open(reason)
+            self._swap(Held.FREE)
+
+    def grip(self) -> str:
+        """Close the pump.
+
+        Returns:
+            Why it could not grip, empty when it holds.
+        """
+        if self.pump.state.is_closed:
+            return ""
+        X_TN = body_pose(self.data, "tool").inverse() @ body_pose(self.data, self.scene.new_object.name)
+        nominal = held_pose(self.scene)
+        distance = float(np.linalg.norm(X_TN.p - nominal.p))
+        if distance > GRIP_DISTANCE or angle_between(X_TN.q, nominal.q) > GRIP_ANGLE:
+            return f"the object is {1000 * distance:.0f} mm off the cup; allowed: 5 mm and 2 degrees"
+        self.pump.close()
+        self._swap(Held.RIGID)
+        return ""
+
+    @property
+    def _names(self) -> list[str]:
+        return [*self.scene.names, self.scene.new_object.name]
+
+    def _compile(self, held: Held) -> mujoco.MjModel:
+        return build_model(self.scene, self.cell, timestep=self.config.timestep, arm=Arm.DRIVEN, held=held)
+
+    def _index(self) -> None:
+        self._q = np.array([self.model.joint(name).qposadr[0] for name in JOINTS])
+        self._v = np.array([self.model.joint(name).dofadr[0] for name in JOINTS])
+
+    def _mass_matrix(self) -> Array:
+        """The arm's `(7, 7)`, with what it holds [kg m^2]."""
+        M = np.empty((self.model.nv, self.model.nv))
+        mujoco.mj_fullM(self.model, self.data, M)
+        return np.asarray(M[np.ix_(self._v, self._v)])
+
+    def _swap(self, held: Held) -> None:
+        """Go on with the new object held or free, everything else as it is."""
+        joints, truth = self.joints(), self.truth()
+        self.model = self._compile(held)
+        self.data = mujoco.MjData(self.model)
+        self.data.time = joints.time
+        self._index()
+        self.data.qpos[self._q], self.data.qvel[self._v] = joints.q, joints.v
+        for name in self._names if held is Held.FREE else self.scene.names:
+            self._place(name, truth.objects[name])
+        mujoco.mj_forward(self.model, self.data)
+
+    def _place(self, name: str, state: ObjectState) -> None:
+        set_object_poses(self.model, self.data, {name: state.X_WO})
+        v = self.model.joint(name).dofadr[0]
+        self.data.qvel[v : v + 3] = state.v_WO_W
+        self.data.qvel[v + 3 : v + 6] = rotate(conjugate(state.X_WO.q), state.w_WO_W)
+
+    def _cup_load(self) -> tuple[Array, Array]:
+        return self.data.sensordata[:3].copy(), self.data.sensordata[3:6].copy()
+
+    def _object_state(self, name: str) -> ObjectState:
+        twist = np.empty(6)
+        body = self.model.body(name).id
+        mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_XBODY, body, twist, 0)
+        return ObjectState(body_pose(self.data, name), twist[3:].copy(), twist[:3].copy())

@@ -1,0 +1,41 @@
+"""How much of what is seen is believed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pack_core.rotations import from_yaw
+from pack_perception.mocap.correction_law import CorrectionConfig, corrections, is_put_anew, pose_errors
+
+CONFIG = CorrectionConfig()
+PERIOD = 1 / 120
+
+
+def test_an_error_is_the_way_from_the_expected_to_the_seen_pose() -> None:
+    seen = np.array([[0.1, 0.0, 0.0, *from_yaw(0.3)]])
+    expected = np.array([[0.0, 0.2, 0.0, *from_yaw(-0.1)]])
+    assert np.allclose(pose_errors(seen, expected), [[0.1, -0.2, 0.0, 0.0, 0.0, 0.4]])
+
+
+@pytest.mark.parametrize("error", [[0.002, -0.001, 0.0, 0.0, 0.0, 0.01], [0.0, 0.02, 0.0, 0.1, 0.0, 0.0]])
+def test_a_small_error_is_corrected_by_the_gains(error: list[float]) -> None:
+    errors = np.array([error])
+    shifts, twists = corrections(errors, np.array([PERIOD]), CONFIG)
+    assert np.allclose(shifts, CONFIG.pose_gain * errors)
+    assert np.allclose(twists, CONFIG.twist_gain / PERIOD * errors)
+
+
+@pytest.mark.parametrize(("way", "period"), [(0.001, np.inf), (1.01 * CONFIG.jump, PERIOD)])
+def test_an_object_is_put_anew_at_first_sight_and_after_a_jump(way: float, period: float) -> None:
+    errors, periods = np.array([[way, 0.0, 0.0, 0.0, 0.0, 0.1]]), np.array([period])
+    shifts, twists = corrections(errors, periods, CONFIG)
+    assert is_put_anew(errors, periods, CONFIG).all()
+    assert np.array_equal(shifts, errors)
+    assert not twists.any()
+
+
+@pytest.mark.parametrize("period", [0.0, 1.01 * CONFIG.max_period])
+def test_sights_too_far_apart_or_at_once_tell_no_velocity(period: float) -> None:
+    _, twists = corrections(np.full((1, 6), 0.001), np.array([period]), CONFIG)
+    assert not twists.any()

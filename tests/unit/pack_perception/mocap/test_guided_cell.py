@@ -1,0 +1,63 @@
+"""Physics whose arm goes where it was measured to be."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pack_core.cells.packing import packing_cell
+from pack_core.scene.model import Held
+from pack_core.scene.state import JointSample
+from pack_perception.mocap.guided_cell import GuidedCell
+from unit.pack_perception.mocap.pushing import standing_scene
+
+SCENE = standing_scene()
+HOME = np.array(packing_cell().robot.home)
+
+
+def sample(time: float) -> JointSample:
+    return JointSample(time, HOME, np.zeros(7), np.zeros(7))
+
+
+@pytest.fixture
+def cell() -> GuidedCell:
+    """All objects where they stand, the arm at home."""
+    cell = GuidedCell(SCENE.description(), packing_cell(), Held.RIGID, step=0.004)
+    poses = np.array([[*X.p, *X.q] for X in SCENE.poses().values()])
+    cell.correct(np.arange(len(poses)), poses, np.zeros((len(poses), 6)))
+    cell.set_arm(sample(0.0))
+    return cell
+
+
+def test_objects_at_rest_stay_at_rest(cell: GuidedCell) -> None:
+    before = cell.poses()
+    for k in range(100):
+        assert cell.follow(sample(0.004 * k), sample(0.004 * (k + 1))) == []
+    assert np.allclose(cell.poses()[:, :3], before[:, :3], atol=5e-4)
+
+
+@pytest.mark.parametrize("speed", [20.0, float("inf"), float("nan")])
+def test_diverging_objects_are_put_back_and_stopped(cell: GuidedCell, speed: float) -> None:
+    before = cell.poses()
+    cell.correct(np.array([2]), before[2:3], np.array([[0.0, 0.0, speed, 0.0, 0.0, 0.0]]))
+    back = cell.follow(sample(0.0), sample(0.004))
+    assert cell.free[2] in back
+    assert np.array_equal(cell.poses()[2], before[2])
+    assert np.all(cell.twists()[2] == 0.0)
+    assert cell.follow(sample(0.004), sample(0.008)) == []
+
+
+def test_twists_are_in_world_axes(cell: GuidedCell) -> None:
+    rows, poses = np.array([2]), cell.poses()[2:3]
+    poses[0, 3:] = [0.0, 1.0, 0.0, 0.0]
+    twist = np.array([[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]])
+    cell.correct(rows, poses, twist)
+    assert np.allclose(cell.twists()[2], twist[0])
+
+
+def test_the_new_object_is_free_only_when_it_is_not_held() -> None:
+    free = {
+        held: GuidedCell(SCENE, packing_cell(), held, step=0.004).free for held in (Held.RIGID, Held.FREE)
+    }
+    assert free[Held.RIGID] == SCENE.names
+    assert free[Held.FREE] == [*SCENE.names, SCENE.new_object.name]

@@ -1,0 +1,89 @@
+"""Poses from markers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from pack_core.cells.packing import packing_cell
+from pack_core.rotations import Array, Pose, angle_between, exp
+from pack_perception.mocap.rigid_body_fit import FitConfig, Mask, Refusal, fit_rigid_bodies
+
+CONFIG = FitConfig()
+SCENE = packing_cell().scene
+ITEMS = (*SCENE.objects, SCENE.new_object)
+
+vectors = arrays(float, 3, elements=st.floats(-1.0, 1.0))
+subsets = arrays(bool, 6).filter(lambda mask: mask.sum() >= 3)
+
+
+def fit(p_BM: Array, p_WM: Array, visible: Mask) -> tuple[Pose | Refusal, float]:
+    fits = fit_rigid_bodies(p_BM[None], p_WM[None], visible[None], CONFIG)
+    return fits.refusals[0] or Pose(fits.p_WB[0], fits.q_WB[0]), float(fits.residual[0])
+
+
+@given(p=vectors, turn=vectors, visible=subsets, item=st.sampled_from(ITEMS))
+@settings(max_examples=300, deadline=None)
+def test_any_pose_is_recovered_from_any_three_or_more_markers(
+    p: Array, turn: Array, visible: Mask, item: object
+) -> None:
+    X_WB, p_BM = Pose(p, exp(np.pi * turn)), item.markers()
+    p_WM = np.where(visible[:, None], X_WB.apply(p_BM), 99.0)
+    found, residual = fit(p_BM, p_WM, visible)
+    assert isinstance(found, Pose)
+    assert np.allclose(found.p, X_WB.p, atol=1e-9)
+    assert angle_between(found.q, X_WB.q) < 1e-6
+    assert residual < 1e-9
+
+
+def test_bodies_in_one_batch_do_not_disturb_each_other() -> None:
+    rng = np.random.default_rng(0)
+    p_BM = np.stack([item.markers() for item in ITEMS])
+    truth = [Pose(rng.normal(size=3), exp(rng.normal(size=3))) for _ in ITEMS]
+    p_WM = np.stack([X.apply(p) for X, p in zip(truth, p_BM, strict=True)])
+    visible = np.ones(p_BM.shape[:2], dtype=bool)
+    visible[2] = False
+    fits = fit_rigid_bodies(p_BM, p_WM, visible, CONFIG)
+    assert [r for r in fits.refusals if r] == [Refusal.TOO_FEW]
+    for i in (0, 1, 3, 4, 5):
+        assert np.allclose(fits.p_WB[i], truth[i].p, atol=1e-9)
+
+
+def test_noise_moves_the_pose_by_about_its_own_size() -> None:
+    rng = np.random.default_rng(1)
+    p_BM, visible = ITEMS[0].markers(), np.ones(6, dtype=bool)
+    X_WB = Pose(np.array([0.5, 0.1, 0.06]), exp(np.array([0.0, 0.0, 0.7])))
+    errors = []
+    for _ in range(200):
+        found, _ = fit(p_BM, X_WB.apply(p_BM) + rng.normal(0.0, 0.0003, p_BM.shape), visible)
+        assert isinstance(found, Pose)
+        errors.append(np.linalg.norm(found.p - X_WB.p))
+    assert 0.0001 < np.mean(errors) < 0.001
+
+
+def test_two_markers_are_refused() -> None:
+    p_BM = ITEMS[0].markers()
+    visible = np.array([True, True, False, False, False, False])
+    assert fit(p_BM, p_BM, visible)[0] is Refusal.TOO_FEW
+
+
+def test_markers_on_a_line_are_refused() -> None:
+    p_BM = np.linspace(0.0, 0.1, 4)[:, None] * np.array([1.0, 2.0, 0.5])
+    assert fit(p_BM, p_BM, np.ones(4, dtype=bool))[0] is Refusal.COLLINEAR
+
+
+@pytest.mark.parametrize("swap", [(0, 1), (2, 5)])
+def test_mistaken_markers_are_refused(swap: tuple[int, int]) -> None:
+    p_BM = ITEMS[2].markers()
+    p_WM = p_BM.copy()
+    p_WM[list(swap)] = p_WM[list(swap[::-1])]
+    assert fit(p_BM, p_WM, np.ones(6, dtype=bool))[0] is Refusal.RESIDUAL
+
+
+def test_a_mirrored_body_is_never_fitted_by_a_reflection() -> None:
+    p_BM = ITEMS[2].markers()
+    found, _ = fit(p_BM, p_BM * np.array([1.0, 1.0, -1.0]), np.ones(6, dtype=bool))
+    assert found is Refusal.RESIDUAL

@@ -1,0 +1,178 @@
+"""Algorithm 1: cheap where little has to move, refused where nothing fits, and repeatable."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pack_core.cells.packing import packing_cell
+from pack_core.errors import PackError
+from pack_core.rotations import Pose
+from pack_core.scene.free_space import footprint
+from pack_core.scene.objects import Box
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import ObjectState, SceneState
+from pack_planner.placement.placement_planner import (
+    PlacementConfig,
+    PlacementPlanner,
+    cheapest_elsewhere,
+    checked_variant,
+)
+from pack_planner.placement.placement_result import Placement, PlacementStatus
+
+StateOf = Callable[[Scene], SceneState]
+QUICK = PlacementConfig(samples=60)
+
+
+def plan(scene: Scene, state: SceneState, config: PlacementConfig = QUICK, seed: int = 0) -> Placement:
+    planner = PlacementPlanner(scene.description(), packing_cell(), config)
+    return planner.plan(state, np.random.default_rng(seed))
+
+
+def test_an_empty_container_costs_nothing_and_nothing_is_in_the_way(empty: Scene, state_of: StateOf) -> None:
+    placement = plan(empty, state_of(empty))
+    assert placement.status is PlacementStatus.SUCCESS
+    assert placement.cost == pytest.approx(0.0, abs=1e-3)
+    assert placement.collisions == ()
+    assert placement.samples.is_feasible.all()
+
+
+def test_the_placement_stands_upright_on_the_base(example: Scene, state_of: StateOf) -> None:
+    placement = plan(example, state_of(example))
+    assert placement.X_WO is not None
+    assert placement.X_WO.p[2] == pytest.approx(example.new_object.half_extents[2], abs=0.005)
+
+
+def test_the_chosen_sample_is_the_cheapest_feasible_one(example: Scene, state_of: StateOf) -> None:
+    placement = plan(example, state_of(example))
+    assert placement.cost == placement.samples.costs[placement.samples.is_feasible].min()
+
+
+def test_a_blocked_scene_has_collisions_that_the_outlines_confirm(example: Scene, state_of: StateOf) -> None:
+    placement = plan(example, state_of(example))
+    assert placement.X_WO is not None
+    outline = footprint(example.new_object, placement.X_WO)
+    overlapped = {
+        name
+        for name, X_WO in example.poses().items()
+        if outline.intersection(footprint(example.model_of(name), X_WO)).area > 1e-6
+    }
+    assert overlapped
+    assert overlapped == set(placement.collisions)
+
+
+def test_the_same_seed_gives_the_same_placement_on_any_number_of_threads(
+    example: Scene, state_of: StateOf
+) -> None:
+    one, two = (
+        plan(example, state_of(example), PlacementConfig(samples=60, threads=threads)) for threads in (1, 2)
+    )
+    assert np.array_equal(one.samples.settled, two.samples.settled)
+    assert np.array_equal(one.samples.costs, two.samples.costs)
+    assert one.X_WO is not None
+    assert two.X_WO is not None
+    assert np.array_equal(one.X_WO.p, two.X_WO.p)
+
+
+def test_planning_again_with_one_planner_gives_the_same(example: Scene, state_of: StateOf) -> None:
+    planner = PlacementPlanner(example, packing_cell(), QUICK)
+    first, second = (planner.plan(state_of(example), np.random.default_rng(5)) for _ in range(2))
+    assert np.array_equal(first.samples.costs, second.samples.costs)
+
+
+def test_lifting_an_object_costs_ten_times_what_pushing_it_costs(example: Scene) -> None:
+    planner = PlacementPlanner(example, packing_cell(), QUICK)
+    before = np.zeros((1, 2, 7))
+    pushed, lifted = before.copy(), before.copy()
+    pushed[0, 0, 0], lifted[0, 0, 2] = 0.02, 0.02
+    assert planner.disturbance(before, pushed) == pytest.approx(0.02)
+    assert planner.disturbance(before, lifted) == pytest.approx(0.2)
+
+
+def test_a_place_on_top_of_an_object_costs_more_than_one_beside_it(empty: Scene, state_of: StateOf) -> None:
+    block = Box(name="block", shape="box", size=(0.12, 0.20, 0.10), mass=5.0)
+    scene = empty.model_copy(update={"objects": [block]}).with_poses(
+        {"block": Pose(np.array([0.43, 0.0, 0.05]))}
+    )
+    samples = plan(scene, state_of(scene), PlacementConfig(samples=300)).samples
+    beside = samples.sampled[:, 0] > 0.49 + 0.0325 * np.sqrt(2)
+    on_top = np.linalg.norm(samples.sampled[:, :2] - [0.43, 0.0], axis=1) < 0.02
+    assert np.any(on_top)
+    assert samples.costs[on_top].min() > 100 * samples.costs[beside].max()
+
+
+def test_a_full_container_has_no_feasible_placement_and_says_why(empty: Scene, state_of: StateOf) -> None:
+    block = Box(name="block", shape="box", size=(0.264, 0.214, 0.10), mass=5.0)
+    scene = empty.model_copy(update={"objects": [block]}).with_poses(
+        {"block": Pose(np.array([0.5, 0.0, 0.05]))}
+    )
+    placement = plan(scene, state_of(scene))
+    assert placement.status is PlacementStatus.NO_FEASIBLE_PLACEMENT
+    assert placement.X_WO is None
+    assert placement.reason.startswith("none of 60 samples: ")
+    assert "overlap" in placement.reason
+
+
+def test_places_tried_before_are_left_out(example: Scene, state_of: StateOf) -> None:
+    planner = PlacementPlanner(example, packing_cell(), QUICK)
+    tried: list[np.ndarray] = []
+    for _ in range(4):
+        placement = planner.plan(state_of(example), np.random.default_rng(0), avoid=tried, avoid_radius=0.03)
+        assert placement.X_WO is not None
+        assert all(np.linalg.norm(placement.X_WO.p[:2] - p[:2]) >= 0.03 for p in tried)
+        tried.append(placement.X_WO.p)
+
+
+def test_where_everything_was_tried_the_farthest_is_taken() -> None:
+    poses = np.zeros((3, 7))
+    poses[:, 0] = [0.01, 0.03, 0.02]
+    assert cheapest_elsewhere(np.array([1.0, 9.0, 2.0]), poses, [np.zeros(3)], 0.1) == 1
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
+def test_with_nothing_to_avoid_the_cheapest_is_taken(costs: list[float]) -> None:
+    poses = np.zeros((len(costs), 7))
+    assert costs[cheapest_elsewhere(np.array(costs), poses, [], 0.1)] == min(costs)
+
+
+def test_the_random_variant_takes_any_pose_with_its_collisions(example: Scene, state_of: StateOf) -> None:
+    planner = PlacementPlanner(example, packing_cell(), QUICK)
+    placements = [
+        planner.plan(state_of(example), np.random.default_rng(seed), variant="random") for seed in range(8)
+    ]
+    assert all(placement.status is PlacementStatus.SUCCESS for placement in placements)
+    assert all(placement.collisions for placement in placements)
+    places = np.array([placement.X_WO.p[:2] for placement in placements if placement.X_WO is not None])
+    assert np.ptp(places, axis=0).min() > 0.05
+    assert max(p.cost for p in placements) > 2 * plan(example, state_of(example)).cost
+
+
+def test_planning_leaves_the_state_untouched(example: Scene, state_of: StateOf) -> None:
+    state = state_of(example)
+    before = {name: (X_WO.p.copy(), X_WO.q.copy()) for name, X_WO in state.poses().items()}
+    plan(example, state)
+    for name, X_WO in state.poses().items():
+        assert np.array_equal(X_WO.p, before[name][0])
+        assert np.array_equal(X_WO.q, before[name][1])
+
+
+def test_missing_and_unknown_objects_are_named(example: Scene, state_of: StateOf) -> None:
+    objects = dict(state_of(example).objects)
+    fewer = {name: state for name, state in objects.items() if name != "tea_box"}
+    with pytest.raises(PackError, match=r"lacks \['tea_box'\]"):
+        plan(example, SceneState(0.0, fewer))
+    with pytest.raises(PackError, match=r"unknown \['spoon'\].*soup_can"):
+        plan(example, SceneState(0.0, objects | {"spoon": ObjectState(Pose(np.zeros(3)))}))
+
+
+def test_a_new_object_too_large_for_the_container_is_refused(example: Scene) -> None:
+    giant = example.new_object.model_copy(update={"size": (0.3, 0.3, 0.1)})
+    with pytest.raises(PackError, match="fits between the walls"):
+        PlacementPlanner(example.model_copy(update={"new_object": giant}), packing_cell(), QUICK)
+
+
+def test_unknown_variants_are_refused_with_the_known_ones() -> None:
+    with pytest.raises(PackError, match="'magic'; allowed: physics, random"):
+        checked_variant("magic")

@@ -1,0 +1,132 @@
+"""The low-level controller: Eq. 4, interpolation, watchdog, refusals."""
+
+import numpy as np
+import pytest
+
+from pack_core.cells.packing import packing_cell
+from pack_core.errors import MessageError
+from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
+from pack_core.scene.state import Setpoints
+from pack_sim.packing.joint_controller import BRAKE_TIME, JointController
+
+HOME = np.array(packing_cell().robot.home)
+ZERO = np.zeros(7)
+
+
+def M() -> np.ndarray:
+    return np.diag([1.5, 2.5, 1.5, 1.2, 0.2, 0.2, 0.1])
+
+
+@pytest.fixture
+def controller() -> JointController:
+    return JointController(packing_cell().robot, watchdog=0.1)
+
+
+def setpoints(q=HOME, v=ZERO, tau=ZERO, rows: int = 3, time: float = 0.0) -> Setpoints:
+    return Setpoints(time, 0.1 * np.arange(rows), *(np.tile(x, (rows, 1)) for x in (q, v, tau)))
+
+
+def test_torque_is_feed_forward_plus_stiffness_and_damping(controller: JointController) -> None:
+    v_d, tau_ff = np.full(7, 0.1), np.full(7, 0.5)
+    controller.accept(setpoints(HOME + 0.02, v_d, tau_ff), 0.0)
+    robot = packing_cell().robot
+    expected = 0.5 + np.array(robot.stiffness) * 0.02 + np.array(robot.damping) * (0.1 - 0.03)
+    np.testing.assert_allclose(controller.torque(0.05, HOME, np.full(7, 0.03), M), expected)
+
+
+def test_the_papers_gains_are_configured() -> None:
+    robot = packing_cell().robot
+    assert robot.stiffness == (100, 100, 100, 100, 100, 60, 60)
+    assert robot.damping == (75, 75, 75, 75, 20, 12, 12)
+
+
+def test_torque_stays_within_the_limits(controller: JointController) -> None:
+    controller.accept(setpoints(tau=TORQUE_LIMITS), 0.0)
+    assert np.all(controller.torque(0.01, HOME - 1.0, -VELOCITY_LIMITS, M) == TORQUE_LIMITS)
+
+
+def test_setpoints_are_interpolated_between_rows(controller: JointController) -> None:
+    plan = setpoints(rows=2, time=1.0)
+    plan.q[1] += 0.1
+    controller.accept(plan, 1.0)
+    np.testing.assert_allclose(controller.reference(1.025, HOME, ZERO, M)[0], HOME + 0.025)
+    np.testing.assert_allclose(controller.reference(0.99, HOME, ZERO, M)[0], HOME)
+
+
+def test_without_setpoints_the_arm_is_held_where_it_was_first_seen(controller: JointController) -> None:
+    controller.torque(0.0, HOME, ZERO, M)
+    tau = controller.torque(0.5, HOME + 0.01, ZERO, M)
+    np.testing.assert_allclose(tau, -0.01 * np.array(packing_cell().robot.stiffness))
+    assert controller.is_holding
+
+
+def test_stale_setpoints_are_not_followed(controller: JointController) -> None:
+    controller.accept(setpoints(HOME + 0.2, rows=20), 0.0)
+    controller.torque(0.099, HOME, ZERO, M)
+    assert not controller.is_holding
+    q_d, v_d, tau_ff = controller.reference(0.101, HOME, ZERO, M)
+    assert controller.is_holding
+    np.testing.assert_array_equal(np.stack([q_d, v_d, tau_ff]), [HOME, ZERO, ZERO])
+
+
+def test_setpoints_that_ran_out_are_not_followed(controller: JointController) -> None:
+    controller.accept(setpoints(rows=1), 0.0)
+    controller.torque(0.001, HOME, ZERO, M)
+    assert controller.is_holding
+
+
+def test_fresh_setpoints_end_a_hold(controller: JointController) -> None:
+    controller.torque(0.0, HOME, ZERO, M)
+    controller.accept(setpoints(time=0.5), 0.5)
+    controller.torque(0.51, HOME, ZERO, M)
+    assert not controller.is_holding
+
+
+def test_a_moving_arm_is_braked_against_its_inertia_and_then_held_where_it_stopped(
+    controller: JointController,
+) -> None:
+    v = np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -0.2])
+    tau = controller.torque(0.0, HOME, v, M)
+    np.testing.assert_allclose(tau, -M() @ v / BRAKE_TIME)
+    assert controller.is_holding
+    np.testing.assert_allclose(controller.torque(0.02, HOME + 0.01, ZERO, M), ZERO)
+    tau = controller.torque(0.5, HOME + 0.02, v, M)
+    robot = packing_cell().robot
+    np.testing.assert_allclose(tau, -0.01 * np.array(robot.stiffness) - np.array(robot.damping) * v)
+
+
+def test_dropped_setpoints_are_not_followed(controller: JointController) -> None:
+    controller.accept(setpoints(HOME + 0.2), 0.0)
+    controller.drop()
+    controller.torque(0.01, HOME, ZERO, M)
+    assert controller.is_holding
+
+
+NAN_ROW = np.array([0, 0, np.nan, 0, 0, 0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        (setpoints(HOME + NAN_ROW), "q is not finite"),
+        (setpoints(v=NAN_ROW), "v is not finite"),
+        (setpoints(tau=NAN_ROW), "tau is not finite"),
+        (setpoints(UPPER + 0.1), "q of joint 1 is 2.997 rad; allowed: -2.897 to 2.897"),
+        (setpoints(LOWER - 0.1), "q of joint 1"),
+        (setpoints(v=2 * VELOCITY_LIMITS), "v of joint 1"),
+        (setpoints(tau=-1.5 * TORQUE_LIMITS), "tau of joint 1"),
+        (
+            Setpoints(0.0, np.zeros(1), np.zeros((1, 6)), np.zeros((1, 7)), np.zeros((1, 7))),
+            r"shape \(1, 6\)",
+        ),
+        (Setpoints(0.0, np.zeros(0), *3 * (np.zeros((0, 7)),)), "at least one"),
+        (Setpoints(0.0, np.array([0.0, 0.0]), *3 * (np.tile(HOME, (2, 1)),)), "rise"),
+        (Setpoints(0.0, np.array([0.0, np.nan]), *3 * (np.tile(HOME, (2, 1)),)), "rise"),
+    ],
+)
+def test_bad_setpoints_are_refused_with_the_reason_and_change_nothing(controller, bad, reason) -> None:
+    controller.accept(setpoints(HOME + 0.1), 0.0)
+    before = controller.torque(0.01, HOME, ZERO, M)
+    with pytest.raises(MessageError, match=reason):
+        controller.accept(bad, 0.01)
+    np.testing.assert_array_equal(controller.torque(0.01, HOME, ZERO, M), before)
