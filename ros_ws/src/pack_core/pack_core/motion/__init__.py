@@ -1,0 +1,1 @@
+"""What simulators, motion and state machines say to each other about motion."""

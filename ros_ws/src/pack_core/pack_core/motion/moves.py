@@ -1,0 +1,122 @@
+"""Moves that can be commanded, from single segments to searched transfers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from pack_core.rotations import Array, Pose
+
+DOWN = np.array([0.0, 0.0, -1.0])
+UP = np.array([0.0, 0.0, 1.0])
+
+
+class Mode(Enum):
+    """How the policies are tuned: FAST through free space, SLOW near contact."""
+
+    FAST = "FAST"
+    SLOW = "SLOW"
+
+
+@dataclass(frozen=True)
+class JointMove:
+    """Fastest jerk-limited move to joint positions, straight or not.
+
+    Attributes:
+        q: where to `(n,)` [rad].
+        speed: share of the joint velocity limits, at most 1.
+        acceleration: share of the joint acceleration limits, at most 1.
+        label: what status and reports call this part.
+        mode: how the policies are tuned.
+    """
+
+    q: Array
+    speed: float = 1.0
+    acceleration: float = 1.0
+    label: str = "joint move"
+    mode: Mode = Mode.FAST
+
+
+@dataclass(frozen=True)
+class PoseMove:
+    """As JointMove, to a tool pose; the branch of the arm stays, the wrist turns as is quickest."""
+
+    X_WT: Pose
+    speed: float = 1.0
+    acceleration: float = 1.0
+    label: str = "pose move"
+    mode: Mode = Mode.FAST
+
+
+@dataclass(frozen=True)
+class Line:
+    """Straight line of the tool, its orientation turned evenly.
+
+    Attributes:
+        X_WT: its end.
+        speed: of the tool, at most [m/s].
+        acceleration: of the tool, at most [m/s^2].
+        exit_speed: at its end, when something follows [m/s]; 0 stops there.
+        blend: length of both lines cut off to round the corner to a following line [m]; 0 is a stop,
+            unless the lines are in line.
+        label: what status and reports call this part.
+        mode: how the policies are tuned.
+    """
+
+    X_WT: Pose
+    speed: float = 0.5
+    acceleration: float = 2.5
+    exit_speed: float = 0.0
+    blend: float = 0.0
+    label: str = "line"
+    mode: Mode = Mode.SLOW
+
+
+Segment = JointMove | PoseMove | Line
+
+
+@dataclass(frozen=True)
+class Path:
+    """Segments, run one after the other without stops where they allow it; ends at rest."""
+
+    segments: tuple[Segment, ...]
+
+
+@dataclass(frozen=True)
+class Retreat:
+    """A line away from a pose, of a length that is searched.
+
+    Attributes:
+        direction: in the world `(3,)`; of any length.
+        lengths: shortest and longest [m].
+        speed: of the tool, at most [m/s].
+    """
+
+    direction: Array
+    lengths: tuple[float, float]
+    speed: float = 0.5
+    acceleration: float = 2.5
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """Away from here, through free space, and in along lines: the shortest clear one is searched.
+
+    Attributes:
+        lines: how the goal is approached; the first starts at the hover pose.
+        depart: how the tool leaves where it is; None where it need not.
+        hover: from the first line's end back to the hover pose; its speed is the first line's.
+        speed: share of the joint velocity limits on the way.
+        acceleration: share of the joint acceleration limits on the way.
+    """
+
+    lines: tuple[Line, ...]
+    hover: Retreat
+    depart: Retreat | None = None
+    speed: float = 1.0
+    acceleration: float = 1.0
+
+
+Move = Path | Transfer

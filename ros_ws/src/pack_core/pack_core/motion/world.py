@@ -1,0 +1,51 @@
+"""What a robot moves among: boxes that stand or move, and the box in its hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pack_core.errors import PackError
+from pack_core.rotations import Array, Pose
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """A box-shaped body O that must not be touched.
+
+    Attributes:
+        name: what reports call it.
+        X_WO: pose of its centre.
+        size: full edge lengths `(3,)` [m].
+        v_WO_W: velocity of its centre `(3,)` [m/s].
+        is_moving: avoided while moving, from farther away; moves are not planned around it.
+    """
+
+    name: str
+    X_WO: Pose
+    size: Array
+    v_WO_W: Array = field(default_factory=lambda: np.zeros(3))
+    is_moving: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", _edges(self.size, self.name))
+
+
+@dataclass(frozen=True)
+class CarriedBox:
+    """The box B in the hand: pose of its centre in the tool's frame, full edge lengths `(3,)` [m]."""
+
+    X_TB: Pose
+    size: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "size", _edges(self.size, "the carried box"))
+
+
+def _edges(size: Array, name: str) -> Array:
+    edges = np.array(size, dtype=float)
+    if edges.shape != (3,) or not np.all(np.isfinite(edges)) or np.any(edges <= 0.0):
+        raise PackError(f"size of {name} is {edges.tolist()}; allowed: three positive edge lengths [m]")
+    edges.setflags(write=False)
+    return edges
