@@ -1,0 +1,71 @@
+"""How a measure is spread over trials, and whether it tells failures from successes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.stats import rankdata
+
+Values = Sequence[float] | npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Mean, standard deviation, median and 95th percentile; None where there are no values."""
+
+    mean: float | None
+    deviation: float | None
+    median: float | None
+    p95: float | None
+
+
+def spread(values: Values) -> Spread:
+    """The spread of the values that are numbers; NaN, a measure that a trial does not have, is left out."""
+    array = _numbers(values)
+    if not array.size:
+        return Spread(None, None, None, None)
+    median, p95 = np.percentile(array, (50, 95))
+    return Spread(float(array.mean()), float(array.std()), float(median), float(p95))
+
+
+@dataclass(frozen=True)
+class Split:
+    """A measure of trials that succeeded and of those that failed.
+
+    Attributes:
+        success: of those that succeeded.
+        failure: of those that failed.
+        auc: probability that a failure measures more than a success, 0.5 being no information;
+            None unless there are both.
+    """
+
+    success: Spread
+    failure: Spread
+    auc: float | None
+
+    def to_json(self) -> dict[str, object]:
+        """As plain values."""
+        return asdict(self)
+
+
+def split(success: Values, failure: Values) -> Split:
+    """The spread of a measure by outcome, and how well it tells the outcome."""
+    return Split(spread(success), spread(failure), auc(success, failure))
+
+
+def auc(success: Values, failure: Values) -> float | None:
+    """P(failure > success) + P(equal) / 2 over all pairs (Mann and Whitney); None for no pair."""
+    low, high = _numbers(success), _numbers(failure)
+    if not low.size or not high.size:
+        return None
+    ranks = rankdata(np.concatenate([high, low]))[: high.size]
+    pairs = low.size * high.size
+    return float((ranks.sum() - high.size * (high.size + 1) / 2) / pairs)
+
+
+def _numbers(values: Values) -> npt.NDArray[np.float64]:
+    array = np.asarray(values, dtype=float)
+    return np.asarray(array[~np.isnan(array)])

@@ -1,0 +1,1 @@
+"""Many runs together: the paper's tables, its figure of the failure metrics, and a report."""

@@ -1,0 +1,64 @@
+"""Pictures of runs that failed: their last moment, and videos of some."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image
+
+from pack_core.evaluation.overlay import add_caption
+from pack_core.evaluation.run import Run
+from pack_core.evaluation.study.trial import Trial
+from pack_core.evaluation.video import write_video
+from pack_core.evaluation.view import View, ViewConfig
+
+SIZE = {"width": 640, "height": 360}
+
+
+@dataclass(frozen=True)
+class FailurePicture:
+    """The last moment of a failed run; `video` is empty where none was made."""
+
+    trial: Trial
+    picture: Path
+    video: Path | None
+
+
+def show_failures(
+    trials: tuple[Trial, ...],
+    load: Callable[[str], Run],
+    folder: Path,
+    *,
+    videos: int = 0,
+    progress: Callable[[Trial], None] = lambda _: None,
+) -> list[FailurePicture]:
+    """Draw the end of every given run, and the first `videos` of them whole.
+
+    Args:
+        trials: that failed.
+        load: the run of a trial by its name.
+        folder: for the files.
+        videos: how many to render as MP4.
+        progress: is told each trial when it is done.
+
+    Raises:
+        PackError: there is no OpenGL to draw with.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    shown = []
+    for i, trial in enumerate(trials):
+        run, stem = load(trial.name), folder / trial.name.replace("/", "_")
+        _write_last(run, stem.with_suffix(".png"))
+        video = stem.with_suffix(".mp4") if i < videos else None
+        if video:
+            write_video(run, video)
+        shown.append(FailurePicture(trial, stem.with_suffix(".png"), video))
+        progress(trial)
+    return shown
+
+
+def _write_last(run: Run, path: Path) -> None:
+    with View(run, ViewConfig().model_copy(update=SIZE)) as view:
+        Image.fromarray(add_caption(view.picture(run.end), run, run.end)).save(path)
