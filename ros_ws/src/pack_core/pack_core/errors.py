@@ -11,6 +11,10 @@ class ConfigError(PackError):
     """A configuration or scene file that cannot be used."""
 
 
+class OrderError(PackError):
+    """An order that cannot be read, or asks for what cannot be built."""
+
+
 class BagError(PackError):
     """A recording that cannot be read, or lacks what was asked of it."""
 

@@ -1,0 +1,1 @@
+"""Palletizing orders: what is to stand where on a pallet, and whether it can."""
