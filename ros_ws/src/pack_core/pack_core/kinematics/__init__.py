@@ -1,0 +1,1 @@
+"""Kinematics of serial arms, in no robot's particular convention."""

@@ -1,0 +1,92 @@
+"""A serial arm: forward kinematics and its first two derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.errors import PackError
+from pack_core.kinematics import screws
+from pack_core.rotations import Array, Pose, from_matrix, rotate, to_matrix
+
+Z = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class SerialChain:
+    """Revolute joints in a row that carry a tool T, all given where every joint is zero.
+
+    Attributes:
+        axes: unit joint axes `(n, 3)` in the world.
+        points: a point of each axis `(n, 3)` [m].
+        R_WT: the tool's orientation `(3, 3)`.
+        p_WT: the tool's position `(3,)` [m].
+    """
+
+    axes: Array
+    points: Array
+    R_WT: Array
+    p_WT: Array
+
+    def __post_init__(self) -> None:
+        if self.axes.shape != self.points.shape or self.axes.shape[1:] != (3,):
+            raise PackError(f"axes {self.axes.shape} and points {self.points.shape}; allowed: both (n, 3)")
+        for name in ("axes", "points", "R_WT", "p_WT"):
+            array = np.ascontiguousarray(getattr(self, name), dtype=float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @classmethod
+    def from_joints(cls, X_WB: Pose, joints: Iterable[Pose], X_LT: Pose) -> SerialChain:
+        """Joints that turn about z of their frames.
+
+        Args:
+            X_WB: the base.
+            joints: each joint's frame in the one before, at angle 0.
+            X_LT: the tool in the last joint's frame.
+        """
+        X_WJ, axes, points = X_WB, [], []
+        for X_PJ in joints:
+            X_WJ = X_WJ @ X_PJ
+            axes.append(rotate(X_WJ.q, Z))
+            points.append(X_WJ.p)
+        X_WT = X_WJ @ X_LT
+        return cls(np.array(axes), np.array(points), to_matrix(X_WT.q), X_WT.p)
+
+    @property
+    def n(self) -> int:
+        """How many joints."""
+        return len(self.axes)
+
+    def with_tool(self, X_TN: Pose) -> SerialChain:
+        """The same arm with a tool frame N that is fixed in the present tool's frame."""
+        R = self.R_WT @ to_matrix(X_TN.q)
+        return SerialChain(self.axes, self.points, R, self.p_WT + self.R_WT @ X_TN.p)
+
+    def links(self, q: Array) -> tuple[Array, Array]:
+        """`R (n, 3, 3)` and `d (n, 3)`: a point x of link i, given at zero, is at `R[i] @ x + d[i]`."""
+        return screws.link_transforms(self.axes, self.points, np.asarray(q, dtype=float))
+
+    def forward_matrix(self, q: Array) -> tuple[Array, Array]:
+        """Orientation `(3, 3)` and position `(3,)` of the tool."""
+        R, d = self.links(q)
+        return R[-1] @ self.R_WT, R[-1] @ self.p_WT + d[-1]
+
+    def forward(self, q: Array) -> Pose:
+        """Pose of the tool."""
+        R, p = self.forward_matrix(q)
+        return Pose(p, from_matrix(R))
+
+    def jacobian(self, q: Array) -> Array:
+        """Jacobian `(6, n)` of the tool in world axes: linear rows, then angular rows."""
+        R, d = self.links(q)
+        z, p = screws.world_axes(self.axes, self.points, R, d)
+        return screws.jacobian(z, p, R[-1] @ self.p_WT + d[-1], self.n - 1)
+
+    def bias(self, q: Array, v: Array) -> Array:
+        """`Jdot v` `(6,)` of the tool: its acceleration without joint accelerations."""
+        R, d = self.links(q)
+        z, p = screws.world_axes(self.axes, self.points, R, d)
+        return screws.bias(z, p, np.asarray(v, dtype=float), R[-1] @ self.p_WT + d[-1], self.n - 1)

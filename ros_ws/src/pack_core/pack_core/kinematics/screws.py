@@ -1,0 +1,107 @@
+"""Compiled kinematics of a serial chain from its joint axes where all joints are zero.
+
+Joint i turns about the line through `points[i]` along `axes[i]`. A point x of link i, given where all
+joints are zero, is at `R[i] @ x + d[i]`: the product of exponentials (Brockett, "Robotic manipulators
+and the product of exponentials formula", 1984).
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from pack_core.rotations import Array
+
+
+@numba.njit(cache=True)
+def rotation(axis: Array, angle: float) -> Array:
+    """Rotation matrix `(3, 3)` about a unit axis (Rodrigues)."""
+    x, y, z = axis
+    c, s = np.cos(angle), np.sin(angle)
+    k = 1.0 - c
+    R = np.empty((3, 3))
+    R[0, 0], R[0, 1], R[0, 2] = c + k * x * x, k * x * y - s * z, k * x * z + s * y
+    R[1, 0], R[1, 1], R[1, 2] = k * x * y + s * z, c + k * y * y, k * y * z - s * x
+    R[2, 0], R[2, 1], R[2, 2] = k * x * z - s * y, k * y * z + s * x, c + k * z * z
+    return R
+
+
+@numba.njit(cache=True)
+def cross(a: Array, b: Array) -> Array:
+    """Cross product of two vectors `(3,)`."""
+    c = np.empty(3)
+    c[0] = a[1] * b[2] - a[2] * b[1]
+    c[1] = a[2] * b[0] - a[0] * b[2]
+    c[2] = a[0] * b[1] - a[1] * b[0]
+    return c
+
+
+@numba.njit(cache=True)
+def link_transforms(axes: Array, points: Array, q: Array) -> tuple[Array, Array]:
+    """How every link has moved from where all joints are zero: `R (n, 3, 3)` and `d (n, 3)`."""
+    n = len(q)
+    R, d = np.empty((n, 3, 3)), np.empty((n, 3))
+    for i in range(n):
+        turn = rotation(axes[i], q[i])
+        offset = points[i] - turn @ points[i]
+        if i == 0:
+            R[i], d[i] = turn, offset
+        else:
+            R[i] = R[i - 1] @ turn
+            d[i] = R[i - 1] @ offset + d[i - 1]
+    return R, d
+
+
+@numba.njit(cache=True)
+def world_axes(axes: Array, points: Array, R: Array, d: Array) -> tuple[Array, Array]:
+    """Unit axes `(n, 3)` and points `(n, 3)` of the joints where they are now."""
+    z, p = np.empty_like(axes), np.empty_like(points)
+    for i in range(len(axes)):
+        z[i] = R[i] @ axes[i]
+        p[i] = R[i] @ points[i] + d[i]
+    return z, p
+
+
+@numba.njit(cache=True)
+def jacobian(z: Array, p: Array, point: Array, link: int) -> Array:
+    """Jacobian `(6, n)` of a point of a link, world axes: linear rows, then angular rows."""
+    J = np.zeros((6, len(z)))
+    for i in range(link + 1):
+        J[:3, i] = cross(z[i], point - p[i])
+        J[3:, i] = z[i]
+    return J
+
+
+@numba.njit(cache=True)
+def link_motion(z: Array, p: Array, v: Array) -> tuple[Array, Array, Array, Array]:
+    """Motion of every link at joint velocities `v` and no joint accelerations.
+
+    Returns:
+        Angular velocity, angular acceleration, and velocity and acceleration of the joint's point,
+        each `(n, 3)`.
+    """
+    n = len(v)
+    w, dw, vp, ap = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
+    for i in range(n):
+        turn = z[i] * v[i]
+        if i == 0:
+            w[i] = turn
+            continue
+        arm = p[i] - p[i - 1]
+        swing = cross(w[i - 1], arm)
+        vp[i] = vp[i - 1] + swing
+        ap[i] = ap[i - 1] + cross(dw[i - 1], arm) + cross(w[i - 1], swing)
+        w[i] = w[i - 1] + turn
+        dw[i] = dw[i - 1] + cross(w[i - 1], turn)
+    return w, dw, vp, ap
+
+
+@numba.njit(cache=True)
+def bias(z: Array, p: Array, v: Array, point: Array, link: int) -> Array:
+    """Acceleration `Jdot v` `(6,)` of a point of a link: linear, then angular."""
+    w, dw, _, ap = link_motion(z, p, v)
+    arm = point - p[link]
+    out = np.empty(6)
+    out[:3] = ap[link] + cross(dw[link], arm) + cross(w[link], cross(w[link], arm))
+    out[3:] = dw[link]
+    return out

@@ -1,0 +1,86 @@
+"""Closed-form inverse of arms with a spherical wrist, such as most heavy industrial ones.
+
+Axis 1 is perpendicular to the parallel axes 2 and 3; axes 4, 5 and 6 meet in the wrist's centre. The
+geometry is read off the chain. After Brandstoetter, Angerer, Hofbaur, "An analytical solution of the
+inverse kinematics problem of industrial serial manipulators with an ortho-parallel basis and a
+spherical wrist", 2014, written with Paden-Kahan subproblems.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from pack_core.errors import PackError
+from pack_core.kinematics import screws
+from pack_core.kinematics.chain import SerialChain
+from pack_core.kinematics.inverse import Bools, Branch, InverseKinematics
+from pack_core.kinematics.meeting_point import meeting_point
+from pack_core.kinematics.subproblems import angle_about, angles_to_distance, angles_to_plane
+from pack_core.rotations import Array
+
+TOLERANCE = 1e-6
+
+
+class SphericalWrist(InverseKinematics):
+    """Inverse of an arm with a spherical wrist.
+
+    Raises:
+        PackError: the chain is not of this kind.
+    """
+
+    def __init__(self, chain: SerialChain, lower: Array, upper: Array) -> None:
+        super().__init__(chain, lower, upper)
+        z = chain.axes
+        if chain.n != 6 or abs(z[0] @ z[1]) > TOLERANCE or abs(abs(z[1] @ z[2]) - 1.0) > TOLERANCE:
+            raise PackError("such an arm has six joints, axes 2 and 3 parallel, across axis 1")
+        self._wrist = meeting_point(chain, (3, 4, 5))
+
+    def _rows(self, R_06: Array, p_06: Array) -> tuple[Array, Bools]:
+        rows, found = _solve(self.chain.axes, self.chain.points, self._wrist, R_06, p_06)
+        return np.asarray(rows), np.asarray(found)
+
+    def branch(self, q: Array) -> Branch:
+        """The branch that joint positions belong to: front or back, elbow, wrist flip."""
+        R, d = self.chain.links(q)
+        z, p = screws.world_axes(self.chain.axes, self.chain.points, R, d)
+        w = R[3] @ self._wrist + d[3]
+        shoulder = (w - p[0]) @ np.cross(z[0], z[1])
+        elbow = (p[1] - p[2]) @ np.cross(z[2], w - p[2])
+        flip = z[3] @ np.cross(z[4], z[5])
+        return int(shoulder < 0.0), int(elbow < 0.0), int(flip < 0.0)
+
+
+@numba.njit(cache=True)
+def _solve(z: Array, r: Array, w0: Array, R: Array, p: Array) -> tuple[Array, Bools]:
+    rows, found = np.zeros((8, 6)), np.zeros(8, dtype=np.bool_)
+    w = R @ w0 + p
+    shoulders = angles_to_plane(z[0], w - r[0], z[1], z[1] @ (w0 - r[0]))
+    if np.isnan(shoulders[0]):
+        return rows, found
+    for i in range(2):
+        q1 = shoulders[i]
+        R1 = screws.rotation(z[0], q1)
+        u = R1.T @ (w - r[0]) + r[0]
+        elbows = angles_to_distance(z[2], w0 - r[2], r[1] - r[2], np.sqrt(np.sum((u - r[1]) ** 2)))
+        if np.isnan(elbows[0]):
+            continue
+        for j in range(2):
+            q3 = elbows[j]
+            R3 = screws.rotation(z[2], q3)
+            q2 = angle_about(z[1], R3 @ (w0 - r[2]) + r[2] - r[1], u - r[1])
+            wrist = (R1 @ screws.rotation(z[1], q2) @ R3).T @ R
+            aim = wrist @ z[5]
+            flips = angles_to_plane(z[4], z[3], z[5], z[3] @ aim)
+            if np.isnan(flips[0]):
+                continue
+            for k in range(2):
+                q5 = flips[k]
+                R5 = screws.rotation(z[4], q5)
+                q4 = angle_about(z[3], R5 @ z[5], aim)
+                R45 = screws.rotation(z[3], q4) @ R5
+                q6 = angle_about(z[5], z[4], R45.T @ (wrist @ z[4]))
+                row = 4 * i + 2 * j + k
+                rows[row] = np.array([q1, q2, q3, q4, q5, q6])
+                found[row] = True
+    return rows, found
