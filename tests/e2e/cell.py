@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import signal
+import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 from pack_interfaces.action import PackObject
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
 
 from integration.harness import Graph
 from pack_bringup.demo import Demo
@@ -25,7 +28,8 @@ from pack_core.rotations import Array
 EASY_SCENE = Path(__file__).with_name("easy_scene.yaml")
 NODES = ("sim", "perception", "planner", "mpc", "recorder")
 START_TIMEOUT = 60.0
-CATCH_UP_TURNS = 50
+QUEUE = 10000
+"""Joint states that may wait while the test does not spin; a gap would shift the time of a kill."""
 
 
 class Cell:
@@ -41,7 +45,10 @@ class Cell:
             load_graph("packing").commands(demo.overrides()),
             environment={"ROS_DOMAIN_ID": domain}, output=self._log,
         )  # fmt: skip
-        graph.probe.listen(contracts.JOINT_STATES, shared.DIAGNOSTICS, contracts.RESULT)
+        self._heard: list[tuple[float, int, float]] = []
+        states, all_of_them = contracts.JOINT_STATES, QoSProfile(depth=QUEUE)
+        graph.probe.create_subscription(states.type, states.name, self._hear, all_of_them)
+        graph.probe.listen(shared.DIAGNOSTICS, contracts.RESULT)
 
     def __enter__(self) -> Self:
         self.processes.start()
@@ -49,7 +56,7 @@ class Cell:
         self.graph.wait_until(
             lambda: all(probe.count_publishers(f"/alive/{name}") for name in NODES), START_TIMEOUT
         )
-        self.graph.wait_until(lambda: probe.last(contracts.JOINT_STATES), START_TIMEOUT)
+        self.graph.wait_until(lambda: self._heard, START_TIMEOUT)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -67,36 +74,34 @@ class Cell:
         self.graph.wait_until(is_accepted, START_TIMEOUT)
         return handles[-1]
 
-    def kill(self, name: str) -> float:
-        """End a node without warning; the simulated time of it [s]."""
-        self._catch_up()
-        killed = self.time
+    def kill(self, name: str) -> int:
+        """End a node without warning; the wall clock of it [ns since the epoch]."""
+        killed = time.time_ns()
         self.processes.signal(name, signal.SIGKILL)
         return killed
 
-    def _catch_up(self) -> None:
-        """Take all that has arrived, so that the newest stamp is that of now."""
-        mail, seen = self.graph.probe.mail[contracts.JOINT_STATES.name], -1
-        while len(mail) > seen:
-            seen = len(mail)
-            for _ in range(CATCH_UP_TURNS):
-                self.graph.executor.spin_once(timeout_sec=0.0)
+    def simulated(self, wall_ns: int) -> float:
+        """Simulated time at a wall clock [s]: of the last joint state heard that was sent by then."""
+        return max(stamp for stamp, sent_ns, _ in self._heard if sent_ns <= wall_ns)
+
+    def _hear(self, message: JointState, info: dict[str, int]) -> None:
+        stamp, speed = from_stamp(message.header.stamp), max(abs(v) for v in message.velocity)
+        self._heard.append((stamp, info["source_timestamp"], speed))
 
     @property
     def time(self) -> float:
         """Stamp of the newest joint state [s]."""
-        return from_stamp(self.graph.probe.last(contracts.JOINT_STATES).header.stamp)
+        return self._heard[-1][0]
 
     @property
     def speed(self) -> float:
         """Of the fastest joint, newest [rad/s]."""
-        return max(abs(v) for v in self.graph.probe.last(contracts.JOINT_STATES).velocity)
+        return self._heard[-1][2]
 
     def speeds(self) -> tuple[Array, Array]:
         """Times [s] and speeds of the fastest joint [rad/s], all that was heard."""
-        mail = self.graph.probe.mail[contracts.JOINT_STATES.name]
-        times = np.array([from_stamp(message.header.stamp) for message in mail])
-        return times, np.abs([message.velocity for message in mail]).max(axis=-1)
+        times = np.array([stamp for stamp, _, _ in self._heard])
+        return times, np.array([speed for _, _, speed in self._heard])
 
     def newest_recorded(self) -> float:
         """Stamp of the newest joint state in the bag [s]; minus infinity while there is none."""
