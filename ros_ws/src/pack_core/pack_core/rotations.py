@@ -114,6 +114,12 @@ def from_yaw(yaw: float) -> Array:
     return np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
 
 
+def from_rpy(rpy: npt.ArrayLike) -> Array:
+    """Rotation by roll, pitch and yaw `(3,)` [rad] about the fixed x, y and z axes, in this order (URDF)."""
+    roll, pitch, yaw = np.asarray(rpy, dtype=float)
+    return multiply(from_yaw(yaw), multiply(exp([0.0, pitch, 0.0]), exp([roll, 0.0, 0.0])))
+
+
 def yaw_of(q: npt.ArrayLike) -> float:
     """Heading [rad] of the rotated x axis in the horizontal plane."""
     x_axis = rotate(q, np.array([1.0, 0.0, 0.0]))

@@ -1,0 +1,64 @@
+"""Pinhole cameras: points in the world to pixels and back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.rotations import Array, Pose
+
+LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""R_WC of a camera that looks along -z of the world, with x to the right and y up in its picture."""
+
+
+@dataclass(frozen=True)
+class PinholeCamera:
+    """A camera without distortion.
+
+    Its frame C is that of OpenCV: x to the right in the picture, y down, z forward. A pixel's centre has
+    whole coordinates (u to the right, v down), so that a picture spans -0.5 to width - 0.5.
+
+    Attributes:
+        X_WC: where it is.
+        f: focal length, the same along both axes [pixel].
+        c: where the optical axis meets the picture `(2,)` [pixel].
+        width: of the picture [pixel].
+        height: of the picture [pixel].
+    """
+
+    X_WC: Pose
+    f: float
+    c: tuple[float, float]
+    width: int
+    height: int
+
+    @classmethod
+    def looking_down(cls, p_WC: npt.ArrayLike, f: float, width: int, height: int) -> PinholeCamera:
+        """A camera at p_WC `(3,)` that looks straight down, centred; image up is +y of the world."""
+        X_WC = Pose(np.asarray(p_WC, dtype=float), LOOKING_DOWN)
+        return cls(X_WC, f, (0.5 * width - 0.5, 0.5 * height - 0.5), width, height)
+
+    @property
+    def K(self) -> Array:
+        """The intrinsic matrix `(3, 3)`."""
+        return np.array([[self.f, 0.0, self.c[0]], [0.0, self.f, self.c[1]], [0.0, 0.0, 1.0]])
+
+    def project(self, p_W: npt.ArrayLike) -> Array:
+        """Pixels `(..., 2)` of points `(..., 3)` [m] in front of the camera."""
+        p_C = self.X_WC.inverse().apply(p_W)
+        return np.asarray(self.f * p_C[..., :2] / p_C[..., 2:] + self.c)
+
+    def at_height(self, pixels: npt.ArrayLike, z: npt.ArrayLike) -> Array:
+        """Points `(..., 3)` at height `z` [m] of the world that are seen at pixels `(..., 2)`."""
+        uv = (np.asarray(pixels, dtype=float) - self.c) / self.f
+        rays_C = np.concatenate([uv, np.ones((*uv.shape[:-1], 1))], axis=-1)
+        rays_W = self.X_WC.apply(rays_C) - self.X_WC.p
+        scale = (np.asarray(z, dtype=float) - self.X_WC.p[2]) / rays_W[..., 2]
+        return np.asarray(self.X_WC.p + scale[..., None] * rays_W)
+
+
+def focal_length(fovy_deg: float, height: int) -> float:
+    """Focal length [pixel] of a camera that sees a vertical angle with so many rows."""
+    return float(0.5 * height / np.tan(np.deg2rad(fovy_deg) / 2))

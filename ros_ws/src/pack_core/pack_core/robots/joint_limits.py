@@ -1,0 +1,44 @@
+"""What the joints of an arm can do, for every part that must keep within it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.rotations import Array
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """Names and published limits of n joints, each array `(n,)` and read-only.
+
+    Attributes:
+        names: as they appear in messages.
+        lower: [rad].
+        upper: [rad].
+        velocity: [rad/s].
+        acceleration: [rad/s^2].
+        effort: [N m].
+    """
+
+    names: tuple[str, ...]
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    effort: Array
+
+    def __post_init__(self) -> None:
+        for field in ("lower", "upper", "velocity", "acceleration", "effort"):
+            object.__setattr__(self, field, _frozen(getattr(self, field), len(self.names)))
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+def _frozen(values: npt.ArrayLike, size: int) -> Array:
+    array = np.array(values, dtype=float).reshape(size)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,115 @@
+"""KUKA KR 210 R2700-2 with a surface gripper, as an MjSpec subtree built from primitives.
+
+Frames, masses, inertias and limits are those that the KUKA robot descriptions of kroshu publish
+(`kuka_quantec_support`, Apache-2.0): every joint turns about its z axis in the manufacturer's sense, so
+that a positive A1 turns clockwise seen from above. The shapes are our own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.kr210_shapes import LINK_CAPSULES, draw_base, draw_link
+from pack_core.rotations import Array, Pose, from_rpy
+
+JOINTS = tuple(f"joint_a{i}" for i in range(1, 7))
+LIMITS = JointLimits(
+    names=JOINTS,
+    lower=np.deg2rad([-185.0, -140.0, -120.0, -350.0, -125.0, -350.0]),
+    upper=np.deg2rad([185.0, -5.0, 168.0, 350.0, 125.0, 350.0]),
+    velocity=np.array([2.038, 1.945, 1.955, 3.124, 3.002, 3.840]),
+    acceleration=np.array([1.983, 1.263, 2.565, 7.039, 1.764, 1.873]),
+    effort=np.array([7290.0, 8910.0, 6989.0, 2274.0, 1398.0, 782.0]),
+)
+JERK_LIMITS = LIMITS.acceleration / 0.1
+"""Full acceleration within 0.1 s [rad/s^3]; not published."""
+PAYLOAD = 210.0
+"""What the flange may carry [kg]."""
+ARMATURE = np.array([300.0, 300.0, 200.0, 40.0, 40.0, 20.0])
+"""Motor inertia seen through the gears [kg m^2]; not published, of the size of such drives."""
+FRICTION = 0.015
+"""Coulomb friction of a joint as a fraction of its effort; not published."""
+
+ARM_CONTACT = {"contype": 2, "conaffinity": 0, "condim": 3}
+"""The arm and its tool touch what has bit 2 in its conaffinity, and never each other."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """One link: where its joint sits on the last link, and its inertia."""
+
+    X_PJ: Pose
+    """Joint frame in the parent's, at q = 0; the joint turns about z."""
+    mass: float
+    com: tuple[float, float, float]
+    inertia: tuple[float, float, float]
+    """Principal moments about the centre of mass [kg m^2]."""
+    inertia_rpy: tuple[float, float, float]
+    """Orientation of the principal axes."""
+
+
+def _link(
+    xyz: tuple[float, ...], rpy: tuple[float, ...], mass: float, com: tuple[float, float, float],
+    inertia: tuple[float, float, float], inertia_rpy: tuple[float, float, float],
+) -> Link:  # fmt: skip
+    return Link(Pose(np.array(xyz), from_rpy(rpy)), mass, com, inertia, inertia_rpy)
+
+
+HALF, FULL = np.pi / 2, np.pi
+LINKS = (
+    _link((0, 0, 0), (-FULL, 0, 0), 363.07, (0.0288, 0.0119, -0.2340),
+          (13.21, 31.49, 33.88), (1.866, 0.103, -0.216)),
+    _link((0.33, 0, -0.645), (HALF, 0, 0), 232.06, (0.4869, -0.0019, -0.1176),
+          (57.80, 5.633, 58.56), (-2.820, -1.218, 1.278)),
+    _link((1.15, 0, 0), (0, 0, -HALF), 190.33, (0.1738, -0.0760, 0.1362),
+          (3.470, 21.17, 22.21), (2.182, -0.066, -0.053)),
+    _link((0.115, 0, 0), (HALF, 0, 0), 42.41, (0.0, 0.0192, -0.1979),
+          (0.161, 1.365, 1.392), (1.571, -1.437, -1.571)),
+    _link((0, 0, -1.22), (-HALF, 0, 0), 16.99, (0.0622, 0.0003, -0.0658),
+          (0.200, 0.121, 0.221), (1.570, -0.876, -0.002)),
+    _link((0, 0, 0), (HALF, 0, 0), 6.60, (0.0, 0.0, -0.0065),
+          (0.0115, 0.0115, 0.0145), (0.0, 0.0, 0.0)),
+)  # fmt: skip
+X_6F = Pose(np.array([0.0, 0.0, -0.215]), from_rpy((0.0, FULL, 0.0)))
+"""Flange F in the last link's frame; its z axis points out of the flange."""
+
+
+def add_kr210(
+    spec: mujoco.MjSpec, X_WB: Pose, *, look: bool, armature: Array = ARMATURE, friction: float = FRICTION
+) -> mujoco.MjsBody:
+    """Add the arm without a tool.
+
+    Args:
+        spec: the model under construction.
+        X_WB: where its base stands.
+        look: shapes for pictures; without them it has only what it touches with.
+        armature: motor inertias `(6,)` [kg m^2].
+        friction: of a joint, as a fraction of its effort.
+
+    Returns:
+        The body `flange`, whose z axis points out of the arm.
+    """
+    parent = spec.worldbody.add_body(name="kr210_base", pos=X_WB.p, quat=X_WB.q)
+    if look:
+        draw_base(parent, X_WB.p[2])
+    for i, link in enumerate(LINKS):
+        parent = parent.add_body(name=f"kr210_link{i + 1}", pos=link.X_PJ.p, quat=link.X_PJ.q)
+        parent.mass, parent.ipos, parent.iquat = link.mass, link.com, from_rpy(link.inertia_rpy)
+        parent.inertia, parent.explicitinertial = link.inertia, True
+        parent.add_joint(
+            name=JOINTS[i], type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0, 0, 1), limited=True,
+            range=(LIMITS.lower[i], LIMITS.upper[i]), armature=armature[i],
+            frictionloss=friction * LIMITS.effort[i],
+        )  # fmt: skip
+        for radius, ends in LINK_CAPSULES[i]:
+            parent.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=ends, size=(radius, 0, 0), mass=0,
+                rgba=(0, 0, 0, 0), group=3, **ARM_CONTACT,
+            )  # fmt: skip
+        if look:
+            draw_link(parent, i)
+    return parent.add_body(name="flange", pos=X_6F.p, quat=X_6F.q)

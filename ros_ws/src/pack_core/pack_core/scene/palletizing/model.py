@@ -1,0 +1,91 @@
+"""The MuJoCo model of the palletizing cell, with the boxes that are in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+
+from pack_core.cells.palletizing import Contact, PalletizingCell
+from pack_core.robots.kr210 import LIMITS, add_kr210
+from pack_core.robots.surface_gripper import TOOL, add_surface_gripper
+from pack_core.scene.palletizing.box_body import BoxBody
+from pack_core.scene.palletizing.furniture import add_furniture
+from pack_core.scene.palletizing.look import add_surroundings
+
+GRIP_SOLREF = (0.01, 1.0)
+GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+"""Compliance of the grip: a box of 15 kg sags by 0.06 mm."""
+
+
+def build_model(
+    cell: PalletizingCell, boxes: Sequence[BoxBody] = (), *, timestep: float = 0.002, look: bool = False
+) -> mujoco.MjModel:
+    """Compile the cell.
+
+    Args:
+        cell: the cell's physical facts.
+        boxes: in the order of their coming; the model with one more box has the same first coordinates.
+        timestep: step of the integrator [s].
+        look: shapes, textures and lights for pictures.
+
+    Returns:
+        The model. Arm joints and their motors carry the names of `LIMITS`, the tool is body `tool`; every
+        box is a body, a free joint, a geom and an inactive weld to the tool, all of its name.
+    """
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    _set_solver(spec, cell.contact, timestep)
+    add_furniture(spec, cell, look=look)
+    flange = add_kr210(spec, cell.arm.X_WB, look=look)
+    add_surface_gripper(flange, cell.tool, look=look)
+    _add_motors(spec)
+    for box in boxes:
+        add_box(spec, box)
+    _set_contacts(spec, cell.contact)
+    if look:
+        add_surroundings(spec, cell)
+    return spec.compile()
+
+
+def add_box(spec: mujoco.MjSpec, box: BoxBody) -> None:
+    """Add a free box and the weld that holds it to the tool once it is gripped."""
+    body = spec.worldbody.add_body(name=box.name)
+    body.add_freejoint(name=box.name)
+    body.add_geom(
+        name=box.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=box.half_extents, mass=box.mass,
+        contype=1, conaffinity=3, condim=3, rgba=(0.72, 0.55, 0.36, 1.0),
+    )  # fmt: skip
+    spec.add_equality(
+        name=box.name, type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY, name1=TOOL,
+        name2=box.name, active=False, solref=GRIP_SOLREF, solimp=GRIP_SOLIMP,
+    )  # fmt: skip
+
+
+def _add_motors(spec: mujoco.MjSpec) -> None:
+    """A torque actuator on every joint, with the published limit; controls are torques `(6,)` [N m]."""
+    for name, limit in zip(LIMITS.names, LIMITS.effort, strict=True):
+        spec.add_actuator(
+            name=name,
+            target=name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            ctrllimited=True,
+            ctrlrange=(-limit, limit),
+        ).set_to_motor()
+
+
+def _set_solver(spec: mujoco.MjSpec, contact: Contact, timestep: float) -> None:
+    option = spec.option
+    option.timestep = timestep
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # MuJoCo 4.0.0 may diverge with the sparse one (#3767)
+    option.impratio = 10.0
+    option.noslip_iterations = contact.noslip_iterations
+
+
+def _set_contacts(spec: mujoco.MjSpec, contact: Contact) -> None:
+    for geom in spec.geoms:
+        geom.friction = (contact.friction, 0.005, 0.0001)
+        geom.solref, geom.solimp = contact.solref, (*contact.solimp, 0.5, 2.0)
