@@ -1,0 +1,1 @@
+"""Blocks seen by the tags on top of them."""

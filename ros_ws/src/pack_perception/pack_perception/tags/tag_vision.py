@@ -1,0 +1,103 @@
+"""Poses of blocks from the AprilTags on top of them.
+
+The tags lie in a known plane, the blocks' upper faces, so a corner's pixel is a point of that plane and
+a block's pose is that of a square fitted to four points. A free pose from one small tag would be
+millimetres off, and tilted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, PositiveFloat
+
+from pack_core.block_sighting import BlockSighting
+from pack_core.camera import PinholeCamera
+from pack_core.cells.blocks import Block
+from pack_core.config import Config
+from pack_core.rearrangement.planar import PlanarPose
+from pack_core.rotations import Array
+from pack_core.scene.blocks.tag_texture import FAMILY
+
+CORNERS = np.array([[-0.5, 0.5], [0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
+"""Of a tag in its own frame, x right and y up, in the order in which the detector names them."""
+
+
+class TagVisionConfig(Config):
+    """Parameters of tag perception."""
+
+    refinement_window: int = Field(default=5, ge=1, description="half width for sub-pixel corners [pixel]")
+    refinement_steps: int = Field(default=50, ge=1, description="at most, for sub-pixel corners")
+    max_edge_error: PositiveFloat = Field(
+        default=0.002, description="mean edge of a tag against the true one, else it is no block's top [m]"
+    )
+    max_residual: PositiveFloat = Field(
+        default=0.001, description="rms of the corners against the fitted square [m]"
+    )
+
+
+class TagVision:
+    """Finds blocks in pictures.
+
+    Args:
+        config: parameters.
+        block: size of a block and its tag.
+        tags: the number of every block's tag, by the block's id.
+    """
+
+    def __init__(self, config: TagVisionConfig, block: Block, tags: Mapping[str, int]) -> None:
+        self._config, self._block = config, block
+        self._ids = {number: name for name, number in tags.items()}
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        parameters.cornerRefinementWinSize = config.refinement_window
+        parameters.cornerRefinementMaxIterations = config.refinement_steps
+        self._detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(FAMILY), parameters)
+
+    def find(self, picture: npt.NDArray[np.uint8], camera: PinholeCamera, time: float) -> BlockSighting:
+        """Blocks in a picture.
+
+        Args:
+            picture: `(height, width, 3)` RGB or `(height, width)` grey.
+            camera: that took it.
+            time: when [s].
+        """
+        grey = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) if picture.ndim == 3 else picture
+        squares, numbers, _ = self._detector.detectMarkers(grey)
+        seen: dict[str, list[PlanarPose]] = {name: [] for name in self._ids.values()}
+        unknown: list[int] = []
+        for pixels, number in zip(squares, [] if numbers is None else numbers.ravel(), strict=True):
+            name = self._ids.get(int(number))
+            if name is None:
+                unknown.append(int(number))
+            elif (pose := self._fit(camera.at_height(pixels.reshape(4, 2), self._block.edge))) is not None:
+                seen[name].append(pose)
+        return BlockSighting(
+            time, {name: poses[0] for name, poses in seen.items() if len(poses) == 1},
+            missing=tuple(name for name, poses in seen.items() if not poses),
+            doubled=tuple(name for name, poses in seen.items() if len(poses) > 1),
+            unknown=tuple(sorted(unknown)),
+        )  # fmt: skip
+
+    def _fit(self, corners_W: Array) -> PlanarPose | None:
+        """Pose of the square of the tag's size that fits corners `(4, 3)` best, if they are of one."""
+        p, square = corners_W[:, :2], CORNERS * self._block.tag_edge
+        centre = p.mean(axis=0)
+        q = p - centre
+        yaw = float(np.arctan2(np.sum(_cross(square, q)), np.sum(square * q)))
+        c, s = np.cos(yaw), np.sin(yaw)
+        residual = np.sqrt(np.mean(np.sum((q - square @ np.array([[c, s], [-s, c]])) ** 2, axis=1)))
+        edge = np.linalg.norm(np.roll(p, -1, axis=0) - p, axis=1).mean()
+        if (
+            residual > self._config.max_residual
+            or abs(edge - self._block.tag_edge) > self._config.max_edge_error
+        ):
+            return None
+        return PlanarPose(float(centre[0]), float(centre[1]), yaw)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -1,0 +1,73 @@
+"""The overhead camera: pictures of the blocks cell without a screen."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from types import TracebackType
+from typing import Self
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.cells.blocks import BlocksCell
+from pack_core.errors import PackError
+from pack_core.rotations import Array
+from pack_core.scene.blocks.model import CAMERA, build_model
+
+Picture = npt.NDArray[np.uint8]
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+class OverheadCamera:
+    """Draws snapshots of a simulator; a context manager, bound to the thread that entered it.
+
+    Args:
+        cell: whose camera it is.
+        tags: the number of every block's tag, as the simulator has them.
+        timestep: as the simulator has it.
+        shadows: draw them, which takes about twice as long.
+
+    Raises:
+        PackError: on entering, where there is no OpenGL to draw with.
+    """
+
+    def __init__(
+        self, cell: BlocksCell, tags: Mapping[str, int], timestep: float, *, shadows: bool = False
+    ) -> None:
+        self._camera, self._shadows = cell.camera, shadows
+        self._model = build_model(cell, tags, timestep=timestep, look=True)
+        self._data = mujoco.MjData(self._model)
+        self._renderer: mujoco.Renderer | None = None
+
+    def __enter__(self) -> Self:
+        try:
+            self._renderer = mujoco.Renderer(self._model, self._camera.height, self._camera.width)
+        except Exception as error:  # whatever the platform's OpenGL raises
+            backend = os.environ.get("MUJOCO_GL", "not set")
+            raise PackError(
+                f"cannot draw without a screen: {error} (MUJOCO_GL is {backend}); install EGL, `sudo apt-get "
+                "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl"
+            ) from error
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def picture(self, snapshot: Array) -> Picture:
+        """The cell as it was when the snapshot was taken, `(height, width, 3)` RGB."""
+        if self._renderer is None:
+            raise PackError("the camera is not open; use it as a context manager")
+        mujoco.mj_setState(self._model, self._data, snapshot, STATE)
+        mujoco.mj_forward(self._model, self._data)
+        self._renderer.update_scene(self._data, CAMERA)
+        flags = self._renderer.scene.flags
+        flags[mujoco.mjtRndFlag.mjRND_SHADOW] = self._shadows
+        flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        picture: Picture = self._renderer.render()
+        return picture

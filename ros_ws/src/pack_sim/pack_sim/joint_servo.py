@@ -1,0 +1,59 @@
+"""Joint controller of an arm: position loops with velocity feed-forward and inverse dynamics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.servo import Servo
+from pack_core.rotations import Array
+
+
+class JointServo:
+    """Turns a reference into torques: PD on its error, the arm's inverse dynamics, a slow integral.
+
+    Args:
+        model: the arm with its tool, and what it is told to carry, alone.
+        limits: of the joints; their names are those in the model.
+        servo: the gains.
+        timestep: between two calls of `torque` [s].
+    """
+
+    def __init__(self, model: mujoco.MjModel, limits: JointLimits, servo: Servo, timestep: float) -> None:
+        self._model, self._data = model, mujoco.MjData(model)
+        self._q, self._v = _indices(model, limits.names)
+        self._kp, self._kd = servo.stiffness, servo.damping
+        self._rate = servo.integral_rate * timestep
+        self._effort = limits.effort
+        self._most = servo.integral_limit * limits.effort
+        self._integral = np.zeros(len(limits))
+
+    def torque(self, q: Array, v: Array, desired: tuple[Array, Array, Array]) -> Array:
+        """Joint torques `(n,)` [N m], within the limits.
+
+        Args:
+            q: measured positions `(n,)` [rad].
+            v: measured velocities `(n,)` [rad/s].
+            desired: positions, velocities and accelerations, each `(n,)`.
+        """
+        q_d, v_d, a_d = desired
+        pull = self._kp * (q_d - q)
+        self._integral = np.clip(self._integral + self._rate * pull, -self._most, self._most)
+        tau = pull + self._kd * (v_d - v) + self._inverse_dynamics(q_d, v_d, a_d) + self._integral
+        return np.clip(tau, -self._effort, self._effort)
+
+    def _inverse_dynamics(self, q: Array, v: Array, a: Array) -> Array:
+        """What moves the arm so along the reference itself, weight included."""
+        data = self._data
+        data.qpos[self._q], data.qvel[self._v], data.qacc[self._v] = q, v, a
+        mujoco.mj_inverse(self._model, data)
+        return np.asarray(data.qfrc_inverse[self._v])
+
+
+def _indices(model: mujoco.MjModel, names: Sequence[str]) -> tuple[Array, Array]:
+    """Addresses of hinges in qpos and in qvel."""
+    joints = [model.joint(name) for name in names]
+    return np.array([j.qposadr[0] for j in joints]), np.array([j.dofadr[0] for j in joints])
