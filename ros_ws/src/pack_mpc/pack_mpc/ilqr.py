@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import scipy.linalg
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.rotations import Array
+from pack_mpc.riccati import backward_pass, forward_pass
 
 
 @dataclass(frozen=True)
@@ -126,37 +126,23 @@ def iterate(
     if not all(np.all(np.isfinite(a)) for a in (lin.A, lin.B, quadratic.lxx, quadratic.lx)):
         return Iteration(nominal, 0.0, regularisation, "derivatives are not finite")
     while regularisation <= config.regularisation_max:
-        gains = backward_pass(lin, quadratic, regularisation)
+        gains = _gains(lin, quadratic, regularisation)
         if gains is not None:
             break
         regularisation *= 10.0
     else:
         return Iteration(nominal, 0.0, config.regularisation_max, "no descent direction")
-    return _line_search(plant, cost, nominal, _direction(lin, *gains), regularisation, config)
+    direction = forward_pass(np.ascontiguousarray(lin.A), np.ascontiguousarray(lin.B), *gains)
+    return _line_search(plant, cost, nominal, direction, regularisation, config)
 
 
-def backward_pass(lin: Linearization, cost: Expansion, regularisation: float) -> tuple[Array, Array] | None:
-    """Gains `k (T,m)` and `K (T,m,n)` of the Riccati recursion; None when Quu is not positive definite."""
-    steps, n, m = lin.B.shape
-    k, K = np.empty((steps, m)), np.empty((steps, m, n))
+def _gains(lin: Linearization, cost: Expansion, regularisation: float) -> tuple[Array, Array] | None:
     F = np.concatenate([lin.A, lin.B], axis=2)
     q = np.concatenate([cost.lx[:-1], cost.lu], axis=1)
     Q = np.block([[cost.lxx[:-1], cost.lux.swapaxes(1, 2)], [cost.lux, cost.luu]])
-    vx, vxx = cost.lx[-1], cost.lxx[-1]
-    damping = regularisation * np.eye(m)
-    for t in reversed(range(steps)):
-        qt = q[t] + F[t].T @ vx
-        Qt = Q[t] + F[t].T @ (vxx @ F[t])
-        quu, qux = Qt[n:, n:], Qt[n:, :n]
-        factor, info = scipy.linalg.lapack.dpotrf(quu + damping, lower=1)
-        if info != 0:
-            return None
-        gains, _ = scipy.linalg.lapack.dpotrs(factor, np.column_stack([qt[n:], qux]), lower=1)
-        k[t], K[t] = -gains[:, 0], -gains[:, 1:]
-        vx = qt[:n] + K[t].T @ (quu @ k[t] + qt[n:]) + qux.T @ k[t]
-        vxx = Qt[:n, :n] + K[t].T @ (quu @ K[t] + qux) + qux.T @ K[t]
-        vxx = 0.5 * (vxx + vxx.T)
-    return k, K
+    vx, vxx = np.ascontiguousarray(cost.lx[-1]), np.ascontiguousarray(cost.lxx[-1])
+    is_definite, k, K = backward_pass(F, q, Q, vx, vxx, regularisation)
+    return (k, K) if is_definite else None
 
 
 def _line_search(
@@ -170,13 +156,3 @@ def _line_search(
         return Iteration(nominal, 0.0, min(regularisation * 10.0, config.regularisation_max))
     relaxed = regularisation / 5.0 if sizes[best] > 0.2 else regularisation
     return Iteration(trajectory, float(sizes[best]), max(relaxed, config.regularisation_min))
-
-
-def _direction(lin: Linearization, k: Array, K: Array) -> Array:
-    """Change of the controls `(T, m)` for a full step, along the linear model."""
-    dx = np.zeros(lin.A.shape[1])
-    du = np.empty_like(k)
-    for t in range(len(k)):
-        du[t] = k[t] + K[t] @ dx
-        dx = lin.A[t] @ dx + lin.B[t] @ du[t]
-    return du

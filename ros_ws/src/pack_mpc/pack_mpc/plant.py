@@ -15,6 +15,7 @@ from pack_core.scene.model import Arm, Held, build_model
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState
 from pack_mpc.ilqr import Linearization
+from pack_mpc.rollouts import SleepingRollouts
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 EPSILON = 1e-6
@@ -51,6 +52,7 @@ class PackingPlant:
         self.timestep = timestep
         self._datas = [mujoco.MjData(self.model) for _ in range(threads)]
         self._rollout = Rollout(nthread=threads)
+        self._sleeping = SleepingRollouts(self.model, threads)
         self.nx = mujoco.mj_stateSize(self.model, STATE)
         self.layout = self._find_layout()
         self.limits = self.model.actuator_ctrlrange[:, 1].copy()
@@ -99,9 +101,9 @@ class PackingPlant:
         """
         batch, steps, _ = us.shape
         controls = np.concatenate([us, us[:, -1:]], axis=1)
-        x0s = np.broadcast_to(x0, (batch, self.nx)).copy()
-        states, ys = self._rollout.rollout(self.model, self._datas, x0s, controls)
-        return np.concatenate([x0s[:, None], states[:, :steps]], axis=1), ys
+        states, ys = self._sleeping.run(x0, controls)
+        x0s = np.broadcast_to(x0, (batch, 1, self.nx))
+        return np.concatenate([x0s, states[:, :steps]], axis=1), ys
 
     def linearize(self, xs: Array, us: Array, columns: np.ndarray, keypoints: np.ndarray) -> Linearization:
         """Forward differences at the key-points, interpolated between them.
