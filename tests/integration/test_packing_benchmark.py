@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from pack_bringup.benchmarking.pools import LocalPool
+from pack_bringup.cli.main import app
 from pack_bringup.packing.benchmark import BenchmarkFolder, measure_scenes
 from pack_bringup.packing.settings import BenchmarkSettings, SceneJob, Setup, scene_jobs, set_up
 from pack_bringup.packing.trial import run_scene
@@ -13,6 +19,7 @@ from pack_core.errors import ConfigError
 from pack_core.evaluation.metrics import measure
 from pack_core.evaluation.run import Run
 from pack_core.exit_reason import ExitReason
+from pack_core.paths import bags_path
 
 SHORT = 0.6
 """Of simulated time for each goal [s]: a few iterations of the controller."""
@@ -100,3 +107,27 @@ def test_results_of_other_settings_are_refused(folder: BenchmarkFolder) -> None:
     other = short(optimizer="sgn")
     with pytest.raises(ConfigError, match="optimizer: ilqr in the file, sgn now"):
         list(measure_scenes(folder, other, [], LocalPool(1)))
+
+
+def test_results_and_recordings_are_reported_side_by_side(folder: BenchmarkFolder, tmp_path: Path) -> None:
+    summary, sample = tmp_path / "summary.json", bags_path() / "samples" / "packing"
+    arguments = ["evaluate", str(folder.path), str(sample), str(tmp_path / "nothing"), "--pictures", "1"]
+    outcome = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path), "--json", str(summary)])
+    assert outcome.exit_code == 0, outcome.output
+    assert re.search(r"left out \S*nothing", outcome.output)
+    studies = json.loads(summary.read_text())
+    assert {name: (s["scenes"], s["success"]) for name, s in studies.items()} == {
+        "pack_it_in ilqr tuned ideal": (2, 0),
+        "recordings": (1, 1),
+    }
+    assert len(list((tmp_path / "failures").rglob("*.png"))) == 1
+    report = (tmp_path / "report.html").read_text()
+    assert re.findall(r"<b>(seed_\d)</b>", report) == [trial.name for trial in folder.study().trials]
+
+
+def test_a_saved_run_is_evaluated_like_a_recording(folder: BenchmarkFolder, tmp_path: Path) -> None:
+    run = folder.path / "runs" / "seed_3.npz"
+    outcome = CliRunner().invoke(app, ["evaluate", str(run), "-o", str(tmp_path), "--no-video"])
+    assert outcome.exit_code == 0, outcome.output
+    assert "timeout" in outcome.output
+    assert (tmp_path / "report.html").is_file()

@@ -12,9 +12,7 @@ from pack_bringup.cli.benchmarks.progress import TrialProgress
 from pack_bringup.cli.studies import report_studies
 
 if TYPE_CHECKING:
-    from pack_bringup.packing.benchmark import BenchmarkFolder
-    from pack_core.evaluation.study.failures import FailurePicture
-    from pack_core.evaluation.study.trial import Study, Trial
+    from pack_core.evaluation.study.trial import Trial
 
 
 def benchmark(
@@ -68,6 +66,7 @@ def benchmark(
     from pack_bringup.benchmarking.pools import cores, open_pool
     from pack_bringup.packing.benchmark import BenchmarkFolder, measure_scenes
     from pack_bringup.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
+    from pack_bringup.packing.studies import Source
     from pack_core.config import validate_config
     from pack_core.evaluation.study.summary import summarize
 
@@ -86,8 +85,8 @@ def benchmark(
         for trial in measure_scenes(folder, setup, wanted, pool):
             bar.add(trial.name, trial.measures.success, describe(trial))
     study = folder.study(names)
-    shown = draw_failures(study, folder, pictures=pictures, videos=video_failures)
-    report_studies([study], folder.path, title="Packing benchmark", pictures=shown)
+    source = Source(study, folder.load)
+    report_studies([source], folder.path, title="Packing benchmark", pictures=pictures, videos=video_failures)
     if json_file:
         json_file.write_text(json.dumps(summarize(study), indent=2) + "\n")
 
@@ -106,18 +105,3 @@ def describe(trial: Trial) -> str:
         f"{m.exit_reason.value:12} {m.execution_time:5.1f} s {100 * m.distance:5.1f} cm "
         f"{m.force_mean:5.1f} N, peak {m.force_peak:5.0f} N {m.placements:2} placements"
     )
-
-
-def draw_failures(
-    study: Study, folder: BenchmarkFolder, *, pictures: int, videos: int
-) -> list[FailurePicture]:
-    """Pictures of failures for the report; none where there is no OpenGL to draw with."""
-    from pack_core.errors import PackError
-    from pack_core.evaluation.study.failures import show_failures
-
-    failed = study.failures[: max(pictures, videos)]
-    try:
-        return show_failures(failed, folder.load, folder.path / "failures", videos=videos)
-    except PackError as error:
-        typer.secho(f"no pictures of failures: {error}", fg=typer.colors.YELLOW, err=True)
-        return []
