@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from pack_bringup.cli import benchmark, demo, evaluate, executables, run, up, wiring
+from pack_bringup.cli import benchmark, demo, evaluate, executables, run, states, up, wiring
 from pack_core.errors import PackError
 
 app = typer.Typer(
@@ -23,7 +23,7 @@ app = typer.Typer(
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, benchmark, up, run, executables, wiring):
+for command in (demo, evaluate, benchmark, up, run, executables, wiring, states):
     app.add_typer(command.app)
 
 
