@@ -75,8 +75,8 @@ class Lockstep:
     ) -> None:
         self._config, self._seed = config, seed
         self._log = RunLog()
-        description = scene.description()
         self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
+        description = self.simulator.description
         self._estimator = PhysicsEstimator(description, cell, config.estimator)
         self._planner = PlacementPlanner(description, cell, config.planner)
         self._forces: list[float] = []
