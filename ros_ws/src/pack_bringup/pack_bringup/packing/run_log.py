@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from pack_core.evaluation.run import Iterations, Run
-from pack_core.evaluation.track import Track
+from pack_core.evaluation.track import to_tracks
 from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, ObjectState, SceneState
+from pack_core.scene.state import JointSample, SceneState
 from pack_mpc.controller import Plan
 from pack_mpc.entry import Placement
 from pack_mpc.task import Outcome, PackingTask
@@ -71,7 +71,8 @@ class RunLog:
         force_times, force = np.array(self._forces).T
         return Run(
             scene=scene.description(), start=start, end=start + outcome.execution_time,
-            iterations=self._to_iterations(), truth=_tracks(self._truth), estimate=_tracks(self._estimate),
+            iterations=self._to_iterations(),
+            truth=to_tracks(self._truth), estimate=to_tracks(self._estimate),
             joint_times=np.array([sample.time for sample in self._joints]),
             joints=np.array([sample.q for sample in self._joints]), force_times=force_times, force=force,
             release_reason=release_reason,
@@ -90,19 +91,3 @@ class RunLog:
             q_WT=np.array([row.placement.X_WN.q for row in rows]).reshape(-1, 4),
             collisions=tuple(row.placement.collisions for row in rows),
         )  # fmt: skip
-
-
-def _tracks(states: list[SceneState]) -> dict[str, Track]:
-    samples: dict[str, list[tuple[float, ObjectState]]] = {}
-    for state in states:
-        for name, item in state.objects.items():
-            samples.setdefault(name, []).append((state.time, item))
-    return {name: _track(found) for name, found in samples.items()}
-
-
-def _track(samples: list[tuple[float, ObjectState]]) -> Track:
-    return Track(
-        times=np.array([time for time, _ in samples]), p=np.array([item.X_WO.p for _, item in samples]),
-        q=np.array([item.X_WO.q for _, item in samples]),
-        sources=np.array([item.source for _, item in samples], dtype=np.uint8),
-    )  # fmt: skip
