@@ -1,25 +1,35 @@
+from dataclasses import replace
+
 import numpy as np
 
-from pack_bringup.node_parameters import load_parameters
-from pack_core.cells.packing import packing_cell
-from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_scene
-from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
-from replay.sample import COUNTS, SEED, sample, sample_run, sample_scene
+from pack_bringup.packing.replay.planner import replay_planner, requests
+from pack_core.evaluation.arrays import ESTIMATE
+from replay.sample import COUNTS, SEED, sample, sample_run
 
 
 def test_the_core_chooses_the_placement_that_the_node_chose() -> None:
-    """The request is one of the scenes just before the goal's first plan; which one is not recorded."""
-    assert sample().counts()["/scene"] == COUNTS["/scene"]
+    found = replay_planner(sample(), seed=SEED)
+    assert found.inputs[ESTIMATE] == COUNTS[ESTIMATE]
+    assert found.agrees, found.rows
+    assert len(found.rows) == sample_run().outcome["placements"]
+
+
+def test_another_seed_gives_another_placement() -> None:
+    assert not replay_planner(sample(), seed=SEED + 1).agrees
+
+
+def test_a_second_placement_is_asked_for_where_the_first_stalled() -> None:
+    """Of the sample's one placement, two are made: the second from the last third on."""
     run = sample_run()
-    scenes = [from_scene(message) for message in sample().of(contracts.SCENE.name)]
-    candidates = [scene for scene in scenes if run.start - 0.05 <= scene.time <= run.start + 0.05]
-    assert candidates
-    config = load_parameters("planner", PlacementConfig)
-    planner = PlacementPlanner(sample_scene(), packing_cell(), config)
-    chosen = [planner.plan(scene, np.random.default_rng(SEED)) for scene in candidates]
-    p_WT = run.iterations.p_WT[0]
-    distances = [np.inf if item.X_WO is None else np.linalg.norm(item.X_WO.p - p_WT) for item in chosen]
-    best = int(np.argmin(distances))
-    assert distances[best] < 1e-9
-    assert chosen[best].collisions == run.iterations.collisions[0]
+    done, n = run.iterations, run.iterations.times.size
+    stages = ["PRE_PACK"] * (n // 3) + ["INSERT"] * (n // 3) + ["PRE_PACK"] * (n - 2 * (n // 3))
+    new = n - n // 6
+    placements = np.where(np.arange(n) < new, 1.0, 2.0)
+    p_WT = np.where(placements[:, None] == 2.0, done.p_WT + 0.03, done.p_WT)
+    stalled = replace(done, stages=tuple(stages), placements=placements, p_WT=p_WT)
+    first, second = requests(replace(run, iterations=stalled))
+    assert first.sent == run.start
+    assert first.tried.size == 0
+    assert second.sent == done.times[2 * (n // 3)]
+    np.testing.assert_array_equal(second.tried, [done.p_WT[0]])
+    np.testing.assert_array_equal(second.p_WT, p_WT[new])

@@ -11,5 +11,10 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
     ],
-    entry_points={"console_scripts": ["planner_node = pack_planner.placement.planner_node:main"]},
+    entry_points={
+        "console_scripts": [
+            "layout_node = pack_planner.layout.layout_node:main",
+            "planner_node = pack_planner.placement.planner_node:main",
+        ]
+    },
 )

@@ -12,9 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from pack_bringup.node_parameters import load_parameters
+from pack_bringup.packing.presets import Preset
+from pack_bringup.packing.run_log import RunLog
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
+from pack_core.evaluation.run import Run
 from pack_core.rotations import Array
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState
@@ -72,13 +74,16 @@ class Lockstep:
         self, cell: PackingCell, scene: Scene, config: LockstepConfig, method: Method, seed: int
     ) -> None:
         self._config, self._seed = config, seed
-        description = scene.description()
+        self._log = RunLog()
         self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
+        description = self.simulator.description
         self._estimator = PhysicsEstimator(description, cell, config.estimator)
         self._planner = PlacementPlanner(description, cell, config.planner)
         self._forces: list[float] = []
         self._advance(config.settle)
-        self.session = PackingSession(description, cell, config.session, method, self.simulator.time)
+        self._forces.clear()
+        self._start = self.simulator.time
+        self.session = PackingSession(description, cell, config.session, method, self._start)
         self._answer: tuple[float, Placement] | None = None
 
     def run(self, on_step: Callable[[Step], None] | None = None) -> Outcome:
@@ -88,6 +93,8 @@ class Lockstep:
             seen = self._observe()
             self._serve_placement(seen)
             plan = session.step(seen, self._config.latency)
+            if plan is not None:
+                self._log.iterate(session.task, seen.joints.time, plan)
             if on_step is not None:
                 stage = session.task.machine.stage.name if session.task.machine else "IDLE"
                 on_step(
@@ -97,6 +104,19 @@ class Lockstep:
             if plan is not None:
                 self.simulator.accept(plan.setpoints)
         return session.task.outcome
+
+    def recorded(self) -> Run:
+        """What happened, in the form in which recordings are evaluated.
+
+        Raises:
+            ValueError: the run has not ended yet.
+        """
+        outcome = self.session.task.outcome
+        if outcome is None:
+            raise ValueError("the run has not ended; call run() first")
+        return self._log.to_run(
+            self.session.scene, self._start, outcome, self.simulator.pump.state.release_reason
+        )
 
     def _advance(self, duration: float) -> None:
         simulator = self.simulator
@@ -108,6 +128,7 @@ class Lockstep:
                 self._forces.append(float(np.linalg.norm(simulator.external_wrench()[0])))
             for frame in simulator.mocap.due(simulator.time):
                 self._estimator.correct(frame)
+            self._log.sense(simulator, self._estimator)
 
     def _observe(self) -> Observation:
         joints: JointSample = self.simulator.joints()
@@ -137,12 +158,12 @@ class Lockstep:
         )  # fmt: skip
 
 
-def lockstep_config(weights: str | None = None) -> LockstepConfig:
-    """The nodes' own configuration, from `config/nodes`; `weights` overrides the controller's set."""
-    session = load_parameters("mpc", SessionConfig)
+def lockstep_config(preset: Preset | None = None) -> LockstepConfig:
+    """The nodes' own configuration, from `config/nodes`, under a preset."""
+    given = preset or Preset()
     return LockstepConfig(
-        simulator=load_parameters("sim", SimulatorConfig),
-        estimator=load_parameters("perception", EstimatorConfig),
-        planner=load_parameters("planner", PlacementConfig),
-        session=session.model_copy(update={"weights": weights}) if weights else session,
+        simulator=given.parameters("sim", SimulatorConfig),
+        estimator=given.parameters("perception", EstimatorConfig),
+        planner=given.parameters("planner", PlacementConfig),
+        session=given.parameters("mpc", SessionConfig),
     )

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+
+from pack_bringup.cli.studies import report_studies
 
 if TYPE_CHECKING:
     from pack_core.evaluation.evaluate import Evaluation
@@ -25,34 +27,76 @@ BagPath = Annotated[
 
 @app.command()
 def evaluate(
-    bag: BagPath,
+    recordings: Annotated[
+        list[Path],
+        typer.Argument(metavar="BAG...", help="Runs' or bags' folders, .mcap files, folders of benchmarks."),
+    ],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder of the report; BAG's own if not given.")
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="Folder of the report. Default: of one BAG its own, else bags/evaluation."
+        ),
     ] = None,
-    video: Annotated[bool, typer.Option(help="Render the run as MP4 (the slow part).")] = True,
-    gif: Annotated[bool, typer.Option("--gif", help="Also an animated GIF.")] = False,
-    still: Annotated[bool, typer.Option("--still", help="Also one large picture.")] = False,
+    video: Annotated[bool, typer.Option(help="Render a single run as MP4 (the slow part).")] = True,
+    gif: Annotated[bool, typer.Option("--gif", help="Also an animated GIF of a single run.")] = False,
+    still: Annotated[bool, typer.Option("--still", help="Also one large picture of a single run.")] = False,
+    pictures: Annotated[int, typer.Option(min=0, help="Failed runs that the report of many shows.")] = 12,
     json_file: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Also the measures as JSON.")
     ] = None,
 ) -> None:
-    """Measure a recorded run again, from the bag alone, and write report.html, plots/ and run.mp4.
+    """Measure recorded runs again, from the recordings alone.
+
+    Of one it writes report.html, plots/ and run.mp4. Of many it writes the paper's tables and figures over
+    all of them: each folder of a benchmark is a row of its own, all other recordings together are one.
 
     - `pack evaluate bags/packing_20260101_120000_seed0`
     - `pack evaluate bags/packing_20260101_120000_seed0 --no-video --json measures.json`
     - `pack evaluate run.mcap --output /tmp/report`
+    - `pack evaluate bags/packing_* --json summary.json`
+    - `pack evaluate bags/benchmarks/*`
     """
+    from pack_bringup.packing.benchmark import BenchmarkFolder
+    from pack_core.paths import bags_path
+
+    first = recordings[0]
+    if len(recordings) > 1 or BenchmarkFolder(first).exists:
+        measures = evaluate_many(recordings, output or bags_path() / "evaluation", pictures)
+    else:
+        folder = output or (first if first.is_dir() else first.parent)
+        measures = evaluate_one(first, folder, video=video, gif=gif, still=still)
+    if json_file:
+        json_file.write_text(json.dumps(measures, indent=2) + "\n")
+
+
+def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool) -> dict[str, Any]:
+    """Report a run and return its measures."""
     from pack_core.evaluation.video import write_gif, write_still
 
-    folder = output or (bag if bag.is_dir() else bag.parent)
     found = run_evaluation(bag, folder, with_video=video or gif)
     show(found)
     if gif and found.video:
         write_gif(found.video, found.video.with_suffix(".gif"))
     if still:
         write_still(found.run, folder / "run.png")
-    if json_file:
-        json_file.write_text(json.dumps(found.to_json(), indent=2) + "\n")
+    return found.to_json()
+
+
+def evaluate_many(recordings: list[Path], folder: Path, pictures: int) -> dict[str, Any]:
+    """Report studies and return their summaries by name."""
+    from pack_bringup.packing.studies import gather
+    from pack_core.errors import BagError
+    from pack_core.evaluation.study.summary import summarize
+
+    with Progress(TextColumn("reading"), BarColumn(), MofNCompleteColumn(), transient=True) as bar:
+        task = bar.add_task("reading", total=len(recordings))
+        found = gather(recordings, lambda _: bar.advance(task))
+    for path, reason in found.left_out.items():
+        typer.secho(f"left out {path}: {reason}", fg=typer.colors.YELLOW, err=True)
+    if not found.sources:
+        raise BagError(f"none of the {len(recordings)} paths holds a recording or a benchmark's results")
+    report_studies(found.sources, folder, title="Packing runs", pictures=pictures)
+    return {source.study.name: summarize(source.study) for source in found.sources}
 
 
 @bag_app.command()

@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from pack_bringup.cli import benchmark, demo, evaluate, executables, run, up, wiring
+from pack_bringup.cli import benchmark, demo, evaluate, executables, replay, run, states, up, wiring
 from pack_core.errors import PackError
 
 app = typer.Typer(
@@ -18,12 +18,13 @@ app = typer.Typer(
     - `pack demo packing` packs one object and reports
     - `pack evaluate BAG` measures a recorded run
     - `pack benchmark packing` measures many scenes in lockstep
+    - `pack replay BAG --node perception` feeds a core what its node received
     - `pack up packing` starts a whole cell, each node a process
     - `pack run pack_sim sim_node` starts one node
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, benchmark, up, run, executables, wiring):
+for command in (demo, evaluate, benchmark, replay, up, run, executables, wiring, states):
     app.add_typer(command.app)
 
 

@@ -38,6 +38,24 @@ class Suction(Config):
     moment: PositiveFloat
 
 
+class Tip(Config):
+    """Compliance of the cup, between the pump's stem and what it holds.
+
+    Attributes:
+        lateral: stiffness across the cup's axis [N/m].
+        axial: along it [N/m].
+        bending: about the axes across it [N m/rad].
+        twist: about it [N m/rad].
+        damping_time: damping over stiffness, the same in every direction [s].
+    """
+
+    lateral: PositiveFloat
+    axial: PositiveFloat
+    bending: PositiveFloat
+    twist: PositiveFloat
+    damping_time: PositiveFloat
+
+
 class Robot(Config):
     """The arm's start and the gains of its low-level controller (Eq. 4)."""
 
@@ -60,6 +78,8 @@ class PackingCell(Config):
     robot: Robot
     pump: Pump
     suction: Suction
+    tip: Tip | None
+    """None: what is held is fixed to the cup."""
     mocap: Mocap
     scene: Scene
     """The five objects, the container and the new object, without poses."""

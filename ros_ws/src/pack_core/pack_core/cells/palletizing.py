@@ -104,6 +104,8 @@ class Contact(Config):
     solref: Pair
     solimp: Point
     noslip_iterations: Annotated[int, Field(ge=0)]
+    sleep_speed: NonNegativeFloat
+    """Boxes that are slower for 10 steps rest until something touches them [m/s, rad/s]; 0: never."""
     watch_force: PositiveFloat
     """Unwanted contacts above it are recorded [N]."""
     landing_speed: PositiveFloat

@@ -13,6 +13,7 @@ from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.evaluation.bag import Bag, read_bag
 from pack_core.evaluation.run import Iterations, Run
+from pack_core.evaluation.run_file import SUFFIX, load_saved_run
 from pack_core.evaluation.track import Track
 from pack_core.rotations import Array
 from pack_core.scene.scene import Scene
@@ -27,12 +28,12 @@ def load_run(path: Path) -> Run:
     """Read the last goal of a run.
 
     Args:
-        path: a run's folder, a bag's folder or an MCAP file.
+        path: a run's folder, a bag's folder or an MCAP file, or a run that a benchmark saved (.npz).
 
     Raises:
-        BagError: the bag is missing, broken, or holds no goal.
+        BagError: the recording is missing, broken, or holds no goal.
     """
-    return to_run(read_bag(path, TOPICS))
+    return load_saved_run(path) if path.suffix == SUFFIX else to_run(read_bag(path, TOPICS))
 
 
 def to_run(bag: Bag) -> Run:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy.typing as npt
 
 from pack_core import rotations
 from pack_core.rotations import Array, Pose
-from pack_core.scene.state import Source
+from pack_core.scene.state import ObjectState, SceneState, Source
 
 Sources = npt.NDArray[np.uint8]
 
@@ -61,3 +62,20 @@ class Track:
     def is_predicted(self) -> npt.NDArray[np.bool_]:
         """Where the pose was carried by physics instead of seen `(T,)`."""
         return np.asarray(self.sources == Source.PHYSICS)
+
+
+def to_tracks(states: Iterable[SceneState]) -> dict[str, Track]:
+    """The path of every object through scenes in order of time."""
+    samples: dict[str, list[tuple[float, ObjectState]]] = {}
+    for state in states:
+        for name, item in state.objects.items():
+            samples.setdefault(name, []).append((state.time, item))
+    return {name: _to_track(found) for name, found in samples.items()}
+
+
+def _to_track(samples: list[tuple[float, ObjectState]]) -> Track:
+    return Track(
+        times=np.array([time for time, _ in samples]), p=np.array([item.X_WO.p for _, item in samples]),
+        q=np.array([item.X_WO.q for _, item in samples]),
+        sources=np.array([item.source for _, item in samples], dtype=np.uint8),
+    )  # fmt: skip

@@ -90,3 +90,15 @@ class SerialChain:
         R, d = self.links(q)
         z, p = screws.world_axes(self.axes, self.points, R, d)
         return screws.bias(z, p, np.asarray(v, dtype=float), R[-1] @ self.p_WT + d[-1], self.n - 1)
+
+    def joint_rates(self, q: Array, rates: Array, accelerations: Array) -> tuple[Array, Array]:
+        """Joint velocities and accelerations `(T, n)` that move the tool of a six-joint chain so.
+
+        Args:
+            q: joint positions `(T, n)`.
+            rates: of the tool `(T, 6)`, world axes: linear, then angular.
+            accelerations: of the tool `(T, 6)`.
+        """
+        columns = (np.ascontiguousarray(column) for column in (q, rates, accelerations))
+        v, a = screws.joint_rates(self.axes, self.points, self.p_WT, *columns)
+        return v, a

@@ -105,3 +105,20 @@ def bias(z: Array, p: Array, v: Array, point: Array, link: int) -> Array:
     out[:3] = ap[link] + cross(dw[link], arm) + cross(w[link], cross(w[link], arm))
     out[3:] = dw[link]
     return out
+
+
+@numba.njit(cache=True)
+def joint_rates(
+    axes: Array, points: Array, p_WT: Array, q: Array, rates: Array, accelerations: Array
+) -> tuple[Array, Array]:
+    """Joint velocities and accelerations `(T, 6)` for those of the tool `(T, 6)`."""
+    v, a = np.empty_like(q), np.empty_like(q)
+    tip = len(axes) - 1
+    for i in range(len(q)):
+        R, d = link_transforms(axes, points, q[i])
+        z, p = world_axes(axes, points, R, d)
+        tool = R[tip] @ p_WT + d[tip]
+        J = jacobian(z, p, tool, tip)
+        v[i] = np.linalg.solve(J, rates[i])
+        a[i] = np.linalg.solve(J, accelerations[i] - bias(z, p, v[i], tool, tip))
+    return v, a

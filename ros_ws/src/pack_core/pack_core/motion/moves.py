@@ -28,6 +28,7 @@ class JointMove:
         q: where to `(n,)` [rad].
         speed: share of the joint velocity limits, at most 1.
         acceleration: share of the joint acceleration limits, at most 1.
+        stop: whether to come to rest at its end though something follows.
         label: what status and reports call this part.
         mode: how the policies are tuned.
     """
@@ -35,6 +36,7 @@ class JointMove:
     q: Array
     speed: float = 1.0
     acceleration: float = 1.0
+    stop: bool = False
     label: str = "joint move"
     mode: Mode = Mode.FAST
 
@@ -46,6 +48,7 @@ class PoseMove:
     X_WT: Pose
     speed: float = 1.0
     acceleration: float = 1.0
+    stop: bool = False
     label: str = "pose move"
     mode: Mode = Mode.FAST
 
@@ -58,9 +61,10 @@ class Line:
         X_WT: its end.
         speed: of the tool, at most [m/s].
         acceleration: of the tool, at most [m/s^2].
-        exit_speed: at its end, when something follows [m/s]; 0 stops there.
-        blend: length of both lines cut off to round the corner to a following line [m]; 0 is a stop,
-            unless the lines are in line.
+        entry_speed: at its start, at most, when a joint or pose move leads there [m/s]; 0 starts from rest.
+        exit_speed: at its end, at most, when something follows [m/s]; 0 stops there.
+        blend: length of both lines cut off to round the corner to a following line [m]; with 0 it is
+            passed only where the lines are in line, and a stop otherwise.
         label: what status and reports call this part.
         mode: how the policies are tuned.
     """
@@ -68,6 +72,7 @@ class Line:
     X_WT: Pose
     speed: float = 0.5
     acceleration: float = 2.5
+    entry_speed: float = 0.0
     exit_speed: float = 0.0
     blend: float = 0.0
     label: str = "line"
@@ -92,12 +97,15 @@ class Retreat:
         direction: in the world `(3,)`; of any length.
         lengths: shortest and longest [m].
         speed: of the tool, at most [m/s].
+        acceleration: of the tool, at most [m/s^2].
+        pass_speed: at its far end, which is passed and no stop, at most [m/s].
     """
 
     direction: Array
     lengths: tuple[float, float]
     speed: float = 0.5
     acceleration: float = 2.5
+    pass_speed: float = 0.25
 
 
 @dataclass(frozen=True)
@@ -106,8 +114,9 @@ class Transfer:
 
     Attributes:
         lines: how the goal is approached; the first starts at the hover pose.
+        hover: from the first line's end back to the hover pose; its speeds are those of the first line,
+            but for the `pass_speed`.
         depart: how the tool leaves where it is; None where it need not.
-        hover: from the first line's end back to the hover pose; its speed is the first line's.
         speed: share of the joint velocity limits on the way.
         acceleration: share of the joint acceleration limits on the way.
     """

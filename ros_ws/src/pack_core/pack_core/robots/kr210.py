@@ -34,8 +34,10 @@ ARMATURE = np.array([300.0, 300.0, 200.0, 40.0, 40.0, 20.0])
 FRICTION = 0.015
 """Coulomb friction of a joint as a fraction of its effort; not published."""
 
+ARM_BITS = 2 | 4
+"""Of contype: what the arm and its tool are; bit 4 is the pad."""
 ARM_CONTACT = {"contype": 2, "conaffinity": 0, "condim": 3}
-"""The arm and its tool touch what has bit 2 in its conaffinity, and never each other."""
+"""The arm and its tool touch what has their bit in its conaffinity, and never each other."""
 
 
 @dataclass(frozen=True)

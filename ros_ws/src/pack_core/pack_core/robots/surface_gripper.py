@@ -30,7 +30,7 @@ def add_surface_gripper(flange: mujoco.MjsBody, tool: GripperTool, *, look: bool
     body.explicitinertial = True
     half, top = tool.pad_size / 2, -PAD_THICKNESS
     body.add_geom(name=PAD, type=BOX, pos=(0, 0, top / 2), size=(half, half, PAD_THICKNESS / 2), rgba=FOAM,
-                  mass=0, **ARM_CONTACT)  # fmt: skip
+                  mass=0, **{**ARM_CONTACT, "contype": 4})  # fmt: skip
     body.add_geom(name="mast", type=CYLINDER, fromto=(0, 0, -tool.length, 0, 0, top), mass=0, rgba=STEEL,
                   size=(tool.mast_radius, 0, 0), **ARM_CONTACT)  # fmt: skip
     plate = (0, 0, -tool.length, 0, 0, PLATE_THICKNESS - tool.length)

@@ -63,11 +63,13 @@ def from_pose(message: PoseMsg) -> Pose:
     return Pose(finite([p.x, p.y, p.z], "position"), q)
 
 
-def _to_vector(v: Array) -> Vector3:
+def to_vector(v: Array) -> Vector3:
+    """A vector `(3,)`."""
     return Vector3(x=float(v[0]), y=float(v[1]), z=float(v[2]))
 
 
-def _from_vector(v: Vector3, what: str) -> Array:
+def from_vector(v: Vector3, what: str) -> Array:
+    """A vector `(3,)`; `what` names it in errors."""
     return finite([v.x, v.y, v.z], what)
 
 
@@ -78,7 +80,7 @@ def to_scene(state: SceneState) -> SceneStateMsg:
     message.objects = [
         ObjectStateMsg(
             name=name, pose=to_pose(item.X_WO), source=int(item.source), age=float(item.age),
-            twist=Twist(linear=_to_vector(item.v_WO_W), angular=_to_vector(item.w_WO_W)),
+            twist=Twist(linear=to_vector(item.v_WO_W), angular=to_vector(item.w_WO_W)),
         )
         for name, item in state.objects.items()
     ]  # fmt: skip
@@ -89,8 +91,8 @@ def from_scene(message: SceneStateMsg) -> SceneState:
     """All objects' states."""
     objects = {
         item.name: ObjectState(
-            from_pose(item.pose), _from_vector(item.twist.linear, f"velocity of {item.name}"),
-            _from_vector(item.twist.angular, f"angular velocity of {item.name}"),
+            from_pose(item.pose), from_vector(item.twist.linear, f"velocity of {item.name}"),
+            from_vector(item.twist.angular, f"angular velocity of {item.name}"),
             _source_of(item), item.age,
         )
         for item in message.objects
@@ -184,5 +186,5 @@ def to_wrench(time: float, force: Array, torque: Array, frame: str) -> WrenchSta
     """Force [N] and torque [N m] in a frame."""
     message = WrenchStamped()
     message.header.stamp, message.header.frame_id = to_stamp(time), frame
-    message.wrench.force, message.wrench.torque = _to_vector(force), _to_vector(torque)
+    message.wrench.force, message.wrench.torque = to_vector(force), to_vector(torque)
     return message

@@ -7,13 +7,14 @@ from enum import Enum
 import mujoco
 import numpy as np
 
-from pack_core.cells.packing import PackingCell
+from pack_core.cells.packing import PackingCell, Tip
 from pack_core.robots.actuation import add_motors, add_servos, make_heavy
 from pack_core.robots.panda import add_panda
 from pack_core.rotations import Pose
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Container, Scene
 from pack_core.scene.surroundings import add_surroundings
+from pack_core.scene.tip import add_tip
 
 TIP_FORCE = "tip_force"
 TIP_TORQUE = "tip_torque"
@@ -41,6 +42,8 @@ class Held(Enum):
 
     RIGID = "rigid"
     """Fixed to the cup."""
+    COMPLIANT = "compliant"
+    """On the springs of the cup, its weight not compensated; for who simulates the truth."""
     FREE = "free"
     """A body of its own."""
     ABSENT = "absent"
@@ -55,14 +58,17 @@ def build_model(
         scene: the container and the objects; poses may be absent.
         cell: the cell's physical facts.
         timestep: step of the integrator [s].
-        arm: how the arm takes part; `Held.RIGID` needs one.
-        held: how the new object takes part.
+        arm: how the arm takes part; an object that is held needs one.
+        held: how the new object takes part; `Held.COMPLIANT` needs a cell with a `tip`.
         surroundings: add floor, table, lights and materials, for pictures.
 
     Returns:
         The model. Bodies carry the objects' names, free joints too; the cup is body `tool`, the
         sensors `tip_force` and `tip_torque` are the load on the cup in the frame of site `tip`;
         `held_position`, `held_x_axis` and `held_z_axis` say where the held object is in the world.
+
+    Raises:
+        ConfigError: the held object cannot be held so.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -70,9 +76,9 @@ def build_model(
     _add_table(spec, scene.friction, surroundings)
     _add_container(spec, scene.container, scene.friction)
     for item in scene.objects:
-        _add_object(spec.worldbody.add_body(name=item.name), item, scene.friction, free=True)
+        _add_object(spec.worldbody.add_body(name=item.name), item, scene, free=True)
     tool = None if arm is Arm.ABSENT else add_panda(spec, cell.pump)
-    _add_new_object(spec, tool, scene, held)
+    _add_new_object(spec, tool, scene, held, cell.tip)
     if arm is Arm.DRIVEN:
         add_motors(spec)
     elif arm is Arm.SERVO:
@@ -145,14 +151,18 @@ def _add_container(spec: mujoco.MjSpec, container: Container, friction: float) -
         )  # fmt: skip
 
 
-def _add_new_object(spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: Held) -> None:
+def _add_new_object(
+    spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: Held, tip: Tip | None
+) -> None:
     item = scene.new_object
     if held is Held.FREE:
-        _add_object(spec.worldbody.add_body(name=item.name), item, scene.friction, free=True)
-    elif held is Held.RIGID and tool is not None:
-        X_TN = held_pose(scene)
-        body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=1)
-        _add_object(body, item, scene.friction, free=False)
+        _add_object(spec.worldbody.add_body(name=item.name), item, scene, free=True)
+    elif held is not Held.ABSENT and tool is not None:
+        X_TN, is_rigid = held_pose(scene), held is Held.RIGID
+        body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)
+        _add_object(body, item, scene, free=False)
+        if not is_rigid:
+            add_tip(body, tip, item.half_extents[2])
         body.add_site(name="tip", pos=(0, 0, item.half_extents[2]))
         _add_sensors(spec, item.name)
 
@@ -168,11 +178,12 @@ def _add_sensors(spec: mujoco.MjSpec, held: str) -> None:
         spec.add_sensor(name=name, type=kind, objtype=on, objname=target)
 
 
-def _add_object(body: mujoco.MjsBody, item: Box | Cylinder, friction: float, *, free: bool) -> None:
+def _add_object(body: mujoco.MjsBody, item: Box | Cylinder, scene: Scene, *, free: bool) -> None:
     if free:
         body.add_freejoint(name=item.name)
     is_box = isinstance(item, Box)
     x, _, z = item.half_extents
+    friction = scene.friction if item.friction is None else item.friction
     body.add_geom(
         name=item.name,
         type=mujoco.mjtGeom.mjGEOM_BOX if is_box else mujoco.mjtGeom.mjGEOM_CYLINDER,

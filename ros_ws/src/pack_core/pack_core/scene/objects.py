@@ -12,6 +12,7 @@ from pack_core.rotations import Array, Pose, from_yaw
 
 Mass = Annotated[float, Field(gt=0.0, le=20.0)]
 Size = Annotated[float, Field(gt=0.005, lt=2.0)]
+Friction = Annotated[float, Field(gt=0.0, le=2.0)]
 Colour = tuple[float, float, float]
 
 MARKER_HEIGHT = 0.004
@@ -50,6 +51,7 @@ class _Object(Config):
 
     name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", description="lower case letters, digits, _")
     mass: Mass
+    friction: Friction | None = Field(default=None, description="None: the scene's")
     colour: Colour = (0.7, 0.7, 0.7)
     pose: PoseConfig | None = None
 

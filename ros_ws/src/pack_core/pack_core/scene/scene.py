@@ -11,10 +11,10 @@ from pydantic import Field, model_validator
 from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.rotations import Array, Pose
-from pack_core.scene.objects import Box, Cylinder, ObjectModel, PoseConfig
+from pack_core.scene.objects import Box, Cylinder, Friction, ObjectModel, PoseConfig
 
 RESERVED = {"world", "table", "tool", "tip"}
-RESERVED_PREFIXES = ("wall_", "panda_", "pump_")
+RESERVED_PREFIXES = ("wall_", "panda_", "pump_", "tip_")
 
 
 class Container(Config):
@@ -40,7 +40,7 @@ class Scene(Config):
     """All that a scene file holds. Objects without a pose make it a description of the cell."""
 
     container: Container
-    friction: Annotated[float, Field(gt=0.0, le=2.0)]
+    friction: Friction
     objects: Annotated[list[ObjectModel], Field(max_length=40)]
     new_object: ObjectModel
 

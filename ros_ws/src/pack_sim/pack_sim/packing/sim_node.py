@@ -82,8 +82,9 @@ class SimNode(CellNode):
         return generate_scene(self._config.seed, self._cell)
 
     def _build(self, scene: Scene, seed: int, start: float) -> Simulator:
-        self._description.publish(String(data=scene.description().to_yaml()))
-        return Simulator(self._cell, scene, self._config, np.random.default_rng(seed), start)
+        simulator = Simulator(self._cell, scene, self._config, np.random.default_rng(seed), start)
+        self._description.publish(String(data=simulator.description.to_yaml()))
+        return simulator
 
     def _run_until_shutdown(self) -> None:
         try:

@@ -11,16 +11,22 @@ from pydantic import Field, PositiveFloat
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.robots.panda import JOINTS
-from pack_core.rotations import Array, angle_between, conjugate, rotate
+from pack_core.rotations import Array, Pose, angle_between, conjugate, rotate
 from pack_core.scene.model import Arm, Held, body_pose, build_model, held_pose, set_object_poses
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, ObjectState, SceneState, Setpoints
+from pack_core.scene.tip import TIP_JOINTS, tip_coordinates
 from pack_sim.packing.joint_controller import JointController
+from pack_sim.packing.mismatch import MismatchConfig, actual, believed, joint_friction
 from pack_sim.packing.mocap import Mocap, MocapConfig
+from pack_sim.packing.payload import PayloadCompensation
 from pack_sim.packing.pump import PumpModel
+from pack_sim.packing.wrench_sensor import WrenchSensor, WrenchSensorConfig
 
 GRIP_DISTANCE = 0.005
 GRIP_ANGLE = np.deg2rad(2.0)
+STICTION = 0.999
+"""Impedance of the joints' friction: where it is softer they creep under torques that they should resist."""
 
 
 class SimulatorConfig(Config):
@@ -29,6 +35,8 @@ class SimulatorConfig(Config):
     timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
     watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
     mocap: MocapConfig = MocapConfig()
+    wrench_sensor: WrenchSensorConfig = WrenchSensorConfig()
+    mismatch: MismatchConfig = MismatchConfig()
 
 
 class Simulator:
@@ -38,8 +46,12 @@ class Simulator:
         cell: the cell's physical facts.
         scene: with a pose for every object.
         config: rates and limits.
-        rng: for the sensors' noise.
+        rng: for the sensors' noise and for what the description has wrong.
         time: what the clock shows at the start [s].
+
+    Attributes:
+        scene: as it is, with the true frictions and masses.
+        description: what the nodes are told of it.
     """
 
     def __init__(
@@ -50,11 +62,17 @@ class Simulator:
         rng: np.random.Generator,
         time: float = 0.0,
     ) -> None:
-        self.cell, self.scene, self.config = cell, scene, config
+        self.cell, self.config = cell, config
+        truth_rng, belief_rng, arm_rng, wrench_rng = rng.spawn(4)
+        self.scene = actual(scene, config.mismatch, truth_rng)
+        self.description = believed(scene, config.mismatch, belief_rng)
+        self._joint_friction = joint_friction(config.mismatch, arm_rng)
         self.controller = JointController(cell.robot, config.watchdog)
         self.pump = PumpModel(cell.suction, config.timestep)
-        self.mocap = Mocap(scene, cell, config.mocap, rng)
-        self.model = self._compile(Held.RIGID)
+        self.mocap = Mocap(self.scene, cell, config.mocap, rng)
+        self._wrench_sensor = WrenchSensor(config.wrench_sensor, config.timestep, wrench_rng)
+        self._held = Held.RIGID if cell.tip is None else Held.COMPLIANT
+        self.model = self._compile(self._held)
         self.data = mujoco.MjData(self.model)
         self.data.time = time
         self._index()
@@ -70,7 +88,7 @@ class Simulator:
     @cached_property
     def _weight(self) -> Array:
         gravity = float(self.model.opt.gravity[2])
-        return np.array([0.0, 0.0, -gravity * self.scene.new_object.mass])
+        return np.array([0.0, 0.0, -gravity * self.description.new_object.mass])
 
     def accept(self, setpoints: Setpoints) -> None:
         """Hand setpoints to the joint controller; raises MessageError when they are refused."""
@@ -81,7 +99,10 @@ class Simulator:
         data = self.data
         q, v = data.qpos[self._q], data.qvel[self._v]
         data.ctrl[:] = self.controller.torque(self.time, q, v, self._mass_matrix)
+        if self.pump.state.is_closed:
+            self._payload.apply(self.model, data)
         mujoco.mj_step(self.model, data)
+        self._wrench_sensor.advance()
         if self.pump.state.is_closed:
             force, torque = self._cup_load()
             if not self.pump.update(force, torque):
@@ -94,15 +115,16 @@ class Simulator:
         return JointSample(self.time, d.qpos[self._q].copy(), d.qvel[self._v].copy(), d.ctrl.copy())
 
     def external_wrench(self) -> tuple[Array, Array]:
-        """External force `(3,)` [N] and torque `(3,)` [N m] on the held object, in the cup's frame.
+        """What the sensor says of the external force `(3,)` [N] and torque `(3,)` [N m] on the held object.
 
-        The weight of the object is taken off; zero when nothing is held.
+        In the cup's frame, the weight of the object as described taken off; with its errors alone when
+        nothing is held.
         """
         if not self.pump.state.is_closed:
-            return np.zeros(3), np.zeros(3)
+            return self._wrench_sensor.read(np.zeros(3), np.zeros(3))
         force, torque = self._cup_load()
         R_WN = self.data.body(self.scene.new_object.name).xmat.reshape(3, 3)
-        return R_WN.T @ self._weight - force, -torque
+        return self._wrench_sensor.read(R_WN.T @ self._weight - force, -torque)
 
     def truth(self) -> SceneState:
         """True poses and twists of all objects, the new one included."""
@@ -129,7 +151,7 @@ class Simulator:
         if distance > GRIP_DISTANCE or angle_between(X_TN.q, nominal.q) > GRIP_ANGLE:
             return f"the object is {1000 * distance:.0f} mm off the cup; allowed: 5 mm and 2 degrees"
         self.pump.close()
-        self._swap(Held.RIGID)
+        self._swap(self._held)
         return ""
 
     @property
@@ -137,11 +159,16 @@ class Simulator:
         return [*self.scene.names, self.scene.new_object.name]
 
     def _compile(self, held: Held) -> mujoco.MjModel:
-        return build_model(self.scene, self.cell, timestep=self.config.timestep, arm=Arm.DRIVEN, held=held)
+        model = build_model(self.scene, self.cell, timestep=self.config.timestep, arm=Arm.DRIVEN, held=held)
+        for name, friction in zip(JOINTS, self._joint_friction, strict=True):
+            dof = model.joint(name).dofadr[0]
+            model.dof_frictionloss[dof], model.dof_solimp[dof, :2] = friction, STICTION
+        return model
 
     def _index(self) -> None:
         self._q = np.array([self.model.joint(name).qposadr[0] for name in JOINTS])
         self._v = np.array([self.model.joint(name).dofadr[0] for name in JOINTS])
+        self._payload = PayloadCompensation(self.model, self.description)
 
     def _mass_matrix(self) -> Array:
         """The arm's `(7, 7)`, with what it holds [kg m^2]."""
@@ -159,6 +186,8 @@ class Simulator:
         self.data.qpos[self._q], self.data.qvel[self._v] = joints.q, joints.v
         for name in self._names if held is Held.FREE else self.scene.names:
             self._place(name, truth.objects[name])
+        if held is Held.COMPLIANT:
+            self._hang(truth.objects[self.scene.new_object.name].X_WO)
         mujoco.mj_forward(self.model, self.data)
 
     def _place(self, name: str, state: ObjectState) -> None:
@@ -166,6 +195,14 @@ class Simulator:
         v = self.model.joint(name).dofadr[0]
         self.data.qvel[v : v + 3] = state.v_WO_W
         self.data.qvel[v + 3 : v + 6] = rotate(conjugate(state.X_WO.q), state.w_WO_W)
+
+    def _hang(self, X_WN: Pose) -> None:
+        """Set the cup's springs so that the held object is where it was gripped."""
+        mujoco.mj_kinematics(self.model, self.data)
+        X_TN = body_pose(self.data, "tool").inverse() @ X_WN
+        coordinates = tip_coordinates(held_pose(self.scene), X_TN, self.scene.new_object.half_extents[2])
+        for name, value in zip(TIP_JOINTS, coordinates, strict=True):
+            self.data.joint(name).qpos[0] = value
 
     def _cup_load(self) -> tuple[Array, Array]:
         return self.data.sensordata[:3].copy(), self.data.sensordata[3:6].copy()

@@ -19,7 +19,7 @@ SIZE = {"width": 640, "height": 360}
 
 @dataclass(frozen=True)
 class FailurePicture:
-    """The last moment of a failed run; `video` is empty where none was made."""
+    """The last moment of a failed run; `video` is None where none was made."""
 
     trial: Trial
     picture: Path
@@ -27,12 +27,7 @@ class FailurePicture:
 
 
 def show_failures(
-    trials: tuple[Trial, ...],
-    load: Callable[[str], Run],
-    folder: Path,
-    *,
-    videos: int = 0,
-    progress: Callable[[Trial], None] = lambda _: None,
+    trials: tuple[Trial, ...], load: Callable[[str], Run], folder: Path, *, videos: int = 0
 ) -> list[FailurePicture]:
     """Draw the end of every given run, and the first `videos` of them whole.
 
@@ -41,21 +36,19 @@ def show_failures(
         load: the run of a trial by its name.
         folder: for the files.
         videos: how many to render as MP4.
-        progress: is told each trial when it is done.
 
     Raises:
-        PackError: there is no OpenGL to draw with.
+        PackError: there is no OpenGL to draw with, or a run cannot be read.
     """
     folder.mkdir(parents=True, exist_ok=True)
     shown = []
     for i, trial in enumerate(trials):
-        run, stem = load(trial.name), folder / trial.name.replace("/", "_")
-        _write_last(run, stem.with_suffix(".png"))
-        video = stem.with_suffix(".mp4") if i < videos else None
+        run, stem = load(trial.name), trial.name.strip("/").replace("/", "_")
+        picture, video = folder / f"{stem}.png", folder / f"{stem}.mp4" if i < videos else None
+        _write_last(run, picture)
         if video:
             write_video(run, video)
-        shown.append(FailurePicture(trial, stem.with_suffix(".png"), video))
-        progress(trial)
+        shown.append(FailurePicture(trial, picture, video))
     return shown
 
 

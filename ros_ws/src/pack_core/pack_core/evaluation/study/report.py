@@ -6,14 +6,13 @@ from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, StrictUndefined
 
 from pack_core.evaluation.study.failures import FailurePicture
 from pack_core.evaluation.study.figures import write_figures
 from pack_core.evaluation.study.tables import tables
-from pack_core.evaluation.study.trial import Study
+from pack_core.evaluation.study.trial import Study, Trial
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 REPORT, FIGURES = "report.html", "figures"
@@ -49,15 +48,11 @@ def write_study_report(
     return path
 
 
-def _failure(trial: Any, shown: FailurePicture | None) -> Failure:
-    measures = trial.measures
-    failure = Failure(trial.name, measures.exit_reason.value, trial.message, measures.placements)
-    if shown is None:
-        return failure
-    video = _embed(shown.video) if shown.video else ""
-    return Failure(
-        failure.name, failure.exit, failure.message, failure.placements, _embed(shown.picture), video
-    )
+def _failure(trial: Trial, shown: FailurePicture | None) -> Failure:
+    m = trial.measures
+    picture = _embed(shown.picture) if shown else ""
+    video = _embed(shown.video) if shown and shown.video else ""
+    return Failure(trial.name, m.exit_reason.value, trial.message, m.placements, picture, video)
 
 
 def _embed(path: Path) -> str:

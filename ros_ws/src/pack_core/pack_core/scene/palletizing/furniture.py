@@ -6,9 +6,10 @@ import mujoco
 import numpy as np
 
 from pack_core.cells.palletizing import Pallet, PalletizingCell, Table
+from pack_core.robots.kr210 import ARM_BITS
 
 BOX = mujoco.mjtGeom.mjGEOM_BOX
-SOLID = {"contype": 1, "conaffinity": 3, "condim": 3}
+SOLID = {"contype": 1, "conaffinity": 1 | ARM_BITS, "condim": 3}
 """Boxes and the arm touch it."""
 DRAWN = {"contype": 0, "conaffinity": 0, "mass": 0}
 TOP = 0.05

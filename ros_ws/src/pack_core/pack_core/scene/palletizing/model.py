@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import mujoco
 
 from pack_core.cells.palletizing import Contact, PalletizingCell
-from pack_core.robots.kr210 import LIMITS, add_kr210
+from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
 from pack_core.robots.surface_gripper import TOOL, add_surface_gripper
+from pack_core.rotations import Pose
 from pack_core.scene.palletizing.box_body import BoxBody
 from pack_core.scene.palletizing.furniture import add_furniture
 from pack_core.scene.palletizing.look import add_surroundings
@@ -54,12 +55,18 @@ def add_box(spec: mujoco.MjSpec, box: BoxBody) -> None:
     body.add_freejoint(name=box.name)
     body.add_geom(
         name=box.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=box.half_extents, mass=box.mass,
-        contype=1, conaffinity=3, condim=3, rgba=(0.72, 0.55, 0.36, 1.0),
+        contype=1, conaffinity=1 | ARM_BITS, condim=3, rgba=(0.72, 0.55, 0.36, 1.0),
     )  # fmt: skip
     spec.add_equality(
         name=box.name, type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY, name1=TOOL,
         name2=box.name, active=False, solref=GRIP_SOLREF, solimp=GRIP_SOLIMP,
     )  # fmt: skip
+
+
+def body_pose(data: mujoco.MjData, name: str) -> Pose:
+    """X_WB of a body after forward kinematics."""
+    body = data.body(name)
+    return Pose(body.xpos, body.xquat)
 
 
 def _add_motors(spec: mujoco.MjSpec) -> None:
@@ -83,6 +90,9 @@ def _set_solver(spec: mujoco.MjSpec, contact: Contact, timestep: float) -> None:
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # MuJoCo 4.0.0 may diverge with the sparse one (#3767)
     option.impratio = 10.0
     option.noslip_iterations = contact.noslip_iterations
+    if contact.sleep_speed > 0.0:
+        option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
+        option.sleep_tolerance = contact.sleep_speed
 
 
 def _set_contacts(spec: mujoco.MjSpec, contact: Contact) -> None:

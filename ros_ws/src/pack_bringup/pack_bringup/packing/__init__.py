@@ -1,0 +1,1 @@
+"""The packing cell without ROS: presets, the log of a run, many scenes."""

@@ -1,0 +1,70 @@
+"""Presets: named conditions under which the packing cell runs, `config/presets/*.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, Field
+
+from pack_bringup.node_parameters import merged, parameters_of
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config, load_config, validate_config
+from pack_core.errors import ConfigError
+from pack_core.paths import config_path
+
+C = TypeVar("C", bound=BaseModel)
+Section = dict[str, Any]
+
+
+class Preset(Config):
+    """What differs from the configuration files, in their own keys.
+
+    Attributes:
+        cell: over config/cells/packing.yaml.
+        sim: over config/nodes/sim.yaml; the other nodes likewise.
+    """
+
+    cell: Section = Field(default_factory=dict)
+    sim: Section = Field(default_factory=dict)
+    perception: Section = Field(default_factory=dict)
+    planner: Section = Field(default_factory=dict)
+    mpc: Section = Field(default_factory=dict)
+
+    def over(self, section: str, values: Mapping[str, Any]) -> Preset:
+        """The same preset with more values in one of its sections."""
+        return self.model_copy(update={section: merged(getattr(self, section), values)})
+
+    def packing_cell(self) -> PackingCell:
+        """The cell under this preset."""
+        path = config_path("cells", "packing.yaml")
+        facts = merged(yaml.safe_load(path.read_text()), self.cell)
+        return validate_config(PackingCell, facts, f"{path} with a preset")
+
+    def parameters(self, node: str, cls: type[C]) -> C:
+        """A core's configuration from its node's parameter file, under this preset.
+
+        Raises:
+            ConfigError: the preset names a parameter that the core does not have.
+        """
+        own: Section = getattr(self, node)
+        if unknown := sorted(set(own) - set(cls.model_fields)):
+            allowed = ", ".join(cls.model_fields)
+            raise ConfigError(f"preset: '{node}' has no {', '.join(unknown)}; allowed: {allowed}")
+        given, source = parameters_of(node)
+        known = {key: value for key, value in given.items() if key in cls.model_fields}
+        return validate_config(cls, merged(known, own), f"{source} with a preset")
+
+
+def load_preset(name: str) -> Preset:
+    """The preset `config/presets/<name>.yaml`.
+
+    Raises:
+        ConfigError: there is none, or it has a section that is not allowed.
+    """
+    path = config_path("presets", f"{name}.yaml")
+    if not path.is_file():
+        known = ", ".join(sorted(item.stem for item in path.parent.glob("*.yaml")))
+        raise ConfigError(f"no preset '{name}'; allowed: {known} (files in {path.parent})")
+    return load_config(Preset, path)

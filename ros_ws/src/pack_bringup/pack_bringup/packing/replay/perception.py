@@ -1,0 +1,73 @@
+"""The physics estimator on recorded joints and markers, against the recorded estimate."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from pack_bringup.node_parameters import load_parameters
+from pack_bringup.packing.replay.comparison import Replay, Row, check_frames
+from pack_core.cells.packing import packing_cell
+from pack_core.evaluation.arrays import DESCRIPTION, JOINTS, to_run
+from pack_core.evaluation.bag import Bag
+from pack_core.evaluation.track import Track, to_tracks
+from pack_core.ros.conversions import from_joint_state, from_markers
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import JointSample, MarkerFrame, SceneState
+from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
+
+MARKERS = "/mocap/markers"
+TOPICS = (DESCRIPTION, JOINTS, MARKERS)
+PERCENT = 95
+LIMIT_MM = 1.0
+"""Of the 95th percentile: node and core take steps on joint samples of their own, which contact magnifies."""
+
+
+def replay_perception(bag: Bag) -> Replay:
+    """Estimate again, with the parameters of config/nodes/perception.yaml, and compare within the goal.
+
+    Raises:
+        BagError: the recording lacks a topic or too many of its messages.
+    """
+    joints = [from_joint_state(message).time for message in bag.of(JOINTS)]
+    frames = [from_markers(message).time for message in bag.of(MARKERS)]
+    counts = {
+        topic: check_frames(bag, topic, times) for topic, times in ((JOINTS, joints), (MARKERS, frames))
+    }
+    run, estimated = to_run(bag), estimate_again(bag)
+    rows = tuple(
+        _compare(name, track.between(run.start, run.end), estimated.get(name))
+        for name, track in run.estimate.items()
+    )
+    return Replay("perception", counts, rows)
+
+
+def estimate_again(bag: Bag) -> dict[str, Track]:
+    """The estimate after every marker frame by object, the messages fed in as they were recorded."""
+    scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
+    estimator = PhysicsEstimator(scene, packing_cell(), load_parameters("perception", EstimatorConfig))
+    waiting: deque[MarkerFrame] = deque()
+    states: list[SceneState] = []
+    for item in bag.messages:
+        if item.topic == JOINTS:
+            _advance(estimator, from_joint_state(item.message))
+        elif item.topic == MARKERS:
+            waiting.append(from_markers(item.message))
+        while waiting and not estimator.is_ahead(waiting[0]):
+            estimator.correct(waiting.popleft())
+            states.append(estimator.state(estimator.time))
+    return to_tracks(states)
+
+
+def _advance(estimator: PhysicsEstimator, joints: JointSample) -> None:
+    if estimator.wants(joints.time):
+        estimator.advance(joints)
+
+
+def _compare(name: str, recorded: Track, again: Track | None) -> Row:
+    if again is None or not recorded.times.size:
+        return Row(name, 0, float("nan"), float("nan"), LIMIT_MM)
+    errors = 1e3 * again.at(recorded.times).distance_to(recorded.p)
+    worst = float(np.percentile(errors, PERCENT))
+    return Row(name, errors.size, float(errors.mean()), worst, LIMIT_MM)

@@ -1,0 +1,105 @@
+"""The placement planner on recorded scenes, against the placements that the goal pursued."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_bringup.node_parameters import load_parameters, parameters_of
+from pack_bringup.packing.replay.comparison import Replay, Row, check_frames
+from pack_core.cells.packing import packing_cell
+from pack_core.evaluation.arrays import DESCRIPTION, ESTIMATE, to_run
+from pack_core.evaluation.bag import Bag
+from pack_core.evaluation.run import Run
+from pack_core.ros.conversions import from_scene
+from pack_core.rotations import Array
+from pack_core.scene.scene import Scene
+from pack_core.scene.state import SceneState
+from pack_mpc.session import Method, SessionConfig
+from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
+
+WINDOW = 0.05
+"""The request itself is not recorded: it held one of the scenes this close to when it was sent [s]."""
+LIMIT_MM = 1e-6
+"""The same scene gives the same placement."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A placement that was asked for, and what came of it.
+
+    Attributes:
+        sent: about when [s].
+        tried: positions of the placements before it `(n, 3)` [m].
+        p_WT: position that was answered `(3,)` [m].
+        collisions: its collision list.
+    """
+
+    sent: float
+    tried: Array
+    p_WT: Array
+    collisions: tuple[str, ...]
+
+
+def replay_planner(bag: Bag, *, seed: int, method: Method = Method.PACK_IT_IN) -> Replay:
+    """Plan again, with the parameters of config/nodes/planner.yaml, each placement of the goal.
+
+    Args:
+        bag: the recording.
+        seed: of the goal.
+        method: of the goal.
+
+    Raises:
+        BagError: the recording lacks a topic or too many of its messages.
+    """
+    scenes = [from_scene(message) for message in bag.of(ESTIMATE)]
+    min_rate = float(parameters_of("perception")[0]["min_rate"])
+    count = check_frames(bag, ESTIMATE, [scene.time for scene in scenes], min_rate)
+    scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
+    planner = PlacementPlanner(scene, packing_cell(), load_parameters("planner", PlacementConfig))
+    rows = tuple(
+        _compare(planner, request, _near(scenes, request.sent), seed, method)
+        for request in requests(to_run(bag))
+    )
+    return Replay("planner", {ESTIMATE: count}, rows)
+
+
+def requests(run: Run) -> Iterator[Request]:
+    """The placements of a goal in their order: the first asked for at its start, the others at a stall."""
+    done = run.iterations
+    firsts = [int(i) for i in np.unique(done.placements, return_index=True)[1]] if done.times.size else []
+    for n, first in enumerate(firsts):
+        sent = run.start if n == 0 else _stalled(run, firsts[n - 1], first)
+        yield Request(sent, done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first])
+
+
+def _stalled(run: Run, start: int, end: int) -> float:
+    """When the placement of the iterations from `start` to `end` was given up: back in PRE_PACK [s]."""
+    stages = run.iterations.stages
+    back = [i for i in range(start + 1, end) if stages[i] == "PRE_PACK" and stages[i - 1] == "INSERT"]
+    return float(run.iterations.times[back[-1] if back else end - 1])
+
+
+def _near(scenes: list[SceneState], time: float) -> list[SceneState]:
+    return [scene for scene in scenes if abs(scene.time - time) <= WINDOW]
+
+
+def _compare(
+    planner: PlacementPlanner, request: Request, scenes: list[SceneState], seed: int, method: Method
+) -> Row:
+    """The nearest placement among those that the scenes give; stops at the one that was recorded."""
+    radius = load_parameters("mpc", SessionConfig).task.avoid_radius
+    best, planned = float("inf"), 0
+    for scene in scenes:
+        placement = planner.plan(
+            scene, np.random.default_rng(seed + len(request.tried)), variant=method.placement_variant,
+            avoid=list(request.tried), avoid_radius=radius,
+        )  # fmt: skip
+        planned += 1
+        if placement.X_WO is not None and placement.collisions == request.collisions:
+            best = min(best, 1e3 * float(np.linalg.norm(placement.X_WO.p - request.p_WT)))
+        if best <= LIMIT_MM:
+            break
+    return Row(f"placement {len(request.tried) + 1}", planned, best, best, LIMIT_MM)

@@ -1,0 +1,1 @@
+"""What moves: an arm with its kinematics, its limits and its shape."""

@@ -1,0 +1,60 @@
+"""The arms of the cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import mujoco
+import numpy as np
+
+from pack_core.cells.blocks import blocks_cell
+from pack_core.cells.palletizing import palletizing_cell
+from pack_core.errors import ConfigError
+from pack_core.kinematics.model_chain import chain_from_model
+from pack_core.kinematics.parallel_axes import ParallelAxes
+from pack_core.kinematics.spherical_wrist import SphericalWrist
+from pack_core.robots import kr210, ur10e
+from pack_core.robots.robotiq_2f85 import add_robotiq_2f85
+from pack_core.robots.surface_gripper import add_surface_gripper
+from pack_motion.arm.arm import Arm
+from pack_motion.arm.body_boxes import boxes_from_model
+
+TOOL = "tool"
+
+
+@cache
+def load_arm(cell: str) -> Arm:
+    """The arm of a cell, as `config/cells/<cell>.yaml` has it.
+
+    Raises:
+        ConfigError: the cell has no arm that is moved so.
+    """
+    if cell not in ARMS:
+        raise ConfigError(f"no arm for cell '{cell}'; there are: {', '.join(ARMS)}")
+    return ARMS[cell]()
+
+
+def _palletizing() -> Arm:
+    cell = palletizing_cell()
+    spec = mujoco.MjSpec()
+    flange = kr210.add_kr210(spec, cell.arm.X_WB, look=False)
+    add_surface_gripper(flange, cell.tool, look=False)
+    model, limits = spec.compile(), kr210.LIMITS
+    chain = chain_from_model(model, kr210.JOINTS, TOOL)
+    inverse = SphericalWrist(chain, limits.lower, limits.upper)
+    return Arm(chain, inverse, limits, np.array(cell.arm.home), boxes_from_model(model, kr210.JOINTS))
+
+
+def _blocks() -> Arm:
+    cell = blocks_cell()
+    spec = mujoco.MjSpec()
+    flange = ur10e.add_ur10e(spec, cell.robot.base.to_pose(), contype=1, conaffinity=1)
+    add_robotiq_2f85(flange, spec, pad_friction=cell.gripper.pad_friction, contype=1, conaffinity=1)
+    model, limits = spec.compile(), ur10e.LIMITS
+    chain = chain_from_model(model, ur10e.JOINTS, TOOL)
+    inverse = ParallelAxes(chain, limits.lower, limits.upper)
+    return Arm(chain, inverse, limits, np.array(cell.robot.look), boxes_from_model(model, ur10e.JOINTS))
+
+
+ARMS: dict[str, Callable[[], Arm]] = {"palletizing": _palletizing, "blocks": _blocks}

@@ -1,0 +1,91 @@
+"""Searches how far a transfer must lift and from how high it must come in, until it is clear."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pack_core.motion.moves import Line, Path, PoseMove, Retreat, Segment, Transfer
+from pack_core.rotations import Array, Pose
+from pack_motion.arm.arm import Arm
+from pack_motion.clearance.check import ClearanceCheck, Surrounding
+from pack_motion.reference.path_planner import PathPlanner, Plan
+from pack_motion.reference.refusal import MoveRefused
+from pack_motion.reference.trajectory import JointState
+
+STEP = 0.08
+"""By which lengths are raised [m]."""
+DEPART, TRANSIT = "depart", "transit"
+
+
+class TransferPlanner:
+    """Plans transfers that are clear of everything around."""
+
+    def __init__(self, arm: Arm, paths: PathPlanner, check: ClearanceCheck) -> None:
+        self._arm, self._paths, self._check = arm, paths, check
+
+    def plan(self, start: JointState, transfer: Transfer, around: Surrounding) -> Plan:
+        """The first clear plan on the way from the shortest lines to the longest.
+
+        A transfer that is not clear in its first half is lifted farther, otherwise it comes in from farther
+        away; where that line has its full length, or cannot be longer, the other one grows.
+
+        Raises:
+            MoveRefused: none is clear; its text is what stood against the last one.
+        """
+        depart = _lengths(transfer.depart) if transfer.depart else np.zeros(1)
+        hover = _lengths(transfer.hover)
+        i = j = 0
+        best_refusal = ""
+        while True:
+            try:
+                plan = self._paths.plan(start, self._path(start, transfer, depart[i], hover[j]))
+            except MoveRefused as refusal:
+                raise MoveRefused(best_refusal or str(refusal)) from refusal
+            conflict = self._check.conflict(plan, around)
+            if conflict is None:
+                return plan
+            best_refusal = conflict.text
+            if plan.segments[conflict.segment].label != TRANSIT:
+                raise MoveRefused(conflict.text)
+            is_early = conflict.time < _middle(plan)
+            can_lift, can_hover = i + 1 < len(depart), j + 1 < len(hover)
+            if can_lift and (is_early or not can_hover):
+                i += 1
+            elif can_hover:
+                j += 1
+            else:
+                raise MoveRefused(conflict.text)
+
+    def _path(self, start: JointState, transfer: Transfer, depart: float, hover: float) -> Path:
+        first = transfer.lines[0]
+        X_hover = _shifted(first.X_WT, transfer.hover, hover)
+        segments: list[Segment] = []
+        if transfer.depart is not None:
+            out = transfer.depart
+            X_away = _shifted(self._arm.chain.forward(start.q), out, depart)
+            segments.append(
+                Line(X_away, out.speed, out.acceleration, exit_speed=out.pass_speed, label=DEPART)
+            )
+        segments.append(PoseMove(X_hover, transfer.speed, transfer.acceleration, label=TRANSIT))
+        segments.append(replace(first, entry_speed=transfer.hover.pass_speed))
+        return Path((*segments, *transfer.lines[1:]))
+
+
+def _lengths(retreat: Retreat) -> Array:
+    shortest, longest = retreat.lengths
+    n = max(int(np.ceil((longest - shortest) / STEP - 1e-9)), 0) + 1
+    return np.linspace(shortest, longest, n)
+
+
+def _shifted(X: Pose, retreat: Retreat, length: float) -> Pose:
+    direction = np.asarray(retreat.direction, dtype=float)
+    return Pose(X.p + length * direction / np.linalg.norm(direction), X.q)
+
+
+def _middle(plan: Plan) -> float:
+    """Half-way through the transit [s]."""
+    labels = [segment.label for segment in plan.segments]
+    times = plan.trajectory.times[plan.trajectory.segment == labels.index(TRANSIT)]
+    return float(0.5 * (times[0] + times[-1]))

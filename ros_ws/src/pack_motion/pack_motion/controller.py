@@ -1,0 +1,185 @@
+"""The motion controller: targets in, joint setpoints out, step by step; it owns no clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from pack_core.errors import PackError
+from pack_core.motion.moves import JointMove, Mode, Move, Path
+from pack_core.motion.target import Acceptance, JointSetpoint, MotionState, MotionStatus, MotionTarget
+from pack_core.motion.world import Obstacle
+from pack_core.rotations import Array
+from pack_core.scene.state import JointSample
+from pack_motion.arm.arm import Arm
+from pack_motion.clearance.check import ClearanceCheck, Surrounding
+from pack_motion.clearance.transfer import TransferPlanner
+from pack_motion.progress import Progress
+from pack_motion.reference.path_planner import PathPlanner, Plan
+from pack_motion.reference.refusal import MoveRefused
+from pack_motion.reference.trajectory import JointState
+from pack_motion.rmpflow.spheres import arm_spheres
+from pack_motion.stuck import StuckDetector
+from pack_motion.tracking.config import MotionSet
+from pack_motion.tracking.obstacle_field import ObstacleField
+from pack_motion.tracking.pursuit import pursuit_of
+from pack_motion.tracking.tracker import Surroundings, Tracker
+
+LONGEST_STEP = 0.1
+"""A longer step is a gap in time that must not be integrated over [s]."""
+
+
+class MotionController:
+    """Moves one arm.
+
+    Args:
+        arm: what moves.
+        config: a named set of parameters.
+        time: now [s].
+        q: where the arm stands `(n,)` [rad].
+    """
+
+    def __init__(self, arm: Arm, config: MotionSet, time: float, q: Array) -> None:
+        self._arm, self._config = arm, config
+        self._paths = PathPlanner(arm)
+        self._check = ClearanceCheck(arm, config.clearance)
+        self._transfers = TransferPlanner(arm, self._paths, self._check)
+        self._arm_spheres = arm_spheres(arm, config.first_sphere_link)
+        self.reset(time, q)
+
+    def reset(self, time: float, q: Array) -> None:
+        """Start over with the arm at rest at `q` `(n,)`."""
+        self._time = time
+        self._mode = Mode.FAST
+        self._tracker = Tracker(self._arm, self._config, np.array(q, dtype=float))
+        self._progress, self._stuck = Progress(self._arm), StuckDetector(self._config.stuck)
+        self._state, self._reason = MotionState.IDLE, ""
+        self._moving: dict[str, Obstacle] = {}
+        standing = self._paths.plan(self._tracker.state, Path((JointMove(self._tracker.state.q),)))
+        self._follow(MotionTarget(0, Path((JointMove(self._tracker.state.q),))), standing)
+        self._state = MotionState.IDLE
+
+    @property
+    def commanded(self) -> JointState:
+        """Where the joints were last told to be."""
+        return self._tracker.state
+
+    @property
+    def plan(self) -> Plan:
+        """What is being followed."""
+        return self._pursuit.plan
+
+    def command(self, target: MotionTarget) -> Acceptance:
+        """Plan a target, and follow it from the next step on.
+
+        A target that is refused changes nothing but the status.
+        """
+        try:
+            plan = self._plan(target)
+        except MoveRefused as refusal:
+            self._state, self._reason = MotionState.REFUSED, str(refusal)
+            return Acceptance(False, self._reason)
+        self._follow(target, plan)
+        return Acceptance(True, "", plan.trajectory.duration)
+
+    def stop(self) -> None:
+        """Come to rest as fast as the limits allow."""
+        trajectory = self._paths.stop(self.commanded)
+        goal = JointMove(trajectory.end.q, label="stop")
+        plan = Plan(trajectory, (goal,), self._arm.chain.forward(trajectory.end.q))
+        self._follow(replace(self._target, move=Path((goal,))), plan)
+
+    def observe(self, obstacles: Iterable[Obstacle]) -> None:
+        """Where moving obstacles are now; those of an earlier call that are not named are gone."""
+        self._moving = {item.name: item for item in obstacles}
+        self._refresh_field()
+
+    def step(self, time: float, sample: JointSample) -> JointSetpoint:
+        """Advance to `time`.
+
+        Args:
+            time: that the setpoint is for [s]; later than the last one.
+            sample: the newest measurement, not later than `time`.
+
+        Raises:
+            PackError: time went back, or jumped.
+        """
+        h = time - self._time
+        if not 0.0 < h <= LONGEST_STEP:
+            raise PackError(
+                f"a step to {time:.4f} s from {self._time:.4f} s; allowed: forward by at most 0.1 s"
+            )
+        self._time = time
+        pursuit, tracker = self._pursuit, self._tracker
+        before, after, posture = pursuit.advance(h, tracker.deviation)
+        mode = pursuit.plan.segments[pursuit.segment].mode
+        if mode is not self._mode:
+            self._mode = mode
+            self._refresh_field()
+        seen = Surroundings(self._config.policies(mode), self._spheres, self._field)
+        tracker.step(h, before, after, posture, seen)
+        self._progress.record(time, tracker.state)
+        self._judge(h, sample)
+        return JointSetpoint(time, tracker.state.q, tracker.state.v, tracker.state.a)
+
+    def status(self) -> MotionStatus:
+        """Where the move stands."""
+        progress, pursuit = self._progress, self._pursuit
+        return MotionStatus(
+            time=self._time, id=self._target.id, state=self._state, segment=pursuit.segment,
+            label=pursuit.plan.segments[pursuit.segment].label, remaining=pursuit.remaining,
+            position_error=progress.position_error, orientation_error=progress.orientation_error,
+            path_error=progress.path_error, reached_steps=progress.reached_steps, reason=self._reason,
+            X_WT=progress.X_WT,
+        )  # fmt: skip
+
+    def _plan(self, target: MotionTarget) -> Plan:
+        around = Surrounding(target.obstacles, target.carried, target.contacts)
+        move: Move = target.move
+        if isinstance(move, Path):
+            plan = self._paths.plan(self.commanded, move)
+            conflict = self._check.conflict(plan, around) if target.is_checked else None
+            if conflict is not None:
+                raise MoveRefused(conflict.text)
+            return plan
+        return self._transfers.plan(self.commanded, move, around)
+
+    def _follow(self, target: MotionTarget, plan: Plan) -> None:
+        self._target = target
+        self._pursuit = pursuit_of(plan, self._config, self._arm.home)
+        self._spheres = self._arm_spheres.with_carried(self._arm, target.carried)
+        self._mode = plan.segments[self._pursuit.segment].mode
+        self._refresh_field()
+        self._progress.restart()
+        self._stuck.restart()
+        self._state, self._reason = MotionState.MOVING, ""
+
+    def _refresh_field(self) -> None:
+        known = {item.name: item for item in self._target.obstacles} | self._moving
+        self._field: ObstacleField = ObstacleField.of(
+            known.values(), self._config.policies(self._mode).collision
+        )
+
+    def _judge(self, h: float, sample: JointSample) -> None:
+        """Bring the status up to date."""
+        pursuit, progress, target = self._pursuit, self._progress, self._target
+        progress.measure(sample, pursuit.plan.X_WT, target.tolerance, pursuit.is_over)
+        if self._state in (MotionState.IDLE, MotionState.REFUSED):
+            return
+        is_reached = progress.reached_steps >= target.tolerance.steps
+        wrong = self._stuck.update(h, pursuit.rate, pursuit.is_over, is_reached)
+        if is_reached:
+            self._state, self._reason = MotionState.REACHED, ""
+        elif wrong:
+            self._state, self._reason = MotionState.STUCK, self._explained(wrong)
+        else:
+            self._state = MotionState.SETTLING if pursuit.is_over else MotionState.MOVING
+            self._reason = ""
+
+    def _explained(self, wrong: str) -> str:
+        error = f"the tool is {1000 * self._progress.position_error:.0f} mm from its target"
+        near = self._tracker.least_distance
+        around = f"; the nearest of {', '.join(self._field.names)} is {1000 * near:.0f} mm away"
+        return f"{wrong}: {error}{around if np.isfinite(near) else ''}"

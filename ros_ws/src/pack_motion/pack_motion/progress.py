@@ -1,0 +1,57 @@
+"""How a target is being reached, as measured."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from pack_core.motion.target import Tolerance
+from pack_core.rotations import Array, Pose, angle_between
+from pack_core.scene.state import JointSample
+from pack_motion.arm.arm import Arm
+from pack_motion.reference.trajectory import JointState
+
+MEMORY = 64
+"""Commanded states that are kept, to be compared with measurements that come later."""
+
+
+class Progress:
+    """Compares what the joints do with what they were told and with where they are going."""
+
+    def __init__(self, arm: Arm) -> None:
+        self._arm = arm
+        self._commanded: deque[tuple[float, JointState]] = deque(maxlen=MEMORY)
+        self.X_WT = Pose(np.zeros(3))
+        self.position_error = self.orientation_error = self.path_error = np.inf
+        self.reached_steps = 0
+
+    def restart(self) -> None:
+        """A new target."""
+        self.reached_steps = 0
+
+    def record(self, time: float, state: JointState) -> None:
+        """What the joints were told for a time [s]."""
+        self._commanded.append((time, state))
+
+    def measure(self, sample: JointSample, X_WG: Pose, tolerance: Tolerance, is_over: bool) -> None:
+        """Take a measurement; steps count as reached only where the reference `is_over`."""
+        self.X_WT = self._arm.chain.forward(sample.q)
+        self.position_error = float(np.linalg.norm(self.X_WT.p - X_WG.p))
+        self.orientation_error = float(angle_between(self.X_WT.q, X_WG.q))
+        p_commanded = self._arm.chain.forward_matrix(self._told(sample))[1]
+        self.path_error = float(np.linalg.norm(self.X_WT.p - p_commanded))
+        is_there = (
+            is_over
+            and self.position_error <= tolerance.position
+            and self.orientation_error <= np.deg2rad(tolerance.orientation_deg)
+        )
+        self.reached_steps = self.reached_steps + 1 if is_there else 0
+
+    def _told(self, sample: JointSample) -> Array:
+        """What the joints had been told for the moment of the measurement."""
+        for time, state in reversed(self._commanded):
+            if time <= sample.time + 1e-9:
+                ahead = sample.time - time
+                return np.asarray(state.q + ahead * (state.v + 0.5 * ahead * state.a))
+        return self._commanded[0][1].q if self._commanded else sample.q

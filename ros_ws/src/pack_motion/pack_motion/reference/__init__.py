@@ -1,0 +1,1 @@
+"""References the arm can follow: within all joint limits, jerk-limited, without needless stops."""

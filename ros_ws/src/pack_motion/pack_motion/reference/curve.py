@@ -1,0 +1,123 @@
+"""The way of the tool along lines with rounded corners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, to_matrix
+
+RADIUS = 0.3
+"""A turn by 1 rad counts as a way of this length [m]."""
+CORNER_ROWS = 65
+
+
+@dataclass(frozen=True)
+class CurvePoints:
+    """Where the tool is at T places along curves, and how that changes with the way s.
+
+    Attributes:
+        p: positions `(T, 3)` [m].
+        R: orientations `(T, 3, 3)`.
+        dp: of the position `(T, 3)`.
+        ddp: of that `(T, 3)` [1/m].
+        turn: of the orientation `(T, 3)`, world axes [rad/m].
+    """
+
+    p: Array
+    R: Array
+    dp: Array
+    ddp: Array
+    turn: Array
+
+
+class Curve(Protocol):
+    """A piece of the way."""
+
+    length: float
+    """[m]."""
+
+    def at(self, s: Array) -> CurvePoints:
+        """Where the tool is at ways `(T,)` from 0 to `length` [m]."""
+
+
+class StraightCurve:
+    """From pose to pose, turning evenly about one axis."""
+
+    def __init__(self, X_start: Pose, X_end: Pose) -> None:
+        step = X_end.p - X_start.p
+        turn = log(multiply(X_end.q, conjugate(X_start.q)))
+        self._p, self._q = X_start.p, X_start.q
+        self.length = max(float(np.linalg.norm(step)), RADIUS * float(np.linalg.norm(turn)))
+        self.direction = step / max(self.length, 1e-12)
+        """Of the position `(3,)`, by the way."""
+        self.turn = turn / max(self.length, 1e-12)
+        """Of the orientation `(3,)`, by the way [rad/m]."""
+
+    def at(self, s: Array) -> CurvePoints:
+        """Where the tool is at ways `(T,)` [m]."""
+        R = to_matrix(multiply(exp(s[:, None] * self.turn), np.broadcast_to(self._q, (len(s), 4))))
+        dp, turn = (np.broadcast_to(row, (len(s), 3)) for row in (self.direction, self.turn))
+        return CurvePoints(self._p + s[:, None] * dp, R, dp, np.zeros((len(s), 3)), turn)
+
+
+class CornerCurve:
+    """A corner rounded by a quintic Bezier curve that leaves and meets the lines without curvature.
+
+    Args:
+        p: where it leaves the first line, the corner, and where it meets the second `(3, 3)` [m].
+        q: orientation, which stays.
+    """
+
+    def __init__(self, p: Array, q: Array) -> None:
+        first, corner, last = p
+        self._points = np.array(
+            [first, first + 0.4 * (corner - first), first + 0.8 * (corner - first),
+             last + 0.8 * (corner - last), last + 0.4 * (corner - last), last]
+        )  # fmt: skip
+        self._R = to_matrix(q)
+        u = np.linspace(0.0, 1.0, CORNER_ROWS)
+        nodes, weights = np.polynomial.legendre.leggauss(5)
+        inner = u[:-1, None] + np.diff(u)[:, None] * 0.5 * (nodes + 1.0)
+        speeds = np.linalg.norm(self._bezier(inner.ravel(), 1), axis=1).reshape(inner.shape)
+        way = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(u) * (speeds @ weights))])
+        self._u_of = CubicHermiteSpline(way, u, 1.0 / np.linalg.norm(self._bezier(u, 1), axis=1))
+        self.length = float(way[-1])
+
+    @property
+    def sharpest(self) -> float:
+        """Largest curvature [1/m]."""
+        bends = self.at(np.linspace(0.0, self.length, CORNER_ROWS)).ddp
+        return float(np.linalg.norm(bends, axis=1).max())
+
+    def at(self, s: Array) -> CurvePoints:
+        """Where the tool is at ways `(T,)` [m]."""
+        u = np.clip(self._u_of(s), 0.0, 1.0)
+        d, dd = self._bezier(u, 1), self._bezier(u, 2)
+        rate = np.linalg.norm(d, axis=1, keepdims=True)
+        dp = d / rate
+        ddp = (dd - np.sum(dd * dp, axis=1, keepdims=True) * dp) / rate**2
+        R = np.broadcast_to(self._R, (len(s), 3, 3))
+        return CurvePoints(self._bezier(u, 0), R, dp, ddp, np.zeros((len(s), 3)))
+
+    def _bezier(self, u: Array, order: int) -> Array:
+        """Derivative of an order at parameters `(T,)` (de Casteljau): `(T, 3)`."""
+        points, degree, factor = self._points, 5, 1.0
+        for _ in range(order):
+            points, factor, degree = np.diff(points, axis=0), factor * degree, degree - 1
+        points, u = np.broadcast_to(points, (len(u), *points.shape)), u[:, None, None]
+        for _ in range(degree):
+            points = (1.0 - u) * points[:, :-1] + u * points[:, 1:]
+        return np.asarray(factor * points[:, 0])
+
+
+def trimmed(X_start: Pose, X_end: Pose, cuts: Sequence[float]) -> StraightCurve:
+    """The line between two poses of one orientation with a length cut off at either end [m]."""
+    step = X_end.p - X_start.p
+    direction = step / np.linalg.norm(step)
+    ends = X_start.p + cuts[0] * direction, X_end.p - cuts[1] * direction
+    return StraightCurve(Pose(ends[0], X_start.q), Pose(ends[1], X_end.q))

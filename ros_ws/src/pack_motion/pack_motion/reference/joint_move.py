@@ -1,0 +1,74 @@
+"""Fastest jerk-limited moves between joint states (ruckig)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import ruckig
+
+from pack_core.rotations import Array
+from pack_motion.reference.refusal import MoveRefused
+from pack_motion.reference.trajectory import JointState, Trajectory, grid
+
+SLACK = 1.001
+"""The limits of a move are at least this times what its ends ask for."""
+
+
+@dataclass(frozen=True)
+class MoveLimits:
+    """Velocity [rad/s], acceleration [rad/s^2] and jerk [rad/s^3], each `(n,)`."""
+
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+
+    def scaled(self, speed: float, acceleration: float) -> MoveLimits:
+        """Shares of the velocity and of the acceleration limits; jerk as the acceleration."""
+        return MoveLimits(speed * self.velocity, acceleration * self.acceleration, acceleration * self.jerk)
+
+
+def joint_move(start: JointState, end: JointState, limits: MoveLimits, segment: int) -> Trajectory:
+    """The fastest move from `start` to `end`, all joints arriving together.
+
+    Raises:
+        MoveRefused: there is none.
+    """
+    request = ruckig.InputParameter(len(start.q))
+    request.current_position, request.target_position = start.q, end.q
+    request.target_velocity, request.target_acceleration = end.v, end.a
+    return _solve(request, start, end, limits, segment)
+
+
+def brake(start: JointState, limits: MoveLimits, segment: int) -> Trajectory:
+    """The fastest stop."""
+    request = ruckig.InputParameter(len(start.q))
+    request.control_interface = ruckig.ControlInterface.Velocity
+    request.synchronization = ruckig.Synchronization.No
+    request.current_position = start.q
+    return _solve(request, start, JointState.at_rest(start.q), limits, segment)
+
+
+def _solve(
+    request: ruckig.InputParameter, start: JointState, end: JointState, limits: MoveLimits, segment: int
+) -> Trajectory:
+    request.current_velocity, request.current_acceleration = start.v, start.a
+    request.max_velocity = _at_least(limits.velocity, start.v, end.v)
+    request.max_acceleration = _at_least(limits.acceleration, start.a, end.a)
+    request.max_jerk = limits.jerk
+    found = ruckig.Trajectory(len(start.q))
+    outcome = ruckig.Ruckig(len(start.q)).calculate(request, found)
+    if outcome not in (ruckig.Result.Working, ruckig.Result.Finished):
+        raise MoveRefused(f"no move from {start.q.round(3).tolist()} to {end.q.round(3).tolist()}: {outcome}")
+    return sampled(found, segment)
+
+
+def sampled(found: ruckig.Trajectory, segment: int) -> Trajectory:
+    """Rows of what ruckig found."""
+    times = grid(found.duration)
+    rows = np.array([found.at_time(float(time)) for time in times])
+    return Trajectory(times, rows[:, 0], rows[:, 1], rows[:, 2], np.full(len(times), segment))
+
+
+def _at_least(limit: Array, first: Array, last: Array) -> Array:
+    return np.maximum(limit, SLACK * np.maximum(np.abs(first), np.abs(last)))

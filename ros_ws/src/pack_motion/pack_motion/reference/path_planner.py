@@ -1,0 +1,179 @@
+"""From a path to one reference through all of its segments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.errors import PackError
+from pack_core.kinematics.inverse import Branch
+from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
+from pack_core.rotations import Array, Pose
+from pack_motion.arm.arm import Arm
+from pack_motion.reference.joint_move import MoveLimits, brake, joint_move
+from pack_motion.reference.line_run import line_run, stretches
+from pack_motion.reference.refusal import MoveRefused
+from pack_motion.reference.trajectory import JointState, Trajectory
+
+SHARE = 0.98
+"""Of the joint limits that references use; the rest is left to the tracking."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A reference through a path.
+
+    Attributes:
+        trajectory: from the start to rest at the goal.
+        segments: of the path; the trajectory's rows point to them.
+        X_WT: the goal of the tool.
+    """
+
+    trajectory: Trajectory
+    segments: tuple[Segment, ...]
+    X_WT: Pose
+
+
+class PathPlanner:
+    """Plans references for one arm."""
+
+    def __init__(self, arm: Arm) -> None:
+        self._arm = arm
+        limits = arm.limits
+        self._limits = MoveLimits(SHARE * limits.velocity, SHARE * limits.acceleration, arm.jerk)
+
+    def plan(self, start: JointState, path: Path) -> Plan:
+        """The reference from `start` through all segments, to rest at the last one's end.
+
+        Raises:
+            MoveRefused: there is none within the arm's reach and limits.
+        """
+        if not path.segments:
+            raise PackError("a path needs at least one segment")
+        trajectory = self._segments(start, path.segments, 0)
+        self._check(trajectory)
+        return Plan(trajectory, path.segments, self._arm.chain.forward(trajectory.end.q))
+
+    def stop(self, start: JointState) -> Trajectory:
+        """The fastest stop from `start`."""
+        return brake(start, self._limits, 0)
+
+    def _segments(self, start: JointState, segments: Sequence[Segment], i: int) -> Trajectory:
+        """The reference through the segments from the i-th on."""
+        if isinstance(segments[i], Line):
+            return self._lines_first(start, segments, i)
+        refusals: list[str] = []
+        for goal in self._goals(start, segments, i):
+            try:
+                return self._through(start, goal, segments, i)
+            except MoveRefused as refusal:
+                refusals.append(str(refusal))
+        raise MoveRefused(f"'{segments[i].label}': {refusals[0] if refusals else 'the pose is out of reach'}")
+
+    def _lines_first(self, start: JointState, segments: Sequence[Segment], i: int) -> Trajectory:
+        if not start.is_at_rest:
+            stopped = brake(start, self._limits, i)
+            return stopped.followed_by(self._lines_first(stopped.end, segments, i))
+        run, j = self._run(start.q, segments, i, 0.0)
+        return self._continued(run, segments, j)
+
+    def _through(self, start: JointState, q: Array, segments: Sequence[Segment], i: int) -> Trajectory:
+        """A joint move to `q`, and all that follows."""
+        move = segments[i]
+        assert not isinstance(move, Line)
+        limits = self._limits.scaled(move.speed, move.acceleration)
+        end, after = JointState.at_rest(q), None
+        if i + 1 < len(segments) and not move.stop:
+            follower = segments[i + 1]
+            if isinstance(follower, Line):
+                after, j = self._run(q, segments, i + 1, follower.entry_speed)
+                end = after.start
+            else:
+                end = self._passing(start, q, segments, i + 1)
+        trajectory = joint_move(start, end, limits, i)
+        if after is not None:
+            return self._continued(trajectory.followed_by(after), segments, j)
+        return self._continued(trajectory, segments, i + 1)
+
+    def _continued(self, trajectory: Trajectory, segments: Sequence[Segment], j: int) -> Trajectory:
+        if j >= len(segments):
+            return trajectory
+        return trajectory.followed_by(self._segments(trajectory.end, segments, j))
+
+    def _run(
+        self, q: Array, segments: Sequence[Segment], i: int, entry_speed: float
+    ) -> tuple[Trajectory, int]:
+        """The lines from the i-th segment on, and the index of what follows them."""
+        j = i
+        while j < len(segments) and isinstance(segments[j], Line):
+            j += 1
+        lines = [line for line in segments[i:j] if isinstance(line, Line)]
+        if j == len(segments):
+            lines[-1] = _stopping(lines[-1])
+        run = stretches(self._arm.chain.forward(q), lines, i)
+        if not run:
+            return _standing(q, i), j
+        branch = self._arm.inverse.branch(q)
+        try:
+            return line_run(self._arm, run, entry_speed, q, branch, self._limits), j
+        except MoveRefused as refusal:
+            raise MoveRefused(f"'{lines[0].label}' to '{lines[-1].label}': {refusal}") from refusal
+
+    def _goals(self, start: JointState, segments: Sequence[Segment], i: int) -> list[Array]:
+        """Joint positions that a segment may end at, nearest in time first."""
+        move = segments[i]
+        if isinstance(move, JointMove):
+            return [self._within(move)]
+        assert isinstance(move, PoseMove)
+        shoulder, elbow, _ = self._stance(start.q)
+        found = self._arm.inverse.candidates(move.X_WT, shoulder, elbow)
+        return sorted(found, key=lambda q: float((np.abs(q - start.q) / self._limits.velocity).max()))
+
+    def _stance(self, q: Array) -> Branch:
+        return self._arm.inverse.branch(q)
+
+    def _passing(self, start: JointState, q: Array, segments: Sequence[Segment], i: int) -> JointState:
+        """How `q` is passed on the way to the next segment: joints that go on in a direction do not stop.
+
+        After Fritsch and Carlson, "Monotone piecewise cubic interpolation", 1980: the harmonic mean of
+        both average velocities, and none where they differ in sign.
+        """
+        goals = self._goals(JointState.at_rest(q), segments, i)
+        if not goals:
+            raise MoveRefused(f"'{segments[i].label}': the pose is out of reach")
+        before, after = q - start.q, goals[0] - q
+        rates = [
+            step / max(float((np.abs(step) / self._limits.velocity).max()), 1e-9) for step in (before, after)
+        ]
+        are_alike = rates[0] * rates[1] > 0.0
+        total = np.where(are_alike, rates[0] + rates[1], 1.0)
+        v = np.where(are_alike, rates[0] * rates[1] / total, 0.0)
+        return JointState(q, v, np.zeros(len(q)))
+
+    def _within(self, move: JointMove) -> Array:
+        q, arm = np.asarray(move.q, dtype=float), self._arm
+        if q.shape != (arm.chain.n,) or not arm.inverse.is_within(q):
+            raise MoveRefused(
+                f"'{move.label}': joints {q.round(3).tolist()} rad; allowed: "
+                f"{arm.limits.lower.round(3).tolist()} to {arm.limits.upper.round(3).tolist()}"
+            )
+        return q
+
+    def _check(self, trajectory: Trajectory) -> None:
+        """The last word on joint ranges: ruckig knows none."""
+        limits = self._arm.limits
+        beyond = (trajectory.q < limits.lower) | (trajectory.q > limits.upper)
+        if np.any(beyond):
+            joint = int(np.argwhere(beyond)[0][1])
+            raise MoveRefused(f"joint {limits.names[joint]} would leave its range on the way")
+
+
+def _stopping(line: Line) -> Line:
+    return Line(line.X_WT, line.speed, line.acceleration, line.entry_speed, 0.0, 0.0, line.label, line.mode)
+
+
+def _standing(q: Array, segment: int) -> Trajectory:
+    rows = np.zeros((2, len(q)))
+    return Trajectory(np.array([0.0, 1e-6]), rows + q, rows, rows, np.full(2, segment))

@@ -1,0 +1,104 @@
+"""A reference over time, as rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.rotations import Array
+
+GRID = 0.004
+"""Time between rows, at most [s]."""
+
+
+@dataclass(frozen=True)
+class JointState:
+    """Positions [rad], velocities [rad/s] and accelerations [rad/s^2] of the joints, each `(n,)`."""
+
+    q: Array
+    v: Array
+    a: Array
+
+    @classmethod
+    def at_rest(cls, q: Array) -> JointState:
+        """Standing still."""
+        return cls(np.array(q, dtype=float), np.zeros(len(q)), np.zeros(len(q)))
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether nothing moves."""
+        return bool(np.abs(self.v).max() < 1e-6 and np.abs(self.a).max() < 1e-3)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Rows of a reference.
+
+    Attributes:
+        times: of each row `(T,)` [s], rising from 0.
+        q: `(T, n)` [rad].
+        v: `(T, n)` [rad/s].
+        a: `(T, n)` [rad/s^2].
+        segment: which segment of the path leads to each row `(T,)`.
+    """
+
+    times: Array
+    q: Array
+    v: Array
+    a: Array
+    segment: npt.NDArray[np.int64]
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+        return float(self.times[-1])
+
+    @property
+    def start(self) -> JointState:
+        """Its first row."""
+        return JointState(self.q[0], self.v[0], self.a[0])
+
+    @property
+    def end(self) -> JointState:
+        """Its last row."""
+        return JointState(self.q[-1], self.v[-1], self.a[-1])
+
+    def at(self, time: float) -> tuple[JointState, int]:
+        """State and segment at `time` [s], held beyond the ends.
+
+        Between rows the quintic that has the rows' positions, velocities and accelerations.
+        """
+        times = self.times
+        if time <= 0.0 or time >= times[-1]:
+            row = 0 if time <= 0.0 else -1
+            return JointState(self.q[row], self.v[row], self.a[row]), int(self.segment[row])
+        i = int(np.searchsorted(times, time, side="right")) - 1
+        h = float(times[i + 1] - times[i])
+        rows = self.q[i : i + 2], self.v[i : i + 2], self.a[i : i + 2]
+        return _quintic((time - float(times[i])) / h, h, *rows), int(self.segment[i + 1])
+
+    def followed_by(self, other: Trajectory) -> Trajectory:
+        """Both in a row; the other's first row is this one's last."""
+        columns = zip(
+            (self.q, self.v, self.a, self.segment), (other.q, other.v, other.a, other.segment), strict=True
+        )
+        q, v, a, segment = (np.concatenate([mine, theirs[1:]]) for mine, theirs in columns)
+        return Trajectory(np.concatenate([self.times, self.duration + other.times[1:]]), q, v, a, segment)
+
+
+def grid(duration: float) -> Array:
+    """Times of rows for a duration [s]: even, both ends included."""
+    return np.linspace(0.0, duration, max(int(np.ceil(duration / GRID)), 1) + 1)
+
+
+def _quintic(s: float, h: float, q: Array, v: Array, a: Array) -> JointState:
+    d, v_0, v_1, a_0, a_1 = q[1] - q[0], h * v[0], h * v[1], h * h * a[0], h * h * a[1]
+    c3 = 10 * d - 6 * v_0 - 4 * v_1 - 1.5 * a_0 + 0.5 * a_1
+    c4 = -15 * d + 8 * v_0 + 7 * v_1 + 1.5 * a_0 - a_1
+    c5 = 6 * d - 3 * v_0 - 3 * v_1 - 0.5 * a_0 + 0.5 * a_1
+    at = q[0] + s * (v_0 + s * (0.5 * a_0 + s * (c3 + s * (c4 + s * c5))))
+    rate = v_0 + s * (a_0 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))
+    bend = a_0 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))
+    return JointState(at, rate / h, bend / (h * h))

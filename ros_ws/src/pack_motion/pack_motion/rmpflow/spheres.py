@@ -1,0 +1,62 @@
+"""Spheres that fill the arm and the box in its hand, for the collision policy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.motion.world import CarriedBox
+from pack_core.rotations import Array
+from pack_motion.arm.arm import Arm
+
+CORNER_RADIUS = 0.01
+
+
+@dataclass(frozen=True)
+class Spheres:
+    """Spheres fixed to links, given where all joints are zero.
+
+    Attributes:
+        link: index of the joint that moves it `(k,)`.
+        p: centre in the world `(k, 3)` [m].
+        radius: `(k,)` [m].
+    """
+
+    link: npt.NDArray[np.int64]
+    p: Array
+    radius: Array
+
+    def with_carried(self, arm: Arm, carried: CarriedBox | None) -> Spheres:
+        """These, and spheres in the corners and upright edges and amid the faces of the carried box."""
+        if carried is None:
+            return self
+        chain, half = arm.chain, 0.5 * carried.size
+        signs = [s for s in product((-1, 0, 1), repeat=3) if sum(map(abs, s)) in (1, 3)]
+        signs += [(a, b, 0) for a, b in product((-1, 1), repeat=2)]
+        p_B = np.array(signs) * (half - CORNER_RADIUS)
+        p_T = carried.X_TB.apply(p_B)
+        p = chain.p_WT + p_T @ chain.R_WT.T
+        link = np.full(len(p), chain.n - 1, dtype=np.int64)
+        radius = np.full(len(p), CORNER_RADIUS)
+        return Spheres(
+            np.concatenate([self.link, link]), np.vstack([self.p, p]), np.concatenate([self.radius, radius])
+        )
+
+
+def arm_spheres(arm: Arm, first_link: int) -> Spheres:
+    """Spheres along the longest axis of every box of the arm from a link on, as wide as its middle edge."""
+    bodies, links, centres, radii = arm.bodies, [], [], []
+    for i in range(len(bodies)):
+        if bodies.link[i] < first_link:
+            continue
+        order = np.argsort(bodies.half[i])
+        radius, reach = float(bodies.half[i][order[1]]), float(bodies.half[i][order[2]])
+        n = max(int(np.ceil(reach / radius)), 1)
+        for s in np.linspace(-1.0, 1.0, n) if n > 1 else (0.0,):
+            links.append(bodies.link[i])
+            centres.append(bodies.p[i] + s * (reach - radius) * bodies.R[i][:, order[2]])
+            radii.append(radius)
+    return Spheres(np.array(links, dtype=np.int64), np.array(centres), np.array(radii))

@@ -1,0 +1,37 @@
+"""Notices that a move does not get on."""
+
+from __future__ import annotations
+
+from pack_motion.tracking.config import Stuck
+
+STANDING = 0.02
+"""A reference that goes on at less than this rate stands still."""
+
+
+class StuckDetector:
+    """Counts how long the reference has waited, and how long its end has not been reached."""
+
+    def __init__(self, config: Stuck) -> None:
+        self._config = config
+        self._waited = self._settled = 0.0
+
+    def restart(self) -> None:
+        """A new move."""
+        self._waited = self._settled = 0.0
+
+    def update(self, h: float, rate: float, is_over: bool, is_reached: bool) -> str:
+        """What is wrong after a further step of `h` [s]; empty when nothing is.
+
+        Args:
+            h: duration of the step [s].
+            rate: at which the reference goes on.
+            is_over: whether the reference is at its end.
+            is_reached: whether the tool is at its target.
+        """
+        self._waited = self._waited + h if rate < STANDING and not is_over else 0.0
+        self._settled = self._settled + h if is_over and not is_reached else 0.0
+        if self._waited > self._config.waiting:
+            return f"held up for {self._waited:.1f} s"
+        if self._settled > self._config.settling:
+            return f"not at its target {self._settled:.1f} s after the end of the move"
+        return ""

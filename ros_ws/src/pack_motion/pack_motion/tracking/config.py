@@ -1,0 +1,76 @@
+"""Named sets of motion parameters: `config/motion/<name>.yaml`."""
+
+from __future__ import annotations
+
+from enum import Enum
+from functools import cache
+
+from pydantic import Field, PositiveFloat
+
+from pack_core.config import Config, load_config
+from pack_core.errors import ConfigError
+from pack_core.motion.moves import Mode
+from pack_core.paths import config_path
+from pack_motion.rmpflow.parameters import Policies
+
+
+class Reference(Enum):
+    """What the policies are drawn to."""
+
+    SHAPED = "shaped"
+    """A moving, jerk-limited reference that every joint can follow."""
+    STATIC = "static"
+    """The end of each segment, at once."""
+
+
+class Resolve(Enum):
+    """How policies become accelerations."""
+
+    WITHIN_LIMITS = "within_limits"
+    """A quadratic programme with each joint's limits."""
+    NORM_CAP = "norm_cap"
+    """The pseudo-inverse, shortened to a norm."""
+
+
+class Governor(Config):
+    """When the reference waits for the tool."""
+
+    near: PositiveFloat = Field(description="distance of the tool up to which it does not [m]")
+    far: PositiveFloat = Field(description="distance at which it stands still [m]")
+    time: PositiveFloat = Field(description="from full rate to standing still, at least [s]")
+
+
+class Stuck(Config):
+    """When a move counts as stuck."""
+
+    waiting: PositiveFloat = Field(description="time that the reference may stand still [s]")
+    settling: PositiveFloat = Field(description="time from the reference's end to the target [s]")
+
+
+class MotionSet(Config):
+    """One set."""
+
+    reference: Reference
+    resolve: Resolve
+    max_acceleration_norm: PositiveFloat = Field(description="of the norm cap [rad/s^2]")
+    substep: PositiveFloat = Field(description="longest step of the policies [s]")
+    first_sphere_link: int = Field(ge=0, description="links from here on (0: the first) avoid obstacles")
+    clearance: PositiveFloat = Field(description="of moves that are checked before they start [m]")
+    governor: Governor
+    stuck: Stuck
+    fast: Policies
+    slow: Policies
+
+    def policies(self, mode: Mode) -> Policies:
+        """The tuning for a mode."""
+        return self.fast if mode is Mode.FAST else self.slow
+
+
+@cache
+def motion_set(name: str) -> MotionSet:
+    """A set by name."""
+    path = config_path("motion", f"{name}.yaml")
+    if not path.is_file():
+        known = sorted(file.stem for file in config_path("motion").glob("*.yaml"))
+        raise ConfigError(f"no motion set '{name}'; there are: {', '.join(known)} (config/motion)")
+    return load_config(MotionSet, path)

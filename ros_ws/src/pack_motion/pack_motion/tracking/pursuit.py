@@ -1,0 +1,102 @@
+"""How the policies' targets go through a plan."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from pack_core.rotations import Array
+from pack_motion.reference.path_planner import Plan
+from pack_motion.reference.trajectory import JointState
+from pack_motion.tracking.config import Governor, MotionSet, Reference
+from pack_motion.tracking.governor import RateGovernor
+
+
+class Pursuit(ABC):
+    """One plan being followed."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.segment = int(plan.trajectory.segment[0])
+        self.rate = 1.0
+        """At which it goes on; 1 as planned."""
+
+    @abstractmethod
+    def advance(self, h: float, deviation: float) -> tuple[JointState, JointState, Array | None]:
+        """The reference before and after a step of `h` [s], and the posture the joints are drawn to.
+
+        No posture stands for the reference. `deviation` is the tool's distance from the reference [m].
+        """
+
+    @property
+    @abstractmethod
+    def remaining(self) -> float:
+        """Planned time to its end [s]."""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it is at its end."""
+        return self.remaining <= 0.0
+
+
+class ShapedPursuit(Pursuit):
+    """The plan's reference in motion; it waits for a tool that is held up."""
+
+    def __init__(self, plan: Plan, config: Governor) -> None:
+        super().__init__(plan)
+        self._governor = RateGovernor(config)
+        self._time = 0.0
+        self._state = plan.trajectory.start
+
+    def advance(self, h: float, deviation: float) -> tuple[JointState, JointState, Array | None]:
+        """See `Pursuit`."""
+        before, rate = self._state, self.rate
+        self.rate = self._governor.update(deviation, h)
+        self._time = min(self._time + 0.5 * h * (rate + self.rate), self.plan.trajectory.duration)
+        planned, self.segment = self.plan.trajectory.at(self._time)
+        self._state = JointState(planned.q, self.rate * planned.v, self.rate**2 * planned.a)
+        return before, self._state, None
+
+    @property
+    def remaining(self) -> float:
+        """Planned time to its end [s]."""
+        return self.plan.trajectory.duration - self._time
+
+
+class StaticPursuit(Pursuit):
+    """The ends of the segments, one after the other: the next once the tool's point is there."""
+
+    NEAR = 0.002
+
+    def __init__(self, plan: Plan, q_home: Array) -> None:
+        super().__init__(plan)
+        rows = plan.trajectory
+        self._goals = [rows.q[rows.segment == k][-1] for k in np.unique(rows.segment)]
+        self._segments = np.unique(rows.segment).tolist()
+        self._ends = [float(rows.times[rows.segment == k][-1]) for k in self._segments]
+        self._index, self._home, self._is_new, self._is_over = 0, q_home, True, False
+
+    def advance(self, h: float, deviation: float) -> tuple[JointState, JointState, Array | None]:
+        """See `Pursuit`."""
+        if not self._is_new and deviation < self.NEAR:
+            if self._index + 1 < len(self._goals):
+                self._index += 1
+            else:
+                self._is_over = True
+        self._is_new = False
+        self.segment = self._segments[self._index]
+        goal = JointState.at_rest(self._goals[self._index])
+        return goal, goal, self._home
+
+    @property
+    def remaining(self) -> float:
+        """What the plan's reference would need from here [s]."""
+        return 0.0 if self._is_over else self._ends[-1] - self._ends[self._index - 1] * (self._index > 0)
+
+
+def pursuit_of(plan: Plan, config: MotionSet, q_home: Array) -> Pursuit:
+    """How a set of parameters follows a plan."""
+    if config.reference is Reference.SHAPED:
+        return ShapedPursuit(plan, config.governor)
+    return StaticPursuit(plan, q_home)

@@ -1,0 +1,88 @@
+"""The arm's commanded state, moved step by step by the policies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.rotations import Array
+from pack_motion.arm.arm import Arm
+from pack_motion.reference.trajectory import JointState
+from pack_motion.rmpflow.parameters import Policies
+from pack_motion.rmpflow.spheres import Spheres
+from pack_motion.rmpflow.tree import pull_back
+from pack_motion.tracking.config import MotionSet, Resolve
+from pack_motion.tracking.joint_bounds import acceleration_bounds
+from pack_motion.tracking.obstacle_field import ObstacleField
+from pack_motion.tracking.resolve import resolve_capped, resolve_within
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the policies see besides their targets."""
+
+    policies: Policies
+    spheres: Spheres
+    field: ObstacleField
+
+
+class Tracker:
+    """Integrates what the policies ask for.
+
+    Args:
+        arm: what moves.
+        config: how policies become accelerations.
+        q: where it stands `(n,)` [rad].
+    """
+
+    def __init__(self, arm: Arm, config: MotionSet, q: Array) -> None:
+        self._arm, self._config = arm, config
+        self.state = JointState.at_rest(q)
+        self.deviation = 0.0
+        """Distance of the commanded tool from the reference [m]."""
+        self.least_distance = np.inf
+        """From any sphere to any obstacle that is felt [m]."""
+
+    def step(
+        self, h: float, start: JointState, end: JointState, q_posture: Array | None, seen: Surroundings
+    ) -> None:
+        """Advance by `h` [s] while the reference goes from `start` to `end`.
+
+        Args:
+            h: duration [s].
+            start: of the reference.
+            end: of the reference.
+            q_posture: what the joints are drawn to `(n,)` [rad]; None: the reference.
+            seen: policies and obstacles.
+        """
+        n = max(int(np.ceil(h / self._config.substep - 1e-6)), 1)
+        a_ref = (end.v - start.v) / h
+        for k in range(n):
+            ahead = k * h / n
+            q_ref = start.q + ahead * (start.v + 0.5 * ahead * a_ref)
+            self._substep(h / n, q_ref, start.v + ahead * a_ref, a_ref, q_posture, seen)
+        correction = self.state.a - a_ref
+        limit = self._arm.limits.acceleration
+        if self._config.resolve is Resolve.WITHIN_LIMITS:
+            a = np.clip(end.a + correction, -limit, limit)
+            self.state = JointState(self.state.q, self.state.v, a)
+
+    def _substep(
+        self, h: float, q_ref: Array, v_ref: Array, a_ref: Array, q_posture: Array | None, seen: Surroundings
+    ) -> None:
+        arm, field, spheres = self._arm, seen.field, seen.spheres
+        q, v, limits = self.state.q, self.state.v, arm.limits
+        posture = q_ref if q_posture is None else q_posture
+        M, f, self.deviation, self.least_distance = pull_back(
+            arm.chain.axes, arm.chain.points, arm.chain.R_WT, arm.chain.p_WT,
+            limits.lower, limits.upper, limits.velocity, q, v, q_ref, v_ref, a_ref, posture,
+            spheres.link, spheres.p, spheres.radius,
+            field.R, field.p, field.half, field.v, field.radius, seen.policies,
+        )  # fmt: skip
+        if self._config.resolve is Resolve.WITHIN_LIMITS:
+            a = resolve_within(M, f, *acceleration_bounds(q, v, h, limits))
+            self.state = JointState(q + h * (v + 0.5 * h * a), v + h * a, a)
+        else:
+            a = resolve_capped(M, f, self._config.max_acceleration_norm)
+            self.state = JointState(q + h * (v + h * a), v + h * a, a)

@@ -1,0 +1,89 @@
+"""Branch and bound over which box is on which side of which."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.rotations import Array
+from pack_planner.layout.axis_program import AxisProgram, Relation
+
+TOLERANCE = 1e-8
+"""A gap counts as reached when it lacks less [m]."""
+
+Choice = tuple[int, Relation]
+"""An axis and a relation along it."""
+
+
+@dataclass
+class Search:
+    """Finds the cheapest displacements that part all pairs.
+
+    Attributes:
+        programs: one for each axis.
+        pairs: that must be apart along one axis or the other.
+        limit: how many choices of sides are tried.
+        displacements: the cheapest found so far `(n, 2)` [m].
+        cost: theirs.
+    """
+
+    programs: Sequence[AxisProgram]
+    pairs: Sequence[Relation]
+    limit: int
+    displacements: Array | None = None
+    cost: float = float("inf")
+    tried: int = 0
+
+    @property
+    def is_complete(self) -> bool:
+        """Every choice that could be cheaper was tried."""
+        return self.tried <= self.limit
+
+    def run(self) -> None:
+        """Search from no relation at all."""
+        self._descend((frozenset(), frozenset()))
+
+    def _descend(self, relations: tuple[frozenset[Relation], ...]) -> None:
+        self.tried += 1
+        if not self.is_complete:
+            return
+        solved = [program.solve(chosen) for program, chosen in zip(self.programs, relations, strict=True)]
+        ways = [way for way in solved if way is not None]
+        cost = sum(way[1] for way in ways)
+        if len(ways) < len(solved) or cost >= self.cost * (1.0 - TOLERANCE):
+            return
+        displacements = np.stack([way[0] for way in ways], axis=1)
+        choices = self._next_choices(displacements)
+        if choices is None:
+            self.displacements, self.cost = displacements, cost
+            return
+        for axis, relation in choices:
+            chosen = list(relations)
+            chosen[axis] = relations[axis] | {relation}
+            self._descend(tuple(chosen))
+
+    def _next_choices(self, displacements: Array) -> list[Choice] | None:
+        """The ways to part the pair that leaves least to choose, cheapest first; None when all are apart."""
+        least: list[Choice] | None = None
+        regret = -1.0
+        for pair in self.pairs:
+            corrections = sorted(self._corrections(pair, displacements))
+            if corrections[0][0] > TOLERANCE and corrections[1][0] > regret:
+                regret = corrections[1][0]
+                least = [choice for correction, choice in corrections if correction <= self._reach]
+        return least
+
+    def _corrections(self, pair: Relation, displacements: Array) -> list[tuple[float, Choice]]:
+        """What each of the four ways to part a pair needs [m], Eq. 6.1."""
+        return [
+            (float(program.gap - program.lower[j] - shifts[j] + program.upper[i] + shifts[i]), (axis, (i, j)))
+            for axis, (program, shifts) in enumerate(zip(self.programs, displacements.T, strict=True))
+            for i, j in (pair, pair[::-1])
+        ]
+
+    @property
+    def _reach(self) -> float:
+        """No two boxes can be parted by more [m]; each may have been displaced the other way already."""
+        return 4.0 * self.programs[0].max_shift

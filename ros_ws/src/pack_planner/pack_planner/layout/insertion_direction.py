@@ -1,0 +1,115 @@
+"""The side from which a box comes to its place between others (Sec. 6.3 and 6.4 of the thesis).
+
+Two readings of it. A direction is admissible when it opens the gap to every box that would be touched: only
+so does the last stretch not rub; where none opens all of them, it is one that opens most and closes none. And
+the pallet's border is no obstacle, since above the deck there is nothing beyond it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.errors import PackError
+from pack_core.orders.layout_plan import Insertion
+from pack_core.orders.placed_box import TOUCH, PlacedBox
+from pack_core.rotations import Array
+from pack_planner.layout.ray import ray_to_rectangle
+
+CENTER = Insertion("Center", np.zeros(3), 0.0)
+SIDES = {
+    "North": (0, 1), "Northeast": (1, 1), "East": (1, 0), "Southeast": (1, -1),
+    "South": (0, -1), "Southwest": (-1, -1), "West": (-1, 0), "Northwest": (-1, 1),
+}  # fmt: skip
+"""Where a box may come from: east is the pallet's x, north its y."""
+
+
+class InsertionConfig(Config):
+    """Parameters of the direction selection."""
+
+    inflation: NonNegativeFloat = Field(0.01, description="boxes nearer than this count as touched [m]")
+    reach: PositiveFloat = Field(0.5, description="corridors are not followed further [m]")
+    min_corridor: PositiveFloat = Field(0.02, description="shorter corridors are no use [m]")
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One of the eight sides.
+
+    Attributes:
+        insertion: along it.
+        opened: contacts whose gap opens on the way out.
+        is_admissible: it closes no gap and its corridor is long enough.
+        directness: sum over the contacts of how straight it leads away from them.
+    """
+
+    insertion: Insertion
+    opened: int
+    is_admissible: bool
+    directness: float
+
+
+def choose_insertion(target: PlacedBox, placed: Sequence[PlacedBox], config: InsertionConfig) -> Insertion:
+    """The longest corridor among the admissible sides, Eq. 6.5; Center where nothing is touched or none is.
+
+    Raises:
+        PackError: the target shares space with a placed box.
+    """
+    usable = [item for item in candidates(target, placed, config) if item.is_admissible and item.opened]
+    if not usable:
+        return CENTER
+    best = max(usable, key=lambda item: (item.opened, round(item.insertion.corridor, 6), item.directness))
+    return best.insertion
+
+
+def candidates(target: PlacedBox, placed: Sequence[PlacedBox], config: InsertionConfig) -> list[Candidate]:
+    """What each of the eight sides offers."""
+    beside = [item for item in placed if item.is_beside(target)]
+    normals = [_normal(target, item) for item in beside if _is_touched(target, item, config)]
+    walls = np.unique(np.array(normals).reshape(-1, 2), axis=0)
+    obstacles = [item for item in beside if not _is_touched(target, item, config)]
+    return [
+        _candidate(target, name, np.array(side), walls, obstacles, config) for name, side in SIDES.items()
+    ]
+
+
+def _candidate(
+    target: PlacedBox,
+    name: str,
+    side: Array,
+    walls: Array,
+    obstacles: list[PlacedBox],
+    config: InsertionConfig,
+) -> Candidate:
+    outward = side / np.linalg.norm(side)
+    towards = walls @ outward
+    corridor = min(
+        [config.reach, *(_distance(target, item, outward, config.inflation) for item in obstacles)]
+    )
+    is_admissible = bool(np.all(towards < TOUCH)) and corridor >= config.min_corridor
+    insertion = Insertion(name, np.append(outward, 0.0), corridor)
+    return Candidate(insertion, int(np.sum(towards < -TOUCH)), is_admissible, -float(towards.sum()))
+
+
+def _is_touched(target: PlacedBox, other: PlacedBox, config: InsertionConfig) -> bool:
+    if target.overlaps(other):
+        raise PackError(f"the place of box '{target.id}' overlaps that of '{other.id}'; allowed: free places")
+    return bool(np.all(target.clearance(other)[:2] < config.inflation))
+
+
+def _normal(target: PlacedBox, other: PlacedBox) -> Array:
+    """Unit vector `(2,)` from the target towards a box beside it, along the axis that parts them."""
+    axis = int(np.argmax(target.clearance(other)[:2]))
+    normal = np.zeros(2)
+    normal[axis] = np.sign((other.centre - target.centre)[axis])
+    return normal
+
+
+def _distance(target: PlacedBox, other: PlacedBox, outward: Array, inflation: float) -> float:
+    """How far the target can go before its outline meets the other's, inflated [m]."""
+    grown = 0.5 * target.size[:2] + inflation
+    return ray_to_rectangle(target.centre[:2], outward, other.lower[:2] - grown, other.upper[:2] + grown)

@@ -1,0 +1,73 @@
+"""The layout planner as a ROS 2 service."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from pack_interfaces.srv import PlanLayout
+from pydantic import Field
+
+from pack_core.errors import OrderError, PackError
+from pack_core.orders.layout_plan import LayoutPlan
+from pack_core.orders.order import Order
+from pack_core.orders.order_file import parse_order
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.layout_messages import fill_layout
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
+from pack_planner.layout.pictures import write_pictures
+
+
+class LayoutNodeConfig(LayoutConfig):
+    """Parameters of the node `layout`."""
+
+    pictures: str = Field("", description="folder for pictures of every layout; empty: none")
+
+
+class LayoutNode(CellNode):
+    """Plans an order's layout on request."""
+
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__("layout", **kwargs)
+        self._config = read_parameters(self, LayoutNodeConfig)
+        self._planner = LayoutPlanner(self._config)
+        self.create_service(PlanLayout, contracts.PLAN_LAYOUT.name, self._serve)
+
+    def _serve(self, request: PlanLayout.Request, response: PlanLayout.Response) -> PlanLayout.Response:
+        started = time.monotonic()
+        try:
+            order = parse_order(request.order, "the order of the request", self._config.support)
+            plan = self._planner.plan(order, request.gap if request.gap >= 0.0 else None)
+        except PackError as error:
+            response.status, response.message = PlanLayout.Response.INVALID_INPUT, str(error)
+            self.health.count(f"refused {contracts.PLAN_LAYOUT.name}", _first_line(error))
+            return response
+        fill_layout(response, plan)
+        response.planning_time = time.monotonic() - started
+        self.health.values["planning time [s]"] = f"{response.planning_time:.3f}"
+        self._draw(order, plan)
+        return response
+
+    def _draw(self, order: Order, plan: LayoutPlan) -> None:
+        if not self._config.pictures or not plan.boxes:
+            return
+        try:
+            write_pictures(order, plan, Path(self._config.pictures))
+        except OSError as error:
+            self.health.faults["pictures"] = (
+                f"parameter pictures is '{self._config.pictures}': {error.strerror}"
+            )
+
+
+def _first_line(error: PackError) -> str:
+    lines = str(error).splitlines()
+    more = f" (and {len(lines) - 1} more)" if isinstance(error, OrderError) and len(lines) > 1 else ""
+    return lines[0] + more
+
+
+def main() -> int:
+    """Entry point of `layout_node`."""
+    return run_node(LayoutNode)

@@ -1,0 +1,72 @@
+"""From an order to places with gaps between them, a sequence that can be reached, and a side for each box."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pydantic import Field, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.errors import PackError
+from pack_core.orders.layout_plan import LayoutPlan, LayoutStatus, PlannedBox
+from pack_core.orders.order import Order
+from pack_core.orders.placed_box import PlacedBox
+from pack_core.orders.sequence import resequence
+from pack_core.orders.support import SupportConfig, unstable_boxes
+from pack_planner.layout.insertion_direction import InsertionConfig, choose_insertion
+from pack_planner.layout.pallet_separator import PalletSeparator, Separation, SeparatorConfig
+
+MAX_GAP = 0.05
+
+
+class LayoutConfig(Config):
+    """Parameters of the layout service."""
+
+    separator: SeparatorConfig = SeparatorConfig()
+    insertion: InsertionConfig = InsertionConfig()
+    support: SupportConfig = SupportConfig()
+    rise: PositiveFloat = Field(
+        0.12,
+        description="boxes whose top is at most this far over the lowest free base keep their sequence [m]",
+    )
+
+
+class LayoutPlanner:
+    """Plans the layouts of orders."""
+
+    def __init__(self, config: LayoutConfig) -> None:
+        self._config = config
+
+    def plan(self, order: Order, gap: float | None = None) -> LayoutPlan:
+        """Plan an order's layout with a gap [m], else the configured one.
+
+        Raises:
+            PackError: the gap is no length, or boxes overlap as given.
+        """
+        wanted = self._config.separator.gap if gap is None else gap
+        if not 0.0 <= wanted <= MAX_GAP:
+            raise PackError(f"gap is {wanted} m; allowed: 0 to {MAX_GAP} m")
+        separation = PalletSeparator(order.pallet, self._config.separator).separate(order.placed, wanted)
+        status, reason = self._judge(separation, wanted)
+        boxes = self._planned(separation.boxes) if status is LayoutStatus.SUCCESS else ()
+        return LayoutPlan(status, reason, boxes, wanted, separation.virtual_margin)
+
+    def _judge(self, separation: Separation, gap: float) -> tuple[LayoutStatus, str]:
+        if not separation.is_feasible:
+            return LayoutStatus.INFEASIBLE, (
+                f"no gap of {gap * 1e3:g} mm between all neighbours, even with boxes "
+                f"{separation.virtual_margin * 1e3:g} mm over the pallet's edge and displaced by up to "
+                f"{self._config.separator.max_shift:g} gaps; allowed: a smaller gap, or a looser layout"
+            )
+        unstable = unstable_boxes(separation.boxes, self._config.support)
+        if unstable:
+            reasons = "; ".join(f"box '{name}': {problem}" for name, problem in unstable.items())
+            return LayoutStatus.UNSTABLE, f"with gaps of {gap * 1e3:g} mm: {reasons}"
+        return LayoutStatus.SUCCESS, ""
+
+    def _planned(self, boxes: Sequence[PlacedBox]) -> tuple[PlannedBox, ...]:
+        sequence = resequence(boxes, self._config.rise)
+        return tuple(
+            PlannedBox(item, choose_insertion(item, sequence[:k], self._config.insertion))
+            for k, item in enumerate(sequence)
+        )

@@ -1,0 +1,101 @@
+"""Parts the boxes of an ideal layout until there is a gap between all neighbours (Sec. 6.2 of the thesis).
+
+The thesis corrects conflicting pairs one after another, along the axis that needs less, by shares of the
+free margin, and enlarges the pallet virtually where that fails. Here all pairs are corrected at once: it is
+settled for each which box is on which side of which along which axis, cheapest first, and the least
+displacement that fulfils all of it is computed; other choices are tried as long as they could be cheaper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
+
+from pack_core.config import Config
+from pack_core.orders.order import Pallet
+from pack_core.orders.placed_box import PlacedBox
+from pack_core.rotations import Array
+from pack_planner.layout.axis_program import AxisProgram, Relation
+from pack_planner.layout.choices import Search
+from pack_planner.layout.following import support_shares
+
+
+class SeparatorConfig(Config):
+    """Parameters of the separation."""
+
+    gap: NonNegativeFloat = Field(0.002, le=0.05, description="free distance between neighbours [m]")
+    max_shift: PositiveFloat = Field(5.0, description="no box is displaced further along an axis [gaps]")
+    margin_step: PositiveFloat = Field(0.001, description="the virtual pallet margin grows by this [m]")
+    max_margin: NonNegativeFloat = Field(0.02, description="largest virtual pallet margin [m]")
+    max_choices: PositiveInt = Field(2000, description="choices of sides tried for one virtual margin")
+
+
+@dataclass(frozen=True)
+class Separation:
+    """A layout with gaps.
+
+    Attributes:
+        boxes: as given, displaced; as they were where the gap cannot be had.
+        displacements: `(n, 2)` along x and y [m].
+        gap: what there is between any two neighbours at least [m]; infinite where no box has one.
+        virtual_margin: how far boxes may stand over the pallet's edge for it [m].
+        is_feasible: the gap asked for was reached.
+        is_minimal: no other choice of sides has smaller displacements.
+    """
+
+    boxes: tuple[PlacedBox, ...]
+    displacements: Array
+    gap: float
+    virtual_margin: float
+    is_feasible: bool
+    is_minimal: bool
+
+
+class PalletSeparator:
+    """Gives the layouts of one kind of pallet gaps."""
+
+    def __init__(self, pallet: Pallet, config: SeparatorConfig) -> None:
+        self._pallet, self._config = pallet, config
+
+    def separate(self, boxes: Sequence[PlacedBox], gap: float | None = None) -> Separation:
+        """Part the boxes by `gap` [m], else by the configured one."""
+        wanted = self._config.gap if gap is None else gap
+        steps = round(self._config.max_margin / self._config.margin_step)
+        for margin in self._config.margin_step * np.arange(steps + 1):
+            search = self._search(boxes, wanted, float(margin))
+            if search.displacements is not None:
+                moved = tuple(
+                    item.moved([*shift, 0.0]) for item, shift in zip(boxes, search.displacements, strict=True)
+                )
+                return Separation(
+                    moved, search.displacements, smallest_gap(moved), float(margin), True, search.is_complete
+                )
+        still = np.zeros((len(boxes), 2))
+        return Separation(tuple(boxes), still, smallest_gap(boxes), self._config.max_margin, False, False)
+
+    def _search(self, boxes: Sequence[PlacedBox], gap: float, margin: float) -> Search:
+        follow = support_shares(boxes)
+        lower, upper = (np.array([getattr(item, end) for item in boxes]) for end in ("lower", "upper"))
+        programs = [
+            AxisProgram(lower[:, k], upper[:, k], follow, length, gap, margin, self._config.max_shift * gap)
+            for k, length in enumerate((self._pallet.length, self._pallet.width))
+        ]
+        search = Search(programs, neighbours(boxes), self._config.max_choices)
+        search.run()
+        return search
+
+
+def neighbours(boxes: Sequence[PlacedBox]) -> list[Relation]:
+    """Pairs of boxes that reach into the same height, so that a gap between them matters."""
+    pairs = combinations(range(len(boxes)), 2)
+    return [(i, j) for i, j in pairs if boxes[i].is_beside(boxes[j])]
+
+
+def smallest_gap(boxes: Sequence[PlacedBox]) -> float:
+    """Between any two boxes that reach into the same height [m]; infinite where there are no two."""
+    gaps = [float(boxes[i].clearance(boxes[j])[:2].max()) for i, j in neighbours(boxes)]
+    return min(gaps, default=float("inf"))

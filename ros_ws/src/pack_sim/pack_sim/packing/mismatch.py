@@ -1,0 +1,84 @@
+"""How the cell differs from what its nodes are told of it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator, Field, NonNegativeFloat
+
+from pack_core.config import Config
+from pack_core.robots.panda import JOINTS
+from pack_core.rotations import Array
+from pack_core.scene.objects import Box, Cylinder
+from pack_core.scene.scene import Scene
+
+
+def _rising(bounds: tuple[float, float]) -> tuple[float, float]:
+    if bounds[0] > bounds[1]:
+        raise ValueError("two values, the smaller one first")
+    return bounds
+
+
+Range = Annotated[tuple[NonNegativeFloat, NonNegativeFloat], AfterValidator(_rising)]
+
+
+class MismatchConfig(Config):
+    """Bounds of uniform deviations; the defaults are none."""
+
+    friction: Range = Field(
+        default=(1.0, 1.0), description="least and most of an object's true friction, as share of described"
+    )
+    mass: float = Field(
+        default=0.0, ge=0, lt=1, description="most that a true mass differs, as share of described"
+    )
+    size: NonNegativeFloat = Field(
+        default=0.0, le=0.004, description="most that a described length or diameter differs [m]"
+    )
+    container: NonNegativeFloat = Field(
+        default=0.0, description="most that the described container is off, in x and in y [m]"
+    )
+    joint_friction: Range = Field(
+        default=(0.0, 0.0), description="least and most of a joint's friction in the true arm [N m]"
+    )
+
+
+def actual(scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator) -> Scene:
+    """The scene as it is: other frictions and masses, the geometry as given.
+
+    A contact has the larger friction of both sides, so base and walls get the smallest: an object on them
+    slides with its own.
+    """
+    items = [_actual_object(item, scene, mismatch, rng) for item in (*scene.objects, scene.new_object)]
+    friction = scene.friction * mismatch.friction[0]
+    return scene.model_copy(update={"friction": friction, "objects": items[:-1], "new_object": items[-1]})
+
+
+def believed(scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator) -> Scene:
+    """The description of a scene as the nodes get it: other sizes, the container elsewhere, no poses."""
+    items = [_believed_object(item, mismatch.size, rng) for item in (*scene.objects, scene.new_object)]
+    centre = np.array(scene.container.centre) + mismatch.container * rng.uniform(-1.0, 1.0, 2)
+    container = scene.container.model_copy(update={"centre": tuple(centre.tolist())})
+    update = {"container": container, "objects": items[:-1], "new_object": items[-1]}
+    return scene.model_copy(update=update).description()
+
+
+def joint_friction(mismatch: MismatchConfig, rng: np.random.Generator) -> Array:
+    """Coulomb friction of the arm's joints `(7,)` [N m]."""
+    return rng.uniform(*mismatch.joint_friction, len(JOINTS))
+
+
+def _actual_object(
+    item: Box | Cylinder, scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator
+) -> Box | Cylinder:
+    described = scene.friction if item.friction is None else item.friction
+    friction = described * rng.uniform(*mismatch.friction)
+    mass = item.mass * (1.0 + mismatch.mass * rng.uniform(-1.0, 1.0))
+    return item.model_copy(update={"friction": friction, "mass": mass})
+
+
+def _believed_object(item: Box | Cylinder, most: float, rng: np.random.Generator) -> Box | Cylinder:
+    error = most * rng.uniform(-1.0, 1.0, 3)
+    if isinstance(item, Box):
+        return item.model_copy(update={"size": tuple((np.array(item.size) + error).tolist())})
+    return item.model_copy(update={"radius": item.radius + 0.5 * error[0], "height": item.height + error[2]})

@@ -1,0 +1,52 @@
+"""Errors of the force and torque sensor: white noise and a bias that drifts."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.rotations import Array
+
+
+class WrenchSensorConfig(Config):
+    """Standard deviations along each axis; 0: none."""
+
+    force_noise: NonNegativeFloat = Field(default=0.0, description="white, at every step of the physics [N]")
+    torque_noise: NonNegativeFloat = Field(default=0.0, description="likewise [N m]")
+    force_bias: NonNegativeFloat = Field(default=0.0, description="of a bias that drifts [N]")
+    torque_bias: NonNegativeFloat = Field(default=0.0, description="likewise [N m]")
+    bias_time: PositiveFloat = Field(default=5.0, description="after which the bias is another one [s]")
+
+
+class WrenchSensor:
+    """Adds its errors to a wrench.
+
+    The bias is an Ornstein-Uhlenbeck process: normal at every instant, and correlated over `bias_time`.
+
+    Args:
+        config: how large they are.
+        timestep: between two calls of `advance` [s].
+        rng: of the errors.
+    """
+
+    def __init__(self, config: WrenchSensorConfig, timestep: float, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._noise = np.repeat([config.force_noise, config.torque_noise], 3)
+        self._spread = np.repeat([config.force_bias, config.torque_bias], 3)
+        self._is_exact = not (self._noise.any() or self._spread.any())
+        self._memory = float(np.exp(-timestep / config.bias_time))
+        self._bias = self._spread * rng.normal(size=6)
+        self._error = self._bias.copy()
+
+    def advance(self) -> None:
+        """Go on by one time step."""
+        if self._is_exact:
+            return
+        kick, noise = self._rng.normal(size=(2, 6))
+        self._bias = self._memory * self._bias + np.sqrt(1.0 - self._memory**2) * self._spread * kick
+        self._error = self._bias + self._noise * noise
+
+    def read(self, force: Array, torque: Array) -> tuple[Array, Array]:
+        """What it says of a force `(3,)` [N] and a torque `(3,)` [N m], until it advances."""
+        return force + self._error[:3], torque + self._error[3:]

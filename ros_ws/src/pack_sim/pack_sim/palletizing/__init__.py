@@ -1,0 +1,1 @@
+"""The palletizing cell in MuJoCo: arm, surface gripper, boxes, overhead camera."""

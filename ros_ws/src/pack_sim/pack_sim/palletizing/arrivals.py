@@ -1,0 +1,21 @@
+"""Where boxes arrive: about the middle of the picking table, never quite the same."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.rotations import Pose, from_yaw
+from pack_core.scene.palletizing.box_body import BoxBody
+
+
+def arrival_pose(cell: PalletizingCell, box: BoxBody, seed: int) -> Pose:
+    """X_WB of a box that stands on the picking table, displaced and turned at random.
+
+    The same seed and box give the same pose, whatever came before.
+    """
+    rng = np.random.default_rng([seed, box.look])
+    offset = rng.uniform(-cell.spawn.offset, cell.spawn.offset, 2)
+    yaw = np.deg2rad(rng.uniform(-cell.spawn.yaw_deg, cell.spawn.yaw_deg))
+    x, y = np.array(cell.picking_table.centre) + offset
+    return Pose(np.array([x, y, cell.picking_table.height + box.half_extents[2]]), from_yaw(yaw))

@@ -1,0 +1,102 @@
+"""The cell's model and state, through boxes that come and go."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.errors import PackError
+from pack_core.robots.kr210 import LIMITS
+from pack_core.rotations import Pose
+from pack_core.scene.palletizing.box_body import BoxBody
+from pack_core.scene.palletizing.model import build_model
+
+ARM = slice(0, len(LIMITS))
+"""The arm's coordinates: it comes first in the model."""
+OVERLAP = 0.001
+"""Overlap with something else at which a box cannot arrive [m]."""
+
+
+class Physics:
+    """Model and data; the model is built anew when a box comes or goes, and all else stays as it is.
+
+    Args:
+        cell: the cell's physical facts.
+        timestep: of the integrator [s].
+        time: what the clock shows at the start [s].
+    """
+
+    def __init__(self, cell: PalletizingCell, timestep: float, time: float) -> None:
+        self._cell, self._timestep = cell, timestep
+        self.boxes: dict[str, BoxBody] = {}
+        self.model, self.data = self._build()
+        self.data.time = time
+        self.data.qpos[ARM] = cell.arm.home
+        mujoco.mj_forward(self.model, self.data)
+
+    def add(self, box: BoxBody, X_WB: Pose) -> None:
+        """Put a box into the cell, at rest.
+
+        Raises:
+            PackError: its name is taken, or something is in its place.
+        """
+        if box.name in self.boxes:
+            raise PackError(f"box '{box.name}' is in the cell already; in it: {', '.join(self.boxes)}")
+        before = self.boxes, self.model, self.data
+        self.boxes = {**self.boxes, box.name: box}
+        self._rebuild()
+        q = self.model.joint(box.name).qposadr[0]
+        self.data.qpos[q : q + 7] = [*X_WB.p, *X_WB.q]
+        mujoco.mj_forward(self.model, self.data)
+        if obstacle := self._overlapping(box.name):
+            self.boxes, self.model, self.data = before
+            raise PackError(f"no room for box '{box.name}': {obstacle} is in its place; clear it first")
+
+    def remove(self, name: str) -> None:
+        """Take a box out of the cell.
+
+        Raises:
+            PackError: there is no such box.
+        """
+        if name not in self.boxes:
+            raise PackError(f"no box '{name}' in the cell; in it: {', '.join(self.boxes) or 'none'}")
+        self.boxes = {other: box for other, box in self.boxes.items() if other != name}
+        self._rebuild()
+        mujoco.mj_forward(self.model, self.data)
+
+    def _build(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        model = build_model(self._cell, list(self.boxes.values()), timestep=self._timestep)
+        return model, mujoco.MjData(model)
+
+    def _rebuild(self) -> None:
+        old_model, old = self.model, self.data
+        self.model, self.data = model, data = self._build()
+        data.time, data.ctrl[:] = old.time, old.ctrl
+        for name in (*LIMITS.names, *(name for name in self.boxes if _has(old_model, name))):
+            now, was = model.joint(name), old_model.joint(name)
+            data.qpos[_span(now.qposadr, now.qpos0)] = old.qpos[_span(was.qposadr, was.qpos0)]
+            for values, before in ((data.qvel, old.qvel), (data.qacc_warmstart, old.qacc_warmstart)):
+                values[_span(now.dofadr, now.armature)] = before[_span(was.dofadr, was.armature)]
+        for name in self.boxes:
+            if _has(old_model, name):
+                model.eq_data[model.equality(name).id] = old_model.eq_data[old_model.equality(name).id]
+                data.eq_active[model.equality(name).id] = old.eq_active[old_model.equality(name).id]
+                model.geom(name).conaffinity[:] = old_model.geom(name).conaffinity
+
+    def _overlapping(self, name: str) -> str:
+        """Name of a body that a box is in, other than what it stands on; empty when none."""
+        geom = self.model.geom(name).id
+        for pair, distance in zip(self.data.contact.geom, self.data.contact.dist, strict=True):
+            if geom in pair and distance < -OVERLAP:
+                other = int(pair[0] + pair[1] - geom)
+                return str(self.model.body(self.model.geom_bodyid[other]).name)
+        return ""
+
+
+def _has(model: mujoco.MjModel, joint: str) -> bool:
+    return bool(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint) >= 0)
+
+
+def _span(address: np.ndarray, values: np.ndarray) -> slice:
+    return slice(int(address[0]), int(address[0]) + len(values))

@@ -1,0 +1,1 @@
+"""What the node `pallet_sim` needs of ROS beside its shell."""

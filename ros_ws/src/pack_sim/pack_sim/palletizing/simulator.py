@@ -1,0 +1,150 @@
+"""The simulated palletizing cell: MuJoCo physics behind the interface of a robot driver."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.config import Config
+from pack_core.joint_reference import JointReference
+from pack_core.robots.kr210 import LIMITS
+from pack_core.robots.surface_gripper import TOOL
+from pack_core.rotations import Array, Pose
+from pack_core.scene.palletizing.box_body import BoxBody
+from pack_core.scene.palletizing.model import body_pose
+from pack_core.scene.state import JointSample, ObjectState, SceneState
+from pack_sim.joint_servo import JointServo
+from pack_sim.palletizing.arrivals import arrival_pose
+from pack_sim.palletizing.carried_load import CarriedLoad
+from pack_sim.palletizing.contact_watch import ContactWatch
+from pack_sim.palletizing.physics import ARM, Physics
+from pack_sim.palletizing.snapshot import Snapshot
+from pack_sim.palletizing.surface_gripper import SurfaceGripper
+from pack_sim.reference_follower import ReferenceFollower
+
+
+class PalletSimulatorConfig(Config):
+    """Parameters of the simulated driver."""
+
+    timestep: float = Field(default=0.002, gt=0, le=0.002, description="physics and joint controller [s]")
+    watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
+
+
+class PalletSimulator:
+    """The cell in motion.
+
+    Args:
+        cell: the cell's physical facts.
+        config: rates and limits.
+        seed: of where boxes arrive.
+        time: what the clock shows at the start [s].
+    """
+
+    def __init__(
+        self, cell: PalletizingCell, config: PalletSimulatorConfig, seed: int = 0, time: float = 0.0
+    ) -> None:
+        self.cell, self.config, self._seed = cell, config, seed
+        self._physics = Physics(cell, config.timestep, time)
+        self._load = CarriedLoad(cell)
+        self._servo = JointServo(self._load.model, LIMITS, cell.servo, config.timestep)
+        self.follower = ReferenceFollower(LIMITS, config.watchdog, cell.servo.stop_deceleration)
+        self.gripper = SurfaceGripper(cell.tool, cell.grip)
+        self.contacts = ContactWatch(cell.contact)
+        self.contacts.index(self._physics.model)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self._physics.data.time)
+
+    @property
+    def boxes(self) -> tuple[BoxBody, ...]:
+        """What is in the cell, in the order of its coming."""
+        return tuple(self._physics.boxes.values())
+
+    def accept(self, reference: JointReference) -> None:
+        """Hand a reference to the joint controller; raises MessageError when it is refused."""
+        self.follower.accept(reference, self.time)
+
+    def step(self) -> None:
+        """Advance by one time step."""
+        model, data = self._physics.model, self._physics.data
+        q, v = data.qpos[ARM], data.qvel[ARM]
+        data.ctrl[ARM] = self._servo.torque(q, v, self.follower.at(self.time, q))
+        mujoco.mj_step(model, data)
+        held = self.gripper.state.held
+        self.contacts.update(model, data, held)
+        self.gripper.update(model, data, list(self._physics.boxes))
+        if self.gripper.state.held != held:
+            self._tell_load(self.gripper.state.held)
+
+    def joints(self) -> JointSample:
+        """What the joint sensors measure."""
+        data = self._physics.data
+        return JointSample(self.time, data.qpos[ARM].copy(), data.qvel[ARM].copy(), data.ctrl[ARM].copy())
+
+    def reference(self) -> tuple[Array, Array, Array]:
+        """What the joint controller pursues now: position, velocity and acceleration, each `(6,)`."""
+        return self.follower.at(self.time, self._physics.data.qpos[ARM])
+
+    def spawn(self, box: BoxBody, X_WB: Pose | None = None) -> Pose:
+        """Put a box into the cell.
+
+        Args:
+            box: what arrives.
+            X_WB: where; by default on the picking table, displaced and turned at random.
+
+        Returns:
+            Where it stands, which nothing in a control loop may know.
+
+        Raises:
+            PackError: its name is taken, or something is in its place.
+        """
+        where = X_WB or arrival_pose(self.cell, box, self._seed)
+        self._physics.add(box, where)
+        self.contacts.index(self._physics.model)
+        return where
+
+    def remove(self, name: str) -> None:
+        """Take a box out of the cell, from the gripper too; raises PackError when there is none of it."""
+        if self.gripper.state.held == name:
+            self.gripper.open()
+            self.gripper.update(self._physics.model, self._physics.data, [])
+            self._tell_load("")
+        self._physics.remove(name)
+        self.contacts.index(self._physics.model)
+
+    def tool_pose(self) -> Pose:
+        """X_WT, the true pose of the tool."""
+        return body_pose(self._kinematics(), TOOL)
+
+    def truth(self) -> SceneState:
+        """True poses and twists of all boxes."""
+        data = self._kinematics()
+        return SceneState(self.time, {name: self._box_state(data, name) for name in self._physics.boxes})
+
+    def snapshot(self) -> Snapshot:
+        """What a camera would see now, to be drawn by another thread."""
+        data = self._kinematics()
+        boxes = {box: body_pose(data, name) for name, box in self._physics.boxes.items()}
+        return Snapshot(self.time, data.qpos[ARM].copy(), boxes)
+
+    def _kinematics(self) -> mujoco.MjData:
+        """The data with positions of bodies that belong to the present time."""
+        mujoco.mj_kinematics(self._physics.model, self._physics.data)
+        return self._physics.data
+
+    def _tell_load(self, held: str) -> None:
+        if not held:
+            self._load.take_off()
+            return
+        data = self._kinematics()
+        self._load.put_on(self._physics.boxes[held], body_pose(data, TOOL).inverse() @ body_pose(data, held))
+
+    def _box_state(self, data: mujoco.MjData, name: str) -> ObjectState:
+        dof = self._physics.model.body(name).dofadr[0]
+        R_WB = data.body(name).xmat.reshape(3, 3)
+        v: Array = data.qvel[dof : dof + 6]
+        return ObjectState(body_pose(data, name), v[:3].copy(), np.asarray(R_WB @ v[3:]))

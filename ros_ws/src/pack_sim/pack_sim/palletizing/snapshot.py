@@ -1,0 +1,18 @@
+"""What is seen of the cell at a moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pack_core.rotations import Array, Pose
+from pack_core.scene.palletizing.box_body import BoxBody
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The arm's positions `q` `(6,)` [rad] and the boxes' poses X_WB at `time` [s]."""
+
+    time: float
+    q: Array
+    boxes: Mapping[BoxBody, Pose]

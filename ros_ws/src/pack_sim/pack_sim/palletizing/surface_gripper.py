@@ -1,0 +1,101 @@
+"""The surface gripper: takes hold of a face in front of its pad, and lets go when it is loaded too much."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import mujoco
+
+from pack_core.cells.palletizing import GripLimits, GripperTool
+from pack_core.grip import ASKED, GripLoad, GripState
+from pack_sim.palletizing.grip_weld import attach, detach, is_awake, measure
+from pack_sim.palletizing.pad_rays import face_ahead
+
+
+class SurfaceGripper:
+    """Commands come at any time; `update` carries them out after every step of the physics.
+
+    Args:
+        tool: the pad.
+        limits: when it takes hold and lets go.
+    """
+
+    def __init__(self, tool: GripperTool, limits: GripLimits) -> None:
+        self._tool, self._limits = tool, limits
+        self._deadline: float | None = None
+        self._steps_over = 0
+        self._is_opening = False
+        self.state = GripState(reason=ASKED)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it holds a box."""
+        return self.state.is_closed
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it neither holds a box nor tries to."""
+        return self.state.is_open
+
+    def close(self) -> None:
+        """Take hold of what is in front of the pad, as soon as there is something, or give up."""
+        self._is_opening = False
+        if not self.state.is_closed:
+            self._deadline = None
+            self.state = GripState(is_closing=True)
+
+    def open(self) -> None:
+        """Let go."""
+        self._is_opening = True
+
+    def update(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:
+        """Do what is due after a step, with the positions and forces of that step."""
+        if self._is_opening:
+            self._is_opening = False
+            self._let_go(model, data, ASKED)
+        elif self.state.is_closing:
+            self._seek(model, data, boxes)
+        elif self.state.is_closed:
+            self._watch(model, data)
+
+    def _seek(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:
+        if self._deadline is None:
+            self._deadline = data.time + self._limits.retry_interval
+        mujoco.mj_kinematics(model, data)
+        box, reason = face_ahead(
+            model, data, boxes, pad_size=self._tool.pad_size, reach=self._limits.max_grip_distance
+        )
+        if box and is_awake(model, data, box):
+            attach(model, data, box)
+            self._steps_over = 0
+            self.state = GripState(held=box)
+        elif box:
+            return
+        elif data.time >= self._deadline:
+            self.state = GripState(reason=reason)
+
+    def _watch(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        load = measure(model, data, self.state.held)
+        self.state = replace(self.state, load=load, peak=self.state.peak.worst(load))
+        reason = self._excess(load)
+        self._steps_over = self._steps_over + 1 if reason else 0
+        if self._steps_over >= self._limits.tolerated_steps:
+            self._let_go(model, data, reason)
+
+    def _let_go(self, model: mujoco.MjModel, data: mujoco.MjData, reason: str) -> None:
+        if self.state.is_open:
+            return
+        if self.state.is_closed:
+            detach(model, data, self.state.held)
+        self.state = GripState(peak=self.state.peak, reason=reason)
+
+    def _excess(self, load: GripLoad) -> str:
+        limits = self._limits
+        for what, value, limit, unit in (
+            ("coaxial force", load.coaxial, limits.coaxial_force, "N"),
+            ("shear force", load.shear, limits.shear_force, "N"),
+            ("moment", load.moment, limits.moment, "N m"),
+        ):
+            if value > limit:
+                return f"{what} {value:.1f} {unit} above {limit:.1f} {unit}"
+        return ""

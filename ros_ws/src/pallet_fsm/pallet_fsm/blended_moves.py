@@ -1,0 +1,141 @@
+"""Moves of the blended profile: from one stop of the arm to the next, through the states between."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.config import Config
+from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
+from pack_core.orders.handling import Handling
+from pack_core.rotations import Array, Pose
+from pallet_fsm.goals import Goals, Leg, raised
+from pallet_fsm.profile import Part
+from pallet_fsm.states import State
+from pallet_fsm.tool_poses import PoseConfig
+from pallet_fsm.work_item import WorkItem
+
+Point = tuple[float, float, float]
+Range = tuple[PositiveFloat, PositiveFloat]
+
+
+class BlendedConfig(Config):
+    """Speeds and distances."""
+
+    lift: Range = Field(default=(0.06, 0.7), description="straight up from a stop, shortest and longest [m]")
+    hover: Range = Field(default=(0.07, 1.0), description="straight down to a stop, shortest and longest [m]")
+    step_back: Range = Field(default=(0.13, 0.40), description="from a box on table B [m]")
+    speed: PositiveFloat = Field(default=0.5, description="on these lines [m/s]")
+    acceleration: PositiveFloat = Field(default=2.5, description="on these lines [m/s^2]")
+    final_height: PositiveFloat = Field(default=0.012, description="last stretch before a box is let go [m]")
+    final_speed: PositiveFloat = Field(default=0.08, description="on it [m/s]")
+    standoff: PositiveFloat = Field(default=0.04, description="beside the place, where an insertion begins")
+    corner: PositiveFloat = Field(default=0.008, description="cut off where lines meet at an angle [m]")
+    safe: Point = Field(default=(0.0, 0.5, 2.0), description="where to wait for a box [m]")
+    heavy: PositiveFloat = Field(
+        default=2.5, description="mass times height from which a box is turned gently [kg m]"
+    )
+    gentle: PositiveFloat = Field(
+        default=0.6, le=1.0, description="share of the joint accelerations when a heavy box is turned"
+    )
+
+
+class BlendedMoves:
+    """Every move is a transfer whose lift and hover heights the motion searches.
+
+    Args:
+        cell: the cell's physical facts.
+        poses: distances between tool, boxes and tables.
+        config: speeds and distances.
+    """
+
+    def __init__(self, cell: PalletizingCell, poses: PoseConfig, config: BlendedConfig) -> None:
+        self._goals, self._config = Goals(cell, poses), config
+
+    def legs(self, state: State, item: WorkItem | None, X_WT: Pose) -> list[Leg]:
+        """The ways on from where the arm has stopped, best first.
+
+        Args:
+            state: the first that the move goes through.
+            item: the box that the move is for; None: it goes to the safe position over the pallet.
+            X_WT: the tool now.
+        """
+        home = [self._home(X_WT)] if state in (State.RETREAT, State.RETURN) else []
+        if item is None or (item.X_TB is None and item.X_WB is None):
+            return home
+        if item.X_TB is None:
+            return self._to_grasp(state, item, X_WT) + home
+        if item.handling is Handling.TABLE and state.value < State.STEP_BACK.value:
+            return self._to_table(item, X_WT)
+        return self._to_place(item, X_WT)
+
+    def _to_grasp(self, state: State, item: WorkItem, X_WT: Pose) -> list[Leg]:
+        end, depart = State.GRASP, None if state is State.ABOVE_BOX else self._lift()
+        if item.approach is not None:
+            end = State.REGRASP
+            if state is State.STEP_BACK:
+                depart = self._retreat(-item.approach, self._config.step_back)
+        return [
+            Leg(
+                Transfer((self._line(goal, Part.FINAL, self._config.speed),), self._hover(), depart),
+                goal,
+                end,
+            )
+            for goal in self._goals.grasps(item, X_WT)
+        ]
+
+    def _to_table(self, item: WorkItem, X_WT: Pose) -> list[Leg]:
+        config, above = self._config, self._config.final_height * UP
+        is_heavy = item.box.weight * item.box.turn.extents[2] > config.heavy
+        share = config.gentle if is_heavy else 1.0
+        return [
+            Leg(
+                Transfer(self._lines(stand.X_WT, above), self._hover(), self._lift(), acceleration=share),
+                stand.X_WT, State.RELEASE_TABLE, stand.approach,
+            )
+            for stand in self._goals.stands(item, X_WT)
+        ]  # fmt: skip
+
+    def _to_place(self, item: WorkItem, X_WT: Pose) -> list[Leg]:
+        """Along the planned insertion; where that is not clear, straight down."""
+        config, insertion = self._config, item.plan.insertion
+        offsets = [insertion.offset(config.standoff, config.final_height), config.final_height * UP]
+        return [
+            Leg(Transfer(self._lines(goal, offset), self._hover(), self._lift()), goal, State.DEPOSIT)
+            for offset in offsets[: 2 if insertion.corridor > 0.0 else 1]
+            for goal in self._goals.placements(item, X_WT)
+        ]
+
+    def _home(self, X_WT: Pose) -> Leg:
+        """Up, then to the safe position over the pallet."""
+        safe = np.array(self._config.safe)
+        goal = Pose(safe, X_WT.q)
+        up = Pose(np.array([*X_WT.p[:2], safe[2]]), X_WT.q)
+        lift = Line(up, self._config.speed, self._config.acceleration, label=Part.DEPART.name)
+        cross = PoseMove(goal, label=Part.CROSS.name)
+        is_low = X_WT.p[2] < safe[2] - self._config.lift[0]
+        return Leg(Path((lift, cross) if is_low else (cross,)), goal, State.RETURN)
+
+    def _lines(self, goal: Pose, offset: Array) -> tuple[Line, Line]:
+        """To beside or over the goal, and the last stretch."""
+        config = self._config
+        return (
+            Line(
+                raised(goal, offset), config.speed, config.acceleration, exit_speed=config.final_speed,
+                blend=config.corner, label=Part.APPROACH.name,
+            ),
+            self._line(goal, Part.FINAL, config.final_speed),
+        )  # fmt: skip
+
+    def _line(self, goal: Pose, part: Part, speed: float) -> Line:
+        return Line(goal, speed, self._config.acceleration, label=part.name)
+
+    def _lift(self) -> Retreat:
+        return self._retreat(UP, self._config.lift)
+
+    def _hover(self) -> Retreat:
+        return self._retreat(UP, self._config.hover)
+
+    def _retreat(self, direction: Array, lengths: Range) -> Retreat:
+        return Retreat(direction, lengths, self._config.speed, self._config.acceleration)

@@ -1,0 +1,35 @@
+"""Whether the measured tool is where a state wants it (section 8.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pack_core.motion.target import Tolerance
+from pack_core.rotations import Pose, angle_between
+from pallet_fsm.states import Check
+
+TOLERANCES = {Check.PRECISE: Tolerance(0.002, 0.5, 1), Check.TRANSIT: Tolerance(0.005, 1.0, 3)}
+
+
+class TargetChecker:
+    """Confirms one target.
+
+    Orientations are compared by their angle: the norm of a unit error quaternion, which Eq. 5.5
+    tests, is always one.
+
+    Args:
+        X_WT: where the tool shall be.
+        check: how exactly.
+    """
+
+    def __init__(self, X_WT: Pose, check: Check) -> None:
+        self._X_WT, self._tolerance = X_WT, TOLERANCES[check]
+        self._steps = 0
+
+    def look(self, X_WT: Pose) -> bool:
+        """Take a measured tool pose; whether the target is reached with it."""
+        position = float(np.linalg.norm(X_WT.p - self._X_WT.p))
+        angle = float(np.degrees(angle_between(X_WT.q, self._X_WT.q)))
+        is_near = position <= self._tolerance.position and angle <= self._tolerance.orientation_deg
+        self._steps = self._steps + 1 if is_near else 0
+        return self._steps >= self._tolerance.steps

@@ -1,0 +1,101 @@
+"""Draws the machine from its tables, as mermaid and as text tables; docs/palletizing_states.md is this."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pallet_fsm.profile import PROFILES
+from pallet_fsm.states import ROWS, STEPS, State
+from pallet_fsm.transitions import CYCLE, RESUME, TRANSITIONS, Transition
+
+PAGE = """# States of the palletizing cell
+
+Written by `pack states` from the tables in `pallet_fsm/states.py` and `pallet_fsm/transitions.py`.
+
+## The cycle
+
+```mermaid
+stateDiagram-v2
+{cycle}
+```
+
+## Faults
+
+A state that is not drawn here knows no fault. `{resume}` goes back to the state that was interrupted.
+
+```mermaid
+flowchart LR
+{faults}
+```
+
+## The states
+
+{states}
+"""
+RESUMED = "interrupted state"
+
+
+def states_page() -> str:
+    """The text of docs/palletizing_states.md."""
+    rest = [row for row in TRANSITIONS if row not in CYCLE]
+    return PAGE.format(
+        cycle="\n".join(_cycle(CYCLE)), faults="\n".join(_faults(rest)), states="\n".join(_table()),
+        resume=RESUMED,
+    )  # fmt: skip
+
+
+def _cycle(rows: Iterable[Transition]) -> Iterable[str]:
+    for step in STEPS:
+        yield f"    {step.state.name}: {step.state.label}"
+    yield f"    [*] --> {State.SPAWN.name}"
+    for row in rows:
+        target = "[*]" if row.next is State.DONE else _next(row).name
+        yield f"    {row.state.name} --> {target}: {_words(row)}"
+
+
+def _faults(rows: Iterable[Transition]) -> Iterable[str]:
+    """An arrow for each event and guard, one from all numbered states that have it."""
+    groups: dict[tuple[str, str, str], list[State]] = {}
+    for row in rows:
+        target = RESUMED if row.next is RESUME else _next(row).label
+        source = "" if row.state in ROWS else row.state.label
+        groups.setdefault((source, _words(row), target), []).append(row.state)
+    for (source, words, target), states in groups.items():
+        name = source or _numbers(states)
+        yield f'    {_id(name)}["{name}"] -->|{words}| {_id(target)}["{target}"]'
+
+
+def _table() -> Iterable[str]:
+    yield "| state | what | speed | gripper | target within | " + " | ".join(PROFILES) + " |"
+    yield "|" + "---|" * (5 + len(PROFILES))
+    for row in STEPS:
+        stops = ["stops" if profile.stops_at(row.state) else "passed" for profile in PROFILES.values()]
+        cells = [
+            row.state.label, row.what, row.mode.value.lower() if row.mode else "",
+            row.grip.value, row.check.value if row.check else "", *(stops if row.mode else ["", ""]),
+        ]  # fmt: skip
+        yield "| " + " | ".join(cells) + " |"
+
+
+def _numbers(states: Iterable[State]) -> str:
+    """Runs of numbered states as `2-20`."""
+    runs: list[list[int]] = []
+    for number in sorted(int(state.value) for state in states):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+
+
+def _words(row: Transition) -> str:
+    return f"{row.event.value}, {row.guard.value}" if row.guard else row.event.value
+
+
+def _next(row: Transition) -> State:
+    assert row.next is not None
+    return row.next
+
+
+def _id(text: str) -> str:
+    return "s_" + "".join(c if c.isalnum() else "_" for c in text)

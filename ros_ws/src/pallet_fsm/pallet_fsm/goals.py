@@ -1,0 +1,70 @@
+"""The tool's goals for the box in work, those with the least turning of the wrist first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.motion.moves import Move
+from pack_core.rotations import Array, Pose
+from pallet_fsm.orientations import by_turning
+from pallet_fsm.states import State
+from pallet_fsm.tool_poses import PoseConfig, Stand, grasps, placements, stands
+from pallet_fsm.work_item import WorkItem
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A move up to the next stop of the arm.
+
+    Attributes:
+        move: for the motion.
+        X_WT: the tool at its end.
+        end: the state in which it ends.
+        approach: direction in which the tool holds the box at its end, where it stands it up `(3,)`.
+    """
+
+    move: Move
+    X_WT: Pose
+    end: State
+    approach: Array | None = None
+
+
+class Goals:
+    """Finds them.
+
+    Args:
+        cell: the cell's physical facts.
+        config: distances.
+    """
+
+    def __init__(self, cell: PalletizingCell, config: PoseConfig) -> None:
+        self._cell, self._config = cell, config
+
+    def grasps(self, item: WorkItem, X_WT: Pose) -> list[Pose]:
+        """Over the box where it stands."""
+        assert item.X_WB is not None
+        return self._sorted(grasps(item.X_WB, item.dims, self._config), X_WT)
+
+    def stands(self, item: WorkItem, X_WT: Pose) -> list[Stand]:
+        """With the box in the hand stood up at the edge of table B."""
+        assert item.X_TB is not None
+        found = stands(item.box, item.X_TB, self._cell, self._config)
+        order = self._sorted([stand.X_WT for stand in found], X_WT)
+        return [next(stand for stand in found if stand.X_WT is goal) for goal in order]
+
+    def placements(self, item: WorkItem, X_WT: Pose) -> list[Pose]:
+        """With the box in the hand at its place."""
+        assert item.X_TB is not None
+        pallet = self._cell.pallet
+        return self._sorted(
+            placements(item.plan.placed, item.box, item.X_TB, pallet.X_WP, self._config), X_WT
+        )
+
+    def _sorted(self, goals: list[Pose], X_WT: Pose) -> list[Pose]:
+        return by_turning(goals, X_WT, self._cell.arm.X_WB.p)
+
+
+def raised(X_WT: Pose, offset: Array) -> Pose:
+    """The pose, displaced in the world by `(3,)` [m]."""
+    return Pose(X_WT.p + offset, X_WT.q)

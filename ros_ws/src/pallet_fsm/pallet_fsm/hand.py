@@ -1,0 +1,51 @@
+"""Closes and opens the gripper, and waits for the vacuum."""
+
+from __future__ import annotations
+
+from pack_core.grip import GripState
+from pallet_fsm.ports import CloseGripper, Command, OpenGripper
+from pallet_fsm.states import Grip
+from pallet_fsm.transitions import Event
+
+
+class Hand:
+    """One closing or opening at a time.
+
+    Args:
+        dwell: for the vacuum to build up or break down [s].
+        patience: for the gripper to do as it is told [s].
+
+    Attributes:
+        is_busy: whether it closes or opens just now.
+        reason: why the last closing failed.
+    """
+
+    def __init__(self, dwell: float, patience: float) -> None:
+        self._dwell, self._patience = dwell, patience
+        self._grip = Grip.EMPTY
+        self._start = 0.0
+        self.is_busy = False
+        self.reason = ""
+
+    def begin(self, grip: Grip, time: float) -> Command:
+        """Close or open; to be followed by `look` until an event comes of it."""
+        self._grip, self._start, self.is_busy, self.reason = grip, time, True, ""
+        return CloseGripper() if grip is Grip.CLOSE else OpenGripper()
+
+    def look(self, state: GripState, time: float) -> Event | None:
+        """What has come of it, if anything yet."""
+        waited = time - self._start
+        if waited < self._dwell:
+            return None
+        wanted = self._grip is Grip.CLOSE
+        if state.is_closed is wanted:
+            return self._end(Event.GRIPPED if wanted else Event.RELEASED)
+        has_failed = wanted and not state.is_closing and state.reason
+        if not has_failed and waited < self._patience:
+            return None
+        self.reason = state.reason or f"the gripper does not {self._grip.value}"
+        return self._end(Event.GRIP_FAILED if wanted else Event.HALTED)
+
+    def _end(self, event: Event) -> Event:
+        self.is_busy = False
+        return event

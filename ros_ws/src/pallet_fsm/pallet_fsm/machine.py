@@ -1,0 +1,84 @@
+"""Walks the table of transitions and remembers where it has been."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pack_core.errors import PackError
+from pallet_fsm.states import ENDS, FAULTS, State
+from pallet_fsm.transitions import RESUME, TRANSITIONS, Event, Guard, Transition
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A state that was entered: when [s], for which box, on which event, and why if that was a fault."""
+
+    state: State
+    time: float
+    box: str = ""
+    event: Event | None = None
+    reason: str = ""
+
+
+class Machine:
+    """Where the cell is in the table.
+
+    Args:
+        time: now [s].
+        holds: whether a guard holds.
+        box: the first in work.
+    """
+
+    def __init__(self, time: float, holds: Callable[[Guard], bool], box: str = "") -> None:
+        self._holds = holds
+        self._interrupted = State.SPAWN
+        self.visits = [Visit(State.SPAWN, time, box)]
+
+    @property
+    def state(self) -> State:
+        """Now."""
+        return self.visits[-1].state
+
+    @property
+    def since(self) -> float:
+        """When the state was entered [s]."""
+        return self.visits[-1].time
+
+    @property
+    def reason(self) -> str:
+        """Of the last fault; empty if there was none."""
+        return next((visit.reason for visit in reversed(self.visits) if visit.reason), "")
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the order has ended, one way or the other."""
+        return self.state in ENDS
+
+    def fire(self, event: Event, time: float, box: str = "", reason: str = "") -> State:
+        """Go on; `box` is the one in work in the state that is entered.
+
+        Raises:
+            PackError: the table has no row for this event here.
+        """
+        row = self._row(event)
+        following = self._interrupted if row.next is RESUME else row.next
+        if following in FAULTS:
+            self._interrupted = self.state
+        self.visits.append(Visit(following, time, box, event, reason))
+        return following
+
+    def expects(self, event: Event) -> bool:
+        """Whether the table has a row for the event here."""
+        return any(row.state is self.state and row.event is event for row in TRANSITIONS)
+
+    def _row(self, event: Event) -> Transition:
+        rows = [row for row in TRANSITIONS if row.state is self.state and row.event is event]
+        for row in rows:
+            if row.guard is None or self._holds(row.guard):
+                return row
+        allowed = sorted({row.event.value for row in TRANSITIONS if row.state is self.state})
+        raise PackError(
+            f"state '{self.state.label}' knows no event '{event.value}' now; "
+            f"it knows: {', '.join(allowed) or 'none'}; change pallet_fsm/transitions.py"
+        )

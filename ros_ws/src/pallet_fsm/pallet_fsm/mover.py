@@ -1,0 +1,116 @@
+"""Pursues a leg: offers its alternatives to the motion one by one, then follows the one it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pydantic import PositiveFloat
+
+from pack_core.config import Config
+from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
+from pack_core.motion.world import CarriedBox, Obstacle
+from pallet_fsm.checkers import TOLERANCES, TargetChecker
+from pallet_fsm.goals import Leg
+from pallet_fsm.ports import MoveArm
+from pallet_fsm.profile import Part, Profile
+from pallet_fsm.states import ROWS, Check, State
+from pallet_fsm.transitions import Event
+
+
+class MoverConfig(Config):
+    """Patience."""
+
+    answer_time: PositiveFloat = 10.0
+    """For the motion to take or refuse a target [s]."""
+    settling_time: PositiveFloat = 2.0
+    """For the checker to be satisfied once the motion has ended [s]."""
+
+
+class Mover:
+    """One leg at a time.
+
+    Attributes:
+        leg: the one that is pursued; None between legs.
+        reason: why there was trouble.
+    """
+
+    def __init__(self, profile: Profile, config: MoverConfig) -> None:
+        self._profile, self._config = profile, config
+        self._id = 0
+        self._rest: list[tuple[Leg, frozenset[str]]] = []
+        self._refusals: list[str] = []
+        self._sent, self._ended = 0.0, 0.0
+        self._is_accepted = False
+        self._checker: TargetChecker | None = None
+        self._surroundings: tuple[CarriedBox | None, tuple[Obstacle, ...]] = (None, ())
+        self.leg: Leg | None = None
+        self.reason = ""
+
+    def begin(
+        self,
+        legs: Sequence[tuple[Leg, frozenset[str]]],
+        carried: CarriedBox | None,
+        obstacles: tuple[Obstacle, ...],
+        time: float,
+    ) -> MoveArm | Event:
+        """Offer the first of some legs, each with the names of what it may touch."""
+        self._rest, self._refusals, self.reason = list(legs), [], ""
+        self._surroundings = carried, obstacles
+        return self._offer(time) or self._trouble(Event.NOT_CLEAR, "there is no way to hold the box so")
+
+    def follow(self, status: MotionStatus, state: State) -> Event | MoveArm | None:
+        """What becomes of the leg while the machine is in `state`."""
+        if self.leg is None or status.id != self._id:
+            return self._wait(status.time)
+        if status.state is MotionState.REFUSED:
+            self._refusals.append(status.reason)
+            return self._offer(status.time) or self._trouble(Event.NOT_CLEAR, "; ".join(self._refusals))
+        if status.state is MotionState.STUCK:
+            return self._trouble(Event.MOTION_STUCK, status.reason)
+        self._is_accepted = True
+        if state is self.leg.end:
+            return self._arrive(status)
+        return Event.REACHED if self._has_passed(status, state) else None
+
+    def _offer(self, time: float) -> MoveArm | None:
+        if not self._rest:
+            return None
+        (self.leg, contacts), self._rest = self._rest[0], self._rest[1:]
+        self._id, self._sent, self._ended, self._is_accepted = self._id + 1, time, float("inf"), False
+        check = ROWS[self.leg.end].check or Check.TRANSIT
+        self._checker = TargetChecker(self.leg.X_WT, check)
+        carried, obstacles = self._surroundings
+        return MoveArm(MotionTarget(self._id, self.leg.move, carried, obstacles, contacts, TOLERANCES[check]))
+
+    def _wait(self, time: float) -> Event | None:
+        if self.leg is not None and time > self._sent + self._config.answer_time:
+            return self._trouble(Event.MOTION_STUCK, "the motion does not answer")
+        return None
+
+    def _arrive(self, status: MotionStatus) -> Event | None:
+        assert self._checker is not None
+        is_there = self._checker.look(status.X_WT)
+        if status.state is not MotionState.REACHED:
+            return None
+        if is_there:
+            self.leg = None
+            return Event.REACHED
+        self._ended = min(self._ended, status.time)
+        if status.time > self._ended + self._config.settling_time:
+            error_mm = 1000.0 * status.position_error
+            return self._trouble(Event.MOTION_STUCK, f"stopped {error_mm:.1f} mm from the target")
+        return None
+
+    def _has_passed(self, status: MotionStatus, state: State) -> bool:
+        if status.state is not MotionState.MOVING:
+            return True
+        running = PARTS.get(status.label, Part.NONE)
+        return running > self._profile.parts.get(state, Part.NONE)
+
+    def _trouble(self, event: Event, reason: str) -> Event:
+        self.leg, self.reason = None, reason
+        return event
+
+
+PARTS = {"depart": Part.DEPART, "transit": Part.CROSS} | {part.name: part for part in Part}
+"""What the motion calls the segment it runs, in the machine's words."""

@@ -1,0 +1,82 @@
+"""The boxes of an order: which is in work, which comes next, where those that have been put down stand."""
+
+from __future__ import annotations
+
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.motion.world import Obstacle
+from pack_core.orders.layout_plan import LayoutPlan
+from pack_core.orders.order import Order
+from pack_core.rotations import Pose
+from pallet_fsm.report import BoxOutcome, BoxReport
+from pallet_fsm.surroundings import furniture, neighbours, standing_box
+from pallet_fsm.tool_poses import placed_pose
+from pallet_fsm.work_item import WorkItem
+
+
+class OrderBook:
+    """Work items in the sequence of the plan.
+
+    Args:
+        order: what to build.
+        plan: where every box goes.
+        cell: the cell's physical facts.
+
+    Attributes:
+        current: the box in work.
+    """
+
+    def __init__(self, order: Order, plan: LayoutPlan, cell: PalletizingCell) -> None:
+        self._cell = cell
+        self.items = [WorkItem(order.box(planned.placed.id), planned) for planned in plan.boxes]
+        self._furniture = furniture(cell)
+        self.current = self.items[0]
+
+    @property
+    def upcoming(self) -> WorkItem | None:
+        """The next box, once the current one is finished; None where there is none."""
+        return next((item for item in self.items if not item.is_finished and item is not self.current), None)
+
+    @property
+    def has_boxes(self) -> bool:
+        """Whether anything is left to do."""
+        return any(not item.is_finished for item in self.items)
+
+    def advance(self) -> None:
+        """Take up the next box when the current one is finished."""
+        if self.current.is_finished and self.upcoming is not None:
+            self.current = self.upcoming
+
+    def skip(self, reason: str) -> None:
+        """Leave out the current box, and all that would rest on it."""
+        self.current.finish(BoxOutcome.SKIPPED, reason)
+        self.current.X_WB = None
+        for item in self.items:
+            missing = [other.name for other in self.items if other.outcome is BoxOutcome.SKIPPED
+                       and item.plan.placed.rests_on(other.plan.placed)]  # fmt: skip
+            if missing and not item.is_finished:
+                item.finish(BoxOutcome.SKIPPED, f"it would rest on {', '.join(missing)}, which was skipped")
+
+    def obstacles(self) -> tuple[Obstacle, ...]:
+        """Furniture, and every box that stands somewhere."""
+        boxes = (standing_box(item.box, item.X_WB) for item in self.items if item.X_WB is not None)
+        return (*self._furniture, *boxes)
+
+    def beside(self, item: WorkItem) -> frozenset[str]:
+        """Names of what a box touches, or nearly, at its place."""
+        placed = {other.name: other.plan.placed for other in self.items if other.X_WB is not None}
+        return neighbours(item.plan.placed, placed)
+
+    def reports(self) -> tuple[BoxReport, ...]:
+        """What became of each box."""
+        return tuple(
+            BoxReport(
+                item.name, item.handling.value, item.outcome, item.reason, item.plan.insertion.direction,
+                placed_pose(item.plan.placed, item.box, self._X_WP, item.X_WB),
+                item.X_WB if item.outcome is BoxOutcome.PLACED else None,
+            )
+            for item in self.items
+        )  # fmt: skip
+
+    @property
+    def _X_WP(self) -> Pose:
+        return self._cell.pallet.X_WP

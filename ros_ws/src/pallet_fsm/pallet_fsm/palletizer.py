@@ -1,0 +1,190 @@
+"""An order in progress: the machine, the box in work, and what the cell is asked to do, step by step.
+
+It owns no clock and calls nobody: a step takes what is seen and returns commands.
+"""
+
+from __future__ import annotations
+
+from pack_core.box_detection import DetectionStatus
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.grip import ASKED
+from pack_core.orders.handling import Handling
+from pack_core.orders.layout_plan import LayoutPlan
+from pack_core.orders.order import Order
+from pallet_fsm.feeder import Feeder
+from pallet_fsm.hand import Hand
+from pallet_fsm.leg_runner import LegRunner
+from pallet_fsm.machine import Machine
+from pallet_fsm.order_book import OrderBook
+from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.ports import Command, DiscardBox, MoveArm, Observation, StopArm
+from pallet_fsm.profile import profile_of
+from pallet_fsm.report import BoxOutcome, OrderReport
+from pallet_fsm.states import FAULTS, ROWS, Grip, State
+from pallet_fsm.surroundings import PICKING_TABLE, REORIENTATION_TABLE
+from pallet_fsm.transitions import HOLDING, Event, Guard
+from pallet_fsm.work_item import WorkItem
+
+
+class Palletizer:
+    """Builds one pallet.
+
+    Args:
+        order: what to build.
+        plan: where every box goes, in which sequence.
+        cell: the cell's physical facts.
+        config: parameters.
+        time: now [s].
+    """
+
+    def __init__(
+        self, order: Order, plan: LayoutPlan, cell: PalletizingCell, config: PalletizerConfig, time: float
+    ) -> None:
+        self._config = config
+        self._profile = profile_of(config.profile)
+        self._book = OrderBook(order, plan, cell)
+        self._feeder = Feeder(config.feeder)
+        self._hand = Hand(config.dwell, config.grip_patience)
+        self._legs = LegRunner(self._profile, self._book, cell, config)
+        self.machine = Machine(time, self._holds, self.item.name)
+        self._commands: list[Command] = []
+        self._halt = ""
+
+    @property
+    def item(self) -> WorkItem:
+        """The box in work."""
+        return self._book.current
+
+    def report(self) -> OrderReport:
+        """What has become of the order."""
+        boxes = self._book.reports()
+        is_complete = all(box.outcome is BoxOutcome.PLACED for box in boxes)
+        reason = self.machine.reason if self.machine.state is State.SAFE_STOP else ""
+        return OrderReport(is_complete, reason, boxes, tuple(self.machine.visits))
+
+    def halt(self, reason: str) -> None:
+        """Stop safely at the next step."""
+        self._halt = reason
+
+    def step(self, seen: Observation) -> tuple[Command, ...]:
+        """Go on as far as what is seen allows; what is to be done now."""
+        self._commands = []
+        self._feeder.observe(seen)
+        while not self.machine.is_over and (found := self._happened(seen)) is not None:
+            self._fire(*found, seen)
+        if not self.machine.is_over:
+            self._feed_ahead(seen.time)
+        return (*self._commands, *self._feeder.commands())
+
+    def _happened(self, seen: Observation) -> tuple[Event, str] | None:
+        """The event that takes the machine on, and its reason; None while there is none."""
+        state = self.machine.state
+        if state in FAULTS:
+            return Event.ASSESSED, ""
+        if state is State.SKIP_BOX:
+            return Event.SKIPPED, ""
+        if self._halt:
+            return Event.HALTED, self._halt
+        if state is State.SPAWN:
+            return self._arrival(seen.time)
+        if state is State.DETECT:
+            return self._sighting(seen.time)
+        return self._motion(state, seen)
+
+    def _arrival(self, time: float) -> tuple[Event, str] | None:
+        self._feeder.send_for(self.item, time)
+        if self._feeder.has_arrived:
+            return Event.SPAWNED, ""
+        return (Event.HALTED, f"box {self.item.name} does not come") if self._feeder.is_late(time) else None
+
+    def _sighting(self, time: float) -> tuple[Event, str] | None:
+        self._feeder.look(time)
+        answer = self._feeder.answer
+        if answer is None:
+            late = self._feeder.is_overdue(time)
+            return (Event.NO_DETECTION, "the camera does not answer") if late else None
+        if answer.status is DetectionStatus.DETECTED:
+            return Event.DETECTED, ""
+        is_wrong = answer.status is DetectionStatus.WRONG_SIZE
+        return Event.WRONG_SIZE if is_wrong else Event.NO_DETECTION, answer.reason
+
+    def _motion(self, state: State, seen: Observation) -> tuple[Event, str] | None:
+        if self._hand.is_busy:
+            event = self._hand.look(seen.grip, seen.time)
+            return (event, self._hand.reason) if event is not None else None
+        if state in HOLDING and not seen.grip.is_closed:
+            has_let_go = seen.grip.reason not in ("", ASKED)
+            return (
+                Event.LIMIT_PASSED if has_let_go else Event.BOX_LOST,
+                seen.grip.reason or "nothing in the hand",
+            )
+        outcome = self._legs.follow(state, self.item, seen)
+        if isinstance(outcome, MoveArm):
+            self._commands.append(outcome)
+            return None
+        if outcome is Event.REACHED and ROWS[state].grip in (Grip.CLOSE, Grip.OPEN):
+            self._commands.append(self._hand.begin(ROWS[state].grip, seen.time))
+            return None
+        return None if outcome is None else (outcome, self._legs.reason)
+
+    def _fire(self, event: Event, reason: str, seen: Observation) -> None:
+        before = self.machine.state
+        self._take_effect(event, before, seen)
+        state = self.machine.fire(event, seen.time, self.item.name, reason)
+        if state in FAULTS:
+            self._note_fault(state, before)
+        elif state is State.SKIP_BOX:
+            self._book.skip(self.machine.reason)
+            self._commands.append(DiscardBox(self.item.name))
+        elif state is State.SAFE_STOP:
+            self._commands.append(StopArm())
+
+    def _take_effect(self, event: Event, state: State, seen: Observation) -> None:
+        """What an event makes of the box in work."""
+        item, X_WT = self.item, seen.motion.X_WT
+        if event is Event.GRIPPED:
+            item.take(X_WT)
+            self._legs.stands_at({State.GRASP: PICKING_TABLE}.get(state, REORIENTATION_TABLE))
+            item.approach = None
+        elif event is Event.RELEASED:
+            item.let_go(X_WT, self._config.poses.drop)
+            if state is State.DEPOSIT:
+                item.finish(BoxOutcome.PLACED)
+            else:
+                item.approach = self._legs.approach
+        elif event is Event.REACHED and state is State.RETURN:
+            self._book.advance()
+
+    def _note_fault(self, fault: State, before: State) -> None:
+        self.item.tries[fault] += 1
+        if fault in (State.NO_DETECTION, State.WRONG_SIZE) or before is State.GRASP:
+            self._feeder.forget()
+        if fault is State.MOTION_STUCK:
+            self._commands.append(StopArm())
+        if fault in (State.BOX_LOST, State.LIMIT_PASSED):
+            self.item.finish(BoxOutcome.LOST, self.machine.reason)
+
+    def _feed_ahead(self, time: float) -> None:
+        """Have the next box brought and found while this one is on its way."""
+        profile, number, item = self._profile, self.machine.state.value, self.item
+        upcoming = self._book.upcoming
+        has_left = item.X_TB is not None or item.outcome is BoxOutcome.PLACED
+        if profile.spawn_at is None or upcoming is None or not has_left or not isinstance(number, int):
+            return
+        if number >= profile.spawn_at.value:
+            self._feeder.send_for(upcoming, time)
+        if profile.look_at is not None and number >= profile.look_at.value:
+            self._feeder.look(time)
+
+    def _holds(self, guard: Guard) -> bool:
+        item = self.item
+        has_tries = item.tries[self.machine.state] < self._config.tries
+        return {
+            Guard.IS_UPRIGHT: item.handling is Handling.NONE,
+            Guard.IS_FLIP: item.handling is Handling.FLIP,
+            Guard.HAS_TRIES: has_tries,
+            Guard.HAS_NO_TRIES: not has_tries,
+            Guard.HAS_BOXES: self._book.has_boxes,
+            Guard.IS_HOLDING: item.X_TB is not None,
+            Guard.IS_ON_TABLE: item.approach is not None,
+        }[guard]

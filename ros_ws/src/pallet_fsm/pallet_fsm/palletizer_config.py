@@ -1,0 +1,26 @@
+"""Parameters of the palletizing machine."""
+
+from __future__ import annotations
+
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config
+from pallet_fsm.blended_moves import BlendedConfig
+from pallet_fsm.feeder import FeederConfig
+from pallet_fsm.mover import MoverConfig
+from pallet_fsm.thesis_moves import ThesisConfig
+from pallet_fsm.tool_poses import PoseConfig
+
+
+class PalletizerConfig(Config):
+    """Parameters of the machine."""
+
+    profile: str = Field(default="blended", description="thesis or blended")
+    tries: int = Field(default=3, ge=1, description="for each kind of fault and box")
+    dwell: NonNegativeFloat = Field(default=0.3, description="for the vacuum to build up or break down [s]")
+    grip_patience: PositiveFloat = Field(default=2.0, description="for the gripper to close or open [s]")
+    poses: PoseConfig = PoseConfig()
+    blended: BlendedConfig = BlendedConfig()
+    thesis: ThesisConfig = ThesisConfig()
+    feeder: FeederConfig = FeederConfig()
+    mover: MoverConfig = MoverConfig()

@@ -1,0 +1,81 @@
+"""What became of an order: each box, each fault, with the reasons."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import pairwise
+
+from pack_core.rotations import Pose
+from pallet_fsm.machine import Visit
+from pallet_fsm.states import FAULTS, State
+
+
+class BoxOutcome(StrEnum):
+    """What became of a box."""
+
+    PENDING = "pending"
+    PLACED = "placed"
+    SKIPPED = "skipped"
+    LOST = "lost"
+
+
+@dataclass(frozen=True)
+class BoxReport:
+    """A box of the order.
+
+    Attributes:
+        name: of the box.
+        handling: none, flip or table.
+        outcome: what became of it.
+        reason: why it was skipped or lost; empty otherwise.
+        direction: of its insertion.
+        X_WB: where it was meant to stand.
+        X_WB_believed: where it is believed to stand since it was let go; None if it was not.
+    """
+
+    name: str
+    handling: str
+    outcome: BoxOutcome
+    reason: str
+    direction: str
+    X_WB: Pose
+    X_WB_believed: Pose | None
+
+
+@dataclass(frozen=True)
+class OrderReport:
+    """An order that has ended.
+
+    Attributes:
+        is_complete: every box was placed.
+        reason: why the order stopped before its end; empty if it did not.
+        boxes: in the sequence of the plan.
+        visits: every state that was entered.
+    """
+
+    is_complete: bool
+    reason: str
+    boxes: tuple[BoxReport, ...]
+    visits: tuple[Visit, ...]
+
+    @property
+    def faults(self) -> tuple[Visit, ...]:
+        """Every fault there was."""
+        return tuple(visit for visit in self.visits if visit.state in FAULTS)
+
+    def cycle_times(self) -> dict[str, float]:
+        """By box, from its state 0 to that of the next; for the last, to the end of its retreat [s]."""
+        starts: dict[str, float] = {}
+        ends: dict[str, float] = {}
+        before = ""
+        for visit, following in pairwise(self.visits):
+            if visit.state is State.SPAWN:
+                starts.setdefault(visit.box, visit.time)
+                if before and visit.box != before:
+                    ends[before] = visit.time
+                before = visit.box
+            elif visit.state is State.RETREAT:
+                ends[visit.box] = following.time
+        placed = {box.name for box in self.boxes if box.outcome is BoxOutcome.PLACED}
+        return {name: ends[name] - starts[name] for name in starts if name in ends and name in placed}

@@ -1,0 +1,121 @@
+"""Where the tool goes for a box: to grasp it, to stand it up at the table's edge, to put it on the pallet.
+
+Every function gives alternatives, as box and tool look the same after half or quarter turns.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.config import Config
+from pack_core.motion.moves import DOWN
+from pack_core.orders.order import OrderBox
+from pack_core.orders.placed_box import PlacedBox
+from pack_core.rotations import Array, Pose, angle_between, from_yaw, multiply, to_matrix
+from pallet_fsm.orientations import box_orientations, points_along
+
+LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""q_WT of a tool that looks down with its x axis along the world's."""
+
+
+class PoseConfig(Config):
+    """Distances between boxes, pad and tables."""
+
+    pad_gap: NonNegativeFloat = Field(default=0.001, description="pad over the face when it grips [m]")
+    drop: NonNegativeFloat = Field(default=0.002, description="box over what it is put on when let go [m]")
+    overhang: NonNegativeFloat = Field(
+        default=0.02, description="gripped face before the table's edge when a box is stood up [m]"
+    )
+    overhang_margin: NonNegativeFloat = Field(
+        default=0.02, description="of the box's middle behind the edge then, at least [m]"
+    )
+    inset: PositiveFloat = Field(default=0.08, description="box from the table's corner along the edge [m]")
+
+
+@dataclass(frozen=True)
+class Stand:
+    """A box stood up at the table's edge: its pose when let go, the tool's, the approach direction."""
+
+    X_WB: Pose
+    X_WT: Pose
+    approach: Array
+
+
+def grasps(X_WB: Pose, dims: Array, config: PoseConfig) -> list[Pose]:
+    """Tool poses X_WT over the middle of the upper face of a box that stands on a level plane."""
+    heights = np.abs(to_matrix(X_WB.q)) @ dims
+    p_WT = X_WB.p + np.array([0.0, 0.0, heights[2] / 2.0 + config.pad_gap])
+    yaw = _level_yaw(X_WB)
+    return [Pose(p_WT, multiply(from_yaw(yaw + n * np.pi / 2), LOOKING_DOWN)) for n in range(4)]
+
+
+def placements(placed: PlacedBox, box: OrderBox, X_TB: Pose, X_WP: Pose, config: PoseConfig) -> list[Pose]:
+    """Tool poses X_WT, looking down, at which the box in the hand is let go over its place."""
+    p_WB = X_WP.apply(placed.centre) + np.array([0.0, 0.0, config.drop])
+    poses = [
+        Pose(p_WB, multiply(X_WP.q, q_PB)) @ X_TB.inverse()
+        for q_PB in box_orientations(box.dims, [float(edge) for edge in placed.size])
+    ]
+    return [X_WT for X_WT in poses if points_along(X_WT, DOWN)]
+
+
+def stands(box: OrderBox, X_TB: Pose, cell: PalletizingCell, config: PoseConfig) -> list[Stand]:
+    """Ways to stand the box up at an edge of table B, so that its height is that on the pallet.
+
+    The tool comes in horizontally, away from the arm; the gripped face looks back at it, a little
+    before the table's edge, so that the wrist hangs in front of the table and never over it.
+    """
+    height = box.turn.extents[2]
+    found = []
+    for q_WB in box_orientations(box.dims, [None, None, height]):
+        for axis in (0, 1):
+            approach = _away_from_arm(cell, axis)
+            X_WB = Pose(_standing_place(box, q_WB, axis, cell, config), q_WB)
+            X_WT = X_WB @ X_TB.inverse()
+            if points_along(X_WT, approach):
+                found.append(Stand(X_WB, X_WT, approach))
+    return found
+
+
+def _standing_place(
+    box: OrderBox, q_WB: Array, axis: int, cell: PalletizingCell, config: PoseConfig
+) -> Array:
+    """The middle of a box `(3,)` [m] that stands at the table's edge and its corner next to the arm."""
+    table, edges = cell.reorientation_table, np.abs(to_matrix(q_WB)) @ np.array(box.dims)
+    p_WB = np.empty(3)
+    p_WB[2] = table.height + edges[2] / 2.0 + config.drop
+    for i in (0, 1):
+        away = _away_from_arm(cell, i)[i]
+        edge = table.centre[i] - away * table.size[i] / 2.0
+        overhang = min(config.overhang, edges[i] / 2.0 - config.overhang_margin)
+        inside = edges[i] / 2.0 + (-overhang if i == axis else config.inset)
+        p_WB[i] = edge + away * inside
+    return p_WB
+
+
+def _away_from_arm(cell: PalletizingCell, axis: int) -> Array:
+    """Unit vector along the world's x or y from the arm to table B."""
+    direction = np.zeros(3)
+    direction[axis] = np.sign(cell.reorientation_table.centre[axis] - cell.arm.base[axis])
+    return direction
+
+
+def _level_yaw(X_WB: Pose) -> float:
+    """Yaw [rad] of the box's edges in the plane: that of any axis of it that lies level."""
+    R_WB = to_matrix(X_WB.q)
+    level = int(np.argmin(np.abs(R_WB[2])))
+    return float(np.arctan2(R_WB[1, level], R_WB[0, level]))
+
+
+def placed_pose(placed: PlacedBox, box: OrderBox, X_WP: Pose, X_WB: Pose | None) -> Pose:
+    """Where a box shall stand; of the orientations that look alike, the one next to X_WB."""
+    poses = [
+        Pose(X_WP.apply(placed.centre), multiply(X_WP.q, q_PB))
+        for q_PB in box_orientations(box.dims, [float(edge) for edge in placed.size])
+    ]
+    q_WB = poses[0].q if X_WB is None else X_WB.q
+    return min(poses, key=lambda pose: float(angle_between(pose.q, q_WB)))

@@ -1,0 +1,213 @@
+"""A consistent cell without physics: moves end exactly, boxes follow the hand, faults come on request."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pack_core.box_detection import BoxDetection, DetectionStatus
+from pack_core.cells.palletizing import PalletizingCell, palletizing_cell
+from pack_core.grip import ASKED, GripState
+from pack_core.motion.moves import Path, Transfer
+from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
+from pack_core.orders.layout_plan import Insertion, LayoutPlan, LayoutStatus, PlannedBox
+from pack_core.orders.order import Order
+from pack_core.orders.order_file import load_order
+from pack_core.paths import config_path
+from pack_core.rotations import Pose, angle_between, from_yaw
+from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.ports import (
+    CloseGripper,
+    Command,
+    DiscardBox,
+    Look,
+    MoveArm,
+    Observation,
+    OpenGripper,
+    SpawnBox,
+    StopArm,
+)
+from pallet_fsm.tool_poses import LOOKING_DOWN
+
+PERIOD = 0.05
+TICKS = 2
+"""Per segment of a move."""
+HOME = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
+REACH = 0.01
+
+
+@dataclass
+class Faults:
+    """What shall go wrong: how often it still will."""
+
+    unseen: int = 0
+    wrong_size: int = 0
+    slips: int = 0
+    stuck: int = 0
+    refused: int = 0
+    lost_at: str = ""
+    reason: str = ""
+
+
+@dataclass
+class FakeCell:
+    """Boxes by name, with their true poses."""
+
+    order: Order
+    faults: Faults = field(default_factory=Faults)
+    time: float = 0.0
+    X_WT: Pose = HOME
+    grip: GripState = field(default_factory=lambda: GripState(reason=ASKED))
+    boxes: dict[str, Pose] = field(default_factory=dict)
+    spawned: str = ""
+    detection: BoxDetection | None = None
+    has_stopped: bool = False
+
+    def __post_init__(self) -> None:
+        self._cell: PalletizingCell = palletizing_cell()
+        self._target: MotionTarget | None = None
+        self._state, self._reason, self._ticks = MotionState.IDLE, "", 0
+        self._segments: list[tuple[str, Pose]] = []
+        self._rng = np.random.default_rng(0)
+
+    def observe(self) -> Observation:
+        self.time += PERIOD
+        self._advance()
+        return Observation(self.time, self._status(), self.grip, self.spawned, self.detection)
+
+    def obey(self, command: Command) -> None:
+        actions: dict[type, Callable[[], None]] = {
+            SpawnBox: lambda: self._spawn(command.name, command.dims),
+            DiscardBox: lambda: self._discard(command.name),
+            Look: lambda: self._look(command.expected),
+            MoveArm: lambda: self._take(command.target),
+            StopArm: self._stop,
+            CloseGripper: self._close,
+            OpenGripper: lambda: self._open(ASKED),
+        }
+        actions[type(command)]()
+
+    def _spawn(self, name: str, dims: tuple[float, float, float]) -> None:
+        x, y = np.array(self._cell.picking_table.centre) + self._rng.uniform(-0.1, 0.1, 2)
+        yaw = np.deg2rad(self._rng.uniform(-10, 10))
+        self.boxes[name] = Pose([x, y, self._cell.picking_table.height + dims[2] / 2], from_yaw(yaw))
+        self.spawned = name
+
+    def _discard(self, name: str) -> None:
+        del self.boxes[name]
+
+    def _look(self, expected) -> None:
+        status, reason, X_WB = DetectionStatus.DETECTED, "", self.boxes[expected.id]
+        if self.faults.unseen:
+            self.faults.unseen -= 1
+            status, reason, X_WB = DetectionStatus.NOT_FOUND, "no contour", None
+        elif self.faults.wrong_size:
+            self.faults.wrong_size -= 1
+            status, reason, X_WB = DetectionStatus.WRONG_SIZE, "20 mm too long", None
+        self.detection = BoxDetection(self.time, expected.id, status, reason, X_WB, None, None)
+
+    def _take(self, target: MotionTarget) -> None:
+        self._target, self._ticks = target, 0
+        if self.faults.refused:
+            self.faults.refused -= 1
+            self._state, self._reason = MotionState.REFUSED, "the wrist would hit box 3"
+            return
+        self._state, self._reason, self._segments = MotionState.MOVING, "", segments(target)
+
+    def _stop(self) -> None:
+        self.has_stopped, self._segments = True, []
+
+    def _close(self) -> None:
+        held = "" if self.faults.slips else self._under_pad()
+        self.faults.slips = max(0, self.faults.slips - 1)
+        if held:
+            self._X_TB = self.X_WT.inverse() @ self.boxes[held]
+            self.grip = GripState(held=held)
+        else:
+            self.grip = GripState(reason="no face within reach")
+
+    def _open(self, reason: str) -> None:
+        if held := self.grip.held:
+            X_WB = self.boxes[held]
+            self.boxes[held] = Pose(X_WB.p - [0.0, 0.0, 0.002], X_WB.q)
+        self.grip = GripState(reason=reason)
+
+    def _under_pad(self) -> str:
+        for item in self.order.boxes:
+            if item.id in self.boxes:
+                p_TB = (self.X_WT.inverse() @ self.boxes[item.id]).p
+                if np.linalg.norm(p_TB[:2]) < REACH and p_TB[2] < max(item.dims) / 2 + REACH:
+                    return item.id
+        return ""
+
+    def _advance(self) -> None:
+        if self._state is not MotionState.MOVING:
+            return
+        self._ticks += 1
+        if self._ticks % TICKS:
+            return
+        if self.faults.stuck:
+            self.faults.stuck -= 1
+            self._state, self._reason = MotionState.STUCK, "no progress for 1 s"
+            return
+        label, self.X_WT = self._segments.pop(0)
+        if label == self.faults.lost_at and self.grip.held:
+            self._open(self.faults.reason)
+        if self.grip.held:
+            self.boxes[self.grip.held] = self.X_WT @ self._X_TB
+        if not self._segments:
+            self._state = MotionState.REACHED
+
+    def _status(self) -> MotionStatus:
+        label = self._segments[0][0] if self._segments else ""
+        return MotionStatus(
+            self.time, self._target.id if self._target else 0, self._state, 0, label, 0.0,
+            0.0, 0.0, 0.0, 3, self._reason, self.X_WT,
+        )  # fmt: skip
+
+
+def segments(target: MotionTarget) -> list[tuple[str, Pose]]:
+    """Labels and ends; where a depart or a hover pose is does not matter here."""
+    move = target.move
+    if isinstance(move, Path):
+        return [(segment.label, segment.X_WT) for segment in move.segments]
+    assert isinstance(move, Transfer)
+    first = move.lines[0].X_WT
+    labels = ["depart", "transit"] if move.depart else ["transit"]
+    return [*((label, first) for label in labels), *((line.label, line.X_WT) for line in move.lines)]
+
+
+def given_order(number: int) -> Order:
+    return load_order(config_path("orders", f"order_{number:02}.json"))
+
+
+def plan_as_given(order: Order) -> LayoutPlan:
+    straight = Insertion("Center", np.zeros(3), 0.0)
+    boxes = tuple(PlannedBox(item, straight) for item in order.placed)
+    return LayoutPlan(LayoutStatus.SUCCESS, "", boxes, 0.0, 0.0)
+
+
+def run(order: Order, profile: str = "blended", faults: Faults | None = None) -> tuple[Palletizer, FakeCell]:
+    """An order from start to end."""
+    cell = FakeCell(order, faults or Faults())
+    config = PalletizerConfig(profile=profile)
+    machine = Palletizer(order, plan_as_given(order), palletizing_cell(), config, 0.0)
+    while not machine.machine.is_over:
+        for command in machine.step(cell.observe()):
+            cell.obey(command)
+        assert cell.time < 600.0, machine.machine.visits[-5:]
+    return machine, cell
+
+
+def misplacement(cell: FakeCell, report) -> tuple[float, float]:
+    """Largest distance [m] and angle [rad] of any placed box from where it was meant to stand."""
+    errors = [
+        (
+            float(np.linalg.norm(cell.boxes[box.name].p - box.X_WB.p)),
+            float(angle_between(cell.boxes[box.name].q, box.X_WB.q)),
+        )
+        for box in report.boxes
+        if box.outcome == "placed"
+    ]
+    return max(e[0] for e in errors), max(e[1] for e in errors)

@@ -1,0 +1,144 @@
+import pytest
+
+from pack_core.cells.palletizing import palletizing_cell
+from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.ports import StopArm
+from pallet_fsm.report import BoxOutcome
+from pallet_fsm.states import State
+from unit.pallet_fsm.fake_cell import FakeCell, Faults, given_order, misplacement, plan_as_given, run
+
+TABLE = list(range(21))
+NONE = [*range(6), *range(15, 21)]
+FLIP = [*range(7), *range(14, 21)]
+TRACES = {"none": NONE, "flip": FLIP, "table": TABLE}
+
+
+def steps(machine) -> list[int]:
+    return [visit.state.value for visit in machine.machine.visits if isinstance(visit.state.value, int)]
+
+
+def expected(order) -> list[int]:
+    return [number for item in order.boxes for number in TRACES[item.turn.handling.value]]
+
+
+@pytest.mark.parametrize("profile", ["thesis", "blended"])
+@pytest.mark.parametrize("number", [3, 9, 16])
+def test_every_box_goes_through_the_states_of_its_handling(number: int, profile: str) -> None:
+    order = given_order(number)
+    machine, _ = run(order, profile)
+    assert steps(machine) == expected(order)[: len(steps(machine))]
+    assert len(steps(machine)) == len(expected(order))
+    assert machine.machine.state is State.DONE
+
+
+def test_the_traces_have_12_14_and_21_states() -> None:
+    assert (len(NONE), len(FLIP), len(TABLE)) == (12, 14, 21)
+
+
+@pytest.mark.parametrize("number", range(1, 26))
+def test_every_box_of_every_order_ends_where_it_was_meant_to_stand(number: int) -> None:
+    order = given_order(number)
+    machine, cell = run(order)
+    report = machine.report()
+    assert report.is_complete
+    distance, angle = misplacement(cell, report)
+    assert distance < 1e-9
+    assert angle < 1e-6
+
+
+def test_both_profiles_put_boxes_in_the_same_places() -> None:
+    order = given_order(16)
+    blended, thesis = (run(order, profile)[0].report() for profile in ("blended", "thesis"))
+    for one, other in zip(blended.boxes, thesis.boxes, strict=True):
+        assert one.X_WB_believed is not None
+        assert other.X_WB_believed is not None
+        assert one.X_WB_believed.p == pytest.approx(other.X_WB_believed.p, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("faults", "state"),
+    [
+        (Faults(unseen=2), State.NO_DETECTION),
+        (Faults(wrong_size=2), State.WRONG_SIZE),
+        (Faults(slips=2), State.GRIP_FAILED),
+        (Faults(stuck=2), State.MOTION_STUCK),
+    ],
+    ids=lambda value: value.name if isinstance(value, State) else "",
+)
+@pytest.mark.parametrize("profile", ["thesis", "blended"])
+def test_a_fault_that_passes_costs_nothing_but_time(faults: Faults, state: State, profile: str) -> None:
+    machine, cell = run(given_order(3), profile, Faults(**vars(faults)))
+    report = machine.report()
+    assert report.is_complete
+    assert [visit.state for visit in report.faults] == [state, state]
+    assert all(visit.reason for visit in report.faults)
+    assert misplacement(cell, report)[0] < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("faults", "reason"),
+    [
+        (Faults(unseen=3), "no contour"),
+        (Faults(wrong_size=3), "20 mm too long"),
+        (Faults(slips=3), "no face within reach"),
+        (Faults(refused=4), "the wrist would hit box 3"),
+    ],
+    ids=["unseen", "wrong size", "slips", "refused"],
+)
+def test_a_box_that_cannot_be_had_is_skipped_with_the_reason(faults: Faults, reason: str) -> None:
+    order = given_order(3)
+    machine, cell = run(order, "blended", Faults(**vars(faults)))
+    first, second = machine.report().boxes
+    assert first.outcome is BoxOutcome.SKIPPED
+    assert reason in first.reason
+    assert second.outcome is BoxOutcome.PLACED
+    assert first.name not in cell.boxes
+    assert machine.machine.state is State.DONE
+
+
+def test_boxes_that_would_rest_on_a_skipped_one_are_skipped() -> None:
+    order = given_order(16)
+    machine, _ = run(order, "blended", Faults(unseen=3))
+    boxes = {box.name: box for box in machine.report().boxes}
+    first = order.placed[0]
+    above = [item.id for item in order.placed if item.rests_on(first)]
+    assert above
+    for name in above:
+        assert boxes[name].outcome is BoxOutcome.SKIPPED
+        assert first.id in boxes[name].reason
+
+
+@pytest.mark.parametrize("profile", ["thesis", "blended"])
+def test_a_grip_that_is_lost_stops_the_arm_and_says_why(profile: str) -> None:
+    label = {"thesis": "TRANSFER", "blended": "transit"}[profile]
+    faults = Faults(lost_at=label, reason="shear force 260.0 N above 250.0 N")
+    machine, cell = run(given_order(3), profile, faults)
+    report = machine.report()
+    assert machine.machine.state is State.SAFE_STOP
+    assert [visit.state for visit in report.faults] == [State.LIMIT_PASSED]
+    assert report.reason == faults.reason
+    assert report.boxes[0].outcome is BoxOutcome.LOST
+    assert cell.has_stopped
+
+
+def test_a_move_that_is_never_free_with_a_box_in_the_hand_stops_safely() -> None:
+    order = given_order(3)
+    machine, cell = run(order, "blended", Faults(stuck=0))
+    assert machine.report().is_complete
+    stopped, cell = run(order, "blended", Faults(stuck=100))
+    assert stopped.machine.state is State.SAFE_STOP
+    assert "no progress" in stopped.report().reason
+    assert cell.has_stopped
+
+
+def test_a_halt_stops_the_arm_with_its_reason() -> None:
+    order = given_order(3)
+    cell = FakeCell(order)
+    machine = Palletizer(order, plan_as_given(order), palletizing_cell(), PalletizerConfig(), 0.0)
+    for _ in range(40):
+        for command in machine.step(cell.observe()):
+            cell.obey(command)
+    machine.halt("node 'pallet_sim' is silent")
+    assert StopArm() in machine.step(cell.observe())
+    assert machine.report().reason == "node 'pallet_sim' is silent"
