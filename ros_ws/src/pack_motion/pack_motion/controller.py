@@ -113,7 +113,7 @@ class MotionController:
             )
         self._time = time
         pursuit, tracker = self._pursuit, self._tracker
-        before, after, posture = pursuit.advance(h, tracker.deviation)
+        before, after, posture = pursuit.advance(h, tracker.deviation, tracker.least_distance)
         mode = pursuit.plan.segments[pursuit.segment].mode
         if mode is not self._mode:
             self._mode = mode
@@ -148,7 +148,7 @@ class MotionController:
 
     def _follow(self, target: MotionTarget, plan: Plan) -> None:
         self._target = target
-        self._pursuit = pursuit_of(plan, self._config, self._arm.home)
+        self._pursuit = pursuit_of(plan, self._arm, self._config)
         self._spheres = self._arm_spheres.with_carried(self._arm, target.carried)
         self._mode = plan.segments[self._pursuit.segment].mode
         self._refresh_field()

@@ -8,6 +8,7 @@ import numpy as np
 import ruckig
 
 from pack_core.rotations import Array
+from pack_motion.reference.fastest import fastest
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState, Trajectory, grid
 
@@ -56,10 +57,9 @@ def _solve(
     request.max_velocity = _at_least(limits.velocity, start.v, end.v)
     request.max_acceleration = _at_least(limits.acceleration, start.a, end.a)
     request.max_jerk = limits.jerk
-    found = ruckig.Trajectory(len(start.q))
-    outcome = ruckig.Ruckig(len(start.q)).calculate(request, found)
-    if outcome not in (ruckig.Result.Working, ruckig.Result.Finished):
-        raise MoveRefused(f"no move from {start.q.round(3).tolist()} to {end.q.round(3).tolist()}: {outcome}")
+    found = fastest(request)
+    if found is None:
+        raise MoveRefused(f"no move from joints {start.q.round(3).tolist()} to {end.q.round(3).tolist()} rad")
     return sampled(found, segment)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import ruckig
 
 from pack_motion.arm.arm import JERK_TIME
+from pack_motion.reference.fastest import fastest
 from pack_motion.reference.refusal import MoveRefused
 
 OVERSHOOT = 1e-6
@@ -70,16 +71,18 @@ def portion_profile(portion: Portion, v_0: float, v_1: float) -> ruckig.Trajecto
     request.target_position, request.max_velocity = [portion.length], [max(portion.speed, v_0, v_1)]
     request.current_velocity, request.target_velocity = [v_0], [v_1]
     request.max_acceleration, request.max_jerk = [portion.acceleration], [portion.jerk]
-    found = ruckig.Trajectory(1)
-    outcome = ruckig.Ruckig(1).calculate(request, found)
-    extent = found.position_extrema[0]
-    is_inside = extent.min >= -OVERSHOOT and extent.max <= portion.length + OVERSHOOT
-    if outcome not in (ruckig.Result.Working, ruckig.Result.Finished) or not is_inside:
+    found = fastest(request)
+    if found is None or not _is_inside(found, portion.length):
         raise MoveRefused(
             f"a line of {1000 * portion.length:.0f} mm cannot be entered at {v_0:.3f} m/s "
             f"and left at {v_1:.3f} m/s"
         )
     return found
+
+
+def _is_inside(found: ruckig.Trajectory, length: float) -> bool:
+    extent = found.position_extrema[0]
+    return bool(extent.min >= -OVERSHOOT and extent.max <= length + OVERSHOOT)
 
 
 def _reachable(portion: Portion, fixed: float, wished: float) -> float:

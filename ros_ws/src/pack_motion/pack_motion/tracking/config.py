@@ -33,11 +33,14 @@ class Resolve(Enum):
 
 
 class Governor(Config):
-    """When the reference waits for the tool."""
+    """When the reference waits for the tool, and slows down near what moves."""
 
-    near: PositiveFloat = Field(description="distance of the tool up to which it does not [m]")
+    near: PositiveFloat = Field(description="distance of the tool up to which it does not wait [m]")
     far: PositiveFloat = Field(description="distance at which it stands still [m]")
     time: PositiveFloat = Field(description="from full rate to standing still, at least [s]")
+    avoid_speed: PositiveFloat = Field(description="of the tool, where it is pushed aside [m/s]")
+    avoid_distance: PositiveFloat = Field(description="from an obstacle, where that speed is reached [m]")
+    avoid_deceleration: PositiveFloat = Field(description="on the way to that speed [m/s^2]")
 
 
 class Stuck(Config):

@@ -7,9 +7,10 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from pack_core.rotations import Array
+from pack_motion.arm.arm import Arm
 from pack_motion.reference.path_planner import Plan
 from pack_motion.reference.trajectory import JointState
-from pack_motion.tracking.config import Governor, MotionSet, Reference
+from pack_motion.tracking.config import MotionSet, Reference
 from pack_motion.tracking.governor import RateGovernor
 
 
@@ -23,10 +24,18 @@ class Pursuit(ABC):
         """At which it goes on; 1 as planned."""
 
     @abstractmethod
-    def advance(self, h: float, deviation: float) -> tuple[JointState, JointState, Array | None]:
-        """The reference before and after a step of `h` [s], and the posture the joints are drawn to.
+    def advance(
+        self, h: float, deviation: float, distance: float
+    ) -> tuple[JointState, JointState, Array | None]:
+        """The reference before and after a step, and the posture that joints are drawn to.
 
-        No posture stands for the reference. `deviation` is the tool's distance from the reference [m].
+        Args:
+            h: duration of the step [s].
+            deviation: of the tool from the reference [m].
+            distance: least, to an obstacle that is felt [m].
+
+        Returns:
+            Both references, and the posture; None for that of the reference.
         """
 
     @property
@@ -43,18 +52,21 @@ class Pursuit(ABC):
 class ShapedPursuit(Pursuit):
     """The plan's reference in motion; it waits for a tool that is held up."""
 
-    def __init__(self, plan: Plan, config: Governor) -> None:
+    def __init__(self, plan: Plan, governor: RateGovernor) -> None:
         super().__init__(plan)
-        self._governor = RateGovernor(config)
+        self._governor = governor
         self._time = 0.0
-        self._state = plan.trajectory.start
+        self._planned = self._state = plan.trajectory.start
 
-    def advance(self, h: float, deviation: float) -> tuple[JointState, JointState, Array | None]:
+    def advance(
+        self, h: float, deviation: float, distance: float
+    ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
         before, rate = self._state, self.rate
-        self.rate = self._governor.update(deviation, h)
+        self.rate = self._governor.update(self._planned, deviation, distance, h)
         self._time = min(self._time + 0.5 * h * (rate + self.rate), self.plan.trajectory.duration)
         planned, self.segment = self.plan.trajectory.at(self._time)
+        self._planned = planned
         self._state = JointState(planned.q, self.rate * planned.v, self.rate**2 * planned.a)
         return before, self._state, None
 
@@ -77,7 +89,9 @@ class StaticPursuit(Pursuit):
         self._ends = [float(rows.times[rows.segment == k][-1]) for k in self._segments]
         self._index, self._home, self._is_new, self._is_over = 0, q_home, True, False
 
-    def advance(self, h: float, deviation: float) -> tuple[JointState, JointState, Array | None]:
+    def advance(
+        self, h: float, deviation: float, distance: float
+    ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
         if not self._is_new and deviation < self.NEAR:
             if self._index + 1 < len(self._goals):
@@ -95,8 +109,8 @@ class StaticPursuit(Pursuit):
         return 0.0 if self._is_over else self._ends[-1] - self._ends[self._index - 1] * (self._index > 0)
 
 
-def pursuit_of(plan: Plan, config: MotionSet, q_home: Array) -> Pursuit:
+def pursuit_of(plan: Plan, arm: Arm, config: MotionSet) -> Pursuit:
     """How a set of parameters follows a plan."""
     if config.reference is Reference.SHAPED:
-        return ShapedPursuit(plan, config.governor)
-    return StaticPursuit(plan, q_home)
+        return ShapedPursuit(plan, RateGovernor(config.governor, arm.chain, arm.limits.acceleration))
+    return StaticPursuit(plan, arm.home)
