@@ -40,6 +40,12 @@ class PinholeCamera:
         X_WC = Pose(np.asarray(p_WC, dtype=float), LOOKING_DOWN)
         return cls(X_WC, f, (0.5 * width - 0.5, 0.5 * height - 0.5), width, height)
 
+    def scaled(self, width: int) -> PinholeCamera:
+        """The same camera with pictures of another width, and the height that goes with it [pixel]."""
+        s = width / self.width
+        u, v = ((x + 0.5) * s - 0.5 for x in self.c)
+        return PinholeCamera(self.X_WC, self.f * s, (u, v), width, round(self.height * s))
+
     @property
     def K(self) -> Array:
         """The intrinsic matrix `(3, 3)`."""

@@ -9,12 +9,13 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
 
 from pack_core.camera import PinholeCamera, focal_length
-from pack_core.config import Config, load_config
+from pack_core.config import Config, load_config, validate_config
 from pack_core.paths import config_path
 from pack_core.robots.servo import Servo
 from pack_core.rotations import Pose
 
 Joints = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
+Six = Annotated[tuple[PositiveFloat, ...], Field(min_length=6, max_length=6)]
 Point = tuple[float, float, float]
 Pair = tuple[float, float]
 Size = tuple[PositiveFloat, PositiveFloat]
@@ -112,6 +113,38 @@ class Contact(Config):
     """What a carried box may come down on something with before it counts as a collision [m/s]."""
 
 
+class Gears(Config):
+    """Gears that give way, between motors, which the controller measures, and links."""
+
+    stiffness: Six
+    """Of each, beyond its play [N m/rad]."""
+    damping: Six
+    """[N m s/rad]"""
+    inertia: Six
+    """Of the gear behind its spring [kg m^2]."""
+    backlash_deg: NonNegativeFloat
+    """Full play of each, seen at the joint."""
+    stiffness_error: Annotated[float, Field(gt=-1.0)]
+    """Of what the controller believes, as a share: it leads the motors by the load over this stiffness."""
+
+
+class Calibration(Config):
+    """How far the arm stands from where everyone believes it; the direction is drawn from the seed."""
+
+    position: NonNegativeFloat
+    """[m]"""
+    orientation_deg: NonNegativeFloat
+    """About the middle between tables and pallet."""
+
+
+class Preset(Config):
+    """How the real arm differs from the ideal one."""
+
+    gears: Gears | None
+    """None: rigid."""
+    calibration: Calibration
+
+
 class PalletizingCell(Config):
     """The palletizing cell."""
 
@@ -125,6 +158,9 @@ class PalletizingCell(Config):
     spawn: Spawn
     servo: Servo
     contact: Contact
+    presets: dict[str, Preset]
+    preset: str = "rigid"
+    """Which of the presets the arm is."""
 
     @model_validator(mode="after")
     def _parts_fit(self) -> Self:
@@ -133,6 +169,17 @@ class PalletizingCell(Config):
         if self.tool.mast_radius * 2 > self.tool.pad_size:
             raise ValueError(f"mast of radius {self.tool.mast_radius} m is wider than the pad")
         return self
+
+    @model_validator(mode="after")
+    def _preset_exists(self) -> Self:
+        if self.preset not in self.presets:
+            raise ValueError(f"preset is '{self.preset}'; there are: {', '.join(self.presets)}")
+        return self
+
+    @property
+    def imperfections(self) -> Preset:
+        """How the real arm differs from the ideal one."""
+        return self.presets[self.preset]
 
     @property
     def overhead_camera(self) -> PinholeCamera:
@@ -144,6 +191,8 @@ class PalletizingCell(Config):
 
 
 @cache
-def palletizing_cell() -> PalletizingCell:
-    """The palletizing cell as configured."""
-    return load_config(PalletizingCell, config_path("cells", "palletizing.yaml"))
+def palletizing_cell(preset: str = "rigid") -> PalletizingCell:
+    """The palletizing cell as configured, with one of its presets of the arm."""
+    path = config_path("cells", "palletizing.yaml")
+    cell = load_config(PalletizingCell, path)
+    return validate_config(PalletizingCell, {**cell.model_dump(), "preset": preset}, str(path))

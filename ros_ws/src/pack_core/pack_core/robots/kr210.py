@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from pack_core.cells.palletizing import Gears
 from pack_core.robots.joint_limits import JointLimits
 from pack_core.robots.kr210_shapes import LINK_CAPSULES, draw_base, draw_link
-from pack_core.rotations import Array, Pose, from_rpy
+from pack_core.rotations import Pose, from_rpy
 
 JOINTS = tuple(f"joint_a{i}" for i in range(1, 7))
 LIMITS = JointLimits(
@@ -80,17 +81,14 @@ X_6F = Pose(np.array([0.0, 0.0, -0.215]), from_rpy((0.0, FULL, 0.0)))
 """Flange F in the last link's frame; its z axis points out of the flange."""
 
 
-def add_kr210(
-    spec: mujoco.MjSpec, X_WB: Pose, *, look: bool, armature: Array = ARMATURE, friction: float = FRICTION
-) -> mujoco.MjsBody:
+def add_kr210(spec: mujoco.MjSpec, X_WB: Pose, *, look: bool, gears: Gears | None = None) -> mujoco.MjsBody:
     """Add the arm without a tool.
 
     Args:
         spec: the model under construction.
         X_WB: where its base stands.
         look: shapes for pictures; without them it has only what it touches with.
-        armature: motor inertias `(6,)` [kg m^2].
-        friction: of a joint, as a fraction of its effort.
+        gears: gears that give way; their deflections are joints of their own, see `gear_joint`.
 
     Returns:
         The body `flange`, whose z axis points out of the arm.
@@ -104,9 +102,14 @@ def add_kr210(
         parent.inertia, parent.explicitinertial = link.inertia, True
         parent.add_joint(
             name=JOINTS[i], type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0, 0, 1), limited=True,
-            range=(LIMITS.lower[i], LIMITS.upper[i]), armature=armature[i],
-            frictionloss=friction * LIMITS.effort[i],
+            range=(LIMITS.lower[i], LIMITS.upper[i]), armature=ARMATURE[i],
+            frictionloss=FRICTION * LIMITS.effort[i],
         )  # fmt: skip
+        if gears is not None:
+            parent.add_joint(
+                name=gear_joint(JOINTS[i]), type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0, 0, 1),
+                armature=gears.inertia[i], damping=gears.damping[i],
+            )  # fmt: skip
         for radius, ends in LINK_CAPSULES[i]:
             parent.add_geom(
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=ends, size=(radius, 0, 0), mass=0,
@@ -115,3 +118,8 @@ def add_kr210(
         if look:
             draw_link(parent, i)
     return parent.add_body(name="flange", pos=X_6F.p, quat=X_6F.q)
+
+
+def gear_joint(joint: str) -> str:
+    """Name of the hinge that is the deflection of a joint's gear."""
+    return f"{joint}_gear"

@@ -48,8 +48,16 @@ class ContactWatch:
         self._force, self._speed = contact.watch_force, contact.landing_speed
         self._kinds: npt.NDArray[np.bool_] = np.zeros(0, dtype=bool)
         self._known: dict[tuple[str, str], int] = {}
+        self._handed_out = 0
         self.events: list[UnwantedContact] = []
         """Oldest first; the last one of every pair may go on."""
+
+    def finished(self, time: float) -> list[UnwantedContact]:
+        """Contacts that ended before `time` [s] and were not handed out yet, oldest first."""
+        first = self._handed_out
+        while self._handed_out < len(self.events) and self._end(self._handed_out) + PAUSE < time:
+            self._handed_out += 1
+        return self.events[first : self._handed_out]
 
     def index(self, model: mujoco.MjModel) -> None:
         """Take note of a new model."""

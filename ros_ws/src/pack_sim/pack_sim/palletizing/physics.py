@@ -7,13 +7,11 @@ import numpy as np
 
 from pack_core.cells.palletizing import PalletizingCell
 from pack_core.errors import PackError
-from pack_core.robots.kr210 import LIMITS
-from pack_core.rotations import Pose
+from pack_core.robots.kr210 import LIMITS, gear_joint
+from pack_core.rotations import Array, Pose
 from pack_core.scene.palletizing.box_body import BoxBody
 from pack_core.scene.palletizing.model import build_model
 
-ARM = slice(0, len(LIMITS))
-"""The arm's coordinates: it comes first in the model."""
 OVERLAP = 0.001
 """Overlap with something else at which a box cannot arrive [m]."""
 
@@ -24,15 +22,25 @@ class Physics:
     Args:
         cell: the cell's physical facts.
         timestep: of the integrator [s].
+        X_WB: where the arm really stands.
         time: what the clock shows at the start [s].
+
+    Attributes:
+        motors: the motors' coordinates; the arm comes first in the model.
+        gears: the gears' deflections, none when they are rigid.
     """
 
-    def __init__(self, cell: PalletizingCell, timestep: float, time: float) -> None:
-        self._cell, self._timestep = cell, timestep
+    def __init__(self, cell: PalletizingCell, timestep: float, X_WB: Pose, time: float) -> None:
+        self._cell, self._timestep, self._X_WB = cell, timestep, X_WB
+        self._arm = list(LIMITS.names)
+        self.motors, self.gears = slice(0, 6), slice(0, 0)
+        if cell.imperfections.gears is not None:
+            self._arm += [gear_joint(name) for name in LIMITS.names]
+            self.motors, self.gears = slice(0, 12, 2), slice(1, 12, 2)
         self.boxes: dict[str, BoxBody] = {}
         self.model, self.data = self._build()
         self.data.time = time
-        self.data.qpos[ARM] = cell.arm.home
+        self.data.qpos[self.motors] = cell.arm.home
         mujoco.mj_forward(self.model, self.data)
 
     def add(self, box: BoxBody, X_WB: Pose) -> None:
@@ -65,15 +73,25 @@ class Physics:
         self._rebuild()
         mujoco.mj_forward(self.model, self.data)
 
+    def link_angles(self) -> Array:
+        """Where the links really are `(6,)` [rad]."""
+        angles: Array = self.data.qpos[self.motors].copy()
+        if self._cell.imperfections.gears is not None:
+            angles += self.data.qpos[self.gears]
+        return angles
+
     def _build(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
-        model = build_model(self._cell, list(self.boxes.values()), timestep=self._timestep)
+        model = build_model(
+            self._cell, list(self.boxes.values()), timestep=self._timestep, X_WB=self._X_WB,
+            gears=self._cell.imperfections.gears,
+        )  # fmt: skip
         return model, mujoco.MjData(model)
 
     def _rebuild(self) -> None:
         old_model, old = self.model, self.data
         self.model, self.data = model, data = self._build()
         data.time, data.ctrl[:] = old.time, old.ctrl
-        for name in (*LIMITS.names, *(name for name in self.boxes if _has(old_model, name))):
+        for name in (*self._arm, *(name for name in self.boxes if _has(old_model, name))):
             now, was = model.joint(name), old_model.joint(name)
             data.qpos[_span(now.qposadr, now.qpos0)] = old.qpos[_span(was.qposadr, was.qpos0)]
             for values, before in ((data.qvel, old.qvel), (data.qacc_warmstart, old.qacc_warmstart)):

@@ -19,7 +19,8 @@ from pack_sim.joint_servo import JointServo
 from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.carried_load import CarriedLoad
 from pack_sim.palletizing.contact_watch import ContactWatch
-from pack_sim.palletizing.physics import ARM, Physics
+from pack_sim.palletizing.physics import Physics
+from pack_sim.palletizing.real_arm import GearTrain, true_base
 from pack_sim.palletizing.snapshot import Snapshot
 from pack_sim.palletizing.surface_gripper import SurfaceGripper
 from pack_sim.reference_follower import ReferenceFollower
@@ -38,7 +39,7 @@ class PalletSimulator:
     Args:
         cell: the cell's physical facts.
         config: rates and limits.
-        seed: of where boxes arrive.
+        seed: of where boxes arrive, and where the arm really stands.
         time: what the clock shows at the start [s].
     """
 
@@ -46,8 +47,10 @@ class PalletSimulator:
         self, cell: PalletizingCell, config: PalletSimulatorConfig, seed: int = 0, time: float = 0.0
     ) -> None:
         self.cell, self.config, self._seed = cell, config, seed
-        self._physics = Physics(cell, config.timestep, time)
+        self._physics = Physics(cell, config.timestep, true_base(cell, seed), time)
         self._load = CarriedLoad(cell)
+        gears = cell.imperfections.gears
+        self._gears = None if gears is None else GearTrain(gears, self._load.model)
         self._servo = JointServo(self._load.model, LIMITS, cell.servo, config.timestep)
         self.follower = ReferenceFollower(LIMITS, config.watchdog, cell.servo.stop_deceleration)
         self.gripper = SurfaceGripper(cell.tool, cell.grip)
@@ -71,8 +74,13 @@ class PalletSimulator:
     def step(self) -> None:
         """Advance by one time step."""
         model, data = self._physics.model, self._physics.data
-        q, v = data.qpos[ARM], data.qvel[ARM]
-        data.ctrl[ARM] = self._servo.torque(q, v, self.follower.at(self.time, q))
+        motors = self._physics.motors
+        q, v = data.qpos[motors], data.qvel[motors]
+        desired = self.follower.at(self.time, q)
+        if self._gears is not None:
+            desired = self._gears.motors(desired)
+            data.qfrc_applied[self._physics.gears] = self._gears.torque(data.qpos[self._physics.gears])
+        data.ctrl[:] = self._servo.torque(q, v, desired)
         mujoco.mj_step(model, data)
         held = self.gripper.state.held
         self.contacts.update(model, data, held)
@@ -81,13 +89,13 @@ class PalletSimulator:
             self._tell_load(self.gripper.state.held)
 
     def joints(self) -> JointSample:
-        """What the joint sensors measure."""
-        data = self._physics.data
-        return JointSample(self.time, data.qpos[ARM].copy(), data.qvel[ARM].copy(), data.ctrl[ARM].copy())
+        """What the joint sensors measure, at the motors."""
+        data, motors = self._physics.data, self._physics.motors
+        return JointSample(self.time, data.qpos[motors].copy(), data.qvel[motors].copy(), data.ctrl.copy())
 
     def reference(self) -> tuple[Array, Array, Array]:
         """What the joint controller pursues now: position, velocity and acceleration, each `(6,)`."""
-        return self.follower.at(self.time, self._physics.data.qpos[ARM])
+        return self.follower.at(self.time, self._physics.data.qpos[self._physics.motors])
 
     def spawn(self, box: BoxBody, X_WB: Pose | None = None) -> Pose:
         """Put a box into the cell.
@@ -129,7 +137,7 @@ class PalletSimulator:
         """What a camera would see now, to be drawn by another thread."""
         data = self._kinematics()
         boxes = {box: body_pose(data, name) for name, box in self._physics.boxes.items()}
-        return Snapshot(self.time, data.qpos[ARM].copy(), boxes)
+        return Snapshot(self.time, self._physics.link_angles(), boxes)
 
     def _kinematics(self) -> mujoco.MjData:
         """The data with positions of bodies that belong to the present time."""

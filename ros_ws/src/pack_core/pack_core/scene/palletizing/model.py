@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import mujoco
 
-from pack_core.cells.palletizing import Contact, PalletizingCell
+from pack_core.cells.palletizing import Contact, Gears, PalletizingCell
 from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
 from pack_core.robots.surface_gripper import TOOL, add_surface_gripper
 from pack_core.rotations import Pose
@@ -20,7 +20,13 @@ GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 
 
 def build_model(
-    cell: PalletizingCell, boxes: Sequence[BoxBody] = (), *, timestep: float = 0.002, look: bool = False
+    cell: PalletizingCell,
+    boxes: Sequence[BoxBody] = (),
+    *,
+    timestep: float = 0.002,
+    look: bool = False,
+    X_WB: Pose | None = None,
+    gears: Gears | None = None,
 ) -> mujoco.MjModel:
     """Compile the cell.
 
@@ -29,6 +35,8 @@ def build_model(
         boxes: in the order of their coming; the model with one more box has the same first coordinates.
         timestep: step of the integrator [s].
         look: shapes, textures and lights for pictures.
+        X_WB: where the arm really stands; by default where everyone believes it.
+        gears: gears that give way; by default rigid ones.
 
     Returns:
         The model. Arm joints and their motors carry the names of `LIMITS`, the tool is body `tool`; every
@@ -38,7 +46,7 @@ def build_model(
     spec.compiler.degree = False
     _set_solver(spec, cell.contact, timestep)
     add_furniture(spec, cell, look=look)
-    flange = add_kr210(spec, cell.arm.X_WB, look=look)
+    flange = add_kr210(spec, X_WB or cell.arm.X_WB, look=look, gears=gears)
     add_surface_gripper(flange, cell.tool, look=look)
     _add_motors(spec)
     for box in boxes:

@@ -1,0 +1,54 @@
+"""How the arm differs from the ideal one: gears that give way, and a base that stands elsewhere."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from pack_core.cells.palletizing import Gears, PalletizingCell
+from pack_core.robots.kr210 import ARMATURE
+from pack_core.rotations import Array, Pose, exp
+
+
+def true_base(cell: PalletizingCell, seed: int) -> Pose:
+    """X_WB as it really is: displaced, and turned about the middle of the cell, in random directions."""
+    rng = np.random.default_rng([seed, 1])
+    shift, axis = (_direction(rng) for _ in range(2))
+    calibration = cell.imperfections.calibration
+    tables = (cell.picking_table, cell.reorientation_table)
+    places = [*(np.array([*table.centre, table.height]) for table in tables), cell.pallet.X_WP.p]
+    middle = Pose(np.mean(places, axis=0))
+    error = Pose(calibration.position * shift, exp(np.deg2rad(calibration.orientation_deg) * axis))
+    return middle @ error @ middle.inverse() @ cell.arm.X_WB
+
+
+class GearTrain:
+    """The springs between motors and links, and what the controller does about them.
+
+    Args:
+        gears: stiffness and play.
+        load: the arm as its controller knows it.
+    """
+
+    def __init__(self, gears: Gears, load: mujoco.MjModel) -> None:
+        self._k = np.array(gears.stiffness)
+        self._play = 0.5 * np.deg2rad(gears.backlash_deg)
+        self._k_believed = self._k * (1.0 + gears.stiffness_error)
+        self._model, self._data = load, mujoco.MjData(load)
+
+    def torque(self, deflection: Array) -> Array:
+        """Torque `(6,)` [N m] of the springs against the links' deflection `(6,)` [rad]."""
+        beyond = deflection - np.clip(deflection, -self._play, self._play)
+        return -self._k * beyond
+
+    def motors(self, desired: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        """What the motors shall do so that the links do what is desired: they lead by the load's twist."""
+        q, v, a = desired
+        self._data.qpos[:], self._data.qvel[:], self._data.qacc[:] = q, v, a
+        mujoco.mj_inverse(self._model, self._data)
+        return q + (self._data.qfrc_inverse - ARMATURE * a) / self._k_believed, v, a
+
+
+def _direction(rng: np.random.Generator) -> Array:
+    v = rng.normal(size=3)
+    return np.asarray(v / np.linalg.norm(v))

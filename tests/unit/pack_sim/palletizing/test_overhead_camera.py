@@ -1,0 +1,85 @@
+"""Pictures agree with the projection, and taking them holds nobody up."""
+
+from __future__ import annotations
+
+import queue
+
+import cv2
+import numpy as np
+import pytest
+
+from pack_core.cells.palletizing import palletizing_cell
+from pack_core.rotations import Array, Pose, from_yaw
+from pack_core.scene.palletizing.box_body import BoxBody
+from pack_core.scene.palletizing.view import Picture
+from pack_sim.palletizing.camera_thread import CameraThread
+from pack_sim.palletizing.overhead_camera import OverheadCamera, OverheadCameraConfig, camera_of
+from pack_sim.palletizing.snapshot import Snapshot
+
+CONFIG = OverheadCameraConfig(width=960)
+BOX = BoxBody("box", (0.5, 0.35, 0.3), 8.0)
+X_WB = Pose(np.array([-2.45, 2.56, 0.85]), from_yaw(np.deg2rad(8.0)))
+
+
+def seen(boxes: dict[BoxBody, Pose]) -> Snapshot:
+    return Snapshot(1.5, np.array(palletizing_cell().arm.home), boxes)
+
+
+def top_corners() -> Array:
+    x, y, z = BOX.half_extents
+    return X_WB.apply(np.array([[x, y, z], [x, -y, z], [-x, -y, z], [-x, y, z]]))
+
+
+@pytest.fixture(scope="module")
+def pictures() -> tuple[Picture, Picture]:
+    """Of the empty table, and of one with a box."""
+    with OverheadCamera(palletizing_cell(), CONFIG) as camera:
+        return camera.picture(seen({})), camera.picture(seen({BOX: X_WB}))
+
+
+def test_a_picture_has_the_size_of_the_camera(pictures: tuple[Picture, Picture]) -> None:
+    camera = camera_of(palletizing_cell(), CONFIG)
+    assert pictures[0].shape == (camera.height, camera.width, 3) == (540, 960, 3)
+
+
+def test_the_top_of_a_box_is_seen_where_it_is_projected(pictures: tuple[Picture, Picture]) -> None:
+    """Its outline in the picture against its projected corners, to half a pixel (2 mm)."""
+    brightness = cv2.cvtColor(pictures[1], cv2.COLOR_RGB2HSV)[:, :, 2]
+    projected = camera_of(palletizing_cell(), CONFIG).project(top_corners())
+    lower, upper = projected.min(axis=0).astype(int) - 25, projected.max(axis=0).astype(int) + 25
+    part = brightness[lower[1] : upper[1], lower[0] : upper[0]]
+    _, mask = cv2.threshold(part, 0, 255, cv2.THRESH_OTSU)
+    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    (u, v), size, _ = cv2.minAreaRect(max(outlines, key=cv2.contourArea))
+    np.testing.assert_allclose(np.array([u, v]) + lower, projected.mean(axis=0), atol=0.5)
+    sides = np.linalg.norm(projected[[1, 2]] - projected[[0, 1]], axis=1)
+    np.testing.assert_allclose(np.sort(np.array(size) + 1.0), np.sort(sides), atol=1.5)
+
+
+def test_a_box_casts_a_shadow_on_the_table(pictures: tuple[Picture, Picture]) -> None:
+    camera = camera_of(palletizing_cell(), CONFIG)
+    inside = cv2.fillPoly(
+        np.zeros(pictures[0].shape[:2], np.uint8), [camera.project(top_corners()).astype(np.int32)], 1
+    )
+    darker = pictures[0].mean(axis=2) - pictures[1].mean(axis=2) > 10.0
+    assert np.count_nonzero(darker & (inside == 0)) > 300
+
+
+def test_a_scaled_camera_sees_the_same_with_other_pixels() -> None:
+    full = palletizing_cell().overhead_camera
+    half = full.scaled(full.width // 2)
+    corner = top_corners()[0]
+    np.testing.assert_allclose(half.project(corner) + 0.5, (full.project(corner) + 0.5) / 2)
+
+
+def test_one_picture_at_a_time_is_taken_and_delivered_with_its_time() -> None:
+    taken: queue.Queue[tuple[float, Picture]] = queue.Queue()
+    errors: list[str] = []
+    thread = CameraThread(palletizing_cell(), CONFIG, lambda *args: taken.put(args), errors.append)
+    assert thread.expose(seen({BOX: X_WB}))
+    assert not thread.expose(seen({}))
+    time, picture = taken.get(timeout=60.0)
+    thread.close()
+    assert (time, picture.shape) == (1.5, (540, 960, 3))
+    assert not thread.expose(seen({}))
+    assert errors == []
