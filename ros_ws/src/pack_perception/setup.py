@@ -11,5 +11,10 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
     ],
-    entry_points={"console_scripts": ["perception_node = pack_perception.mocap.perception_node:main"]},
+    entry_points={
+        "console_scripts": [
+            "box_vision_node = pack_perception.boxes.box_vision_node:main",
+            "perception_node = pack_perception.mocap.perception_node:main",
+        ]
+    },
 )

@@ -90,9 +90,8 @@ def _outlines(mask: Picture, min_area: float) -> tuple[npt.NDArray[np.int32], ..
 
 def _contrast(value: Picture, threshold: float) -> float:
     counts: Array = np.bincount(value.ravel(), minlength=256).astype(float)
-    levels = np.arange(256)
-    is_above = levels > threshold
-    means = [
-        float(counts[part] @ levels[part] / max(counts[part].sum(), 1.0)) for part in (is_above, ~is_above)
-    ]
-    return means[0] - means[1] if counts[is_above].sum() else 0.0
+    levels, is_above = np.arange(256), np.arange(256) > threshold
+    if not counts[is_above].sum() or not counts[~is_above].sum():
+        return 0.0
+    above, below = (np.average(levels[part], weights=counts[part]) for part in (is_above, ~is_above))
+    return float(above - below)

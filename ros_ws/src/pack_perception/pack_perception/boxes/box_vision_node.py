@@ -1,0 +1,89 @@
+"""Box vision as a ROS 2 node: pictures and the expected box in, its pose or a refusal out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pack_interfaces.msg import ExpectedBox as ExpectedBoxMsg
+from pydantic import Field
+from sensor_msgs.msg import CameraInfo, Image
+
+from pack_core.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.camera import PinholeCamera
+from pack_core.cells.palletizing import palletizing_cell
+from pack_core.errors import MessageError
+from pack_core.ros.camera_messages import from_camera_info, from_image
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.conversions import from_stamp
+from pack_core.ros.detection_messages import from_expected_box, to_detection
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pack_perception.boxes.box_vision import BoxVision, Sighting, VisionConfig
+from pack_perception.boxes.ros.debug_publisher import DebugPublisher
+
+
+class VisionNodeConfig(VisionConfig):
+    """Parameters of the node `vision`."""
+
+    pictures: str = Field("", description="folder for the debug images of every detection; empty: none")
+
+
+class BoxVisionNode(CellNode):
+    """Answers every picture that shows the expected box, or should."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("vision", **kwargs)
+        self._config = read_parameters(self, VisionNodeConfig)
+        self._cell = palletizing_cell()
+        self._vision = BoxVision(self._config)
+        self._camera: PinholeCamera | None = None
+        self._expected: ExpectedBox | None = None
+        self._detection = self.advertise(contracts.BOX_DETECTION)
+        self._debug = DebugPublisher(self)
+        self.listen(contracts.CAMERA_INFO, self._on_camera_info)
+        self.listen(contracts.EXPECTED_BOX, self._on_expected_box)
+        self.listen(contracts.IMAGE, self._on_image)
+        self.watch(("sim", "fsm"))
+
+    def _on_camera_info(self, message: CameraInfo) -> None:
+        self._camera = from_camera_info(message, self._cell.overhead_camera.X_WC)
+
+    def _on_expected_box(self, message: ExpectedBoxMsg) -> None:
+        self._expected = from_expected_box(message)
+
+    def _on_image(self, message: Image) -> None:
+        time, camera, box = from_stamp(message.header.stamp), self._camera, self._expected
+        if box is None or time < box.time:
+            return
+        picture = from_image(message)
+        if camera is None or (camera.width, camera.height) != (message.width, message.height):
+            size = "no camera_info" if camera is None else f"camera_info of {camera.width} x {camera.height}"
+            raise MessageError(f"picture of {message.width} x {message.height} but {size}")
+        sighting = self._vision.detect(picture, camera, box, self._cell.picking_table.height, time)
+        self._detection.publish(to_detection(sighting.detection))
+        self._debug.publish(time, sighting.images)
+        self._note(sighting.detection)
+        self._write(sighting)
+
+    def _note(self, detection: BoxDetection) -> None:
+        self.health.values["last detection"] = f"{detection.box_id}: {detection.status.name}"
+        if detection.status is not DetectionStatus.DETECTED:
+            self.health.count("refused detection", f"box '{detection.box_id}': {detection.reason}")
+            self.get_logger().warning(f"box '{detection.box_id}' refused: {detection.reason}")
+
+    def _write(self, sighting: Sighting) -> None:
+        if not self._config.pictures:
+            return
+        stem = f"{sighting.detection.time:010.3f}_{sighting.detection.box_id}".replace("/", "_")
+        try:
+            sighting.images.write(Path(self._config.pictures), stem)
+        except OSError as error:
+            folder = self._config.pictures
+            self.health.faults["pictures"] = f"parameter pictures is '{folder}': {error.strerror}"
+
+
+def main() -> int:
+    """Entry point of `box_vision_node`."""
+    return run_node(BoxVisionNode)
