@@ -79,7 +79,7 @@ class MotionController:
         try:
             plan = self._plan(target)
         except MoveRefused as refusal:
-            self._state, self._reason = MotionState.REFUSED, str(refusal)
+            self._state, self._reason, self._answered = MotionState.REFUSED, str(refusal), target.id
             return Acceptance(False, self._reason)
         self._follow(target, plan)
         return Acceptance(True, "", plan.trajectory.duration)
@@ -128,7 +128,7 @@ class MotionController:
         """Where the move stands."""
         progress, pursuit = self._progress, self._pursuit
         return MotionStatus(
-            time=self._time, id=self._target.id, state=self._state, segment=pursuit.segment,
+            time=self._time, id=self._answered, state=self._state, segment=pursuit.segment,
             label=pursuit.plan.segments[pursuit.segment].label, remaining=pursuit.remaining,
             position_error=progress.position_error, orientation_error=progress.orientation_error,
             path_error=progress.path_error, reached_steps=progress.reached_steps, reason=self._reason,
@@ -154,7 +154,7 @@ class MotionController:
         self._refresh_field()
         self._progress.restart()
         self._stuck.restart()
-        self._state, self._reason = MotionState.MOVING, ""
+        self._state, self._reason, self._answered = MotionState.MOVING, "", target.id
 
     def _refresh_field(self) -> None:
         known = {item.name: item for item in self._target.obstacles} | self._moving

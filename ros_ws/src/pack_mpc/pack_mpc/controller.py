@@ -53,10 +53,15 @@ class PackingController:
     """
 
     def __init__(self, scene: Scene, cell: PackingCell, weights: WeightSet, config: ControllerConfig) -> None:
+        self.scene = scene
         self._config, self._weights = config, weights
         self._optimizer = _make_optimizer(scene, cell, config)
         self._predictor = Predictor(scene, cell)
         self._in_flight: Setpoints | None = None
+
+    def use(self, optimizer: Optimizer) -> None:
+        """Plan with this optimizer instead of the configured one, to compare with it."""
+        self._optimizer = optimizer
 
     def change_cost(self) -> None:
         """The stage or the target has changed."""

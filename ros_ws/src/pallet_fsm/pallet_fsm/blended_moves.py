@@ -26,8 +26,11 @@ class BlendedConfig(Config):
     lift: Range = Field(default=(0.06, 0.7), description="straight up from a stop, shortest and longest [m]")
     hover: Range = Field(default=(0.07, 1.0), description="straight down to a stop, shortest and longest [m]")
     step_back: Range = Field(default=(0.13, 0.40), description="from a box on table B [m]")
-    speed: PositiveFloat = Field(default=0.5, description="on these lines [m/s]")
-    acceleration: PositiveFloat = Field(default=2.5, description="on these lines [m/s^2]")
+    speed: PositiveFloat = Field(default=1.0, description="on these lines, at most [m/s]")
+    acceleration: PositiveFloat = Field(default=1.5, description="on these lines [m/s^2]")
+    pass_speed: PositiveFloat = Field(
+        default=0.5, description="where lines are left for a joint move, or the other way round [m/s]"
+    )
     final_height: PositiveFloat = Field(default=0.012, description="last stretch before a box is let go [m]")
     final_speed: PositiveFloat = Field(default=0.08, description="on it [m/s]")
     standoff: PositiveFloat = Field(default=0.04, description="beside the place, where an insertion begins")
@@ -138,4 +141,5 @@ class BlendedMoves:
         return self._retreat(UP, self._config.hover)
 
     def _retreat(self, direction: Array, lengths: Range) -> Retreat:
-        return Retreat(direction, lengths, self._config.speed, self._config.acceleration)
+        config = self._config
+        return Retreat(direction, lengths, config.speed, config.acceleration, config.pass_speed)

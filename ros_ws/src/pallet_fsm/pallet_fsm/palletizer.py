@@ -169,11 +169,10 @@ class Palletizer:
         profile, number, item = self._profile, self.machine.state.value, self.item
         upcoming = self._book.upcoming
         has_left = item.X_TB is not None or item.outcome is BoxOutcome.PLACED
-        if profile.spawn_at is None or upcoming is None or not has_left or not isinstance(number, int):
+        if profile.feed_at is None or upcoming is None or not has_left or not isinstance(number, int):
             return
-        if number >= profile.spawn_at.value:
+        if number >= profile.feed_at.value:
             self._feeder.send_for(upcoming, time)
-        if profile.look_at is not None and number >= profile.look_at.value:
             self._feeder.look(time)
 
     def _holds(self, guard: Guard) -> bool:

@@ -29,13 +29,12 @@ class Profile:
 
     Attributes:
         parts: of a blended move, by state; empty: every state is a move of its own, with a stop.
-        spawn_at: state in which the next box is sent for while this one is still in work; None: state 0.
-        look_at: state in which the camera looks at it; None: state 1.
+        feed_at: state from which the next box is sent for and looked at while this one is still in work;
+            None: states 0 and 1 do.
     """
 
     parts: Mapping[State, Part]
-    spawn_at: State | None = None
-    look_at: State | None = None
+    feed_at: State | None = None
 
     @property
     def is_blended(self) -> bool:
@@ -62,7 +61,7 @@ _BLENDED = {
 
 PROFILES = {
     "thesis": Profile({}),
-    "blended": Profile(_BLENDED, spawn_at=State.ABOVE_PALLET, look_at=State.PRE_DEPOSIT),
+    "blended": Profile(_BLENDED, feed_at=State.PRE_DEPOSIT),
 }
 
 

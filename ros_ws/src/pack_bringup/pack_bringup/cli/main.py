@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from pack_bringup.cli import benchmark, demo, evaluate, executables, replay, run, states, up, wiring
+from pack_bringup.cli import benchmark, demo, evaluate, executables, play, replay, run, states, up, wiring
 from pack_core.errors import PackError
 
 app = typer.Typer(
@@ -19,12 +19,13 @@ app = typer.Typer(
     - `pack evaluate BAG` measures a recorded run
     - `pack benchmark packing` measures many scenes in lockstep
     - `pack replay BAG --node perception` feeds a core what its node received
+    - `pack play BAG` publishes a recording into the live graph
     - `pack up packing` starts a whole cell, each node a process
     - `pack run pack_sim sim_node` starts one node
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, benchmark, replay, up, run, executables, wiring, states):
+for command in (demo, evaluate, benchmark, replay, play, up, run, executables, wiring, states):
     app.add_typer(command.app)
 
 

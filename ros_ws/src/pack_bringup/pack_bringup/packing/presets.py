@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 import yaml
 from pydantic import BaseModel, Field
 
-from pack_bringup.node_parameters import merged, parameters_of
-from pack_core.cells.packing import PackingCell
-from pack_core.config import Config, load_config, validate_config
+from pack_bringup.node_parameters import parameters_of
+from pack_core.cells.packing import PackingCell, packing_cell
+from pack_core.config import Config, load_config, merged, validate_config
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
 
@@ -38,9 +38,7 @@ class Preset(Config):
 
     def packing_cell(self) -> PackingCell:
         """The cell under this preset."""
-        path = config_path("cells", "packing.yaml")
-        facts = merged(yaml.safe_load(path.read_text()), self.cell)
-        return validate_config(PackingCell, facts, f"{path} with a preset")
+        return packing_cell(yaml.safe_dump(self.cell))
 
     def parameters(self, node: str, cls: type[C]) -> C:
         """A core's configuration from its node's parameter file, under this preset.

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from pack_bringup.lockstep import LockstepConfig, lockstep_config
+from pack_bringup.packing.judo_optimizer import JudoConfig, require_judo
 from pack_bringup.packing.presets import load_preset
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
@@ -18,13 +19,15 @@ from pack_mpc.session import Method
 from pack_mpc.weights import load_weights
 
 MM = 1e3
+OWN = Literal["ilqr", "sgn"]
+"""Optimizers that the controller has itself."""
 
 
 class BenchmarkSettings(Config):
     """What decides the results, seeds apart; None leaves it as config/nodes/mpc.yaml has it."""
 
     method: Method = Method.PACK_IT_IN
-    optimizer: Literal["ilqr", "sgn"] | None = None
+    optimizer: OWN | Literal["judo"] | None = None
     weights: str | None = None
     preset: str = "ideal"
     container: tuple[float, float] | None = None
@@ -42,10 +45,15 @@ class Setup:
     config: LockstepConfig
 
     @property
+    def optimizer(self) -> str:
+        """The one that plans."""
+        return self.settings.optimizer or self.config.session.controller.optimizer
+
+    @property
     def name(self) -> str:
         """Short, as in tables: method, optimizer, weights, conditions."""
         s, session = self.settings, self.config.session
-        parts = [s.method.value, session.controller.optimizer, session.weights, s.preset]
+        parts = [s.method.value, self.optimizer, session.weights, s.preset]
         if s.container is not None:
             parts.append("x".join(f"{MM * side:.0f}" for side in s.container) + "mm")
         if s.scene_dir is not None:
@@ -58,9 +66,11 @@ class Setup:
         config = self.config.model_dump(mode="json")
         config["session"]["controller"].pop("threads")
         config["planner"].pop("threads")
+        if self.optimizer == "judo":
+            config["judo"] = JudoConfig().model_dump(mode="json")
         return {
             "name": self.name, **self.settings.model_dump(mode="json"), "weights": session.weights,
-            "optimizer": session.controller.optimizer, "cell": self.cell.model_dump(mode="json"),
+            "optimizer": self.optimizer, "cell": self.cell.model_dump(mode="json"),
             "config": config, "weight_set": load_weights(session.weights).model_dump(mode="json"),
         }  # fmt: skip
 
@@ -79,11 +89,16 @@ def set_up(settings: BenchmarkSettings, threads: int) -> Setup:
 
     Raises:
         ConfigError: there is no such preset, weight set or optimizer.
+        PackError: the optimizer is judo's, which is not installed.
     """
+    if settings.optimizer == "judo":
+        require_judo()
     preset = load_preset(settings.preset)
     if settings.container is not None:
         preset = preset.over("cell", {"scene": {"container": {"size": list(settings.container)}}})
-    controller = {"threads": threads, **({"optimizer": settings.optimizer} if settings.optimizer else {})}
+    controller: dict[str, Any] = {"threads": threads}
+    if settings.optimizer in get_args(OWN):
+        controller["optimizer"] = settings.optimizer
     preset = preset.over("mpc", {"controller": controller}).over("planner", {"threads": threads})
     if settings.weights is not None:
         preset = preset.over("mpc", {"weights": settings.weights})

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pack_bringup.lockstep import Lockstep
+from pack_bringup.packing.judo_optimizer import JudoConfig, JudoOptimizer
 from pack_bringup.packing.settings import SceneJob, Setup
 from pack_core.errors import PackError
 from pack_core.evaluation.run import Run
@@ -38,8 +39,15 @@ def run_scene(setup: Setup, job: SceneJob) -> SceneResult:
     except PackError as error:
         raise PackError(f"{job.name}: {error}") from error
     lockstep = Lockstep(setup.cell, scene, setup.config, setup.settings.method, job.seed)
+    if setup.optimizer == "judo":
+        lockstep.session.controller.use(_judo(setup, lockstep.session.controller.scene, job.seed))
     lockstep.run()
     return SceneResult(job, scene, lockstep.recorded(), time.perf_counter() - started)
+
+
+def _judo(setup: Setup, scene: Scene, seed: int) -> JudoOptimizer:
+    threads = setup.config.session.controller.threads
+    return JudoOptimizer(scene, setup.cell, JudoConfig(), threads, seed)
 
 
 def trial_line(result: SceneResult, trial: Trial, threads: int) -> dict[str, Any]:

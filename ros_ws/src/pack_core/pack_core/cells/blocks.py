@@ -30,6 +30,7 @@ class Gripper(Config):
     force: Annotated[float, Field(gt=0, le=MAX_FORCE)]
     speed: Annotated[float, Field(gt=0, le=MAX_SPEED)]
     pad_friction: PositiveFloat
+    tip_friction: PositiveFloat
 
 
 class Block(Config):
@@ -79,6 +80,8 @@ class Contact(Config):
     """MuJoCo's contact parameters."""
 
     solref: tuple[float, float]
+    finger_solref: tuple[float, float]
+    """Of the gripper's fingers where they press on a block."""
     solimp: tuple[float, float, float, float, float]
     impratio: PositiveFloat
     noslip_iterations: Annotated[int, Field(ge=0)]

@@ -17,6 +17,10 @@ import numpy as np
 from pack_core.rotations import Pose
 
 FINGER_JOINTS = ("finger_left_joint", "finger_right_joint")
+PADS = ("finger_left_pad", "finger_right_pad")
+"""Geoms of the rubber pads."""
+TIPS = ("finger_left_tip", "finger_right_tip")
+"""Geoms of the metal behind them, whose sides push."""
 STROKE = 0.0425
 """Way of each finger from closed to open [m]; the opening is twice that."""
 MAX_FORCE = 235.0

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.errors import PackError
-from pack_core.kinematics.inverse import Branch
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import Arm
@@ -19,6 +18,11 @@ from pack_motion.reference.trajectory import JointState, Trajectory
 
 SHARE = 0.98
 """Of the joint limits that references use; the rest is left to the tracking."""
+
+LONG_WAY = 0.02
+"""What the other joints' times count for beside the longest when a posture is chosen."""
+FLIP = 0.15
+"""What a flip of the wrist counts for [s]: the tool sweeps wide on it."""
 
 
 @dataclass(frozen=True)
@@ -122,17 +126,20 @@ class PathPlanner:
             raise MoveRefused(f"'{lines[0].label}' to '{lines[-1].label}': {refusal}") from refusal
 
     def _goals(self, start: JointState, segments: Sequence[Segment], i: int) -> list[Array]:
-        """Joint positions that a segment may end at, nearest in time first."""
+        """Joint positions that a segment may end at, the soonest reached first."""
         move = segments[i]
         if isinstance(move, JointMove):
             return [self._within(move)]
         assert isinstance(move, PoseMove)
-        shoulder, elbow, _ = self._stance(start.q)
+        shoulder, elbow, wrist = self._arm.inverse.branch(start.q)
         found = self._arm.inverse.candidates(move.X_WT, shoulder, elbow)
-        return sorted(found, key=lambda q: float((np.abs(q - start.q) / self._limits.velocity).max()))
+        return sorted(found, key=lambda q: self._effort(q - start.q, self._arm.inverse.branch(q)[2] != wrist))
 
-    def _stance(self, q: Array) -> Branch:
-        return self._arm.inverse.branch(q)
+    def _effort(self, step: Array, is_flip: bool) -> float:
+        """About how long a step of the joints takes [s]; more for long ways and flips of the wrist."""
+        v, a, way = self._limits.velocity, self._limits.acceleration, np.abs(step)
+        times = np.where(way * a > v**2, way / v + v / a, 2.0 * np.sqrt(way / a))
+        return float(times.max() + LONG_WAY * times.sum() + FLIP * is_flip)
 
     def _passing(self, start: JointState, q: Array, segments: Sequence[Segment], i: int) -> JointState:
         """How `q` is passed on the way to the next segment: joints that go on in a direction do not stop.

@@ -9,6 +9,8 @@ from pack_core.rotations import Array
 
 BRAKING = 0.9
 """Share of the acceleration limit that is counted on for stopping before the end of a range."""
+MARGIN = 1e-4
+"""Before the end of a range, where a joint comes to rest [rad]; it takes up what a step overruns."""
 
 
 def acceleration_bounds(q: Array, v: Array, h: float, limits: JointLimits) -> tuple[Array, Array]:
@@ -26,5 +28,5 @@ def acceleration_bounds(q: Array, v: Array, h: float, limits: JointLimits) -> tu
 def _stoppable(room: Array, v: Array, h: float, limits: JointLimits) -> Array:
     """Highest speed after the step from which a joint still stops within `room` [rad]."""
     a = BRAKING * limits.acceleration
-    left = np.maximum(room - 0.5 * h * v, 0.0)
+    left = np.maximum(room - MARGIN - 0.5 * h * v, 0.0)
     return np.asarray(-0.5 * a * h + np.sqrt(0.25 * (a * h) ** 2 + 2.0 * a * left))

@@ -22,7 +22,7 @@ def benchmark(
         str, typer.Option(help="pack_it_in, uninformed_pose or uninformed_physics.")
     ] = "pack_it_in",
     optimizer: Annotated[
-        str | None, typer.Option(help="ilqr or sgn. Default: that of config/nodes/mpc.yaml.")
+        str | None, typer.Option(help="ilqr, sgn or judo (an extra). Default: the node's.")
     ] = None,
     weights: Annotated[
         str | None, typer.Option(help="A set of config/weights: tuned or table_1. Default: the node's.")

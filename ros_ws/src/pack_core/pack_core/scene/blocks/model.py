@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from pack_core.cells.blocks import BlocksCell
-from pack_core.robots.robotiq_2f85 import add_robotiq_2f85
+from pack_core.robots.robotiq_2f85 import PADS, TIPS, add_robotiq_2f85
 from pack_core.robots.ur10e import add_motors, add_ur10e
 from pack_core.scene.blocks.surroundings import add_surroundings
 from pack_core.scene.blocks.tag_texture import cube_faces
@@ -54,6 +54,8 @@ def build_model(
     if look:
         add_surroundings(spec, cell)
     _set_contacts(spec, cell)
+    for block in tags:
+        _add_grips(spec, cell, block_name(block))
     return spec.compile()
 
 
@@ -79,6 +81,18 @@ def _set_solver(spec: mujoco.MjSpec, cell: BlocksCell, timestep: float) -> None:
 def _set_contacts(spec: mujoco.MjSpec, cell: BlocksCell) -> None:
     for geom in spec.geoms:
         geom.solref, geom.solimp = cell.contact.solref, cell.contact.solimp
+
+
+def _add_grips(spec: mujoco.MjSpec, cell: BlocksCell, block: str) -> None:
+    """The fingers on a block: soft where they press, so that they settle, and stiff where they stick."""
+    gripper, contact = cell.gripper, cell.contact
+    for geoms, friction in ((PADS, gripper.pad_friction), (TIPS, gripper.tip_friction)):
+        for geom in geoms:
+            spec.add_pair(
+                geomname1=geom, geomname2=block, condim=6,
+                friction=(friction, friction, ROTATION[0], ROTATION[1], ROTATION[1]),
+                solref=contact.finger_solref, solreffriction=contact.solref, solimp=contact.solimp,
+            )  # fmt: skip
 
 
 def _add_table(spec: mujoco.MjSpec, cell: BlocksCell, look: bool) -> None:

@@ -1,0 +1,120 @@
+"""Paths of the tool that pick, place and push blocks.
+
+The tool frame T is between the finger tips, z out of the gripper, and the fingers close along its x. It
+points down at a heading, that of its x axis.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from block_fsm.executor_config import ExecutorConfig
+from pack_core.motion.moves import JointMove, Line, Path, PoseMove
+from pack_core.rearrangement.gripper import GripperFootprint
+from pack_core.rearrangement.plan import PickPlace, Push
+from pack_core.rearrangement.planar import QUARTER, PlanarPose, wrapped
+from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
+
+POINTING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+TOUCH_DISTANCE = 0.01
+"""The last stretch above the table, which is slow where a block is put down [m]."""
+CORNER = 0.03
+"""Length by which the corners between going up, across and down are cut [m]."""
+
+
+class Motions:
+    """Makes the paths.
+
+    Args:
+        config: heights and speeds.
+        side: of a block [m].
+        gripper: how deep it reaches, and how it pushes.
+        look: joint positions at which the camera sees past the arm `(6,)` [rad].
+        X_WL: where the tool is there; the wrist turns from its heading as little as it can.
+    """
+
+    def __init__(
+        self, config: ExecutorConfig, side: float, gripper: GripperFootprint, look: Array, X_WL: Pose
+    ) -> None:
+        self._config, self._gripper = config, gripper
+        self._half, self._depth = 0.5 * side, side - gripper.insertion
+        self._look, self._neutral = look, yaw_of(X_WL.q)
+
+    def grasps(self, action: PickPlace) -> tuple[Pose, Pose]:
+        """X_WT at which a block is gripped, and at which it is let go."""
+        turn = float(wrapped(action.place_yaw - action.pick_yaw))
+        pick = min(
+            (action.pick_yaw, action.pick_yaw + np.pi),
+            key=lambda yaw: max(abs(self._off(yaw)), abs(self._off(yaw) + turn)),
+        )
+        return (
+            self._tool(action.start, pick, self._depth),
+            self._tool(action.end, pick + turn, self._depth + self._config.release_height),
+        )
+
+    def pushes(self, action: Push) -> tuple[Pose, Pose]:
+        """X_WT from which a block is pushed, and at which it has arrived."""
+        sides = (action.direction + QUARTER, action.direction - QUARTER)
+        across = min(sides, key=lambda heading: abs(self._off(heading)))
+        behind = self._half + 0.5 * self._gripper.finger_width
+        start = action.start.moved(-behind - self._gripper.push_standoff, action.direction)
+        return (
+            self._tool(start, across, self._depth),
+            self._tool(action.end.moved(-behind, action.direction), across, self._depth),
+        )
+
+    def look(self) -> Path:
+        """Out of the camera's sight."""
+        return Path((self._home(),))
+
+    def approach(self, X_WT: Pose) -> Path:
+        """Over the blocks, then down to a pose between them."""
+        speed = self._config.speed
+        over = PoseMove(
+            self._raised(X_WT, self._config.hover), speed.travel, speed.travel_acceleration, label="approach"
+        )
+        return Path((over, Line(X_WT, speed.descend, entry_speed=speed.descend, label="down")))
+
+    def retreat(self, X_WT: Pose) -> Path:
+        """Up from a pose between blocks, and out of the camera's sight."""
+        return Path((self._up(X_WT), self._home()))
+
+    def carry(self, X_WT: Pose, X_WG: Pose) -> Path:
+        """Up with a block, across, and down to where it is let go."""
+        speed, height = self._config.speed, self._config.carry_height
+        acceleration = speed.carry_acceleration
+        near = self._raised(X_WG, X_WG.p[2] + TOUCH_DISTANCE)
+        return Path((
+            Line(self._raised(X_WT, height), speed.descend, acceleration, blend=CORNER, label="lift"),
+            Line(self._raised(X_WG, height), speed.carry, acceleration, blend=CORNER, label="carry"),
+            Line(near, speed.descend, acceleration, exit_speed=speed.touch, label="lower"),
+            Line(X_WG, speed.touch, acceleration, label="touch"),
+        ))  # fmt: skip
+
+    def push(self, X_WT: Pose, X_WG: Pose) -> Path:
+        """Along the push, a little back, up, and out of the camera's sight."""
+        push, along = self._config.speed.push, X_WG.p - X_WT.p
+        back = Pose(X_WG.p - self._config.back_off * along / np.linalg.norm(along), X_WG.q)
+        return Path((
+            Line(X_WG, push, label="push"), Line(back, push, label="back off"), self._up(back), self._home(),
+        ))  # fmt: skip
+
+    def _home(self) -> JointMove:
+        speed = self._config.speed
+        return JointMove(self._look, speed.travel, speed.travel_acceleration, label="look")
+
+    def _up(self, X_WT: Pose) -> Line:
+        speed = self._config.speed.descend
+        return Line(self._raised(X_WT, self._config.hover), speed, exit_speed=speed, label="up")
+
+    def _off(self, heading: float) -> float:
+        """Turn from the neutral heading [rad]."""
+        return float(wrapped(heading - self._neutral))
+
+    @staticmethod
+    def _tool(at: PlanarPose, heading: float, height: float) -> Pose:
+        return Pose(np.array([at.x, at.y, height]), multiply(from_yaw(heading), POINTING_DOWN))
+
+    @staticmethod
+    def _raised(X_WT: Pose, height: float) -> Pose:
+        return Pose(np.array([X_WT.p[0], X_WT.p[1], height]), X_WT.q)

@@ -1,0 +1,67 @@
+"""How a rearrangement ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class ExitReason(Enum):
+    """Why the executor stopped."""
+
+    ARRANGED = "arranged"
+    NOT_SEEN = "not seen"
+    NO_PLAN = "no plan"
+    MOTION_FAILED = "motion failed"
+    NO_PROGRESS = "no progress"
+    CANCELLED = "cancelled"
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What was done on the way.
+
+    Attributes:
+        picks: blocks picked and placed.
+        pushes: blocks pushed.
+        plans: plans asked for.
+        failed_grasps: grasps that held nothing, or lost it.
+        deviations: actions after which the table was not as predicted.
+        disturbances: actions after which a block stood elsewhere that was not to be moved.
+    """
+
+    picks: int = 0
+    pushes: int = 0
+    plans: int = 0
+    failed_grasps: int = 0
+    deviations: int = 0
+    disturbances: int = 0
+
+    @property
+    def actions(self) -> int:
+        """Carried out, whatever came of them."""
+        return self.picks + self.pushes
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The end of a rearrangement.
+
+    Attributes:
+        exit_reason: why it ended.
+        message: the same in words, with the blocks concerned.
+        tally: what was done.
+        position_error: largest distance of a block from its goal, as last seen [m]; NaN if none was.
+        yaw_error: largest turn of a block from its goal, as last seen [rad]; NaN if none was.
+    """
+
+    exit_reason: ExitReason
+    message: str
+    tally: Tally
+    position_error: float
+    yaw_error: float
+
+    @property
+    def success(self) -> bool:
+        """All blocks are where they were to be."""
+        return self.exit_reason is ExitReason.ARRANGED

@@ -1,0 +1,47 @@
+"""A preset for the node graph: parameters of its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from pack_bringup.lockstep import lockstep_config
+from pack_bringup.packing.presets import load_preset
+from pack_core.errors import ConfigError
+
+CELL = "packing"
+NODES = ("sim", "perception", "planner", "mpc")
+
+
+def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
+    """What a preset changes, by node and parameter, as YAML text; nothing where `name` is empty.
+
+    Raises:
+        ConfigError: there is no such preset, or it changes what is not there.
+    """
+    if not name:
+        return {}
+    if cell != CELL:
+        raise ConfigError(f"cell '{cell}' has no presets; allowed: {CELL}")
+    preset = load_preset(name)
+    preset.packing_cell()
+    lockstep_config(preset)
+    facts = {"cell": _text(_text(preset.cell))} if preset.cell else {}
+    return {node: {**facts, **_parameters(getattr(preset, node))} for node in NODES}
+
+
+def _parameters(section: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
+    """Nested keys as dotted names."""
+    found: dict[str, str] = {}
+    for key, value in section.items():
+        name = prefix + key
+        found |= _parameters(value, f"{name}.") if isinstance(value, Mapping) else {name: _text(value)}
+    return found
+
+
+def _text(value: Any) -> str:
+    """YAML in one line."""
+    text: str = yaml.safe_dump(value, default_flow_style=True, default_style=None, width=float("inf"))
+    return text.removesuffix("...\n").strip()

@@ -1,0 +1,1 @@
+"""The palletizing cell composed in one process, its benchmark, and its job."""

@@ -1,0 +1,158 @@
+"""The palletizing cell in one process, without ROS, on simulated time.
+
+It composes the same cores as the nodes. Pictures and layouts take a stated time on the simulated clock,
+never the wall clock, so a run repeats bit for bit on any machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_bringup.palletizing.run_log import RunLog
+from pack_bringup.palletizing.sight import NoisySight, NoisySightConfig
+from pack_core.box_detection import BoxDetection, ExpectedBox
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.config import Config
+from pack_core.evaluation.palletizing.pallet_run import PalletRun
+from pack_core.joint_reference import JointReference
+from pack_core.motion.target import JointSetpoint, MotionStatus
+from pack_core.orders.layout_plan import LayoutPlan
+from pack_core.orders.order import Order
+from pack_core.scene.palletizing.box_body import BoxBody
+from pack_motion.arm.arms import load_arm
+from pack_motion.controller import MotionController
+from pack_motion.tracking.config import motion_set
+from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
+from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.ports import (
+    CloseGripper,
+    Command,
+    DiscardBox,
+    Look,
+    MoveArm,
+    Observation,
+    OpenGripper,
+    SpawnBox,
+    StopArm,
+)
+from pallet_fsm.states import State
+
+
+class PalletLockstepConfig(Config):
+    """Parameters of a run; the parts' own are those of the nodes."""
+
+    period: PositiveFloat = Field(default=0.004, description="between two setpoints for the arm [s]")
+    sight_latency: NonNegativeFloat = Field(default=0.2, description="from a picture to its detection [s]")
+    settle: NonNegativeFloat = Field(default=0.5, description="after the order, for the stack to rest [s]")
+    motion: str = Field(default="shipped", description="a set of config/motion")
+    vision: bool = Field(
+        default=False, description="find boxes in rendered pictures, not by truth with noise"
+    )
+    sight: NoisySightConfig = NoisySightConfig()
+    simulator: PalletSimulatorConfig = PalletSimulatorConfig()
+    palletizer: PalletizerConfig = PalletizerConfig()
+
+
+@dataclass(frozen=True)
+class Tick:
+    """One cycle of the loop, for logs: where the machine is and what the motion says."""
+
+    time: float
+    state: State
+    box: str
+    motion: MotionStatus
+
+
+class PalletLockstep:
+    """One order from start to end.
+
+    Args:
+        cell: the cell's physical facts.
+        order: what to build.
+        plan: where every box goes.
+        config: parameters.
+        seed: of where boxes arrive and of the detections' noise.
+    """
+
+    def __init__(
+        self,
+        cell: PalletizingCell,
+        order: Order,
+        plan: LayoutPlan,
+        config: PalletLockstepConfig,
+        seed: int,
+    ) -> None:
+        self._config = config
+        self.simulator = PalletSimulator(cell, config.simulator, seed)
+        arm, q = load_arm("palletizing"), np.array(cell.arm.home)
+        self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
+        self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
+        self.palletizer = Palletizer(order, plan, cell, config.palletizer, self.simulator.time)
+        self._log = RunLog(self.simulator, arm.chain)
+        self._order_id, self._seed = order.order_id, seed
+        self._sight = NoisySight(config.sight, np.random.default_rng(seed))
+        self._spawned = ""
+        self._detection: BoxDetection | None = None
+        self._pending: tuple[float, BoxDetection] | None = None
+
+    def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
+        """Run to the end; `on_tick` sees every cycle."""
+        machine = self.palletizer.machine
+        while not machine.is_over:
+            self._serve_detection()
+            seen = Observation(
+                self.simulator.time, self.motion.status(), self.simulator.gripper.state,
+                self._spawned, self._detection,
+            )  # fmt: skip
+            for command in self.palletizer.step(seen):
+                self._obey(command)
+            if on_tick is not None:
+                on_tick(Tick(seen.time, machine.state, machine.visits[-1].box, seen.motion))
+            self._advance()
+        for _ in range(round(self._config.settle / self._config.period)):
+            self._advance()
+        return self._log.run(self._order_id, self._seed, self.palletizer.report())
+
+    def _obey(self, command: Command) -> None:
+        match command:
+            case SpawnBox(name, dims, mass):
+                self.simulator.spawn(BoxBody(name, dims, mass))
+                self._spawned = name
+            case DiscardBox(name):
+                self.simulator.remove(name)
+            case Look(expected):
+                self._look(expected)
+            case MoveArm(target):
+                self.motion.command(target)
+            case StopArm():
+                self.motion.stop()
+            case CloseGripper():
+                self.simulator.gripper.close()
+            case OpenGripper():
+                self.simulator.gripper.open()
+
+    def _look(self, expected: ExpectedBox) -> None:
+        time = self.simulator.time
+        X_WB = self.simulator.truth().objects[expected.id].X_WO
+        self._pending = time + self._config.sight_latency, self._sight.detect(expected, X_WB, time)
+
+    def _serve_detection(self) -> None:
+        if self._pending is not None and self.simulator.time >= self._pending[0]:
+            self._detection, self._pending = self._pending[1], None
+
+    def _advance(self) -> None:
+        """One period of the motion, and the physics under it."""
+        simulator, period = self.simulator, self._config.period
+        last, time = self._setpoint, simulator.time
+        self._log.note(last.q)
+        new = self.motion.step(time + period, simulator.joints())
+        rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
+        simulator.accept(JointReference(time, np.array([0.0, period]), *rows))
+        for _ in range(round(period / simulator.config.timestep)):
+            simulator.step()
+        self._setpoint = new

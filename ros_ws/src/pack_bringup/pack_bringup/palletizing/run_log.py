@@ -1,0 +1,78 @@
+"""Collects a lockstep run as the arrays that its evaluation takes."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pack_core.evaluation.palletizing.pallet_run import (
+    BoxRecord,
+    BoxTrack,
+    PalletRun,
+    StateVisit,
+    ToolTrack,
+    UnwantedTouch,
+)
+from pack_core.grip import GripLoad
+from pack_core.kinematics.chain import SerialChain
+from pack_core.rotations import Array
+from pack_sim.palletizing.simulator import PalletSimulator
+from pallet_fsm.report import OrderReport
+
+BOX_PERIOD = 5
+"""Boxes are looked at in every so many steps."""
+
+
+class RunLog:
+    """Takes note of every step.
+
+    Args:
+        simulator: what is watched.
+        chain: the arm, for tool poses.
+    """
+
+    def __init__(self, simulator: PalletSimulator, chain: SerialChain) -> None:
+        self._simulator, self._chain = simulator, chain
+        self._times: list[float] = []
+        self._joints: list[tuple[Array, Array]] = []
+        self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
+        self._peaks: dict[str, GripLoad] = {}
+
+    def note(self, q_ref: Array) -> None:
+        """Take note of now; `q_ref` `(n,)` [rad] is what the setpoints want now."""
+        simulator = self._simulator
+        self._times.append(simulator.time)
+        self._joints.append((q_ref, simulator.joints().q))
+        if held := simulator.gripper.state.held:
+            self._peaks[held] = simulator.gripper.state.peak.worst(self._peaks.get(held, GripLoad()))
+        if len(self._times) % BOX_PERIOD == 0:
+            truth = simulator.truth()
+            for name, state in truth.objects.items():
+                self._boxes.setdefault(name, []).append((truth.time, state.X_WO.p, state.X_WO.q))
+
+    def run(self, order: str, seed: int, report: OrderReport) -> PalletRun:
+        """The run, which has ended."""
+        return PalletRun(
+            order, seed, report.reason,
+            tuple(
+                BoxRecord(box.name, box.handling, box.outcome, box.reason, box.direction, box.X_WB)
+                for box in report.boxes
+            ),
+            tuple(StateVisit(v.state.label, v.time, v.box, v.reason) for v in report.visits),
+            self._tool(),
+            {name: BoxTrack(*(np.array(values) for values in zip(*rows, strict=True)))
+             for name, rows in self._boxes.items()},
+            tuple(UnwantedTouch(e.time, e.bodies, e.force) for e in self._simulator.contacts.events),
+            report.cycle_times(),
+            {name: (load.coaxial, load.shear, load.moment) for name, load in self._peaks.items()},
+        )  # fmt: skip
+
+    def _tool(self) -> ToolTrack:
+        wanted, measured = ([self._chain.forward_matrix(pair[i]) for pair in self._joints] for i in (0, 1))
+        return ToolTrack(np.array(self._times), *_poses(wanted), *_poses(measured))
+
+
+def _poses(matrices: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    """Positions `(n, 3)` and quaternions wxyz `(n, 4)`."""
+    rotations = Rotation.from_matrix(np.array([R for R, _ in matrices]))
+    return np.array([p for _, p in matrices]), rotations.as_quat(scalar_first=True)

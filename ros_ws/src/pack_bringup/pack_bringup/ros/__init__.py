@@ -1,0 +1,1 @@
+"""What bringup does in the ROS graph besides its nodes."""

@@ -1,0 +1,1 @@
+"""What runs of the palletizing cell are measured by."""

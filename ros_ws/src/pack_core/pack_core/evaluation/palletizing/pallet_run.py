@@ -1,0 +1,101 @@
+"""A run of the palletizing cell as arrays, whether it comes from a recording or from lockstep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pack_core.rotations import Array, Pose
+
+
+@dataclass(frozen=True)
+class ToolTrack:
+    """The tool at n moments.
+
+    Attributes:
+        times: `(n,)` [s].
+        p_ref: where the setpoints wanted it `(n, 3)` [m].
+        q_ref: orientations wxyz `(n, 4)`.
+        p: where the measured joints have it `(n, 3)` [m].
+        q: `(n, 4)`.
+    """
+
+    times: Array
+    p_ref: Array
+    q_ref: Array
+    p: Array
+    q: Array
+
+
+@dataclass(frozen=True)
+class BoxTrack:
+    """A box at n moments: `times` `(n,)` [s], positions `p` `(n, 3)` [m], orientations `q` wxyz `(n, 4)`."""
+
+    times: Array
+    p: Array
+    q: Array
+
+    def at(self, time: float) -> Pose:
+        """Where it was last seen until `time` [s]; its first pose before that."""
+        i = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
+        return Pose(self.p[i], self.q[i])
+
+
+@dataclass(frozen=True)
+class StateVisit:
+    """The machine entered a state: its label, when [s], for which box, and why if it is a fault."""
+
+    state: str
+    time: float
+    box: str
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class BoxRecord:
+    """What became of a box: `outcome` placed, skipped, lost or pending; X_WB is where it was to stand."""
+
+    name: str
+    handling: str
+    outcome: str
+    reason: str
+    direction: str
+    X_WB: Pose
+
+
+@dataclass(frozen=True)
+class UnwantedTouch:
+    """Two bodies touched that should not have: when [s], which, and the largest force [N]."""
+
+    time: float
+    bodies: tuple[str, str]
+    force: float
+
+
+@dataclass(frozen=True)
+class PalletRun:
+    """Everything that is measured of a run.
+
+    Attributes:
+        order: id of the order.
+        seed: of the run.
+        reason: why it stopped before its end; empty if it did not.
+        boxes: in the sequence of the plan.
+        visits: states in the order in which they were entered.
+        tool: wanted and measured tool poses.
+        tracks: true poses of the boxes by name.
+        touches: contacts that should not have been.
+        cycles: time that each box took, by name [s].
+        grip_peaks: worst coaxial force, shear force [N] and moment [N m] of each box's grips, by name.
+    """
+
+    order: str
+    seed: int
+    reason: str
+    boxes: tuple[BoxRecord, ...]
+    visits: tuple[StateVisit, ...]
+    tool: ToolTrack
+    tracks: Mapping[str, BoxTrack]
+    touches: tuple[UnwantedTouch, ...]
+    cycles: Mapping[str, float]
+    grip_peaks: Mapping[str, tuple[float, float, float]]

@@ -1,0 +1,104 @@
+"""Many runs of the palletizing cell in a few numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class OrderTrial:
+    """One run of a benchmark: its order file, its seed, its measures and its stack test as plain values."""
+
+    order: str
+    seed: int
+    measures: Mapping[str, Any]
+    hold_mm: float | None
+
+
+def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
+    """The figures of docs/palletizing.md, over all runs; an order is complete if it is with every seed."""
+    boxes = [box for trial in trials for box in trial.measures["boxes"]]
+    errors = [box["error_mm"] for box in boxes if box["error_mm"] is not None]
+    runs_of = {order: [t for t in trials if t.order == order] for order in sorted({t.order for t in trials})}
+    holds = [trial.hold_mm for trial in trials if trial.hold_mm is not None]
+    return {
+        "orders": len(runs_of),
+        "orders_complete": sum(all(t.measures["is_complete"] for t in runs) for runs in runs_of.values()),
+        "runs": len(trials),
+        "runs_complete": sum(trial.measures["is_complete"] for trial in trials),
+        "boxes": len(boxes),
+        "boxes_ok": sum(box["is_ok"] for box in boxes),
+        "tracking_position_mm": _tracking(trials, "position_mm"),
+        "tracking_orientation_deg": _tracking(trials, "orientation_deg"),
+        "goal_position_mm": _tracking(trials, "goal_mm"),
+        "placed_error_mm": _spread(errors),
+        "placed_angle_deg": _spread([b["angle_deg"] for b in boxes if b["angle_deg"] is not None]),
+        "shift_mm": _spread([shift for trial in trials for shift in trial.measures["shift_mm"]]),
+        "cycle_s": cycles(boxes),
+        "drops": sum(trial.measures["drops"] for trial in trials),
+        "unwanted_contacts": sum(trial.measures["touches"] for trial in trials),
+        "stack_hold": {"tested": len(holds), "held": sum(hold < HOLD_LIMIT_MM for hold in holds)},
+        "grip": {
+            key: max((box[key] for box in boxes if box[key] is not None), default=None)
+            for key in ("coaxial_N", "shear_N", "moment_Nm")
+        },
+        "per_order": {order: _order(runs) for order, runs in runs_of.items()},
+    }
+
+
+HOLD_LIMIT_MM = 10.0
+"""A stack holds if no box shifts by more on the pallet [mm]."""
+
+
+def cycles(boxes: Sequence[Mapping[str, Any]]) -> dict[str, float | None]:
+    """Mean cycle time by handling, of all boxes, and boxes an hour."""
+    times = {kind: [b["cycle_s"] for b in boxes if b["handling"] == kind and b["cycle_s"] is not None]
+             for kind in ("none", "flip", "table")}  # fmt: skip
+    everything = [time for kind in times.values() for time in kind]
+    mean = _mean(everything)
+    return {
+        **{kind: _mean(values) for kind, values in times.items()},
+        "none_or_flip": _mean(times["none"] + times["flip"]),
+        "mean": mean,
+        "boxes_per_hour": None if mean is None else 3600.0 / mean,
+    }
+
+
+def _order(runs: Sequence[OrderTrial]) -> dict[str, Any]:
+    boxes = [box for run in runs for box in run.measures["boxes"]]
+    errors = [box["error_mm"] for box in boxes if box["error_mm"] is not None]
+    return {
+        "complete": sum(run.measures["is_complete"] for run in runs), "runs": len(runs),
+        "boxes_ok": sum(box["is_ok"] for box in boxes), "boxes": len(boxes),
+        "error_mm": _spread(errors), "cycle_s": _mean([b["cycle_s"] for b in boxes if b["cycle_s"]]),
+        "tracking_mm": _tracking(runs, "position_mm"),
+        "shift_mm": _spread([shift for run in runs for shift in run.measures["shift_mm"]]),
+        "faults": [fault for run in runs for fault in run.measures["faults"]],
+        "hold_mm": [run.hold_mm for run in runs],
+    }  # fmt: skip
+
+
+def _tracking(trials: Sequence[OrderTrial], key: str) -> dict[str, float]:
+    """Mean weighted by the runs' durations, and the largest."""
+    weights = [trial.measures["duration_s"] for trial in trials]
+    means = [trial.measures[key][0] for trial in trials]
+    return {
+        "mean": float(np.average(means, weights=weights)),
+        "max": max(trial.measures[key][1] for trial in trials),
+    }
+
+
+def _spread(values: Sequence[float]) -> dict[str, float | None]:
+    if not values:
+        return {"mean": None, "p95": None, "max": None}
+    return {
+        "mean": float(np.mean(values)), "p95": float(np.percentile(values, 95)), "max": float(np.max(values))
+    }  # fmt: skip
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return float(np.mean(values)) if values else None

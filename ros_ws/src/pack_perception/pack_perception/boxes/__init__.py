@@ -1,0 +1,1 @@
+"""Box vision: the pose of a cardboard box in the picture of an overhead camera."""

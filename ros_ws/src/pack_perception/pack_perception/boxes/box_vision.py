@@ -1,0 +1,101 @@
+"""The pose of the expected box in one picture, or the reason why what is in it must not be trusted.
+
+The thesis's pipeline (chapter 7) gives a first rectangle; its edges are then found anew with sub-pixel
+accuracy on the plane of the top face, and everything that was found must fit together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.camera import PinholeCamera
+from pack_core.config import Config
+from pack_core.rotations import Array, Pose, exp, from_yaw, multiply
+from pack_perception.boxes.debug_images import DebugImages, draw_debug_images
+from pack_perception.boxes.edge_line import EdgeConfig, TopFace
+from pack_perception.boxes.face_edges import corners_of, find_edges, rough_corners
+from pack_perception.boxes.segmentation import Picture, Segmentation, SegmentationConfig, segment
+from pack_perception.boxes.top_face import TopPose, Viewpoint, top_poses
+from pack_perception.boxes.trust import (
+    Refusal,
+    TrustConfig,
+    check_edges,
+    check_size,
+    checked_edges,
+    checked_outline,
+    middle_brightness,
+)
+
+PAD_DOWN = exp([0.0, np.pi, 0.0])
+"""R_WT of the tool looking straight down with its y axis along the world's."""
+
+
+class VisionConfig(Config):
+    """Parameters of box vision."""
+
+    segmentation: SegmentationConfig = SegmentationConfig()
+    edge: EdgeConfig = EdgeConfig()
+    trust: TrustConfig = TrustConfig()
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A detection, and the pictures that show how it came about."""
+
+    detection: BoxDetection
+    images: DebugImages
+
+
+class BoxVision:
+    """Detects boxes that lie on a table of known height."""
+
+    def __init__(self, config: VisionConfig) -> None:
+        self._config = config
+
+    def detect(
+        self, picture: Picture, camera: PinholeCamera, box: ExpectedBox, table_height: float, time: float
+    ) -> Sighting:
+        """Look for the expected box in a picture `(H, W, 3)` RGB taken at `time` [s]."""
+        found = segment(picture, self._config.segmentation)
+        top = table_height + box.dims[2]
+        try:
+            pose = self._locate(found, camera, box, top)
+        except Refusal as refusal:
+            detection = BoxDetection(time, box.id, refusal.status, refusal.reason, None, None, refusal.size)
+            return Sighting(detection, draw_debug_images(picture, found, None, detection))
+        X_WB = Pose(np.array([*pose.centre, top - 0.5 * box.dims[2]]), from_yaw(pose.yaw))
+        X_WT = Pose(np.array([*pose.centre, top]), multiply(from_yaw(pose.yaw), PAD_DOWN))
+        detection = BoxDetection(time, box.id, DetectionStatus.DETECTED, "", X_WB, X_WT, pose.size)
+        outline = camera.project(X_WB.apply(0.5 * np.array(box.dims) * CORNERS))
+        return Sighting(detection, draw_debug_images(picture, found, outline, detection))
+
+    def _locate(self, found: Segmentation, camera: PinholeCamera, box: ExpectedBox, top: float) -> TopPose:
+        """The pose of the top face at height `top` [m]; raises Refusal where it must not be trusted."""
+        trust = self._config.trust
+        outline = checked_outline(found, trust)
+        face = TopFace(found.value, found.corner, camera, top, found.is_dark)
+        corners = rough_corners(outline, face)
+        for _ in range(2):  # the second time from where the edges are
+            edges = checked_edges(find_edges(face, corners, self._config.edge))
+            corners = corners_of(edges)
+        camera_height = float(camera.X_WC.p[2]) - top + box.dims[2]
+        view = Viewpoint(camera.X_WC.p[:2], box.dims[2] / camera_height)
+        pose = _likeliest(top_poses(edges, box.dims[:2], view), face.pixel)
+        check_size(pose, box, face.pixel, trust)
+        check_edges(edges, pose, middle_brightness(face, corners), trust)
+        return pose
+
+
+CORNERS: Array = np.array([[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
+"""Of the top face, d_x first, in half extents."""
+
+
+def _likeliest(poses: list[TopPose], pixel: float) -> TopPose:
+    """The one that fits the size better; of two that fit it alike, the smaller turn."""
+    first, second = sorted(poses, key=lambda pose: pose.mismatch)
+    if second.mismatch - first.mismatch < 2.0 * pixel:
+        return min(poses, key=lambda pose: abs(pose.yaw))
+    return first

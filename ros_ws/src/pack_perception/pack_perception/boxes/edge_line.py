@@ -1,0 +1,141 @@
+"""Finds the straight edge of a box with sub-pixel accuracy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.camera import PinholeCamera
+from pack_core.config import Config
+from pack_core.rotations import Array
+from pack_perception.boxes.segmentation import Picture
+
+
+class EdgeConfig(Config):
+    """Parameters of the edge search; lengths in pixels of the top face."""
+
+    reach: PositiveFloat = Field(10.0, description="how far from where it is supposed an edge is searched")
+    step: PositiveFloat = Field(0.25, description="between the samples of a profile across an edge")
+    core: PositiveFloat = Field(2.5, description="half width of the slope whose middle is the edge")
+    ends: float = Field(0.08, ge=0, lt=0.4, description="share of an edge that is left out at either end")
+    max_residual: PositiveFloat = Field(0.75, description="points further from the line do not count")
+
+
+@dataclass(frozen=True)
+class EdgeLine:
+    """A line on the plane of the top face.
+
+    Attributes:
+        middle: a point of it `(2,)` in the world [m].
+        direction: unit vector along it `(2,)`.
+        length: of the part that was looked at [m].
+        inliers: share of the profiles whose slope lies on the line.
+        residual: rms distance of those from it [pixel].
+        contrast: how much brighter the box is than what lies outside, the median over the profiles, of 255;
+            the amount by which it is darker where that is looked for.
+        inside: brightness just inside the edge, the median over the profiles.
+    """
+
+    middle: Array
+    direction: Array
+    length: float
+    inliers: float
+    residual: float
+    contrast: float
+    inside: float
+
+
+@dataclass(frozen=True)
+class TopFace:
+    """The picture seen as a map of the plane of the top face.
+
+    Attributes:
+        value: brightness `(h, w)`.
+        corner: of `value` in the camera's picture `(2,)`.
+        camera: that took it.
+        height: of the plane in the world [m].
+        is_dark: the box is darker than what surrounds it.
+    """
+
+    value: Picture
+    corner: tuple[int, int]
+    camera: PinholeCamera
+    height: float
+    is_dark: bool
+
+    @property
+    def pixel(self) -> float:
+        """Width of a pixel on the plane [m]."""
+        return float(self.camera.X_WC.p[2] - self.height) / self.camera.f
+
+    def brightness(self, points: Array) -> Array:
+        """At points `(..., 2)` of the plane, interpolated."""
+        p_W = np.concatenate([points, np.full((*points.shape[:-1], 1), self.height)], axis=-1)
+        uv = (self.camera.project(p_W) - self.corner).astype(np.float32)
+        rows = uv.reshape(len(uv), -1, 2)
+        sampled = cv2.remap(
+            self.value, rows[..., 0], rows[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        return np.asarray(sampled, dtype=float).reshape(points.shape[:-1])
+
+
+def find_edge(face: TopFace, start: Array, end: Array, config: EdgeConfig) -> EdgeLine | None:
+    """The edge near the line from `start` to `end` `(2,)` [m], the box to its left; None where there is none.
+
+    The edge of a profile across it is the centroid of its slope, and a line is fitted to the edges of all
+    profiles, those that lie off it left out.
+    """
+    length = float(np.linalg.norm(end - start))
+    along = (end - start) / length
+    outward = np.array([along[1], -along[0]])
+    places = np.arange(config.ends * length, (1.0 - config.ends) * length, face.pixel)
+    across = np.arange(-config.reach, config.reach + config.step, config.step)
+    points = start + places[:, None, None] * along + across[:, None] * face.pixel * outward
+    profiles = face.brightness(points)
+    slopes = np.gradient(profiles, config.step, axis=1) * (1.0 if face.is_dark else -1.0)
+    offsets = _slope_middles(slopes, across, config.core)
+    slant, shift, is_on = _robust_line(places / face.pixel, offsets, config.max_residual)
+    if is_on.sum() < 10:
+        return None
+    direction = along + slant * outward
+    middle_place = 0.5 * length / face.pixel
+    residuals = offsets - slant * places / face.pixel - shift
+    inside, contrast = _levels(profiles[is_on], offsets[is_on], across, config.core)
+    return EdgeLine(
+        start + 0.5 * length * along + (slant * middle_place + shift) * face.pixel * outward,
+        direction / np.linalg.norm(direction), length, float(is_on.mean()),
+        float(np.sqrt(np.mean(residuals[is_on] ** 2))), -contrast if face.is_dark else contrast, inside,
+    )  # fmt: skip
+
+
+def _slope_middles(slopes: Array, across: Array, core: float) -> Array:
+    """Centroid of each profile's steepest slope `(n,)` [pixel]."""
+    peaks = across[np.argmax(slopes, axis=1)]
+    for _ in range(2):  # once more around the centroid, so that the window is even to both sides of it
+        weights = np.clip(slopes, 0.0, None) * (np.abs(across - peaks[:, None]) <= core)
+        totals = weights.sum(axis=1)
+        peaks = np.where(totals > 0.0, weights @ across / np.where(totals > 0.0, totals, 1.0), np.nan)
+    return np.asarray(peaks)
+
+
+def _robust_line(places: Array, offsets: Array, max_residual: float) -> tuple[float, float, np.ndarray]:
+    """Slant and shift of offsets = slant * places + shift, from the median inwards, and who lies on it."""
+    slant, shift = 0.0, float(np.nanmedian(offsets)) if np.any(np.isfinite(offsets)) else np.nan
+    is_on = np.zeros(len(places), dtype=bool)
+    for limit in (8.0, 4.0, 2.0, 1.0, 1.0):
+        is_on = np.abs(offsets - slant * places - shift) <= limit * max_residual
+        if is_on.sum() < 10:
+            return slant, shift, np.zeros(len(places), dtype=bool)
+        slant, shift = (float(value) for value in np.polyfit(places[is_on], offsets[is_on], 1))
+    return slant, shift, is_on
+
+
+def _levels(profiles: Array, offsets: Array, across: Array, core: float) -> tuple[float, float]:
+    """Brightness just inside the edge, and by how much it exceeds that just outside."""
+    distance = across - offsets[:, None]
+    sides = [(distance < -core) & (distance > -2 * core), (distance > core) & (distance < 2 * core)]
+    inside, outside = (np.sum(profiles * side, axis=1) / np.maximum(side.sum(axis=1), 1) for side in sides)
+    return float(np.median(inside)), float(np.median(inside - outside))

@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
+
+from pack_core.rotations import Array, exp, to_matrix
+from pack_motion.clearance.separation import separation
+
+vectors = st.lists(st.floats(-1.5, 1.5), min_size=3, max_size=3).map(np.array)
+sizes = st.lists(st.floats(0.05, 0.5), min_size=3, max_size=3).map(np.array)
+
+
+def distance(R_a: Array, p_a: Array, half_a: Array, R_b: Array, p_b: Array, half_b: Array) -> float:
+    """Between two boxes, as a bounded least-squares problem over a point of each."""
+    A = np.hstack([R_a * half_a, -R_b * half_b])
+    return float(np.sqrt(2.0 * lsq_linear(A, p_b - p_a, (-1.0, 1.0)).cost))
+
+
+@given(p=vectors, turn_a=vectors, turn_b=vectors, half_a=sizes, half_b=sizes)
+@settings(max_examples=100, deadline=None)
+def test_the_gap_is_at_most_the_distance_and_positive_where_there_is_one(
+    p: Array, turn_a: Array, turn_b: Array, half_a: Array, half_b: Array
+) -> None:
+    boxes = to_matrix(exp(turn_a)), np.zeros(3), half_a, to_matrix(exp(turn_b)), p, half_b
+    gap, true = separation(*boxes), distance(*boxes)
+    assert gap <= true + 1e-6
+    if true > 1e-3:
+        assert gap > 0.0
+        assert gap >= 0.5 * true
+    assert gap == pytest.approx(separation(*boxes[3:], *boxes[:3]), abs=1e-12)
+
+
+def test_boxes_face_to_face_are_as_far_apart_as_they_are() -> None:
+    one = np.eye(3), np.zeros(3), np.full(3, 0.1)
+    assert separation(*one, np.eye(3), np.array([0.25, 0.05, 0.0]), np.full(3, 0.1)) == pytest.approx(0.05)
+    assert separation(*one, np.eye(3), np.array([0.15, 0.05, 0.0]), np.full(3, 0.1)) == pytest.approx(-0.05)

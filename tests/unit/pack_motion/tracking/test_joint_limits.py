@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pack_core.rotations import Array
+from pack_motion.arm.arm import Arm
+from pack_motion.tracking.joint_bounds import acceleration_bounds
+from pack_motion.tracking.resolve import resolve_capped, resolve_within
+
+H = 0.004
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_wish_drives_a_joint_beyond_its_range_speed_or_acceleration(arm: Arm, seed: int) -> None:
+    rng, limits = np.random.default_rng(seed), arm.limits
+    q, v = arm.home.copy(), np.zeros(6)
+    for k in range(3000):
+        if k % 250 == 0:
+            wish = rng.uniform(-50.0, 50.0, 6)
+        lower, upper = acceleration_bounds(q, v, H, limits)
+        assert np.all(lower <= upper)
+        a = np.clip(wish, lower, upper)
+        assert np.all(np.abs(a) <= limits.acceleration)
+        q, v = q + H * (v + 0.5 * H * a), v + H * a
+        assert np.all(np.abs(v) <= limits.velocity + 1e-9)
+        assert np.all(q >= limits.lower - 1e-9)
+        assert np.all(q <= limits.upper + 1e-9)
+
+
+def problem(seed: int) -> tuple[Array, Array, Array, Array]:
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(6, 6))
+    return (
+        A @ A.T * 1e4 + np.eye(6),
+        rng.normal(size=6) * 1e4,
+        -rng.uniform(0.1, 2.0, 6),
+        rng.uniform(0.1, 2.0, 6),
+    )
+
+
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=60, deadline=None)
+def test_within_limits_no_allowed_change_is_better(seed: int) -> None:
+    """The conditions of Karush, Kuhn and Tucker."""
+    M, f, lower, upper = problem(seed)
+    a = resolve_within(M, f, lower, upper)
+    slope = (M @ a - f) / np.abs(f).max()
+    at_lower, at_upper = a <= lower + 1e-9, a >= upper - 1e-9
+    assert np.all(a >= lower - 1e-12)
+    assert np.all(a <= upper + 1e-12)
+    np.testing.assert_allclose(slope[~at_lower & ~at_upper], 0.0, atol=1e-6)
+    assert np.all(slope[at_lower] >= -1e-6)
+    assert np.all(slope[at_upper] <= 1e-6)
+
+
+def test_wide_limits_leave_the_pseudo_inverse() -> None:
+    M, f, _, _ = problem(1)
+    wide = np.full(6, 1e6)
+    np.testing.assert_allclose(resolve_within(M, f, -wide, wide), np.linalg.solve(M, f), rtol=1e-6)
+
+
+def test_the_cap_shortens_and_keeps_the_direction() -> None:
+    M, f, _, _ = problem(2)
+    free, capped = resolve_capped(M, f, np.inf), resolve_capped(M, f, 0.1)
+    assert np.linalg.norm(capped) == pytest.approx(0.1)
+    np.testing.assert_allclose(capped / 0.1, free / np.linalg.norm(free), atol=1e-9)
