@@ -4,7 +4,7 @@ import pytest
 
 from pack_bringup import node_parameters
 from pack_bringup.lockstep import lockstep_config
-from pack_bringup.node_parameters import load_parameters, merged
+from pack_bringup.node_parameters import load_parameters
 from pack_core.errors import ConfigError
 from pack_mpc.session import SessionConfig
 from pack_sim.packing.simulator import SimulatorConfig
@@ -37,11 +37,3 @@ def test_a_missing_file_is_named(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(node_parameters, "config_path", lambda _, name: tmp_path / name)
     with pytest.raises(ConfigError, match=r"mpc\.yaml: no such file"):
         load_parameters("mpc", SessionConfig)
-
-
-def test_what_lies_over_replaces_values_and_merges_sections() -> None:
-    below = {"a": 1, "section": {"b": [1, 2], "c": 3}, "list": [1]}
-    assert merged(below, {"section": {"b": [4]}, "list": [], "new": {"d": 5}}) == {
-        "a": 1, "section": {"b": [4], "c": 3}, "list": [], "new": {"d": 5},
-    }  # fmt: skip
-    assert below["section"] == {"b": [1, 2], "c": 3}

@@ -6,7 +6,7 @@ import pytest
 from pydantic import PositiveFloat, ValidationError
 
 from pack_core.cells.packing import PackingCell, packing_cell
-from pack_core.config import Config, load_config, parse_config
+from pack_core.config import Config, load_config, merged, parse_config
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
 
@@ -60,3 +60,31 @@ def test_the_packing_cell_is_read_from_config() -> None:
     cell = load_config(PackingCell, config_path("cells", "packing.yaml"))
     assert cell == packing_cell()
     assert len(cell.scene.objects) == 5
+
+
+def test_what_lies_over_replaces_values_and_merges_sections() -> None:
+    below = {"a": 1, "section": {"b": [1, 2], "c": 3}, "list": [1]}
+    assert merged(below, {"section": {"b": [4]}, "list": [], "new": {"d": 5}}) == {
+        "a": 1, "section": {"b": [4], "c": 3}, "list": [], "new": {"d": 5},
+    }  # fmt: skip
+    assert below["section"] == {"b": [1, 2], "c": 3}
+
+
+def test_what_lies_over_the_packing_cell_changes_what_it_names() -> None:
+    changed = packing_cell("suction: {shear: 12.0}")
+    assert changed.suction.shear == 12.0
+    suction = changed.suction.model_copy(update={"shear": packing_cell().suction.shear})
+    assert changed.model_copy(update={"suction": suction}) == packing_cell()
+
+
+@pytest.mark.parametrize(
+    ("over", "part"),
+    [
+        ("suctoin: {}", "'suctoin' is not known"),
+        ("suction: {pull: -1}", "'suction.pull' is -1"),
+        ("- a", "keys"),
+    ],
+)
+def test_what_may_not_lie_over_the_packing_cell_is_refused(over: str, part: str) -> None:
+    with pytest.raises(ConfigError, match=part):
+        packing_cell(over)

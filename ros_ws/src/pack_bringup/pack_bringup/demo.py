@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING
 
 from pack_bringup.domains import choose_domain
 from pack_bringup.graph import load_graph
+from pack_bringup.packing.graph_preset import preset_overrides
 from pack_bringup.processes import ProcessGroup
+from pack_core.config import merged
 from pack_core.errors import PackError
 
 if TYPE_CHECKING:
@@ -40,6 +42,7 @@ class Demo:
         method: pack_it_in, uninformed_pose or uninformed_physics.
         real_time_factor: None: that of config/nodes/sim.yaml.
         command: the command line, for run.yaml.
+        preset: of config/presets; empty: the configuration files as they are.
     """
 
     cell: str
@@ -49,6 +52,7 @@ class Demo:
     method: str = "pack_it_in"
     real_time_factor: float | None = None
     command: str = ""
+    preset: str = ""
 
     def overrides(self) -> dict[str, dict[str, str]]:
         """Parameters by node, as YAML text."""
@@ -59,7 +63,7 @@ class Demo:
             sim["real_time_factor"] = str(float(self.real_time_factor))
         text = {"path": str(self.folder.resolve()), "cell": self.cell, "command": self.command}
         recorder = {"seed": str(self.seed), **{name: json.dumps(value) for name, value in text.items()}}
-        return {"sim": sim, "recorder": recorder}
+        return merged(preset_overrides(self.cell, self.preset), {"sim": sim, "recorder": recorder})
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, TypeVar
 
 import yaml
@@ -28,27 +27,15 @@ def load_parameters(node: str, cls: type[C]) -> C:
 
 
 def parameters_of(node: str) -> tuple[dict[str, Any], str]:
-    """All of `config/nodes/<node>.yaml`, and the file's name for errors.
+    """All of `config/nodes/<node>.yaml`, e.g. of `mpc` or `palletizing/fsm`, and the file's name for errors.
 
     Raises:
         ConfigError: the file is missing, or is not of this node.
     """
-    path = config_path("nodes", f"{node}.yaml")
+    path, name = config_path("nodes", f"{node}.yaml"), node.rpartition("/")[2]
     if not path.is_file():
         raise ConfigError(f"{path}: no such file")
     try:
-        return dict(yaml.safe_load(path.read_text())[node]["ros__parameters"]), str(path)
+        return dict(yaml.safe_load(path.read_text())[name]["ros__parameters"]), str(path)
     except (KeyError, TypeError) as error:
-        raise ConfigError(f"{path}: expected `{node}: ros__parameters:` at the top") from error
-
-
-def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """`values` with those of `over` in their place; sections are merged, all else is replaced."""
-    result = dict(values)
-    for key, value in over.items():
-        old = result.get(key)
-        if isinstance(old, Mapping) and isinstance(value, Mapping):
-            result[key] = merged(old, value)
-        else:
-            result[key] = value
-    return result
+        raise ConfigError(f"{path}: expected `{name}: ros__parameters:` at the top") from error

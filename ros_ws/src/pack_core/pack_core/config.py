@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -26,24 +27,46 @@ def load_config(cls: type[C], path: Path) -> C:
     Raises:
         ConfigError: the file is missing, is not YAML, or has a key or value that is not allowed.
     """
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
-    return parse_config(cls, path.read_text(), str(path))
+    return validate_config(cls, load_values(path), str(path))
 
 
 def parse_config(cls: type[C], text: str, source: str) -> C:
     """Read YAML text into a configuration class; `source` names it in errors."""
+    return validate_config(cls, parse_values(text, source), source)
+
+
+def load_values(path: Path) -> dict[str, Any]:
+    """Keys and values of a YAML file; raises ConfigError."""
+    if not path.is_file():
+        raise ConfigError(f"{path}: no such file")
+    return parse_values(path.read_text(), str(path))
+
+
+def parse_values(text: str, source: str) -> dict[str, Any]:
+    """Keys and values of YAML text; `source` names it in errors."""
     try:
         data = yaml.safe_load(text)
     except yaml.YAMLError as error:
         raise ConfigError(f"{source}: not readable as YAML: {error}") from error
-    return validate_config(cls, data, source)
-
-
-def validate_config(cls: type[C], data: Any, source: str) -> C:
-    """Turn plain data into a configuration class; `source` names it in errors."""
     if not isinstance(data, dict):
         raise ConfigError(f"{source}: expected keys and values, got {type(data).__name__}")
+    return data
+
+
+def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """`values` with those of `over` in their place; sections are merged, all else is replaced."""
+    result = dict(values)
+    for key, value in over.items():
+        old = result.get(key)
+        if isinstance(old, Mapping) and isinstance(value, Mapping):
+            result[key] = merged(old, value)
+        else:
+            result[key] = value
+    return result
+
+
+def validate_config(cls: type[C], data: Mapping[str, Any], source: str) -> C:
+    """Turn keys and values into a configuration class; `source` names them in errors."""
     try:
         return cls.model_validate(data)
     except ValidationError as error:

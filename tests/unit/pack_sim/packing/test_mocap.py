@@ -91,6 +91,34 @@ def test_the_container_hides_what_is_behind_its_wall() -> None:
     assert counts.tolist() == [0, 2]
 
 
+@pytest.mark.parametrize("obstacle", ["panda_link4", "panda_link6", "tool", CELL.scene.new_object.name])
+def test_arm_pump_and_held_object_hide_what_is_behind_them(obstacle: str) -> None:
+    scene = scene_with(LOW)
+    model, data = posed(scene, HOME)
+    geoms = np.flatnonzero(model.geom_bodyid == model.body(obstacle).id)
+    p_WM, p_WG = np.array([0.52, 0.0, LOW.height + 0.004]), data.geom_xpos[geoms[0]]
+    p_WC = p_WG + 0.8 * (p_WG - p_WM)
+    cell = cell_with([(float(p_WC[0]), float(p_WC[1]), float(p_WC[2]))] * 2)
+    mocap = Mocap(scene, cell, MocapConfig(), np.random.default_rng(0))
+    counts = []
+    for alpha in (1.0, 0.0):
+        model.geom_rgba[:, 3] = 0.0
+        model.geom_rgba[geoms, 3] = alpha
+        counts.append(int(mocap.visible_counts(model, data, p_WM[None])[0]))
+    assert counts == [0, 2]
+
+
+def test_without_side_markers_only_tops_are_seen() -> None:
+    scene = scene_with(LOW)
+    bare = CELL.mocap.model_copy(update={"has_side_markers": False})
+    mocap = Mocap(scene, CELL.model_copy(update={"mocap": bare}), MocapConfig(), np.random.default_rng(0))
+    model, data = posed(scene, RAISED)
+    frame = mocap.capture(model, data, 0.0)
+    assert markers_of(frame, "can") == markers_of(frame, scene.new_object.name) == {0, 1, 2, 3}
+    np.testing.assert_allclose(frame.p_WM[:4, 2], LOW.height + 0.004, atol=0.002)
+    assert markers_of(frame_of(scene, RAISED), "can") > {0, 1, 2, 3}
+
+
 def test_a_point_outside_the_field_of_view_is_not_seen() -> None:
     scene = scene_with(LOW)
     mocap = Mocap(scene, CELL, MocapConfig(), np.random.default_rng(0))

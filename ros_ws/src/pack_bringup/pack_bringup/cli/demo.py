@@ -41,6 +41,7 @@ def demo(
     method: Annotated[
         Method, typer.Option(help="The paper's method, or one of its baselines.")
     ] = Method.PACK_IT_IN,
+    preset: Annotated[str, typer.Option(help="Conditions: a file of config/presets (docs/presets.md).")] = "",
     real_time_factor: Annotated[
         float | None,
         typer.Option(
@@ -62,13 +63,14 @@ def demo(
 
     - `pack demo packing --seed 3`
     - `pack demo packing --method uninformed_pose --no-video`
+    - `pack demo packing --preset hardware`
     - `pack demo packing --scene config/scenarios/example.yaml --real-time-factor 0.3`
     """
     if scene:
         _check_scene(scene)
     folder = output or default_folder(cell, seed, datetime.now())
     command = " ".join(["pack", *sys.argv[1:]])
-    job = Demo(cell, folder, seed, scene, method.value, real_time_factor, command)
+    job = Demo(cell, folder, seed, scene, method.value, real_time_factor, command, preset)
     signal.signal(signal.SIGTERM, _as_ctrl_c)
     try:
         with LiveLine() as line:

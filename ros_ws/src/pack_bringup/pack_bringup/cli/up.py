@@ -8,7 +8,9 @@ from typing import Annotated, Any
 import typer
 
 from pack_bringup.graph import load_graph, parse_overrides
+from pack_bringup.packing.graph_preset import preset_overrides
 from pack_bringup.processes import ProcessGroup
+from pack_core.config import merged
 
 app = typer.Typer()
 
@@ -23,6 +25,7 @@ def up(
         list[str] | None,
         typer.Option("--set", metavar="NODE.PARAM=VALUE", help="Override a parameter; may be repeated."),
     ] = None,
+    preset: Annotated[str, typer.Option(help="Conditions: a file of config/presets (docs/presets.md).")] = "",
     domain: Annotated[
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
     ] = None,
@@ -33,10 +36,14 @@ def up(
 
     - `pack up packing`
     - `pack up packing --set sim.seed=3 --set sim.real_time_factor=0.5`
+    - `pack up packing --preset hardware`
     - `pack up packing --only sim --only perception --domain 7`
     """
     graph = load_graph(cell)
-    commands = (graph.only(only) if only else graph).commands(parse_overrides(settings or []))
+    graph = graph.only(only) if only else graph
+    names = [node.name for node in graph.nodes]
+    conditions = {name: given for name, given in preset_overrides(cell, preset).items() if name in names}
+    commands = graph.commands(merged(conditions, parse_overrides(settings or [])))
     environment = {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
     died: dict[str, int] = {}
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field, PositiveFloat
 
-from pack_core.config import Config, load_config
+from pack_core.config import Config, load_values, merged, parse_values, validate_config
 from pack_core.paths import config_path
 from pack_core.scene.scene import Scene
 
@@ -65,11 +65,19 @@ class Robot(Config):
 
 
 class Mocap(Config):
-    """Cameras of the motion capture system: where they are, where they look, half field of view."""
+    """The motion capture system.
+
+    Attributes:
+        cameras: where they are [m].
+        target: where they all look [m].
+        half_angle_deg: half their field of view.
+        has_side_markers: whether objects have markers on two sides too, not only on the top.
+    """
 
     cameras: Annotated[list[Point], Field(min_length=2)]
     target: Point
     half_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    has_side_markers: bool
 
 
 class PackingCell(Config):
@@ -86,6 +94,15 @@ class PackingCell(Config):
 
 
 @cache
-def packing_cell() -> PackingCell:
-    """The packing cell as configured."""
-    return load_config(PackingCell, config_path("cells", "packing.yaml"))
+def packing_cell(over: str = "{}") -> PackingCell:
+    """The packing cell as configured.
+
+    Args:
+        over: YAML that lies over config/cells/packing.yaml, with the keys that differ.
+
+    Raises:
+        ConfigError: a key or value is not allowed.
+    """
+    path, source = config_path("cells", "packing.yaml"), "what lies over the packing cell"
+    facts = merged(load_values(path), parse_values(over, source))
+    return validate_config(PackingCell, facts, str(path) if over == "{}" else f"{path} and {source}")

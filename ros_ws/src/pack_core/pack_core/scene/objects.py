@@ -17,6 +17,8 @@ Colour = tuple[float, float, float]
 
 MARKER_HEIGHT = 0.004
 """How far a marker's centre stands off the surface it is glued to [m]."""
+TOP_MARKERS = 4
+"""So many markers, the first ones, are on an object's top."""
 
 
 class PoseConfig(Config):

@@ -10,10 +10,10 @@ from pydantic import Field, PositiveFloat
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from pack_core.cells.packing import packing_cell
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_joint_state, from_markers, from_stamp, to_scene
+from pack_core.ros.packing_cell import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.scene.scene import Scene
@@ -34,7 +34,7 @@ class PerceptionNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("perception", **kwargs)
         self._config = read_parameters(self, PerceptionNodeConfig)
-        self._cell = packing_cell()
+        self._cell = read_packing_cell(self)
         self._estimator: PhysicsEstimator | None = None
         self._new_object = ""
         self._published = -float("inf")

@@ -10,11 +10,11 @@ from pack_interfaces.msg import PlacementSample
 from pack_interfaces.srv import PlanPlacement
 from std_msgs.msg import String
 
-from pack_core.cells.packing import packing_cell
 from pack_core.errors import MessageError, PackError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite, from_scene, to_pose
+from pack_core.ros.packing_cell import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.rotations import Pose
@@ -30,6 +30,7 @@ class PlannerNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("planner", **kwargs)
         self._config = read_parameters(self, PlacementConfig)
+        self._cell = read_packing_cell(self)
         self._scene: Scene | None = None
         self._planner: PlacementPlanner | None = None
         self._refusal = f"no description of the cell yet on {contracts.DESCRIPTION.name}: start the sim"
@@ -47,7 +48,7 @@ class PlannerNode(CellNode):
         self._planner = None
         try:
             self._scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
-            self._planner = PlacementPlanner(self._scene, packing_cell(), self._config)
+            self._planner = PlacementPlanner(self._scene, self._cell, self._config)
         except PackError as error:
             self._refusal = str(error)
             raise

@@ -12,6 +12,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.rotations import Array
+from pack_core.scene.objects import TOP_MARKERS
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import MarkerFrame
 
@@ -48,7 +49,8 @@ class Mocap:
     ) -> None:
         self._config, self._rng = config, rng
         items = [*scene.objects, scene.new_object]
-        markers = [item.markers() for item in items]
+        used = None if cell.mocap.has_side_markers else TOP_MARKERS
+        markers = [item.markers()[:used] for item in items]
         self._names = tuple(item.name for item in items)
         self._object_index = np.repeat(np.arange(len(items)), [len(m) for m in markers])
         self._marker_index = np.concatenate([np.arange(len(m)) for m in markers])

@@ -14,12 +14,12 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Float64, String
 from trajectory_msgs.msg import JointTrajectory
 
-from pack_core.cells.packing import packing_cell
 from pack_core.errors import MessageError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import from_setpoints
+from pack_core.ros.packing_cell import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.scene.scene import Scene
@@ -46,7 +46,7 @@ class SimNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("sim", **kwargs)
         self._config = read_parameters(self, SimNodeConfig)
-        self._cell = packing_cell()
+        self._cell = read_packing_cell(self)
         self._lock = threading.Lock()
         self._stopped = threading.Event()
         self._is_abandoned = False

@@ -1,0 +1,1 @@
+"""What the cells say about rearranging blocks on a table: problems and plans."""

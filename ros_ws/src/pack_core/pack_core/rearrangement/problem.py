@@ -1,0 +1,77 @@
+"""A rearrangement problem: where the blocks stand, and where they are to stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.rearrangement.gripper import GripperFootprint
+from pack_core.rearrangement.planar import PlanarPose
+
+CUBE_SIDE = 0.0508
+"""Of a 2-inch cube [m]."""
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Block:
+    """A cube on the table."""
+
+    id: str
+    pose: PlanarPose
+
+
+class Tolerance(Config):
+    """What counts as being in place; a measured pose is never exact."""
+
+    position: NonNegativeFloat = Field(0.002, description="from the goal [m]")
+    angle_deg: NonNegativeFloat = Field(2.0, description="from the goal's yaw")
+    push_line: NonNegativeFloat = Field(0.001, description="beside the line of a push into the goal [m]")
+    overlap: NonNegativeFloat = Field(0.001, description="depth that two blocks may overlap as measured [m]")
+
+
+class Costs(Config):
+    """Of the paper's Eq. 1; by `pirs` for a single block's path."""
+
+    pick_place: PositiveFloat = Field(1.0, description="alpha_1")
+    push: PositiveFloat = Field(1.5, description="alpha_2; a push is less precise")
+    collision: PositiveFloat = Field(2.0, description="alpha_3, for every block in the way")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Blocks to be rearranged.
+
+    Attributes:
+        blocks: ids and measured poses.
+        goals: pose of every block at the end, by id.
+        workspace: corners [m] of a convex polygon in which blocks may be put down.
+        side: of every cube [m].
+        symmetry: after how many equal turns a block looks alike: 1, 2 or 4 (any face may be in front).
+        gripper: its room on the table.
+        tolerance: what counts as in place.
+        costs: of actions.
+        starts_may_be_outside: blocks may stand outside the workspace to begin with.
+    """
+
+    blocks: tuple[Block, ...]
+    goals: Mapping[str, PlanarPose]
+    workspace: tuple[Point, ...]
+    side: float = CUBE_SIDE
+    symmetry: int = 1
+    gripper: GripperFootprint = field(default_factory=GripperFootprint)
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    costs: Costs = field(default_factory=Costs)
+    starts_may_be_outside: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "goals", MappingProxyType(dict(self.goals)))
+
+    @property
+    def starts(self) -> dict[str, PlanarPose]:
+        """Measured pose of every block by id."""
+        return {block.id: block.pose for block in self.blocks}
