@@ -83,12 +83,28 @@ def test_after_a_stall_the_object_waits_over_the_container_for_its_placement(tas
 
 
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
-    task.feel(10.5, np.array([1.0, 39.0]))
-    assert task.outcome is None
-    task.feel(10.6, np.array([41.0, 3.0]))
+    task.feel(10.5, np.full(50, 39.0))
+    task.feel(10.6, np.array([60.0]))
+    assert task.outcome is not None
     assert task.outcome.exit_reason is ExitReason.FORCE
-    assert task.outcome.force_mean == pytest.approx(21.0)
-    assert task.outcome.force_peak == 41.0
+    assert task.outcome.force_mean == pytest.approx((50 * 39.0 + 60.0) / 51)
+    assert task.outcome.force_peak == 60.0
+
+
+def test_one_noisy_sample_does_not_end_the_goal(task: PackingTask) -> None:
+    task.feel(10.5, np.array([1.0, 60.0, 1.0]))
+    assert task.outcome is None
+
+
+def test_the_force_stop_is_filtered_alike_however_the_samples_are_split(scene) -> None:
+    forces = np.linspace(0.0, 80.0, 40)
+    ends = []
+    for size in (1, 7, 40):
+        task = PackingTask(scene, TaskConfig(force_stop=40.0), 10.0)
+        for i in range(0, 40, size):
+            task.feel(10.0 + 0.004 * i, forces[i : i + size])
+        ends.append(task.outcome is not None)
+    assert all(ends)
 
 
 def test_refused_placements_end_the_goal_with_the_planners_reason(task: PackingTask) -> None:

@@ -24,7 +24,7 @@ from pack_mpc.weights import Stage, WeightSet
 class ControllerConfig(Config):
     """Parameters of the controller."""
 
-    optimizer: Literal["ilqr", "sgn"] = Field(default="ilqr", description="ilqr (the paper's) or sgn")
+    optimizer: Literal["sgn", "ilqr"] = Field(default="sgn", description="sgn, or ilqr (the paper's)")
     threads: int = Field(default=2, ge=1, description="of the rollouts")
     published: PositiveFloat = Field(
         default=0.24, description="part of the horizon that is sent to the driver [s]"
@@ -58,13 +58,15 @@ class PackingController:
         self._optimizer = _make_optimizer(scene, cell, config)
         self._predictor = Predictor(scene, cell)
         self._in_flight: Setpoints | None = None
+        self._failures = 0
 
     def use(self, optimizer: Optimizer) -> None:
         """Plan with this optimizer instead of the configured one, to compare with it."""
         self._optimizer = optimizer
 
-    def change_cost(self) -> None:
-        """The stage or the target has changed."""
+    def change_cost(self, failures: int = 0) -> None:
+        """The stage or the target has changed, after so many attempts that failed."""
+        self._failures = failures
         self._optimizer.change_cost()
 
     def plan(
@@ -91,7 +93,8 @@ class PackingController:
         x0 = self._predictor.predict(plant.state(joints, scene), self._in_flight, latency)
         scale = max(0.0, 1.0 - stage_age / self._weights.obstacle_decay)
         residuals = Residuals(plant, self._weights, target)
-        cost = PackingCost(residuals, self._weights.of(stage), self._weights.torque, scale)
+        weights = self._weights.of(stage).with_force(self._weights.force_relief**self._failures)
+        cost = PackingCost(residuals, weights, self._weights.torque, scale)
         solution = self._optimizer.improve(x0, cost, stage, target)
         self._in_flight = solution.setpoints.until(self._config.published)
         return Plan(self._in_flight, solution, 1e3 * (wall_clock.perf_counter() - started))

@@ -114,7 +114,7 @@ class PackingSession:
         if not seen.is_held:
             task.finish(ExitReason.DETACHED, time, "the pump lost the object")
         if task.update(time, X_WN):
-            self.controller.change_cost()
+            self.controller.change_cost(max(len(task.tried) - 1, 0))
         machine = task.machine
         if task.outcome is not None or machine is None:
             return None

@@ -41,6 +41,7 @@ class SgnConfig(Config):
         default=(0.001, 0.01, 0.1, 1.0, 10.0), description="of the steps"
     )
     speed_linear: PositiveFloat = Field(default=0.4, description="largest twist [m/s]")
+    speed_down: PositiveFloat = Field(default=0.4, description="largest twist downwards [m/s]")
     speed_angular: PositiveFloat = Field(default=1.5, description="largest twist [rad/s]")
     effort: NonNegativeFloat = Field(default=0.02, description="cost of squared knots")
     leash: PositiveFloat = Field(default=0.04, description="how far the reference may lead the arm [m]")
@@ -69,7 +70,8 @@ class SgnOptimizer:
         self._rng = np.random.default_rng(0)
         self._steps = np.repeat([[config.step_linear] * 3 + [config.step_angular] * 3], config.knots, axis=0)
         self._spread = np.array([config.spread_linear] * 3 + [config.spread_angular] * 3)
-        self._bound = np.array([config.speed_linear] * 3 + [config.speed_angular] * 3)
+        self._upper = np.array([config.speed_linear] * 3 + [config.speed_angular] * 3)
+        self._lower = -np.array([*[config.speed_linear] * 2, config.speed_down, *[config.speed_angular] * 3])
         self._theta = np.zeros((config.knots, 6))
         self._setpoints: Setpoints | None = None
 
@@ -145,4 +147,4 @@ class SgnOptimizer:
         return self._clip(np.asarray(nominal + np.array(steps).reshape(-1, *nominal.shape)))
 
     def _clip(self, thetas: Array) -> Array:
-        return np.asarray(np.clip(thetas, -self._bound, self._bound))
+        return np.asarray(np.clip(thetas, self._lower, self._upper))

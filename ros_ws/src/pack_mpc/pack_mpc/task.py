@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
+from scipy.signal import lfilter
 
 from pack_core.config import Config
 from pack_core.exit_reason import ExitReason
@@ -15,6 +16,10 @@ from pack_core.scene.state import SceneState
 from pack_mpc.entry import Placement, plan_entry
 from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage
+
+PERIOD, FILTER_TIME = 0.004, 0.005
+GAIN = PERIOD / (PERIOD + FILTER_TIME)
+"""Of the first-order filter before the force stop."""
 
 
 class TaskConfig(Config):
@@ -66,6 +71,7 @@ class PackingTask:
         self._has_succeeded = False
         self._refusals = 0
         self._forces: list[float] = []
+        self._felt = np.zeros(1)
         self.distance = 0.0
 
     def elapsed(self, time: float) -> float:
@@ -96,9 +102,13 @@ class PackingTask:
         return self._config.avoid_radius
 
     def feel(self, time: float, forces: Array) -> None:
-        """Note the magnitudes of the external force since the last call `(n,)` [N]."""
+        """Note the magnitudes of the external force since the last call `(n,)` [N], at the rate of /wrench.
+
+        The force stop heeds them through a filter of 5 ms, as a robot's own estimate is filtered.
+        """
         self._forces.extend(forces.tolist())
-        peak, limit = float(np.max(forces, initial=0.0)), self._config.force_stop
+        smooth, self._felt = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._felt)
+        peak, limit = float(np.max(smooth, initial=0.0)), self._config.force_stop
         if peak > limit:
             self.finish(ExitReason.FORCE, time, f"external force {peak:.1f} N above {limit:.1f} N")
 

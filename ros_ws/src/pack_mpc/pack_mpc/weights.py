@@ -38,6 +38,14 @@ class StageWeights(Config):
     running: Weights
     terminal: Weights
 
+    def with_force(self, share: float) -> StageWeights:
+        """The same weights with a share of the force's."""
+        running, terminal = (
+            weights.model_copy(update={"force": share * weights.force})
+            for weights in (self.running, self.terminal)
+        )
+        return StageWeights(running=running, terminal=terminal)
+
 
 class WeightSet(Config):
     """A named set of weights.
@@ -45,6 +53,8 @@ class WeightSet(Config):
     Attributes:
         upright: how the upright residual is written: as the angle, or as the axis' x and y.
         force_dead_band: force that costs nothing [N].
+        force_relief: what is left of the force's weight after each attempt that failed: what does not
+            yield to a light push may yield to a firm one.
         obstacle_decay: Z of Eq. 3 as a time [s].
         torque: cost of squared torque.
         lean: tilt of the held object over its obstacles at the entry [rad].
@@ -55,6 +65,7 @@ class WeightSet(Config):
     fine_tune: StageWeights
     upright: Literal["angle", "axis"]
     force_dead_band: NonNegativeFloat
+    force_relief: float = Field(default=1.0, gt=0, le=1)
     obstacle_decay: PositiveFloat
     torque: PositiveFloat
     lean: NonNegativeFloat

@@ -15,11 +15,14 @@ from pack_core.errors import MessageError
 from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
 from pack_core.rotations import Array
 from pack_core.scene.state import Setpoints
+from pack_sim.packing.governor import ContactGovernor
 
 SLACK = 1e-6
 """What a setpoint may exceed a limit by, for rounding on the way [rad, rad/s, N m]."""
 BRAKE_TIME = 0.005
 """Time constant of the stop before a hold [s]; the gains of Eq. 4 alone would take up to 0.4 s."""
+SLIDING = 0.02
+"""Desired joint speed from which most of the friction is compensated [rad/s]."""
 AT_REST = 0.01
 """Joint speed at which braking ends and the arm is held where it is [rad/s]."""
 
@@ -30,12 +33,21 @@ class JointController:
     Args:
         robot: the gains.
         watchdog: age at which setpoints are stale [s].
+        governor: bounds what it does in contact.
+        friction: of a joint, which is compensated in the direction of the desired velocity [N m].
     """
 
-    def __init__(self, robot: Robot, watchdog: float) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        watchdog: float,
+        governor: ContactGovernor | None = None,
+        friction: float = 0.0,
+    ) -> None:
         self._kp = np.array(robot.stiffness)
         self._kd = np.array(robot.damping)
-        self._watchdog = watchdog
+        self._watchdog, self._governor, self._friction = watchdog, governor, friction
+        self._jacobian: Array | None = None
         self._setpoints: Setpoints | None = None
         self._received = -np.inf
         self._q_hold: Array | None = None
@@ -54,6 +66,18 @@ class JointController:
     def drop(self) -> None:
         """Forget the setpoints, as when their sender died: hold from the next step on."""
         self._setpoints = None
+
+    def feel(self, time: float, force: Array, J: Callable[[], Array]) -> None:
+        """Take the external force on the held object `(3,)` [N], in the world frame.
+
+        Args:
+            time: now [s].
+            force: measured.
+            J: gives the cup's Jacobian `(6, 7)`, linear part first, in the world frame.
+        """
+        if self._governor is not None:
+            is_contact = self._governor.feel(time, force, is_holding=self.is_holding)
+            self._jacobian = J() if is_contact else None
 
     def reference(
         self, time: float, q: Array, v: Array, M: Callable[[], Array]
@@ -80,7 +104,13 @@ class JointController:
             M: gives the arm's mass matrix `(7, 7)` [kg m^2], where it must brake.
         """
         q_d, v_d, tau_ff = self.reference(time, q, v, M)
+        J = None if self.is_holding else self._jacobian
+        if self._governor is not None and J is not None:
+            v_d = self._governor.slow_down(v_d, J)
         tau: Array = tau_ff + self._kp * (q_d - q) + self._kd * (v_d - v)
+        tau += self._friction * np.tanh(v_d / SLIDING)
+        if self._governor is not None and J is not None:
+            tau = self._governor.bound(tau, J)
         return np.clip(tau, -TORQUE_LIMITS, TORQUE_LIMITS)
 
     def _is_fresh(self, plan: Setpoints, time: float) -> bool:

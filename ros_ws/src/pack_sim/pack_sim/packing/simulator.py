@@ -6,7 +6,7 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
-from pydantic import Field, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
@@ -16,6 +16,7 @@ from pack_core.scene.model import Arm, Held, body_pose, build_model, held_pose, 
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, ObjectState, SceneState, Setpoints
 from pack_core.scene.tip import TIP_JOINTS, tip_coordinates
+from pack_sim.packing.governor import ContactGovernor, GovernorConfig
 from pack_sim.packing.joint_controller import JointController
 from pack_sim.packing.mismatch import MismatchConfig, actual, believed, joint_friction
 from pack_sim.packing.mocap import Mocap, MocapConfig
@@ -34,6 +35,12 @@ class SimulatorConfig(Config):
 
     timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
     watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
+    governor: GovernorConfig | None = Field(
+        default=None, description="bounds of what the driver does in contact"
+    )
+    friction_compensation: NonNegativeFloat = Field(
+        default=0.0, description="of a joint, along its desired velocity [N m]"
+    )
     mocap: MocapConfig = MocapConfig()
     wrench_sensor: WrenchSensorConfig = WrenchSensorConfig()
     mismatch: MismatchConfig = MismatchConfig()
@@ -67,7 +74,8 @@ class Simulator:
         self.scene = actual(scene, config.mismatch, truth_rng)
         self.description = believed(scene, config.mismatch, belief_rng)
         self._joint_friction = joint_friction(config.mismatch, arm_rng)
-        self.controller = JointController(cell.robot, config.watchdog)
+        governor = None if config.governor is None else ContactGovernor(config.governor, config.timestep)
+        self.controller = JointController(cell.robot, config.watchdog, governor, config.friction_compensation)
         self.pump = PumpModel(cell.suction, config.timestep)
         self.mocap = Mocap(self.scene, cell, config.mocap, rng)
         self._wrench_sensor = WrenchSensor(config.wrench_sensor, config.timestep, wrench_rng)
@@ -98,6 +106,9 @@ class Simulator:
         """Advance by one time step; the physics stays still when it would diverge."""
         data = self.data
         q, v = data.qpos[self._q], data.qvel[self._v]
+        if self.config.governor is not None:
+            R_WT = data.body("tool").xmat.reshape(3, 3)
+            self.controller.feel(self.time, R_WT @ self.external_wrench()[0], self._cup_jacobian)
         data.ctrl[:] = self.controller.torque(self.time, q, v, self._mass_matrix)
         if self.pump.state.is_closed:
             self._payload.apply(self.model, data)
@@ -175,6 +186,12 @@ class Simulator:
         M = np.empty((self.model.nv, self.model.nv))
         mujoco.mj_fullM(self.model, self.data, M)
         return np.asarray(M[np.ix_(self._v, self._v)])
+
+    def _cup_jacobian(self) -> Array:
+        """The cup's `(6, 7)`, linear part first, in the world frame."""
+        J = np.empty((6, self.model.nv))
+        mujoco.mj_jacBody(self.model, self.data, J[:3], J[3:], self.model.body("tool").id)
+        return J[:, self._v]
 
     def _swap(self, held: Held) -> None:
         """Go on with the new object held or free, everything else as it is."""

@@ -1,0 +1,116 @@
+"""The contact governor: while the held object touches something, the driver bounds how hard it presses.
+
+A landing at the speed of free motion is over before the planner can know of it; the damping of Eq. 4
+alone turns 0.35 m/s into about 80 N. So this belongs to the driver, at its rate. In free motion it does
+nothing: bounded there, the arm would only be late.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.rotations import Array
+
+HOLD_TARE_TIME = 0.05
+"""In which the sensor's bias is taken up while the arm is held [s]."""
+DAMPING = 1e-4
+"""Of the least squares that turn joint torques into a wrench."""
+
+
+class GovernorConfig(Config):
+    """Bounds while there is contact; wrenches are those of the driver on the cup."""
+
+    trigger: PositiveFloat = Field(default=4.0, description="external force that counts as contact [N]")
+    tare_time: PositiveFloat = Field(
+        default=0.5, description="in which free motion shows the sensor's bias [s]"
+    )
+    latch: NonNegativeFloat = Field(default=0.15, description="for which contact is remembered [s]")
+    filter_time: PositiveFloat = Field(default=0.005, description="of the measured force [s]")
+    force: PositiveFloat = Field(default=20.0, description="sideways, and down [N]")
+    moment: PositiveFloat = Field(default=1.25, description="[N m]")
+    push: PositiveFloat = Field(default=18.0, description="against the measured force [N]")
+    reflex: NonNegativeFloat = Field(default=3.0, description="less push for every newton beyond `push`")
+    pull_back: NonNegativeFloat = Field(
+        default=40.0, description="at most, against the direction of push [N]"
+    )
+    approach: PositiveFloat = Field(default=0.03, description="reference speed into the contact [m/s]")
+
+
+class ContactGovernor:
+    """Changes references and torques while there is contact.
+
+    Args:
+        config: bounds.
+        timestep: of the driver [s].
+    """
+
+    def __init__(self, config: GovernorConfig, timestep: float) -> None:
+        self._config = config
+        self._timestep = timestep
+        self._force = np.zeros(3)
+        self._bias = np.zeros(3)
+        self._touched = -np.inf
+
+    def feel(self, time: float, force: Array, *, is_holding: bool) -> bool:
+        """Take the external force on the held object `(3,)` [N], in the world frame.
+
+        The sensor's bias is what it shows while the arm is held in its place or moves freely.
+
+        Returns:
+            Whether there is contact, or was just now.
+        """
+        if is_holding:
+            self._tare(force, HOLD_TARE_TIME)
+            self._force, self._touched = np.zeros(3), -np.inf
+            return False
+        gain = self._timestep / (self._config.filter_time + self._timestep)
+        self._force = self._force + gain * (force - self._bias - self._force)
+        if self._strength > self._config.trigger:
+            self._touched = time
+        is_free = time - self._touched > self._config.latch
+        if is_free:
+            self._tare(force, self._config.tare_time)
+        return not is_free
+
+    def _tare(self, force: Array, tare_time: float) -> None:
+        self._bias = self._bias + self._timestep / (tare_time + self._timestep) * (force - self._bias)
+
+    def slow_down(self, v_d: Array, J: Array) -> Array:
+        """The desired joint velocity `(7,)`, slower into the contact; J is the cup's `(6, 7)`."""
+        if self._strength <= self._config.trigger:
+            return v_d
+        excess = float(-self._away @ (J[:3] @ v_d)) - self._config.approach
+        if excess <= 0.0:
+            return v_d
+        linear = J[:3]
+        retreat = linear.T @ np.linalg.solve(linear @ linear.T + DAMPING * np.eye(3), self._away)
+        return np.asarray(v_d + excess * retreat)
+
+    def bound(self, tau: Array, J: Array) -> Array:
+        """Joint torques `(7,)` whose wrench on the cup is within the bounds."""
+        wrench = np.linalg.solve(J @ J.T + DAMPING * np.eye(6), J @ tau).astype(float)
+        scale = self._scale(wrench)
+        if self._strength <= self._config.trigger:
+            return scale * tau
+        push = scale * float(-self._away @ wrench[:3])
+        beyond = max(self._strength - self._config.push, 0.0)
+        allowed = max(self._config.push - self._config.reflex * beyond, -self._config.pull_back)
+        return np.asarray(scale * tau + J[:3].T @ (max(push - allowed, 0.0) * self._away))
+
+    @property
+    def _strength(self) -> float:
+        return float(np.linalg.norm(self._force))
+
+    @property
+    def _away(self) -> Array:
+        """Unit vector `(3,)` in which the contact pushes the held object."""
+        return np.asarray(self._force / self._strength)
+
+    def _scale(self, wrench: Array) -> float:
+        config = self._config
+        sideways, down = float(np.hypot(wrench[0], wrench[1])), float(max(-wrench[2], 0.0))
+        moment = float(np.linalg.norm(wrench[3:]))
+        loads = (sideways / config.force, down / config.force, moment / config.moment)
+        return 1.0 / max(1.0, *loads)

@@ -1,0 +1,76 @@
+"""The contact governor: bounds in contact, nothing in free motion."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pack_sim.packing.governor import DAMPING, ContactGovernor, GovernorConfig
+
+CONFIG = GovernorConfig()
+STEP = 0.001
+J = np.hstack([np.eye(6), np.zeros((6, 1))])
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@pytest.fixture
+def governor() -> ContactGovernor:
+    return ContactGovernor(CONFIG, STEP)
+
+
+def press(governor: ContactGovernor, force: np.ndarray, start: float = 0.0, steps: int = 100) -> bool:
+    """Feel a constant force for some steps of the driver."""
+    return [governor.feel(start + STEP * i, force, is_holding=False) for i in range(steps)][-1]
+
+
+def wrench_of(tau: np.ndarray) -> np.ndarray:
+    return np.linalg.solve(J @ J.T + DAMPING * np.eye(6), J @ tau)
+
+
+def test_contact_is_remembered_for_the_latch_and_then_forgotten(governor: ContactGovernor) -> None:
+    assert press(governor, 10.0 * UP)
+    assert press(governor, 0.0 * UP, start=0.1)
+    assert not press(governor, 0.0 * UP, start=0.2, steps=200)
+
+
+def test_a_bias_shown_while_the_arm_is_held_is_no_contact(governor: ContactGovernor) -> None:
+    for i in range(300):
+        governor.feel(STEP * i, 8.0 * UP, is_holding=True)
+    assert not press(governor, 8.0 * UP, start=0.3, steps=300)
+    assert press(governor, 18.0 * UP, start=0.6)
+
+
+def test_a_bias_that_drifts_in_free_motion_is_followed(governor: ContactGovernor) -> None:
+    felt = [governor.feel(STEP * i, 0.001 * i * UP, is_holding=False) for i in range(20_000)]
+    assert not any(felt)
+
+
+def test_torques_within_the_bounds_pass_as_they_are(governor: ContactGovernor) -> None:
+    press(governor, 5.0 * UP)
+    tau = J.T @ np.array([10.0, 0.0, -10.0, 0.5, 0.0, 0.0])
+    np.testing.assert_allclose(governor.bound(tau, J), tau)
+
+
+@given(st.lists(st.floats(-80.0, 80.0), min_size=7, max_size=7), st.floats(5.0, 60.0))
+def test_what_presses_is_within_the_bounds(tau: list[float], force: float) -> None:
+    governor = ContactGovernor(CONFIG, STEP)
+    press(governor, force * UP)
+    wrench = wrench_of(governor.bound(np.array(tau), J))
+    assert np.hypot(wrench[0], wrench[1]) <= CONFIG.force + 1e-6
+    assert -wrench[2] <= min(CONFIG.force, CONFIG.push) + 1e-6
+    assert np.linalg.norm(wrench[3:]) <= CONFIG.moment + 1e-6
+
+
+def test_beyond_the_push_limit_it_pulls_back_in_proportion(governor: ContactGovernor) -> None:
+    press(governor, 28.0 * UP, steps=200)
+    wrench = wrench_of(governor.bound(J.T @ np.array([0, 0, -15.0, 0, 0, 0]), J))
+    assert wrench[2] == pytest.approx(CONFIG.reflex * 10.0 - CONFIG.push, rel=0.01)
+
+
+def test_only_the_velocity_into_the_contact_is_capped(governor: ContactGovernor) -> None:
+    press(governor, 10.0 * UP)
+    v = np.array([0.2, 0.1, -0.3, 0.0, 0.0, 0.0, 0.5])
+    slowed = governor.slow_down(v, J)
+    np.testing.assert_allclose(slowed[[0, 1, 3, 4, 5, 6]], v[[0, 1, 3, 4, 5, 6]], atol=1e-9)
+    assert slowed[2] == pytest.approx(-CONFIG.approach, abs=1e-4)
+    np.testing.assert_array_equal(governor.slow_down(-v, J), -v)
