@@ -26,9 +26,11 @@ bench: setup ## measure speed and success (ARGS goes to the command)
 lint: setup ## ruff, formatting, mypy
 	@$(IN_ENV) ruff check && ruff format --check && mypy
 
-lock: setup ## resolve requirements/*.in anew into requirements/locked.txt
+lock: setup ## resolve requirements/*.in anew
 	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \
 		--generate-hashes run.in build.in dev.in -o locked.txt
+	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \
+		--generate-hashes -c locked.txt cluster.in -o cluster.txt
 
 clean: ## remove .venv and everything built; recordings in bags/ stay
 	rm -rf .venv ros_ws/build ros_ws/install ros_ws/log .mypy_cache .pytest_cache .ruff_cache
