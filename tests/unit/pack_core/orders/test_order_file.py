@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pack_core.errors import OrderError
@@ -129,6 +129,7 @@ JSON = st.recursive(
 )
 
 
+@settings(deadline=None)
 @given(key=st.sampled_from(sorted(example()["boxes"][0])), value=JSON)
 def test_whatever_a_box_holds_nothing_but_an_order_error_escapes(key: str, value: object) -> None:
     order = example()
@@ -136,6 +137,7 @@ def test_whatever_a_box_holds_nothing_but_an_order_error_escapes(key: str, value
     _parse_or_refuse(order)
 
 
+@settings(deadline=None)
 @given(key=st.sampled_from(sorted(example())), value=JSON)
 def test_whatever_an_order_holds_nothing_but_an_order_error_escapes(key: str, value: object) -> None:
     _parse_or_refuse({**example(), key: value})

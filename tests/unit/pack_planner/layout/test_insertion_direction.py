@@ -105,6 +105,7 @@ def test_on_its_way_in_a_box_meets_nothing(boxes: list[PlacedBox], data: st.Data
         assert not any(moved.overlaps(other) for other in others)
 
 
+@settings(deadline=None)
 @given(
     x=st.floats(-2, 2), y=st.floats(-2, 2), side=st.sampled_from(sorted(SIDES)),
     width=st.floats(0.1, 1.0), depth=st.floats(0.1, 1.0),

@@ -40,6 +40,7 @@ class BoxVisionNode(CellNode):
         self._vision = BoxVision(self._config)
         self._camera: PinholeCamera | None = None
         self._expected: ExpectedBox | None = None
+        self._image: Image | None = None
         self._detection = self.advertise(contracts.BOX_DETECTION)
         self._debug = DebugPublisher(self)
         self.listen(contracts.CAMERA_INFO, self._on_camera_info)
@@ -49,18 +50,29 @@ class BoxVisionNode(CellNode):
 
     def _on_camera_info(self, message: CameraInfo) -> None:
         self._camera = from_camera_info(message, self._cell.overhead_camera.X_WC)
+        self._answer()
 
     def _on_expected_box(self, message: ExpectedBoxMsg) -> None:
         self._expected = from_expected_box(message)
+        self._answer()
 
     def _on_image(self, message: Image) -> None:
-        time, camera, box = from_stamp(message.header.stamp), self._camera, self._expected
-        if box is None or time < box.time:
+        self._image = message
+        self._answer()
+
+    def _answer(self) -> None:
+        """Look at the last picture once all that belongs to it has come, in whatever sequence."""
+        message, camera, box = self._image, self._camera, self._expected
+        if message is None or camera is None or box is None:
             return
+        time = from_stamp(message.header.stamp)
+        if time < box.time:
+            return
+        self._image = None
         picture = from_image(message)
-        if camera is None or (camera.width, camera.height) != (message.width, message.height):
-            size = "no camera_info" if camera is None else f"camera_info of {camera.width} x {camera.height}"
-            raise MessageError(f"picture of {message.width} x {message.height} but {size}")
+        if (camera.width, camera.height) != (message.width, message.height):
+            size = f"{camera.width} x {camera.height}"
+            raise MessageError(f"picture of {message.width} x {message.height} but intrinsics of {size}")
         sighting = self._vision.detect(picture, camera, box, self._cell.picking_table.height, time)
         self._detection.publish(to_detection(sighting.detection))
         self._debug.publish(time, sighting.images)
