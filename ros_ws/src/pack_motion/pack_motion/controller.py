@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,15 @@ from pack_motion.tracking.tracker import Surroundings, Tracker
 
 LONGEST_STEP = 0.1
 """A longer step is a gap in time that must not be integrated over [s]."""
+
+
+@dataclass(frozen=True)
+class PreparedTarget:
+    """A target with its plan, or why there is none."""
+
+    target: MotionTarget
+    plan: Plan | None
+    reason: str
 
 
 class MotionController:
@@ -67,6 +76,11 @@ class MotionController:
         return self._tracker.state
 
     @property
+    def time(self) -> float:
+        """That the last setpoint was for [s]."""
+        return self._time
+
+    @property
     def plan(self) -> Plan:
         """What is being followed."""
         return self._pursuit.plan
@@ -76,10 +90,20 @@ class MotionController:
 
         A target that is refused changes nothing but the status.
         """
+        return self.take(self.prepare(target))
+
+    def prepare(self, target: MotionTarget) -> PreparedTarget:
+        """Plan a target from the present commanded state; changes nothing, and may take its time."""
         try:
-            plan = self._plan(target)
+            return PreparedTarget(target, self._plan(target), "")
         except MoveRefused as refusal:
-            self._state, self._reason, self._answered = MotionState.REFUSED, str(refusal), target.id
+            return PreparedTarget(target, None, str(refusal))
+
+    def take(self, prepared: PreparedTarget) -> Acceptance:
+        """Follow a prepared target from the next step on; no step may have moved the arm since."""
+        target, plan = prepared.target, prepared.plan
+        if plan is None:
+            self._state, self._reason, self._answered = MotionState.REFUSED, prepared.reason, target.id
             return Acceptance(False, self._reason)
         self._follow(target, plan)
         return Acceptance(True, "", plan.trajectory.duration)

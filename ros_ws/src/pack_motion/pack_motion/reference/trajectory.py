@@ -11,6 +11,8 @@ from pack_core.rotations import Array
 
 GRID = 0.004
 """Time between rows, at most [s]."""
+REST_SPEED, REST_ACCELERATION = 1e-3, 2e-2
+"""Below them a joint counts as standing [rad/s, rad/s^2]."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +30,8 @@ class JointState:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether nothing moves."""
-        return bool(np.abs(self.v).max() < 1e-6 and np.abs(self.a).max() < 1e-3)
+        """Whether nothing moves, but for what tracking leaves."""
+        return bool(np.abs(self.v).max() < REST_SPEED and np.abs(self.a).max() < REST_ACCELERATION)
 
 
 @dataclass(frozen=True)
