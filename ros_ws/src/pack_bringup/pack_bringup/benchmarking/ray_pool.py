@@ -64,7 +64,7 @@ def ray_pool(address: str, threads: int, variables: Mapping[str, str]) -> Iterat
         ) from error
     try:
         ray.init(address, runtime_env={"env_vars": dict(variables)}, log_to_driver=False)
-    except (ConnectionError, ValueError) as error:
+    except Exception as error:  # Ray raises what it likes, a bare Exception where a node does not start
         raise PackError(
             f"no Ray cluster at {address}: {error}; start one with `ray start --head`, or give `local`"
         ) from error
