@@ -12,7 +12,7 @@ from pack_core.cells.palletizing import palletizing_cell
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_core.scene.palletizing.box_body import BoxBody
 from pack_core.scene.palletizing.view import Picture
-from pack_sim.palletizing.camera_thread import CameraThread
+from pack_sim.camera_thread import CameraThread
 from pack_sim.palletizing.overhead_camera import OverheadCamera, OverheadCameraConfig, camera_of
 from pack_sim.palletizing.snapshot import Snapshot
 
@@ -75,11 +75,12 @@ def test_a_scaled_camera_sees_the_same_with_other_pixels() -> None:
 def test_one_picture_at_a_time_is_taken_and_delivered_with_its_time() -> None:
     taken: queue.Queue[tuple[float, Picture]] = queue.Queue()
     errors: list[str] = []
-    thread = CameraThread(palletizing_cell(), CONFIG, lambda *args: taken.put(args), errors.append)
-    assert thread.expose(seen({BOX: X_WB}))
-    assert not thread.expose(seen({}))
+    camera = OverheadCamera(palletizing_cell(), CONFIG)
+    thread = CameraThread(camera, lambda *args: taken.put(args), errors.append)
+    assert thread.expose(1.5, seen({BOX: X_WB}))
+    assert not thread.expose(1.5, seen({}))
     time, picture = taken.get(timeout=60.0)
     thread.close()
     assert (time, picture.shape) == (1.5, (540, 960, 3))
-    assert not thread.expose(seen({}))
+    assert not thread.expose(1.5, seen({}))
     assert errors == []

@@ -10,6 +10,7 @@ from pydantic import Field
 from pack_core.camera import PinholeCamera
 from pack_core.cells.palletizing import PalletizingCell
 from pack_core.config import Config
+from pack_core.errors import PackError
 from pack_core.scene.palletizing.view import CellView, Picture
 from pack_sim.palletizing.snapshot import Snapshot
 
@@ -22,30 +23,35 @@ class OverheadCameraConfig(Config):
 
 
 class OverheadCamera:
-    """Draws what the camera sees; a context manager, bound to the thread that made it.
+    """Draws what the camera sees; a context manager, bound to the thread that enters it.
 
     Args:
         cell: where the camera is.
         config: size of the pictures.
-
-    Raises:
-        PackError: there is no OpenGL to draw with.
     """
 
     def __init__(self, cell: PalletizingCell, config: OverheadCameraConfig) -> None:
+        self._cell, self._config = cell, config
         self.camera = camera_of(cell, config)
-        self._view = CellView(cell, self.camera.width, self.camera.height, shadows=config.shadows)
+        self._view: CellView | None = None
 
     def __enter__(self) -> Self:
+        """Start drawing; raises PackError when there is no OpenGL to draw with."""
+        size = self.camera.width, self.camera.height
+        self._view = CellView(self._cell, *size, shadows=self._config.shadows)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._view.__exit__(kind, error, trace)
+        if self._view is not None:
+            self._view.__exit__(kind, error, trace)
+            self._view = None
 
     def picture(self, snapshot: Snapshot) -> Picture:
-        """What it sees `(height, width, 3)`, RGB."""
+        """What it sees `(height, width, 3)`, RGB; raises PackError when it was not entered."""
+        if self._view is None:
+            raise PackError("the overhead camera draws only inside a `with` statement")
         return self._view.picture(snapshot.q, snapshot.boxes, self.camera)
 
 

@@ -5,48 +5,56 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import Generic, Protocol, TypeVar
 
-from pack_core.cells.palletizing import PalletizingCell
+import numpy as np
+import numpy.typing as npt
+
 from pack_core.errors import PackError
-from pack_core.scene.palletizing.view import Picture
-from pack_sim.palletizing.overhead_camera import OverheadCamera, OverheadCameraConfig
-from pack_sim.palletizing.snapshot import Snapshot
 
 NICENESS = 10
 """Of the thread that draws: the physics goes first."""
+Picture = npt.NDArray[np.uint8]
+Snapshot = TypeVar("Snapshot", contravariant=True)
 
 
-class CameraThread:
+class Camera(Protocol[Snapshot]):
+    """Draws snapshots."""
+
+    def picture(self, snapshot: Snapshot, /) -> Picture:
+        """The cell when the snapshot was taken, `(height, width, 3)` RGB."""
+        ...
+
+
+class CameraThread(Generic[Snapshot]):
     """Takes one picture at a time.
 
     Args:
-        cell: where the camera is.
-        config: size of the pictures.
+        camera: is entered and used in that thread alone.
         on_picture: takes the time of exposure [s] and the picture, in that thread.
         on_error: takes what went wrong, in that thread; no more pictures come then.
     """
 
     def __init__(
         self,
-        cell: PalletizingCell,
-        config: OverheadCameraConfig,
+        camera: AbstractContextManager[Camera[Snapshot]],
         on_picture: Callable[[float, Picture], None],
         on_error: Callable[[str], None],
     ) -> None:
-        self._cell, self._config = cell, config
-        self._on_picture, self._on_error = on_picture, on_error
+        self._camera, self._on_picture, self._on_error = camera, on_picture, on_error
         self._wake = threading.Condition()
-        self._snapshot: Snapshot | None = None
+        self._exposed: tuple[float, Snapshot] | None = None
         self._is_ended = False
         self._thread = threading.Thread(target=self._run, name="camera")
         self._thread.start()
 
-    def expose(self, snapshot: Snapshot) -> bool:
+    def expose(self, time: float, snapshot: Snapshot) -> bool:
         """Have a picture taken; False while the last one is still being made, or when none can be."""
         with self._wake:
-            if self._snapshot is not None or self._is_ended:
+            if self._exposed is not None or self._is_ended:
                 return False
-            self._snapshot = snapshot
+            self._exposed = (time, snapshot)
             self._wake.notify()
         return True
 
@@ -63,17 +71,17 @@ class CameraThread:
     def _run(self) -> None:
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICENESS)
         try:
-            with OverheadCamera(self._cell, self._config) as camera:
-                while snapshot := self._next():
-                    self._on_picture(snapshot.time, camera.picture(snapshot))
+            with self._camera as camera:
+                while (exposed := self._next()) is not None:
+                    self._on_picture(exposed[0], camera.picture(exposed[1]))
                     with self._wake:
-                        self._snapshot = None
+                        self._exposed = None
         except PackError as error:
             self._end()
             self._on_error(str(error))
 
-    def _next(self) -> Snapshot | None:
+    def _next(self) -> tuple[float, Snapshot] | None:
         """The next picture to take; None at the end."""
         with self._wake:
-            self._wake.wait_for(lambda: self._snapshot is not None or self._is_ended)
-            return None if self._is_ended else self._snapshot
+            self._wake.wait_for(lambda: self._exposed is not None or self._is_ended)
+            return None if self._is_ended else self._exposed
