@@ -8,20 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pack_core.errors import PackError
-from pack_core.motion.moves import JointMove, Mode, Move, Path
+from pack_core.motion.moves import JointMove, Mode, Path
 from pack_core.motion.target import Acceptance, JointSetpoint, MotionState, MotionStatus, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array
 from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
-from pack_motion.clearance.check import ClearanceCheck, Surrounding
-from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.progress import Progress
-from pack_motion.reference.path_planner import PathPlanner, Plan
+from pack_motion.reference.path_planner import Plan
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.spheres import arm_spheres
 from pack_motion.stuck import StuckDetector
+from pack_motion.target_planner import TargetPlanner
 from pack_motion.tracking.config import MotionSet
 from pack_motion.tracking.obstacle_field import ObstacleField
 from pack_motion.tracking.pursuit import pursuit_of
@@ -52,9 +51,7 @@ class MotionController:
 
     def __init__(self, arm: Arm, config: MotionSet, time: float, q: Array) -> None:
         self._arm, self._config = arm, config
-        self._paths = PathPlanner(arm)
-        self._check = ClearanceCheck(arm, config.clearance)
-        self._transfers = TransferPlanner(arm, self._paths, self._check)
+        self._planner = TargetPlanner(arm, config.clearance)
         self._arm_spheres = arm_spheres(arm, config.first_sphere_link)
         self.reset(time, q)
 
@@ -66,8 +63,8 @@ class MotionController:
         self._progress, self._stuck = Progress(self._arm), StuckDetector(self._config.stuck)
         self._state, self._reason = MotionState.IDLE, ""
         self._moving: dict[str, Obstacle] = {}
-        standing = self._paths.plan(self._tracker.state, Path((JointMove(self._tracker.state.q),)))
-        self._follow(MotionTarget(0, Path((JointMove(self._tracker.state.q),))), standing)
+        standing = MotionTarget(0, Path((JointMove(self._tracker.state.q),)), is_checked=False)
+        self._follow(standing, self._planner.plan(self._tracker.state, standing))
         self._state = MotionState.IDLE
 
     @property
@@ -95,7 +92,7 @@ class MotionController:
     def prepare(self, target: MotionTarget) -> PreparedTarget:
         """Plan a target from the present commanded state; changes nothing, and may take its time."""
         try:
-            return PreparedTarget(target, self._plan(target), "")
+            return PreparedTarget(target, self._planner.plan(self.commanded, target), "")
         except MoveRefused as refusal:
             return PreparedTarget(target, None, str(refusal))
 
@@ -110,10 +107,8 @@ class MotionController:
 
     def stop(self) -> None:
         """Come to rest as fast as the limits allow."""
-        trajectory = self._paths.stop(self.commanded)
-        goal = JointMove(trajectory.end.q, label="stop")
-        plan = Plan(trajectory, (goal,), self._arm.chain.forward(trajectory.end.q))
-        self._follow(replace(self._target, move=Path((goal,))), plan)
+        plan = self._planner.stop(self.commanded)
+        self._follow(replace(self._target, move=Path(plan.segments)), plan)
 
     def observe(self, obstacles: Iterable[Obstacle]) -> None:
         """Where moving obstacles are now; those of an earlier call that are not named are gone."""
@@ -158,17 +153,6 @@ class MotionController:
             path_error=progress.path_error, reached_steps=progress.reached_steps, reason=self._reason,
             X_WT=progress.X_WT,
         )  # fmt: skip
-
-    def _plan(self, target: MotionTarget) -> Plan:
-        around = Surrounding(target.obstacles, target.carried, target.contacts)
-        move: Move = target.move
-        if isinstance(move, Path):
-            plan = self._paths.plan(self.commanded, move)
-            conflict = self._check.conflict(plan, around) if target.is_checked else None
-            if conflict is not None:
-                raise MoveRefused(conflict.text)
-            return plan
-        return self._transfers.plan(self.commanded, move, around)
 
     def _follow(self, target: MotionTarget, plan: Plan) -> None:
         self._target = target

@@ -12,8 +12,9 @@ from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import Arm
 from pack_motion.reference.joint_move import MoveLimits, brake, joint_move
-from pack_motion.reference.line_run import line_run, stretches
+from pack_motion.reference.line_run import line_run
 from pack_motion.reference.refusal import MoveRefused
+from pack_motion.reference.stretches import stretches
 from pack_motion.reference.trajectory import JointState, Trajectory
 
 SHARE = 0.98

@@ -1,0 +1,48 @@
+"""From a target to a plan that is within reach, within limits and clear."""
+
+from __future__ import annotations
+
+from pack_core.motion.moves import JointMove, Path
+from pack_core.motion.target import MotionTarget
+from pack_motion.arm.arm import Arm
+from pack_motion.clearance.check import ClearanceCheck, Surrounding
+from pack_motion.clearance.transfer import TransferPlanner
+from pack_motion.reference.path_planner import PathPlanner, Plan
+from pack_motion.reference.refusal import MoveRefused
+from pack_motion.reference.trajectory import JointState
+
+
+class TargetPlanner:
+    """Plans for one arm; keeps no state.
+
+    Args:
+        arm: what moves.
+        clearance: of moves that are checked [m].
+    """
+
+    def __init__(self, arm: Arm, clearance: float) -> None:
+        self._arm = arm
+        self._paths = PathPlanner(arm)
+        self._check = ClearanceCheck(arm, clearance)
+        self._transfers = TransferPlanner(arm, self._paths, self._check)
+
+    def plan(self, start: JointState, target: MotionTarget) -> Plan:
+        """The plan for a target from `start`.
+
+        Raises:
+            MoveRefused: there is none; its text says why.
+        """
+        around = Surrounding(target.obstacles, target.carried, target.contacts)
+        if not isinstance(target.move, Path):
+            return self._transfers.plan(start, target.move, around)
+        plan = self._paths.plan(start, target.move)
+        conflict = self._check.conflict(plan, around) if target.is_checked else None
+        if conflict is not None:
+            raise MoveRefused(conflict.text)
+        return plan
+
+    def stop(self, start: JointState) -> Plan:
+        """The fastest stop from `start`."""
+        trajectory = self._paths.stop(start)
+        goal = JointMove(trajectory.end.q, label="stop")
+        return Plan(trajectory, (goal,), self._arm.chain.forward(trajectory.end.q))
