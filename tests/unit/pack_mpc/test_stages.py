@@ -53,6 +53,18 @@ def test_insert_that_moves_down_does_not_stall(machine: StageMachine) -> None:
         assert not machine.is_stalled
 
 
+def test_fine_tune_that_comes_no_nearer_stalls(machine: StageMachine) -> None:
+    blocked = PLACE + np.array([0.025, 0.0, 0.005])
+    machine.update(1.0, machine.target.p_WN)
+    machine.update(2.0, blocked)
+    assert machine.stage is Stage.FINE_TUNE
+    machine.update(2.1, blocked)
+    machine.update(2.2 + StageConfig().stall_time, blocked - np.array([0.005, 0.0, 0.0]))
+    assert not machine.is_stalled
+    machine.update(2.3 + 2 * StageConfig().stall_time, blocked)
+    assert machine.is_stalled
+
+
 @pytest.mark.parametrize(("yaw", "heading"), [(0.0, 1.5), (3.0, 0.2), (-2.0, 2.9)])
 def test_a_square_box_takes_the_nearest_of_four_headings(scene: Scene, yaw: float, heading: float) -> None:
     found = nearest_heading(scene.new_object, yaw, heading)

@@ -23,8 +23,8 @@ class StageConfig(Config):
     pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
     insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
     placed_distance: PositiveFloat = Field(default=0.015, description="placed, from the packing pose [m]")
-    stall_time: PositiveFloat = Field(default=2.0, description="INSERT without progress [s]")
-    stall_progress: PositiveFloat = Field(default=0.004, description="what counts as progress in height [m]")
+    stall_time: PositiveFloat = Field(default=2.0, description="INSERT or FINE-TUNE without progress [s]")
+    stall_progress: PositiveFloat = Field(default=0.004, description="what counts as progress [m]")
 
 
 class StageMachine:
@@ -55,7 +55,7 @@ class StageMachine:
         self.stage_start = time
         self.is_stalled = False
         self._yaw = nearest_heading(scene.new_object, yaw_of(placement.X_WN.q), heading)
-        self._lowest, self._progress = np.inf, time
+        self._least, self._progress = np.inf, time
         self._lean, self._height = lean, np.inf
 
     @property
@@ -100,11 +100,13 @@ class StageMachine:
             if self._is_on_base(p_WN):
                 self._enter(Stage.FINE_TUNE, time)
             self._watch_progress(time, float(p_WN[2]))
+        else:
+            self._watch_progress(time, self.distance(p_WN))
         return self.stage is not before
 
     def _enter(self, stage: Stage, time: float) -> None:
         self.stage, self.stage_start = stage, time
-        self._lowest, self._progress, self.is_stalled = np.inf, time, False
+        self._least, self._progress, self.is_stalled = np.inf, time, False
 
     def _is_on_base(self, p_WN: Array) -> bool:
         height = float(p_WN[2]) - float(self.placement.X_WN.p[2])
@@ -112,10 +114,11 @@ class StageMachine:
         inside = np.all(p_WN[:2] > container.lower) and np.all(p_WN[:2] < container.upper)
         return bool(inside) and height < self._config.insert_height
 
-    def _watch_progress(self, time: float, height: float) -> None:
-        if height < self._lowest - self._config.stall_progress:
-            self._lowest, self._progress = height, time
-        self.is_stalled = self.stage is Stage.INSERT and time - self._progress > self._config.stall_time
+    def _watch_progress(self, time: float, remaining: float) -> None:
+        """Follow what has to shrink: the height in INSERT, the distance in FINE-TUNE [m]."""
+        if remaining < self._least - self._config.stall_progress:
+            self._least, self._progress = remaining, time
+        self.is_stalled = time - self._progress > self._config.stall_time
 
     def _pre_pack_height(self) -> float:
         tallest = max((2.0 * item.half_extents[2] for item in self._scene.objects), default=0.0)

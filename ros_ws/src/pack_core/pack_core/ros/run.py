@@ -23,6 +23,9 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
         0 after a clean end, 2 when the configuration was refused.
     """
     sys.setswitchinterval(SWITCH_INTERVAL)
+    # An interrupt shuts the context down, which ends spinning. Raised as an exception besides, at whatever
+    # line it meets, it could leave a lock held, and the end would wait for it.
+    signal.signal(signal.SIGINT, lambda *_: None)
     rclpy.init(args=args)
     executor = SingleThreadedExecutor()
     node = None
@@ -33,10 +36,12 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
     except PackError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except ExternalShutdownException:
         pass
+    except Exception:
+        if rclpy.ok():
+            raise  # otherwise it met the end while it was being built or worked
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
         executor.shutdown()
         if node is not None:
             node.destroy_node()
