@@ -28,7 +28,7 @@ MEASURED = ("truth", "estimate")
 
 def short(threads: int = 1, **settings: object) -> Setup:
     """The benchmark's setup, but for goals that soon time out."""
-    setup = set_up(BenchmarkSettings(**settings), threads)
+    setup = set_up(BenchmarkSettings(**{"optimizer": "ilqr", "weights": "tuned", **settings}), threads)
     task = setup.config.session.task.model_copy(update={"timeout": SHORT})
     session = setup.config.session.model_copy(update={"task": task})
     return Setup(setup.settings, setup.cell, setup.config.model_copy(update={"session": session}))

@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 
 from pack_bringup.benchmarking.trial_file import plain
+from pack_bringup.node_parameters import load_parameters
 from pack_bringup.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
 from pack_core.errors import ConfigError
 from pack_core.paths import project_root
-from pack_mpc.session import Method
+from pack_mpc.session import Method, SessionConfig
 
 EASY = project_root() / "tests" / "e2e" / "easy_scene.yaml"
 
@@ -25,8 +26,11 @@ def test_settings_reach_the_cores() -> None:
 
 
 def test_what_is_not_set_is_as_the_controllers_node_has_it() -> None:
-    given, explicit = set_up(BenchmarkSettings(), 1), set_up(BenchmarkSettings(weights="tuned"), 1)
-    assert given.record() == explicit.record()
+    given = set_up(BenchmarkSettings(), 1)
+    node = load_parameters("mpc", SessionConfig)
+    assert (given.optimizer, given.config.session.weights) == (node.controller.optimizer, node.weights)
+    explicit = set_up(BenchmarkSettings(optimizer=given.optimizer, weights=node.weights), 1).record()
+    assert {**given.record(), "optimizer": given.optimizer} == explicit
 
 
 def test_threads_decide_no_result_and_are_not_among_the_settings() -> None:
@@ -37,8 +41,9 @@ def test_threads_decide_no_result_and_are_not_among_the_settings() -> None:
     "change", [{"method": Method.UNINFORMED_POSE}, {"optimizer": "sgn"}, {"container": (0.24, 0.19)}]
 )
 def test_what_decides_a_result_is_among_the_settings(change: dict[str, object]) -> None:
-    changed = BenchmarkSettings().model_copy(update=change)
-    assert set_up(changed, 1).record() != set_up(BenchmarkSettings(), 1).record()
+    settings = BenchmarkSettings(optimizer="ilqr")
+    changed = settings.model_copy(update=change)
+    assert set_up(changed, 1).record() != set_up(settings, 1).record()
 
 
 def test_the_record_is_json() -> None:
