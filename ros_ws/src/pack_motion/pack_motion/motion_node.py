@@ -1,0 +1,115 @@
+"""The motion controller as a ROS 2 node: targets in, joint setpoints and status out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pack_interfaces.msg import BoxObstacles
+from pack_interfaces.msg import MotionTarget as MotionTargetMsg
+from pydantic import Field
+from sensor_msgs.msg import JointState
+
+from pack_core.config import Config
+from pack_core.errors import MessageError
+from pack_core.motion.moves import Path
+from pack_core.motion.target import MotionTarget
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import motion as contracts
+from pack_core.ros.conversions import from_joint_state
+from pack_core.ros.joint_messages import to_trajectory
+from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pack_core.scene.state import JointSample
+from pack_motion.arm.arms import load_arm
+from pack_motion.controller import MotionController, PreparedTarget
+from pack_motion.planning_thread import PlanningThread
+from pack_motion.setpoint_stream import SetpointStream
+from pack_motion.tracking.config import motion_set
+from pack_motion.warm_up import warm_up
+
+
+class MotionNodeConfig(Config):
+    """Parameters of the node `motion`."""
+
+    cell: str = Field(default="palletizing", description="whose arm it moves")
+    parameters: str = Field(default="shipped", description="named set of config/motion")
+    period: float = Field(default=0.004, gt=0, le=0.01, description="between setpoints [s]")
+    horizon: float = Field(default=0.024, gt=0, le=0.2, description="of setpoints beyond the measurement [s]")
+
+
+class MotionNode(CellNode):
+    """Steps with every joint state; plans in a thread, while the arm stands."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("motion", **kwargs)
+        self._config = read_parameters(self, MotionNodeConfig)
+        self._arm, self._set = load_arm(self._config.cell), motion_set(self._config.parameters)
+        warm_up(self._arm, self._set)
+        self._stream: SetpointStream | None = None
+        self._waiting: MotionTarget | None = None
+        self._planning = PlanningThread(self._prepare, self._on_error)
+        self._setpoints = self.advertise(contracts.SETPOINTS)
+        self._status = self.advertise(contracts.MOTION_STATUS)
+        self.listen(contracts.MOTION_TARGET, self._on_target)
+        self.listen(contracts.MOTION_OBSTACLES, self._on_obstacles)
+        self.listen(contracts.JOINT_STATES, self._on_joints)
+        self.watch(("sim",))
+
+    def destroy_node(self) -> None:
+        """Stop planning, then the node."""
+        self._planning.end()
+        super().destroy_node()
+
+    def _on_target(self, message: MotionTargetMsg) -> None:
+        target = from_target(message)
+        if self._stream is None:
+            raise MessageError("no joint state yet: is the sim up?")
+        if not self._stream.controller.commanded.is_at_rest:
+            self._stream.controller.stop()
+        self._waiting = None if target.move == Path(()) else target
+
+    def _on_obstacles(self, message: BoxObstacles) -> None:
+        if self._stream is not None:
+            self._stream.controller.observe(from_obstacles(message.obstacles))
+
+    def _on_joints(self, message: JointState) -> None:
+        sample = from_joint_state(message, self._arm.limits.names)
+        stream = self._stream
+        if stream is None or stream.is_interrupted(sample):
+            stream = self._stream = self._start(sample)
+        self._take_up(stream.controller)
+        reference = stream.advance(sample)
+        self._setpoints.publish(to_trajectory(reference, self._arm.limits.names))
+        self._status.publish(to_status(stream.controller.status()))
+
+    def _start(self, sample: JointSample) -> SetpointStream:
+        """From where the arm is; what was planned before is not wanted any more."""
+        self._waiting = None
+        self._planning.result()
+        controller = MotionController(self._arm, self._set, sample.time, sample.q)
+        return SetpointStream(controller, self._config.period, self._config.horizon)
+
+    def _take_up(self, controller: MotionController) -> None:
+        """Give a waiting target to the planner, and a planned one to the controller."""
+        if self._waiting is not None and controller.commanded.is_at_rest:
+            target, self._waiting = self._waiting, None
+            self._planning.submit(target)
+        prepared = self._planning.result()
+        if prepared is not None:
+            acceptance = controller.take(prepared)
+            if not acceptance.is_accepted:
+                self.get_logger().warning(f"refused target {prepared.target.id}: {acceptance.reason}")
+
+    def _prepare(self, target: MotionTarget) -> PreparedTarget:
+        assert self._stream is not None
+        return self._stream.controller.prepare(target)
+
+    def _on_error(self, error: Exception) -> None:
+        self.health.count("failed plan", repr(error))
+        self.get_logger().error(f"planning failed: {error!r}")
+
+
+def main() -> int:
+    """Entry point of `motion_node`."""
+    return run_node(MotionNode)

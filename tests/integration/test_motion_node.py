@@ -1,0 +1,129 @@
+"""The motion node: targets in, setpoints and status out, with a probe that plays the arm."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pack_interfaces.msg import MotionStatus as MotionStatusMsg
+
+from integration.harness import Graph
+from pack_core.joint_reference import JointReference
+from pack_core.motion.moves import Move, Path, PoseMove
+from pack_core.motion.target import MotionTarget
+from pack_core.robots.kr210 import JOINTS
+from pack_core.ros.contracts import motion as contracts
+from pack_core.ros.conversions import to_joint_state
+from pack_core.ros.joint_messages import from_trajectory
+from pack_core.ros.motion_messages import to_target
+from pack_core.rotations import Array, Pose, from_rpy
+from pack_core.scene.state import JointSample
+from pack_motion.arm.arms import load_arm
+from pack_motion.motion_node import MotionNode
+
+HOME = load_arm("palletizing").home
+PERIOD = 0.004
+GOAL = Pose(np.array([0.0, 0.7, 1.5]), from_rpy((np.pi, 0.0, 0.0)))
+FAR = Pose(np.array([9.0, 0.7, 1.5]), from_rpy((np.pi, 0.0, 0.0)))
+
+
+class Arm:
+    """Does what it is told, a period at a time."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph, self.time, self.q = graph, 1.0, HOME.copy()
+        self.references: list[JointReference] = []
+        graph.probe.listen(contracts.SETPOINTS, contracts.MOTION_STATUS)
+        graph.connect(contracts.JOINT_STATES, contracts.MOTION_TARGET, contracts.MOTION_OBSTACLES)
+        self.tick()
+
+    @property
+    def status(self) -> MotionStatusMsg:
+        return self._graph.probe.last(contracts.MOTION_STATUS)
+
+    def tick(self) -> None:
+        """One joint state, and the setpoints that answer it."""
+        mail = self._graph.probe.mail[contracts.SETPOINTS.name]
+        heard = len(mail)
+        sample = JointSample(self.time, self.q, np.zeros(6), np.zeros(6))
+        self._graph.probe.send(contracts.JOINT_STATES, to_joint_state(sample, JOINTS))
+        self._graph.wait_until(lambda: len(mail) > heard)
+        self._graph.wait_until(lambda: len(self._graph.probe.mail[contracts.MOTION_STATUS.name]) >= len(mail))
+        reference = from_trajectory(mail[-1], JOINTS)
+        self.references.append(reference)
+        self.time += PERIOD
+        self.q = reference.at(self.time)[0]
+
+    def send(self, move: Move, number: int) -> None:
+        self._graph.probe.send(contracts.MOTION_TARGET, to_target(MotionTarget(number, move), self.time))
+
+    def until(self, *states: str, number: int, limit: int = 2000) -> str:
+        """Tick until the target with this number is in one of the states."""
+        for _ in range(limit):
+            if self.status.id == number and self.status.state in states:
+                return str(self.status.state)
+            self.tick()
+        raise AssertionError(f"still {self.status.state} {self.status.id} after {limit} periods")
+
+    @property
+    def accelerations(self) -> Array:
+        v = np.array([reference.at(reference.time)[1] for reference in self.references])
+        return np.asarray(np.abs(np.diff(v, axis=0)).max(axis=0) / PERIOD)
+
+
+@pytest.fixture
+def node(graph: Graph) -> MotionNode:
+    return graph.start(MotionNode)
+
+
+@pytest.fixture
+def arm(graph: Graph, node: MotionNode) -> Arm:
+    return Arm(graph)
+
+
+def test_a_target_is_reached_by_setpoints_that_stay_ahead(graph: Graph, arm: Arm) -> None:
+    arm.send(Path((PoseMove(GOAL),)), 7)
+    assert arm.until("REACHED", "STUCK", "REFUSED", number=7) == "REACHED"
+    assert np.linalg.norm(load_arm("palletizing").chain.forward(arm.q).p - GOAL.p) < 1e-3
+    for reference in arm.references:
+        assert reference.offsets[-1] >= 0.02
+    assert np.all(arm.accelerations <= 1.01 * load_arm("palletizing").limits.acceleration)
+
+
+def test_a_refused_target_is_answered_with_its_number_and_the_reason(graph: Graph, arm: Arm) -> None:
+    arm.send(Path((PoseMove(FAR, label="far"),)), 8)
+    assert arm.until("REACHED", "REFUSED", number=8) == "REFUSED"
+    assert "'far'" in arm.status.reason
+    assert "out of reach" in arm.status.reason
+    np.testing.assert_allclose(arm.q, HOME, atol=1e-9)
+
+
+def test_a_target_without_segments_stops_the_arm(graph: Graph, arm: Arm) -> None:
+    arm.send(Path((PoseMove(GOAL),)), 7)
+    arm.until("MOVING", number=7)
+    for _ in range(60):
+        arm.tick()
+    arm.send(Path(()), 7)
+    arm.until("REACHED", number=7)
+    assert np.linalg.norm(load_arm("palletizing").chain.forward(arm.q).p - GOAL.p) > 0.01
+    assert arm.status.label == "stop"
+
+
+def test_a_message_that_must_not_be_used_is_dropped_and_counted(
+    graph: Graph, node: MotionNode, arm: Arm
+) -> None:
+    message = to_target(MotionTarget(9, Path((PoseMove(GOAL),))), arm.time)
+    message.segments[0].mode = "HASTY"
+    graph.probe.send(contracts.MOTION_TARGET, message)
+    graph.wait_until(lambda: node.health.counts["refused /motion/target"] == 1)
+    assert "HASTY" in node.health.last["refused /motion/target"]
+    assert arm.status.id != 9
+    arm.tick()
+
+
+def test_time_that_goes_back_starts_over_from_where_the_arm_is(graph: Graph, arm: Arm) -> None:
+    arm.send(Path((PoseMove(GOAL),)), 7)
+    arm.until("MOVING", number=7)
+    arm.time, arm.q = 0.5, HOME.copy()
+    arm.tick()
+    assert arm.status.state == "IDLE"
+    np.testing.assert_allclose(arm.q, HOME, atol=1e-9)
