@@ -11,5 +11,10 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
     ],
-    entry_points={"console_scripts": ["sim_node = pack_sim.packing.sim_node:main"]},
+    entry_points={
+        "console_scripts": [
+            "sim_node = pack_sim.packing.sim_node:main",
+            "pallet_sim_node = pack_sim.palletizing.pallet_sim_node:main",
+        ]
+    },
 )

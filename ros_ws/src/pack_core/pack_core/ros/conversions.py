@@ -5,6 +5,8 @@ Every `from_*` raises MessageError for a message that must not be used.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point, Quaternion, Twist, Vector3, WrenchStamped
@@ -132,19 +134,19 @@ def from_markers(message: MocapMarkers) -> MarkerFrame:
     )  # fmt: skip
 
 
-def to_joint_state(sample: JointSample) -> JointState:
-    """Measured joints."""
+def to_joint_state(sample: JointSample, names: Sequence[str] = JOINTS) -> JointState:
+    """Measured joints of an arm."""
     message = JointState(
-        name=list(JOINTS), position=sample.q.tolist(), velocity=sample.v.tolist(), effort=sample.tau.tolist()
+        name=list(names), position=sample.q.tolist(), velocity=sample.v.tolist(), effort=sample.tau.tolist()
     )
     message.header.stamp = to_stamp(sample.time)
     return message
 
 
-def from_joint_state(message: JointState) -> JointSample:
-    """Measured joints of the arm, in its order."""
-    if list(message.name) != list(JOINTS):
-        raise MessageError(f"joint names are {list(message.name)}; expected {list(JOINTS)}")
+def from_joint_state(message: JointState, names: Sequence[str] = JOINTS) -> JointSample:
+    """Measured joints of an arm, in its order."""
+    if list(message.name) != list(names):
+        raise MessageError(f"joint names are {list(message.name)}; expected {list(names)}")
     columns = [finite(values, f"joint {what}") for what, values in _joint_columns(message)]
     return JointSample(from_stamp(message.header.stamp), *columns)
 
@@ -152,8 +154,8 @@ def from_joint_state(message: JointState) -> JointSample:
 def _joint_columns(message: JointState) -> list[tuple[str, object]]:
     columns = [("position", message.position), ("velocity", message.velocity), ("effort", message.effort)]
     for what, values in columns:
-        if len(values) != len(JOINTS):
-            raise MessageError(f"{len(values)} joint {what}s; expected {len(JOINTS)}")
+        if len(values) != len(message.name):
+            raise MessageError(f"{len(values)} joint {what}s; expected {len(message.name)}")
     return columns
 
 

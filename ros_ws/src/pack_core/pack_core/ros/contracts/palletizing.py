@@ -2,19 +2,58 @@
 
 from __future__ import annotations
 
-from pack_interfaces.msg import BoxDetection, ExpectedBox
-from pack_interfaces.srv import PlanLayout
+from pack_interfaces.action import Palletize
+from pack_interfaces.msg import (
+    BoxDetection,
+    ExpectedBox,
+    GripperState,
+    PalletState,
+    SceneState,
+    UnwantedContact,
+)
+from pack_interfaces.srv import GripperCommand, PlanLayout, RemoveBox, ResetCell, SpawnBox
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
-from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in
+from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in
+from pack_core.ros.contracts.motion import MOTION
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
+BOXES = Contract(
+    "/sim/boxes", String, ("sim",), ("recorder",),
+    "name, size and mass of every box in the cell, as YAML", qos=LATCHED, rate="on change", recorded=True)
+GRIPPER_STATE = Contract(
+    "/gripper/state", GripperState, ("sim",), ("fsm", "recorder"),
+    "what the gripper holds and how hard it is loaded; neither closed nor a reason: still closing",
+    qos=STREAM, rate="125 Hz", recorded=True)
+TRUTH = Contract(
+    "/sim/truth", SceneState, ("sim",), ("recorder",),
+    "true poses and twists of the boxes; for the recorder and tests only",
+    qos=STREAM, rate="50 Hz", recorded=True)
+CONTACTS = Contract(
+    "/sim/contacts", UnwantedContact, ("sim",), ("recorder",),
+    "arm, tool or carried box against what they should not touch, over a force",
+    qos=STREAM, rate="each contact", recorded=True)
+GRIPPER_COMMAND = Contract(
+    "/gripper/command", GripperCommand, ("fsm", "user"), ("sim",),
+    "close or open the gripper; answers at once, the state tells how it went", kind=Kind.SERVICE)
+SPAWN_BOX = Contract(
+    "/sim/spawn", SpawnBox, ("fsm", "user"), ("sim",), "a box arrives on the picking table",
+    kind=Kind.SERVICE)
+REMOVE_BOX = Contract(
+    "/sim/remove", RemoveBox, ("fsm", "user"), ("sim",), "a box is taken out of the cell", kind=Kind.SERVICE)
+RESET = Contract(
+    "/sim/reset", ResetCell, ("user",), ("sim",), "no boxes, arm at home", kind=Kind.SERVICE)
+TRIGGER = Contract(
+    "/camera/trigger", Trigger, ("fsm", "user"), ("sim",),
+    "take a picture now; it follows, stamped with this moment", kind=Kind.SERVICE)
 IMAGE = Contract(
-    "/camera/image_raw", Image, ("pallet_sim",), ("vision",),
+    "/camera/image_raw", Image, ("sim",), ("vision",),
     "picture of the overhead camera, rgb8", qos=LATEST, rate="on demand")
 CAMERA_INFO = Contract(
-    "/camera/camera_info", CameraInfo, ("pallet_sim",), ("vision",),
+    "/camera/camera_info", CameraInfo, ("sim",), ("vision",),
     "intrinsics of the overhead camera", qos=LATCHED, rate="with each picture", recorded=True)
 EXPECTED_BOX = Contract(
     "/expected_box", ExpectedBox, ("fsm",), ("vision", "recorder"),
@@ -37,6 +76,16 @@ VISION_OVERLAY = Contract(
 PLAN_LAYOUT = Contract(
     "/plan_layout", PlanLayout, ("fsm", "user"), ("layout",),
     "gaps between an order's boxes, a sequence, a side for each to come from", kind=Kind.SERVICE)
+PALLET_STATE = Contract(
+    "/fsm/state", PalletState, ("fsm",), ("recorder", "user"),
+    "the machine entered a state: which, for which box, on what event, and why if it is a fault",
+    qos=EVENTS, rate="each state", recorded=True)
+RESULT = Contract(
+    "/palletize/result", String, ("fsm",), ("recorder",),
+    "what became of the last order and of each of its boxes, as JSON", qos=LATCHED,
+    rate="each order", recorded=True)
+PALLETIZE = Contract(
+    "/palletize", Palletize, ("user",), ("fsm",), "build an order's pallet", kind=Kind.ACTION)
 # fmt: on
 
-CONTRACTS = (*SHARED, *contracts_in(globals()))
+CONTRACTS = (*SHARED, *MOTION, *contracts_in(globals()))

@@ -1,0 +1,47 @@
+"""The overhead camera's topics."""
+
+from __future__ import annotations
+
+from pack_core.cells.palletizing import PalletizingCell
+from pack_core.ros.camera_messages import to_camera_info, to_image
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.scene.palletizing.view import Picture
+from pack_sim.camera_thread import CameraThread
+from pack_sim.palletizing.overhead_camera import OverheadCamera, OverheadCameraConfig
+from pack_sim.palletizing.snapshot import Snapshot
+
+FRAME = "overhead_camera"
+
+
+class CameraPublisher:
+    """Publishes each picture with the intrinsics of the camera.
+
+    Args:
+        node: that publishes.
+        cell: where the camera is.
+        config: size of the pictures.
+    """
+
+    def __init__(self, node: CellNode, cell: PalletizingCell, config: OverheadCameraConfig) -> None:
+        overhead = OverheadCamera(cell, config)
+        self._node, self._camera = node, overhead.camera
+        self._image = node.advertise(contracts.IMAGE)
+        self._info = node.advertise(contracts.CAMERA_INFO)
+        self._thread = CameraThread(overhead, self._publish, self._report)
+
+    def expose(self, snapshot: Snapshot) -> bool:
+        """Have a picture taken; False while the last one is still being made."""
+        return self._thread.expose(snapshot.time, snapshot)
+
+    def close(self) -> None:
+        """Take no more pictures."""
+        self._thread.close()
+
+    def _publish(self, time: float, picture: Picture) -> None:
+        self._info.publish(to_camera_info(time, self._camera, FRAME))
+        self._image.publish(to_image(time, picture, FRAME))
+
+    def _report(self, error: str) -> None:
+        self._node.health.faults["camera"] = error
+        self._node.get_logger().error(error)
