@@ -61,6 +61,7 @@ class Executor:
         phase: what it is doing.
         plan: the newest.
         done: how many of its actions were carried out.
+        action: the one under way, from its first move to the pictures after it.
         tally: what was done so far.
         outcome: once it has ended.
     """
@@ -72,11 +73,17 @@ class Executor:
         self.phase = Phase.IDLE
         self.plan: Plan | None = None
         self.done = 0
+        self.action: Action | None = None
         self.tally = Tally()
         self.outcome: Outcome | None = None
         self._seen: Poses = {}
         self._failed_grasps = 0
         self._conversation = self._run()
+
+    @property
+    def blocks(self) -> tuple[str, ...]:
+        """Ids of all blocks."""
+        return tuple(self._task.goals)
 
     def start(self) -> Request:
         """The first request."""
@@ -130,7 +137,7 @@ class Executor:
 
     def _act(self, action: Action) -> Generator[Request, Any, bool]:
         """Carry out an action and look; False where the plan no longer holds."""
-        before = self._seen
+        before, self.action = self._seen, action
         if isinstance(action, PickPlace):
             self.tally = replace(self.tally, picks=self.tally.picks + 1)
             yield from self._pick_and_place(action)
@@ -138,6 +145,7 @@ class Executor:
             self.tally = replace(self.tally, pushes=self.tally.pushes + 1)
             yield from self._push(action)
         yield from self._look()
+        self.action = None
         return self._verify(action, before)
 
     def _verify(self, action: Action, before: Poses) -> bool:

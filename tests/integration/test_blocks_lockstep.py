@@ -1,0 +1,23 @@
+"""The blocks cell in lockstep: cameras, planner, arm and gripper of the nodes, in one process."""
+
+import pytest
+
+from pack_bringup.blocks.execution import Execution, execute
+from pack_bringup.blocks.planning import CountedPlannerConfig
+from pack_bringup.blocks.settings import lockstep_config
+from pack_core.cells.blocks import blocks_cell
+from pack_planner.rearrangement.instances import make_instance
+
+
+def run(seed: int) -> Execution:
+    cell = blocks_cell()
+    problem = make_instance(2, 0.1, seed, centre=cell.workspace.centre)
+    return execute(problem, cell, CountedPlannerConfig(), lockstep_config())
+
+
+@pytest.mark.timeout(600)
+def test_two_blocks_are_put_side_by_side_and_a_run_repeats_bit_for_bit() -> None:
+    first = run(0)
+    assert first.is_ok, first
+    assert first.error_mm < 0.5
+    assert run(0) == first

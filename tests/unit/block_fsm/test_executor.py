@@ -1,0 +1,147 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from block_fsm.executor_config import ExecutorConfig
+from block_fsm.outcome import ExitReason
+from block_fsm.requests import MoveArm, MoveJaw, PlanFor
+from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
+from pack_core.rearrangement.planar import PlanarPose
+from pack_core.rearrangement.problem import Problem
+from unit.block_fsm.table import Table, directly, staged
+
+GOALS = {"a": PlanarPose(0.65, 0.0, 0.0), "b": PlanarPose(0.70, 0.0, 0.0)}
+
+
+def strewn() -> dict[str, PlanarPose]:
+    return {"a": PlanarPose(0.5, 0.2, 0.7), "b": PlanarPose(0.8, -0.2, -2.5)}
+
+
+def test_blocks_end_at_their_goals() -> None:
+    table = Table(strewn())
+    outcome = table.run(GOALS)
+    assert outcome.success
+    assert outcome.tally.picks == 2
+    assert outcome.position_error < 1e-9
+    for name, goal in GOALS.items():
+        assert table.poses[name].p == pytest.approx(goal.p)
+        assert np.cos(table.poses[name].yaw - goal.yaw) == pytest.approx(1.0)
+
+
+def test_nothing_is_done_where_all_blocks_are_in_place() -> None:
+    outcome = Table(dict(GOALS)).run(GOALS)
+    assert outcome.success
+    assert outcome.tally.actions == 0
+
+
+def test_a_push_brings_a_block_home_along_its_line() -> None:
+    def planner(problem: Problem) -> Plan:
+        if not directly(problem).actions:
+            return directly(problem)
+        place, push = staged("a", GOALS["a"], np.pi / 2)
+        return Plan(PlanStatus.FEASIBLE, (replace(place, start=problem.starts["a"]), push), 2)
+
+    table = Table({"a": PlanarPose(0.5, 0.2, 0.7)}, planner)
+    outcome = table.run({"a": GOALS["a"]})
+    assert outcome.success
+    assert (outcome.tally.picks, outcome.tally.pushes) == (1, 1)
+
+
+def test_a_block_beside_its_push_line_is_not_pushed_but_planned_anew() -> None:
+    asked: list[Problem] = []
+
+    def planner(problem: Problem) -> Plan:
+        asked.append(problem)
+        if len(asked) > 1:
+            return directly(problem)
+        return Plan(PlanStatus.FEASIBLE, staged("a", GOALS["a"], 0.0)[1:], 1)
+
+    beside = GOALS["a"].moved(-0.03, 0.0).moved(0.0015, np.pi / 2)
+    outcome = Table({"a": beside}, planner).run({"a": GOALS["a"]})
+    assert outcome.success
+    assert outcome.tally.pushes == 0
+    assert len(asked) == 3
+
+
+def test_a_block_that_was_knocked_aside_is_noticed_and_planned_for_anew() -> None:
+    def knock(table: Table) -> None:
+        if not knocked and table.poses["a"].distance_to(GOALS["a"]) < 1e-6:
+            knocked.append("b")
+            table.poses["b"] = table.poses["b"].moved(0.02, 1.0)
+
+    knocked: list[str] = []
+    table = Table(strewn(), after=knock)
+    outcome = table.run(GOALS)
+    assert outcome.success
+    assert outcome.tally.disturbances == 1
+    assert sum(isinstance(request, PlanFor) for request in table.asked) == 3
+
+
+def test_a_grasp_that_holds_nothing_is_tried_again() -> None:
+    table = Table(strewn(), holds=lambda number: number != 1)
+    outcome = table.run(GOALS)
+    assert outcome.success
+    assert outcome.tally.failed_grasps == 1
+
+
+def test_grasps_that_never_hold_end_the_task() -> None:
+    outcome = Table(strewn(), holds=lambda number: False).run(GOALS)
+    assert outcome.exit_reason is ExitReason.NO_PROGRESS
+    assert outcome.tally.failed_grasps == ExecutorConfig().grasps
+
+
+def test_a_block_lost_on_the_way_is_picked_up_where_it_lies() -> None:
+    table = Table(strewn(), holds=lambda number: number != 2)
+    outcome = table.run(GOALS)
+    assert outcome.success
+    assert outcome.tally.failed_grasps == 1
+
+
+def test_a_tag_missed_once_is_looked_for_again() -> None:
+    assert Table(strewn(), unseen=2).run(GOALS).success
+
+
+def test_a_tag_missed_for_good_is_named() -> None:
+    outcome = Table(strewn(), unseen=100).run(GOALS)
+    assert outcome.exit_reason is ExitReason.NOT_SEEN
+    assert "a" in outcome.message
+
+
+def test_without_a_plan_the_reason_is_passed_on() -> None:
+    refusal = Plan(PlanStatus.INFEASIBLE, diagnosis=Diagnosis("a and b cannot be moved"))
+    outcome = Table(strewn(), lambda problem: refusal).run(GOALS)
+    assert outcome.exit_reason is ExitReason.NO_PLAN
+    assert "INFEASIBLE: a and b cannot be moved" in outcome.message
+
+
+def test_an_arm_that_gets_stuck_ends_the_task() -> None:
+    outcome = Table(strewn(), stuck="carry").run(GOALS)
+    assert outcome.exit_reason is ExitReason.MOTION_FAILED
+    assert "carry" in outcome.message
+
+
+def test_blocks_that_never_get_home_end_the_task() -> None:
+    def drift(table: Table) -> None:
+        for name in table.poses:
+            table.poses[name] = table.poses[name].moved(0.01, 0.3)
+
+    assert Table(strewn(), after=drift).run(GOALS).exit_reason is ExitReason.NO_PROGRESS
+
+
+def test_every_action_ends_with_the_arm_out_of_sight() -> None:
+    table = Table(strewn())
+    table.run(GOALS)
+    for request, following in zip(table.asked, table.asked[1:], strict=False):
+        if type(following).__name__ == "Look":
+            assert isinstance(request, MoveArm)
+            assert request.path.segments[-1].label == "look"
+
+
+def test_fingers_open_wide_enough_before_they_come_down() -> None:
+    table = Table(strewn())
+    table.run(GOALS)
+    for request, following in zip(table.asked, table.asked[1:], strict=False):
+        if isinstance(following, MoveArm) and following.path.segments[0].label == "approach":
+            assert isinstance(request, MoveJaw)
+            assert request.command.opening > 0.0508
