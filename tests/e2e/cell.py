@@ -15,8 +15,8 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
 
 from integration.harness import Graph
-from pack_bringup.demo import Demo
 from pack_bringup.graph import load_graph
+from pack_bringup.packing.job import PackingJob
 from pack_bringup.processes import ProcessGroup
 from pack_core.errors import BagError
 from pack_core.evaluation.bag import read_bag
@@ -38,7 +38,7 @@ class Cell:
     def __init__(self, graph: Graph, folder: Path) -> None:
         self.graph, self.folder = graph, folder
         folder.mkdir()
-        demo = Demo("packing", folder, scene=EASY_SCENE)
+        demo = PackingJob(folder, scene=EASY_SCENE)
         self._log = (folder / "nodes.log").open("w")
         domain = str(graph.context.get_domain_id())
         self.processes = ProcessGroup(

@@ -10,11 +10,12 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
-        (f"share/{package}/launch", ["launch/packing.launch.py"]),
+        (f"share/{package}/launch", ["launch/packing.launch.py", "launch/palletizing.launch.py"]),
     ],
     entry_points={
         "console_scripts": [
-            "goal_node = pack_bringup.goal_node:main",
+            "goal_node = pack_bringup.packing.goal_node:main",
+            "order_node = pack_bringup.palletizing.order_node:main",
             "recorder_node = pack_bringup.recorder_node:main",
             "pack = pack_bringup.cli.main:main",
         ]

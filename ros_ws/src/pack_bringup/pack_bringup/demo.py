@@ -1,4 +1,4 @@
-"""The main job: a cell's nodes as processes, one goal, its recording."""
+"""The main job of a cell: its nodes as processes, one goal, its recording."""
 
 from __future__ import annotations
 
@@ -8,100 +8,92 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from pack_bringup.domains import choose_domain
 from pack_bringup.graph import load_graph
-from pack_bringup.packing.graph_preset import preset_overrides
 from pack_bringup.processes import ProcessGroup
-from pack_core.config import merged
 from pack_core.errors import PackError
 
 if TYPE_CHECKING:
-    from pack_interfaces.action import PackObject
-
-    from pack_bringup.goal_node import GoalNode
+    from pack_bringup.ros.goal_client import GoalClient
+    from pack_core.ros.contracts.contract import Contract
 
 LOG = "nodes.log"
 TIMEOUT = 60.0
-"""Wall clock for all nodes to come up and the controller to plan, and between two of its plans [s]."""
+"""Wall clock for all nodes to come up and the goal to be taken, and between two signs of progress [s]."""
 LINGER = 2.0
 """Wall clock for which the recording goes on after the goal [s]."""
 LOG_LINES = 12
 
 
 @dataclass(frozen=True)
-class Demo:
-    """What to run.
+class Progress:
+    """What is shown while the goal is pursued: the stage it is in, and a line about it."""
 
-    Attributes:
-        cell: a graph of config/graphs.
-        folder: of the run; nodes.log, bag/, run.yaml and scene.yaml go there.
-        seed: of the generated scene, the sensors' noise and the placement planner.
-        scene: a scene file; None: a generated scene.
-        method: pack_it_in, uninformed_pose or uninformed_physics.
-        real_time_factor: None: that of config/nodes/sim.yaml.
-        command: the command line, for run.yaml.
-        preset: of config/presets; empty: the configuration files as they are.
-    """
+    stage: str
+    line: str
 
-    cell: str
-    folder: Path
-    seed: int = 0
-    scene: Path | None = None
-    method: str = "pack_it_in"
-    real_time_factor: float | None = None
-    command: str = ""
-    preset: str = ""
+
+class Job(Protocol):
+    """What to run."""
+
+    @property
+    def cell(self) -> str:
+        """A graph of config/graphs."""
+
+    @property
+    def folder(self) -> Path:
+        """Of the run; nodes.log, bag/ and run.yaml go there."""
+
+    @property
+    def server(self) -> str:
+        """The node that takes the goal."""
 
     def overrides(self) -> dict[str, dict[str, str]]:
         """Parameters by node, as YAML text."""
-        sim = {"seed": str(self.seed)}
-        if self.scene is not None:
-            sim["scene"] = json.dumps(str(self.scene.resolve()))
-        if self.real_time_factor is not None:
-            sim["real_time_factor"] = str(float(self.real_time_factor))
-        text = {"path": str(self.folder.resolve()), "cell": self.cell, "command": self.command}
-        recorder = {"seed": str(self.seed), **{name: json.dumps(value) for name, value in text.items()}}
-        return merged(preset_overrides(self.cell, self.preset), {"sim": sim, "recorder": recorder})
+
+    def goal(self) -> tuple[Contract, Any]:
+        """The action, and its goal."""
+
+    def progress(self, feedback: Any, real_time_factor: float) -> Progress:
+        """Feedback of the action in words."""
 
 
-@dataclass(frozen=True)
-class Progress:
-    """What is shown while the goal is pursued; `stage` is empty until the controller plans."""
-
-    stage: str
-    elapsed: float
-    distance: float
-    iteration_ms: float
-    real_time_factor: float
-    missing: tuple[str, ...] = ()
+def recorder_parameters(job: Job, seed: int, command: str) -> dict[str, str]:
+    """What the recorder is told of a job, as YAML text."""
+    text = {"path": str(job.folder.resolve()), "cell": job.cell, "command": command}
+    return {"seed": str(seed), **{name: json.dumps(value) for name, value in text.items()}}
 
 
-def run_demo(demo: Demo, on_progress: Callable[[Progress], None]) -> PackObject.Result:
+def run_demo(job: Job, on_progress: Callable[[Progress], None]) -> Any:
     """Start the nodes, pursue the goal, stop the nodes; the recording is then complete.
+
+    Returns:
+        The action's result.
 
     Raises:
         PackError: a node did not come up or died, or the goal was refused; the log's last lines say why.
     """
-    from pack_bringup.goal_node import GoalConfig, follow_goal
+    from pack_bringup.ros.goal_client import GoalClient, follow_goal
 
-    commands = load_graph(demo.cell).commands(demo.overrides())
+    graph = load_graph(job.cell)
+    commands, (contract, goal) = graph.commands(job.overrides()), job.goal()
     domain = choose_domain(os.environ)
-    demo.folder.mkdir(parents=True, exist_ok=True)
-    log = demo.folder / LOG
+    job.folder.mkdir(parents=True, exist_ok=True)
+    log = job.folder / LOG
     with log.open("w") as output:
         group = ProcessGroup(commands, environment={"ROS_DOMAIN_ID": str(domain)}, output=output)
-        patience = _Patience(log)
+        patience = _Patience(log, job.server)
 
-        def check(node: GoalNode) -> None:
+        def check(node: GoalClient) -> None:
             _check_alive(group, log)
             patience.check(node)
-            on_progress(_progress(node))
+            on_progress(_progress(job, node))
 
         with group:
-            goal = GoalConfig(method=demo.method, seed=demo.seed)
-            return follow_goal(goal, check, domain=domain, linger=LINGER)
+            names = [node.name for node in graph.nodes]
+            return follow_goal(lambda: GoalClient(contract, goal, names), check, domain=domain, linger=LINGER)
 
 
 def _check_alive(group: ProcessGroup, log: Path) -> None:
@@ -112,12 +104,12 @@ def _check_alive(group: ProcessGroup, log: Path) -> None:
 class _Patience:
     """Runs out when nothing has changed for `TIMEOUT`."""
 
-    def __init__(self, log: Path) -> None:
-        self._log = log
+    def __init__(self, log: Path, server: str) -> None:
+        self._log, self._server = log, server
         self._seen: object = None
         self._deadline = time.monotonic() + TIMEOUT
 
-    def check(self, node: GoalNode) -> None:
+    def check(self, node: GoalClient) -> None:
         seen = (node.feedback, node.result)
         if seen != self._seen:
             self._seen, self._deadline = seen, time.monotonic() + TIMEOUT
@@ -126,17 +118,17 @@ class _Patience:
         if missing := node.missing:
             what, culprit = f"did not come up: {', '.join(missing)}", missing[0]
         elif not node.is_accepted:
-            what, culprit = "the controller does not take the goal", "mpc"
+            what, culprit = f"node '{self._server}' does not take the goal", self._server
         else:
-            what, culprit = "the controller has taken the goal but does not plan", "mpc"
+            what, culprit = f"node '{self._server}' has taken the goal but does not go on", self._server
         raise PackError(f"nothing happened for {TIMEOUT:.0f} s: {what}; {_tail(self._log, culprit)}")
 
 
-def _progress(node: GoalNode) -> Progress:
-    feedback, factor = node.feedback, node.real_time_factor
-    if feedback is None:
-        return Progress("", 0.0, 0.0, 0.0, factor, () if node.is_accepted else tuple(node.missing))
-    return Progress(feedback.stage, feedback.elapsed, feedback.distance, feedback.iteration_ms, factor)
+def _progress(job: Job, node: GoalClient) -> Progress:
+    if node.feedback is not None:
+        return job.progress(node.feedback, node.real_time_factor)
+    missing = [] if node.is_accepted else node.missing
+    return Progress("", f"waiting for {', '.join(missing) or f'node {job.server!r}'}")
 
 
 def _tail(log: Path, name: str) -> str:

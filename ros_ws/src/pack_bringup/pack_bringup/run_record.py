@@ -10,6 +10,7 @@ from typing import Any
 
 import yaml
 
+from pack_bringup.graph import load_graph
 from pack_core.config import Config
 from pack_core.paths import bags_path, config_path, project_root
 
@@ -52,7 +53,8 @@ def default_folder(cell: str, seed: int | None, now: datetime) -> Path:
 
 def _config_files(cell: str) -> list[Path]:
     own = [config_path(folder, f"{cell}.yaml") for folder in ("cells", "graphs")]
-    return [path for path in own if path.is_file()] + sorted(config_path("nodes").glob("*.yaml"))
+    nodes = [node.parameters_path for node in load_graph(cell).nodes]
+    return [path for path in (*own, *nodes) if path.is_file()]
 
 
 def _load(path: Path) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
+from typing import Any
 
 from pack_core.rotations import Pose
 from pallet_fsm.machine import Visit
@@ -26,6 +27,8 @@ class BoxReport:
 
     Attributes:
         name: of the box.
+        dims: edges as it arrives [m].
+        mass: [kg].
         handling: none, flip or table.
         outcome: what became of it.
         reason: why it was skipped or lost; empty otherwise.
@@ -35,6 +38,8 @@ class BoxReport:
     """
 
     name: str
+    dims: tuple[float, float, float]
+    mass: float
     handling: str
     outcome: BoxOutcome
     reason: str
@@ -48,12 +53,14 @@ class OrderReport:
     """An order that has ended.
 
     Attributes:
+        order: its id.
         is_complete: every box was placed.
         reason: why the order stopped before its end; empty if it did not.
         boxes: in the sequence of the plan.
         visits: every state that was entered.
     """
 
+    order: str
     is_complete: bool
     reason: str
     boxes: tuple[BoxReport, ...]
@@ -63,6 +70,20 @@ class OrderReport:
     def faults(self) -> tuple[Visit, ...]:
         """Every fault there was."""
         return tuple(visit for visit in self.visits if visit.state in FAULTS)
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain values; poses are position and quaternion wxyz."""
+        cycles = self.cycle_times()
+        boxes = [
+            {
+                "name": box.name, "dims": list(box.dims), "mass": box.mass, "handling": box.handling,
+                "outcome": box.outcome.value, "reason": box.reason,
+                "direction": box.direction, "pose": [*box.X_WB.p, *box.X_WB.q],
+                "cycle_s": cycles.get(box.name),
+            }
+            for box in self.boxes
+        ]  # fmt: skip
+        return {"order": self.order, "is_complete": self.is_complete, "reason": self.reason, "boxes": boxes}
 
     def cycle_times(self) -> dict[str, float]:
         """By box, from its state 0 to that of the next; for the last, to the end of its retreat [s]."""

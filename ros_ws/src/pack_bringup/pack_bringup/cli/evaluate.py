@@ -15,6 +15,7 @@ from pack_bringup.cli.studies import report_studies
 
 if TYPE_CHECKING:
     from pack_core.evaluation.evaluate import Evaluation
+    from pack_core.evaluation.palletizing.evaluate import PalletEvaluation
 
 app = typer.Typer()
 bag_app = typer.Typer(no_args_is_help=True, help="Look into recordings.")
@@ -71,13 +72,14 @@ def evaluate(
 
 def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool) -> dict[str, Any]:
     """Report a run and return its measures."""
+    from pack_core.evaluation.evaluate import Evaluation
     from pack_core.evaluation.video import write_gif, write_still
 
     found = run_evaluation(bag, folder, with_video=video or gif)
     show(found)
     if gif and found.video:
         write_gif(found.video, found.video.with_suffix(".gif"))
-    if still:
+    if still and isinstance(found, Evaluation):
         write_still(found.run, folder / "run.png")
     return found.to_json()
 
@@ -140,10 +142,14 @@ def copy(
     typer.echo(f"{copied.messages} messages{note} in {target}")
 
 
-def run_evaluation(bag: Path, output: Path, *, with_video: bool) -> Evaluation:
-    """Evaluate with a progress bar for the video."""
-    from pack_core.evaluation.evaluate import evaluate as evaluate_bag
+def run_evaluation(bag: Path, output: Path, *, with_video: bool) -> Evaluation | PalletEvaluation:
+    """Evaluate as the cell wants it, which run.yaml names, with a progress bar for the video."""
+    from pack_core.evaluation.evaluate import evaluate as evaluate_goal
+    from pack_core.evaluation.palletizing.evaluate import evaluate_order
+    from pack_core.evaluation.report import load_record
 
+    record = load_record(bag) or load_record(bag.parent)
+    evaluate_bag = evaluate_order if record.get("cell") == "palletizing" else evaluate_goal
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, transient=True) as bar:
         task = bar.add_task("evaluating", total=1.0)
@@ -153,16 +159,14 @@ def run_evaluation(bag: Path, output: Path, *, with_video: bool) -> Evaluation:
         )  # fmt: skip
 
 
-def show(found: Evaluation) -> None:
+def show(found: Evaluation | PalletEvaluation) -> None:
     """Print the table of the measures, and where the report is."""
-    from pack_core.evaluation.table import table_rows
-
     table = Table("measure", "value", "what it is")
-    for row in table_rows(found.measures):
+    for row in found.rows:
         table.add_row(row.name, row.value, row.meaning)
     console = Console()
     console.print(table)
-    if found.run.is_cut:
+    if found.is_cut:
         console.print("[yellow]the recording was cut off; all in front of the cut was evaluated[/]")
     console.print(f"report: {found.report}", soft_wrap=True)
     if found.video:

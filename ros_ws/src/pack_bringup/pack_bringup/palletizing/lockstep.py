@@ -6,6 +6,7 @@ never the wall clock, so a run repeats bit for bit on any machine.
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -13,8 +14,8 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_bringup.palletizing.run_log import RunLog
-from pack_bringup.palletizing.sight import NoisySight, NoisySightConfig
-from pack_core.box_detection import BoxDetection, ExpectedBox
+from pack_bringup.palletizing.sight import Sight, SightConfig, open_sight
+from pack_core.box_detection import BoxDetection
 from pack_core.cells.palletizing import PalletizingCell
 from pack_core.config import Config
 from pack_core.evaluation.palletizing.pallet_run import PalletRun
@@ -47,13 +48,9 @@ class PalletLockstepConfig(Config):
     """Parameters of a run; the parts' own are those of the nodes."""
 
     period: PositiveFloat = Field(default=0.004, description="between two setpoints for the arm [s]")
-    sight_latency: NonNegativeFloat = Field(default=0.2, description="from a picture to its detection [s]")
     settle: NonNegativeFloat = Field(default=0.5, description="after the order, for the stack to rest [s]")
     motion: str = Field(default="shipped", description="a set of config/motion")
-    vision: bool = Field(
-        default=False, description="find boxes in rendered pictures, not by truth with noise"
-    )
-    sight: NoisySightConfig = NoisySightConfig()
+    sight: SightConfig = SightConfig()
     simulator: PalletSimulatorConfig = PalletSimulatorConfig()
     palletizer: PalletizerConfig = PalletizerConfig()
 
@@ -87,38 +84,43 @@ class PalletLockstep:
         config: PalletLockstepConfig,
         seed: int,
     ) -> None:
-        self._config = config
+        self._cell, self._config = cell, config
         self.simulator = PalletSimulator(cell, config.simulator, seed)
         arm, q = load_arm("palletizing"), np.array(cell.arm.home)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
         self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
         self.palletizer = Palletizer(order, plan, cell, config.palletizer, self.simulator.time)
-        self._log = RunLog(self.simulator, arm.chain)
-        self._order_id, self._seed = order.order_id, seed
-        self._sight = NoisySight(config.sight, np.random.default_rng(seed))
+        self._log = RunLog(self.simulator)
+        self._seed = seed
+        self._rng = np.random.default_rng([seed, zlib.crc32(order.order_id.encode())])
         self._spawned = ""
         self._detection: BoxDetection | None = None
         self._pending: tuple[float, BoxDetection] | None = None
 
     def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
         """Run to the end; `on_tick` sees every cycle."""
-        machine = self.palletizer.machine
-        while not machine.is_over:
-            self._serve_detection()
-            seen = Observation(
-                self.simulator.time, self.motion.status(), self.simulator.gripper.state,
-                self._spawned, self._detection,
-            )  # fmt: skip
-            for command in self.palletizer.step(seen):
-                self._obey(command)
-            if on_tick is not None:
-                on_tick(Tick(seen.time, machine.state, machine.visits[-1].box, seen.motion))
-            self._advance()
+        with open_sight(self._cell, self._config.sight, self._rng) as sight:
+            while not self.palletizer.machine.is_over:
+                self._turn(sight, on_tick)
         for _ in range(round(self._config.settle / self._config.period)):
             self._advance()
-        return self._log.run(self._order_id, self._seed, self.palletizer.report())
+        return self._log.run(self._seed, self.palletizer.report())
 
-    def _obey(self, command: Command) -> None:
+    def _turn(self, sight: Sight, on_tick: Callable[[Tick], None] | None) -> None:
+        """One cycle: what is seen, what is to be done, one period of motion and physics."""
+        simulator, machine = self.simulator, self.palletizer.machine
+        if self._pending is not None and simulator.time >= self._pending[0]:
+            self._detection, self._pending = self._pending[1], None
+        seen = Observation(
+            simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection
+        )
+        for command in self.palletizer.step(seen):
+            self._obey(command, sight)
+        if on_tick is not None:
+            on_tick(Tick(seen.time, machine.state, machine.visits[-1].box, seen.motion))
+        self._advance()
+
+    def _obey(self, command: Command, sight: Sight) -> None:
         match command:
             case SpawnBox(name, dims, mass):
                 self.simulator.spawn(BoxBody(name, dims, mass))
@@ -126,7 +128,8 @@ class PalletLockstep:
             case DiscardBox(name):
                 self.simulator.remove(name)
             case Look(expected):
-                self._look(expected)
+                detection = sight.detect(expected, self.simulator)
+                self._pending = self.simulator.time + self._config.sight.latency, detection
             case MoveArm(target):
                 self.motion.command(target)
             case StopArm():
@@ -135,15 +138,6 @@ class PalletLockstep:
                 self.simulator.gripper.close()
             case OpenGripper():
                 self.simulator.gripper.open()
-
-    def _look(self, expected: ExpectedBox) -> None:
-        time = self.simulator.time
-        X_WB = self.simulator.truth().objects[expected.id].X_WO
-        self._pending = time + self._config.sight_latency, self._sight.detect(expected, X_WB, time)
-
-    def _serve_detection(self) -> None:
-        if self._pending is not None and self.simulator.time >= self._pending[0]:
-            self._detection, self._pending = self._pending[1], None
 
     def _advance(self) -> None:
         """One period of the motion, and the physics under it."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from pack_core.evaluation.palletizing.pallet_run import (
     BoxRecord,
@@ -13,11 +12,11 @@ from pack_core.evaluation.palletizing.pallet_run import (
     ToolTrack,
     UnwantedTouch,
 )
+from pack_core.evaluation.palletizing.tool_track import tool_track
 from pack_core.grip import GripLoad
-from pack_core.kinematics.chain import SerialChain
 from pack_core.rotations import Array
 from pack_sim.palletizing.simulator import PalletSimulator
-from pallet_fsm.report import OrderReport
+from pallet_fsm.report import BoxReport, OrderReport
 
 BOX_PERIOD = 5
 """Boxes are looked at in every so many steps."""
@@ -28,11 +27,10 @@ class RunLog:
 
     Args:
         simulator: what is watched.
-        chain: the arm, for tool poses.
     """
 
-    def __init__(self, simulator: PalletSimulator, chain: SerialChain) -> None:
-        self._simulator, self._chain = simulator, chain
+    def __init__(self, simulator: PalletSimulator) -> None:
+        self._simulator = simulator
         self._times: list[float] = []
         self._joints: list[tuple[Array, Array]] = []
         self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
@@ -50,12 +48,12 @@ class RunLog:
             for name, state in truth.objects.items():
                 self._boxes.setdefault(name, []).append((truth.time, state.X_WO.p, state.X_WO.q))
 
-    def run(self, order: str, seed: int, report: OrderReport) -> PalletRun:
+    def run(self, seed: int, report: OrderReport) -> PalletRun:
         """The run, which has ended."""
         return PalletRun(
-            order, seed, report.reason,
+            report.order, seed, report.reason,
             tuple(
-                BoxRecord(box.name, box.handling, box.outcome, box.reason, box.direction, box.X_WB)
+                _record(box)
                 for box in report.boxes
             ),
             tuple(StateVisit(v.state.label, v.time, v.box, v.reason) for v in report.visits),
@@ -68,11 +66,11 @@ class RunLog:
         )  # fmt: skip
 
     def _tool(self) -> ToolTrack:
-        wanted, measured = ([self._chain.forward_matrix(pair[i]) for pair in self._joints] for i in (0, 1))
-        return ToolTrack(np.array(self._times), *_poses(wanted), *_poses(measured))
+        wanted, measured = (np.array([pair[i] for pair in self._joints]) for i in (0, 1))
+        return tool_track(np.array(self._times), wanted, measured)
 
 
-def _poses(matrices: list[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Positions `(n, 3)` and quaternions wxyz `(n, 4)`."""
-    rotations = Rotation.from_matrix(np.array([R for R, _ in matrices]))
-    return np.array([p for _, p in matrices]), rotations.as_quat(scalar_first=True)
+def _record(box: BoxReport) -> BoxRecord:
+    return BoxRecord(
+        box.name, box.dims, box.mass, box.handling, box.outcome, box.reason, box.direction, box.X_WB
+    )

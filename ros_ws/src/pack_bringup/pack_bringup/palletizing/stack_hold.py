@@ -30,6 +30,7 @@ def hold_shift_mm(cell: PalletizingCell, boxes: Mapping[BoxBody, Pose], accelera
         acceleration: as a share of gravity.
     """
     model = build_model(cell, list(boxes))
+    model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)  # gravity that changes wakes nobody
     shifts = [_shift(model, cell, boxes, acceleration * np.array(side)) for side in SIDES]
     return 1e3 * max(shifts, default=0.0)
 

@@ -1,1 +1,1 @@
-"""What bringup does in the ROS graph besides its nodes."""
+"""What commands and jobs need of ROS."""

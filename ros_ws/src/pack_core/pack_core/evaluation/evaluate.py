@@ -11,6 +11,7 @@ from pack_core.evaluation.metrics import Measures, measure
 from pack_core.evaluation.plots import write_plots
 from pack_core.evaluation.report import load_record, write_report
 from pack_core.evaluation.run import Run
+from pack_core.evaluation.table import Row, table_rows
 from pack_core.evaluation.video import Progress, write_video
 
 VIDEO, REPORT, PLOTS = "run.mp4", "report.html", "plots"
@@ -24,6 +25,16 @@ class Evaluation:
     measures: Measures
     report: Path
     video: Path | None
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """The measures in words."""
+        return table_rows(self.measures)
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether the recording was cut off."""
+        return self.run.is_cut
 
     def to_json(self) -> dict[str, Any]:
         """The measures as plain values, NaN as None."""

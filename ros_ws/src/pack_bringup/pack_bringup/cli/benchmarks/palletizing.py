@@ -34,6 +34,9 @@ def benchmark(
         str, typer.Option(help="blended, or thesis: stop and check at each state.")
     ] = "blended",
     motion: Annotated[str, typer.Option(help="A set of config/motion.")] = "shipped",
+    preset: Annotated[
+        str, typer.Option(help="Of the arm: one of config/cells/palletizing.yaml, rigid being ideal.")
+    ] = "rigid",
     vision: Annotated[
         bool, typer.Option(help="Render the camera's pictures; otherwise the truth with stated noise.")
     ] = True,
@@ -61,9 +64,9 @@ def benchmark(
     from pack_core.evaluation.palletizing.summary import summarize_orders
     from pack_core.paths import config_path
 
-    setup = set_up(profile=profile, motion=motion, vision=vision)
+    setup = set_up(profile=profile, motion=motion, preset=preset, vision=vision)
     wanted = order_jobs(orders or config_path("orders"), seeds)
-    path = output or default_output(profile=profile, motion=motion, vision=vision)
+    path = output or default_output(profile=profile, motion=motion, preset=preset, vision=vision)
     done = len(kept_trials(path, wanted)) if path.is_file() else 0
     with open_pool(jobs, None, 1) as pool, TrialProgress(len(wanted), done) as bar:
         for trial in run_orders(path, setup, wanted, pool):

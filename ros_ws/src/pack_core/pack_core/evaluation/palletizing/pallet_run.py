@@ -14,6 +14,7 @@ class ToolTrack:
 
     Attributes:
         times: `(n,)` [s].
+        joints: measured `(n, 6)` [rad].
         p_ref: where the setpoints wanted it `(n, 3)` [m].
         q_ref: orientations wxyz `(n, 4)`.
         p: where the measured joints have it `(n, 3)` [m].
@@ -21,6 +22,7 @@ class ToolTrack:
     """
 
     times: Array
+    joints: Array
     p_ref: Array
     q_ref: Array
     p: Array
@@ -53,9 +55,22 @@ class StateVisit:
 
 @dataclass(frozen=True)
 class BoxRecord:
-    """What became of a box: `outcome` placed, skipped, lost or pending; X_WB is where it was to stand."""
+    """What became of a box.
+
+    Attributes:
+        name: of the box.
+        dims: edges as it arrives [m].
+        mass: [kg].
+        handling: none, flip or table.
+        outcome: placed, skipped, lost or pending.
+        reason: why it was skipped or lost; empty otherwise.
+        direction: that it came from.
+        X_WB: where it was to stand.
+    """
 
     name: str
+    dims: tuple[float, float, float]
+    mass: float
     handling: str
     outcome: str
     reason: str
@@ -87,6 +102,7 @@ class PalletRun:
         touches: contacts that should not have been.
         cycles: time that each box took, by name [s].
         grip_peaks: worst coaxial force, shear force [N] and moment [N m] of each box's grips, by name.
+        is_cut: whether the recording ended before the run did.
     """
 
     order: str
@@ -99,3 +115,4 @@ class PalletRun:
     touches: tuple[UnwantedTouch, ...]
     cycles: Mapping[str, float]
     grip_peaks: Mapping[str, tuple[float, float, float]]
+    is_cut: bool = False

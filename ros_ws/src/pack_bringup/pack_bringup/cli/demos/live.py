@@ -1,0 +1,68 @@
+"""Runs a job before your eyes: a line that is kept up to date, then the report."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from types import TracebackType
+from typing import Any, NoReturn, Self
+
+import typer
+from rich.console import Console
+from rich.live import Live
+from rich.text import Text
+
+from pack_bringup.cli.evaluate import run_evaluation, show
+from pack_bringup.demo import LOG, Job, Progress, run_demo
+
+
+def command_line() -> str:
+    """As it was given."""
+    return " ".join(["pack", *sys.argv[1:]])
+
+
+def run_live(job: Job, *, video: bool) -> NoReturn:
+    """Run a job, evaluate its recording, and leave with 0 only if it succeeded."""
+    signal.signal(signal.SIGTERM, _as_ctrl_c)
+    try:
+        with LiveLine() as line:
+            result = run_demo(job, line.show)
+    except KeyboardInterrupt:
+        typer.echo(f"stopped; what was recorded is in {job.folder}")
+        raise typer.Exit(130) from None
+    reason = getattr(result, "exit_reason", "success" if result.success else "failure")
+    typer.echo(f"goal ended: {reason}, {result.message}")
+    show(run_evaluation(job.folder, job.folder, with_video=video))
+    typer.echo(f"log:    {job.folder / LOG}")
+    raise typer.Exit(0 if result.success else 1)
+
+
+class LiveLine:
+    """One line that is kept up to date; where there is no terminal, a line for every stage."""
+
+    def __init__(self) -> None:
+        self._console = Console()
+        self._live = Live(console=self._console, refresh_per_second=8, transient=False)
+        self._stage: str | None = None
+
+    def __enter__(self) -> Self:
+        if self._console.is_terminal:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._live.stop()
+
+    def show(self, progress: Progress) -> None:
+        """Show the newest progress."""
+        if self._console.is_terminal:
+            self._live.update(Text(progress.line))
+        elif progress.stage != self._stage:
+            self._console.print(progress.line, soft_wrap=True)
+        self._stage = progress.stage
+
+
+def _as_ctrl_c(*_: Any) -> None:
+    raise KeyboardInterrupt

@@ -1,0 +1,110 @@
+"""A recording of the palletizing cell as arrays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pack_core import stamps
+from pack_core.errors import BagError
+from pack_core.evaluation.bag import Bag, read_bag
+from pack_core.evaluation.palletizing.pallet_run import (
+    BoxRecord,
+    BoxTrack,
+    PalletRun,
+    StateVisit,
+    ToolTrack,
+    UnwantedTouch,
+)
+from pack_core.evaluation.palletizing.tool_track import tool_track
+from pack_core.rotations import Array, Pose
+
+JOINTS, SETPOINTS, TRUTH, GRIPPER = "/joint_states", "/joint_setpoints", "/sim/truth", "/gripper/state"
+STATES, RESULT, CONTACTS = "/fsm/state", "/palletize/result", "/sim/contacts"
+TOPICS = (JOINTS, SETPOINTS, TRUTH, GRIPPER, STATES, RESULT, CONTACTS)
+
+
+def load_pallet_run(path: Path) -> PalletRun:
+    """Read a recorded order.
+
+    Args:
+        path: a run's folder, a bag's folder or an MCAP file.
+
+    Raises:
+        BagError: the recording is missing, broken, or holds no order.
+    """
+    bag = read_bag(path, TOPICS)
+    missing = [topic for topic in (JOINTS, SETPOINTS, TRUTH, STATES, RESULT) if not bag.of(topic)]
+    if missing:
+        raise BagError(f"{bag.path} has no message on {', '.join(missing)}: did an order run to its end?")
+    result = json.loads(bag.of(RESULT)[-1].data)
+    visits = tuple(
+        StateVisit(message.state, _seconds(message.header.stamp), message.box, message.reason)
+        for message in bag.of(STATES)
+    )
+    return PalletRun(
+        order=result["order"], seed=0, reason=result["reason"],
+        boxes=tuple(_box(box) for box in result["boxes"]), visits=visits,
+        tool=_tool(bag, visits[0].time), tracks=_tracks(bag.of(TRUTH)),
+        touches=tuple(
+            UnwantedTouch(_seconds(item.header.stamp), (item.bodies[0], item.bodies[1]), item.force)
+            for item in bag.of(CONTACTS)
+        ),
+        cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
+        grip_peaks=_peaks(bag.of(GRIPPER)), is_cut=bag.is_cut,
+    )  # fmt: skip
+
+
+def _box(box: dict[str, Any]) -> BoxRecord:
+    pose = np.array(box["pose"])
+    return BoxRecord(
+        box["name"], (box["dims"][0], box["dims"][1], box["dims"][2]), box["mass"], box["handling"],
+        box["outcome"], box["reason"], box["direction"], Pose(pose[:3], pose[3:]),
+    )  # fmt: skip
+
+
+def _tool(bag: Bag, start: float) -> ToolTrack:
+    """Measured joints since `start`, and what the newest setpoints want at the same moments."""
+    measured = [item for item in bag.of(JOINTS) if _seconds(item.header.stamp) >= start]
+    times = np.array([_seconds(item.header.stamp) for item in measured])
+    wanted = {
+        _seconds(message.header.stamp) + _seconds(point.time_from_start): point.positions
+        for message in bag.of(SETPOINTS)
+        for point in message.points
+    }
+    rows = sorted(wanted)
+    positions = np.array([wanted[time] for time in rows])
+    q_ref = np.stack([np.interp(times, rows, column) for column in positions.T], axis=1)
+    return tool_track(times, q_ref, np.array([item.position for item in measured]))
+
+
+def _tracks(messages: Sequence[Any]) -> dict[str, BoxTrack]:
+    rows: dict[str, list[tuple[float, Array, Array]]] = {}
+    for message in messages:
+        time = _seconds(message.header.stamp)
+        for item in message.objects:
+            p, q = item.pose.position, item.pose.orientation
+            row = (time, np.array([p.x, p.y, p.z]), np.array([q.w, q.x, q.y, q.z]))
+            rows.setdefault(item.name, []).append(row)
+    return {
+        name: BoxTrack(*(np.array(column) for column in zip(*samples, strict=True)))
+        for name, samples in rows.items()
+    }
+
+
+def _peaks(messages: Sequence[Any]) -> dict[str, tuple[float, float, float]]:
+    peaks: dict[str, tuple[float, float, float]] = {}
+    for message in messages:
+        if message.object:
+            worst = peaks.get(message.object, (0.0, 0.0, 0.0))
+            load = (message.coaxial_force, message.shear_force, message.moment)
+            peaks[message.object] = tuple(np.maximum(worst, load).tolist())
+    return peaks
+
+
+def _seconds(stamp: Any) -> float:
+    return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)

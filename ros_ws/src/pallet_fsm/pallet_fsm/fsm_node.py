@@ -1,0 +1,194 @@
+"""The palletizing machine as a ROS 2 node: action `/palletize` in, motion targets and grips out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pack_interfaces.action import Palletize
+from pack_interfaces.srv import PlanLayout
+from pydantic import Field
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from std_msgs.msg import String
+
+from pack_core.cells.palletizing import palletizing_cell
+from pack_core.errors import ConfigError, PackError
+from pack_core.orders.layout_plan import LayoutPlan, LayoutStatus
+from pack_core.orders.order import Order
+from pack_core.orders.order_file import parse_order
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.layout_messages import from_layout
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.profile import profile_of
+from pallet_fsm.ros.cell_client import CellClient
+from pallet_fsm.ros.observer import Observer
+from pallet_fsm.ros.results import to_feedback, to_result, to_state
+
+
+class FsmNodeConfig(PalletizerConfig):
+    """Parameters of the node `fsm`."""
+
+    watched: tuple[str, ...] = Field(
+        default=("sim", "vision", "layout", "motion", "recorder"),
+        description="the order stops safely when one of them falls silent",
+    )
+
+
+class FsmNode(CellNode):
+    """Builds one order at a time."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("fsm", **kwargs)
+        self._config = read_parameters(self, FsmNodeConfig)
+        profile_of(self._config.profile)
+        self._session: Palletizer | None = None
+        self._goal: ServerGoalHandle | None = None
+        self._done: Future | None = None
+        self._is_busy = False
+        self._start, self._told = 0.0, 0
+        self._silent: set[str] = set()
+        self._observer = Observer(self, self._step)
+        self._client = CellClient(self, self._on_spawned, self._on_failure)
+        self._state = self.advertise(contracts.PALLET_STATE)
+        self._result = self.advertise(contracts.RESULT)
+        self._layout = self.create_client(contracts.PLAN_LAYOUT.type, contracts.PLAN_LAYOUT.name)
+        self._action = ActionServer(
+            self, contracts.PALLETIZE.type, contracts.PALLETIZE.name, self._execute,
+            goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )  # fmt: skip
+        self.watch(self._config.watched, self._on_peer)
+
+    def destroy_node(self) -> None:
+        """Stop taking orders, then the node."""
+        self._action.destroy()
+        super().destroy_node()
+
+    def _on_goal(self, _: Palletize.Goal) -> GoalResponse:
+        reason = self._refusal()
+        if not reason:
+            self._is_busy = True
+            return GoalResponse.ACCEPT
+        self.health.count("refused order", reason)
+        self.get_logger().error(f"refused order: {reason}")
+        return GoalResponse.REJECT
+
+    def _refusal(self) -> str:
+        """Why no order can be taken now; empty when one can."""
+        if self._is_busy:
+            return "an order is in progress; cancel it first"
+        if self._observer.newest is None:
+            return "nothing heard of arm and gripper yet: are sim and motion up?"
+        return f"silent: {', '.join(sorted(self._silent))}" if self._silent else ""
+
+    async def _execute(self, goal: ServerGoalHandle) -> Palletize.Result:
+        """Nothing moves before order and layout are found good."""
+        try:
+            order = read_order(goal.request)
+            config = self._configured(goal.request.profile)
+            plan = await self._plan(order)
+            result = await self._build(goal, order, plan, config)
+        except PackError as error:
+            result = Palletize.Result(success=False, message=str(error))
+        finally:
+            self._is_busy = False
+        self.get_logger().info(f"order ended: {result.placed} of {result.boxes} boxes; {result.message}")
+        if goal.is_cancel_requested:
+            goal.canceled()
+        elif result.success:
+            goal.succeed()
+        else:
+            goal.abort()
+        return result
+
+    def _configured(self, profile: str) -> PalletizerConfig:
+        if profile:
+            profile_of(profile)
+        return self._config.model_copy(update={"profile": profile}) if profile else self._config
+
+    async def _plan(self, order: Order) -> LayoutPlan:
+        request = PlanLayout.Request(order=order.model_dump_json(exclude_none=True), gap=-1.0)
+        response = await self._layout.call_async(request)
+        if response.status != LayoutStatus.SUCCESS:
+            raise ConfigError(f"order {order.order_id}: {response.message}")
+        return from_layout(response)
+
+    async def _build(
+        self, goal: ServerGoalHandle, order: Order, plan: LayoutPlan, config: PalletizerConfig
+    ) -> Palletize.Result:
+        seen = self._observer.newest
+        assert seen is not None
+        self._done, self._goal, self._start, self._told = Future(executor=self.executor), goal, seen.time, 0
+        self._session = session = Palletizer(order, plan, palletizing_cell(), config, seen.time)
+        await self._done
+        report, elapsed = session.report(), session.machine.since - self._start
+        result = to_result(report, elapsed)
+        self._result.publish(String(data=result.report))
+        return result
+
+    def _step(self) -> None:
+        """One turn of the machine, with every status of the motion."""
+        session, goal, seen = self._session, self._goal, self._observer.newest
+        if session is None or goal is None or seen is None:
+            return
+        if goal.is_cancel_requested:
+            session.halt("canceled on request")
+        for command in session.step(seen):
+            self._client.obey(command)
+        self._tell(session, goal)
+        if session.machine.is_over and self._done is not None:
+            self._session = None
+            self._done.set_result(None)
+
+    def _tell(self, session: Palletizer, goal: ServerGoalHandle) -> None:
+        """Publish the states that were entered since."""
+        visits = session.machine.visits
+        for visit in visits[self._told :]:
+            self._state.publish(to_state(visit))
+            if visit.reason:
+                self.health.count(visit.state.label, visit.reason)
+                self.get_logger().warning(f"{visit.state.label}, box {visit.box}: {visit.reason}")
+        if len(visits) > self._told:
+            goal.publish_feedback(to_feedback(session, session.machine.since - self._start))
+        self._told = len(visits)
+
+    def _on_spawned(self, name: str) -> None:
+        self._observer.spawned = name
+
+    def _on_failure(self, reason: str) -> None:
+        self.health.count("failed command", reason)
+        self.get_logger().error(reason)
+        if self._session is not None:
+            self._session.halt(reason)
+
+    def _on_peer(self, peer: str, is_alive: bool) -> None:
+        if is_alive:
+            self._silent.discard(peer)
+            return
+        self._silent.add(peer)
+        if self._session is not None:
+            self._session.halt(f"node '{peer}' is silent")
+
+
+def read_order(goal: Palletize.Goal) -> Order:
+    """The order of a goal.
+
+    Raises:
+        PackError: it cannot be read, or is wrong; the text says all that is.
+    """
+    if goal.order:
+        return parse_order(goal.order, "the order of the goal")
+    path = Path(goal.file)
+    if not path.is_file():
+        raise ConfigError(f"{goal.file or 'the goal'}: no order there; give `order` or `file`")
+    return parse_order(path.read_text(), str(path))
+
+
+def main() -> int:
+    """Entry point of `fsm_node`."""
+    return run_node(FsmNode)

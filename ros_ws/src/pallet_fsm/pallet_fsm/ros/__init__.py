@@ -1,0 +1,1 @@
+"""What the node `fsm` needs of ROS beside its shell."""

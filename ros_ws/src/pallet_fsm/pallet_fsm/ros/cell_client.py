@@ -1,0 +1,95 @@
+"""Carries the machine's commands to the nodes that do them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from pack_interfaces.srv import GripperCommand, RemoveBox, SpawnBox
+from rclpy.client import Client
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import motion
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.conversions import from_stamp
+from pack_core.ros.detection_messages import to_expected_box
+from pack_core.ros.motion_messages import to_target
+from pallet_fsm.ports import (
+    CloseGripper,
+    Command,
+    DiscardBox,
+    Look,
+    MoveArm,
+    OpenGripper,
+    StopArm,
+)
+from pallet_fsm.ports import (
+    SpawnBox as SpawnCommand,
+)
+
+
+class CellClient:
+    """Sends commands and hears their answers.
+
+    Args:
+        node: that sends.
+        on_spawned: is told the name of a box that has come.
+        on_failure: is told why a command was not done.
+    """
+
+    def __init__(
+        self, node: CellNode, on_spawned: Callable[[str], None], on_failure: Callable[[str], None]
+    ) -> None:
+        self._node, self._on_spawned, self._on_failure = node, on_spawned, on_failure
+        self._target = node.advertise(motion.MOTION_TARGET)
+        self._expected = node.advertise(contracts.EXPECTED_BOX)
+        self._spawn, self._remove, self._gripper, self._trigger, self._stop = (
+            self._client(contract)
+            for contract in (
+                contracts.SPAWN_BOX, contracts.REMOVE_BOX, contracts.GRIPPER_COMMAND, contracts.TRIGGER,
+                motion.MOTION_STOP,
+            )
+        )  # fmt: skip
+
+    def obey(self, command: Command) -> None:
+        """Send a command.
+
+        A picture that is not taken is missed by the machine, which asks again.
+        """
+        match command:
+            case MoveArm(target):
+                self._target.publish(to_target(target, self._now()))
+            case StopArm():
+                self._stop.call_async(Trigger.Request())
+            case Look(expected):
+                self._expected.publish(to_expected_box(expected))
+                self._trigger.call_async(Trigger.Request())
+            case SpawnCommand(name, dims, mass):
+                request = SpawnBox.Request(name=name, size=list(dims), mass=mass)
+                self._call(self._spawn, request, f"box {name} cannot come", lambda: self._on_spawned(name))
+            case DiscardBox(name):
+                self._call(self._remove, RemoveBox.Request(name=name), f"box {name} cannot be taken out")
+            case CloseGripper() | OpenGripper():
+                close = isinstance(command, CloseGripper)
+                self._call(self._gripper, GripperCommand.Request(close=close), "the gripper does not obey")
+
+    def _now(self) -> float:
+        return from_stamp(self._node.get_clock().now().to_msg())
+
+    def _client(self, contract: Contract) -> Client:
+        return self._node.create_client(contract.type, contract.name)
+
+    def _call(
+        self, client: Client, request: Any, what: str, on_success: Callable[[], None] = lambda: None
+    ) -> None:
+        def answered(future: Future) -> None:
+            response = future.result()
+            if response.success:
+                on_success()
+            else:
+                self._on_failure(f"{what}: {response.message}")
+
+        client.call_async(request).add_done_callback(answered)

@@ -1,0 +1,59 @@
+"""Gathers what the machine sees from the topics it comes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from pack_interfaces.msg import BoxDetection as BoxDetectionMsg
+from pack_interfaces.msg import GripperState
+from pack_interfaces.msg import MotionStatus as MotionStatusMsg
+
+from pack_core.box_detection import BoxDetection
+from pack_core.grip import GripState
+from pack_core.motion.target import MotionStatus
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import motion
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.detection_messages import from_detection
+from pack_core.ros.gripper_messages import from_gripper_state
+from pack_core.ros.motion_messages import from_status
+from pallet_fsm.ports import Observation
+
+
+class Observer:
+    """Newest message of each topic.
+
+    Args:
+        node: that listens.
+        on_motion: is called with every status of the motion.
+
+    Attributes:
+        spawned: name of the box that came last.
+    """
+
+    def __init__(self, node: CellNode, on_motion: Callable[[], None]) -> None:
+        self._on_motion = on_motion
+        self._motion: MotionStatus | None = None
+        self._grip: GripState | None = None
+        self._detection: BoxDetection | None = None
+        self.spawned = ""
+        node.listen(motion.MOTION_STATUS, self._hear_motion)
+        node.listen(contracts.GRIPPER_STATE, self._hear_gripper)
+        node.listen(contracts.BOX_DETECTION, self._hear_detection)
+
+    @property
+    def newest(self) -> Observation | None:
+        """What is known now; None before arm and gripper were heard of."""
+        if self._motion is None or self._grip is None:
+            return None
+        return Observation(self._motion.time, self._motion, self._grip, self.spawned, self._detection)
+
+    def _hear_motion(self, message: MotionStatusMsg) -> None:
+        self._motion = from_status(message)
+        self._on_motion()
+
+    def _hear_gripper(self, message: GripperState) -> None:
+        self._grip = from_gripper_state(message)
+
+    def _hear_detection(self, message: BoxDetectionMsg) -> None:
+        self._detection = from_detection(message)
