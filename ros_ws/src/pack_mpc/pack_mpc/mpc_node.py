@@ -16,12 +16,12 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from pack_core.cells.packing import packing_cell
 from pack_core.errors import PackError
 from pack_core.exit_reason import ExitReason
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import to_setpoints
+from pack_core.ros.packing_cell import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.scene.scene import Scene
@@ -51,6 +51,7 @@ class MpcNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("mpc", **kwargs)
         self._config = read_parameters(self, MpcNodeConfig)
+        self._cell = read_packing_cell(self)
         load_weights(self._config.weights)  # a set that does not exist is found now, not at the first goal
         self._scene: Scene | None = None
         self._session: PackingSession | None = None
@@ -134,7 +135,7 @@ class MpcNode(CellNode):
         assert self._scene is not None
         request, now = goal.request, self._mailbox.time
         session = PackingSession(
-            self._scene, packing_cell(), self._config, Method.of(request.method), now, request.timeout
+            self._scene, self._cell, self._config, Method.of(request.method), now, request.timeout
         )
         self._placements.start(session, request.seed)
         self._mailbox.clear_forces()
