@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from pack_interfaces.msg import MotionTarget
 from pack_interfaces.srv import GripperCommand, RemoveBox, SpawnBox
 from rclpy.client import Client
 from rclpy.task import Future
@@ -46,24 +47,24 @@ class CellClient:
         self._node, self._on_spawned, self._on_failure = node, on_spawned, on_failure
         self._target = node.advertise(motion.MOTION_TARGET)
         self._expected = node.advertise(contracts.EXPECTED_BOX)
-        self._spawn, self._remove, self._gripper, self._trigger, self._stop = (
+        self._spawn, self._remove, self._gripper, self._trigger = (
             self._client(contract)
             for contract in (
                 contracts.SPAWN_BOX, contracts.REMOVE_BOX, contracts.GRIPPER_COMMAND, contracts.TRIGGER,
-                motion.MOTION_STOP,
             )
         )  # fmt: skip
 
     def obey(self, command: Command) -> None:
         """Send a command.
 
-        A picture that is not taken is missed by the machine, which asks again.
+        A motion target without segments is a stop. A picture that is not taken is missed by the machine,
+        which asks again.
         """
         match command:
             case MoveArm(target):
                 self._target.publish(to_target(target, self._now()))
             case StopArm():
-                self._stop.call_async(Trigger.Request())
+                self._target.publish(MotionTarget())
             case Look(expected):
                 self._expected.publish(to_expected_box(expected))
                 self._trigger.call_async(Trigger.Request())

@@ -14,6 +14,7 @@ from pack_core.motion.target import MotionStatus
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.conversions import from_stamp
 from pack_core.ros.detection_messages import from_detection
 from pack_core.ros.gripper_messages import from_gripper_state
 from pack_core.ros.motion_messages import from_status
@@ -32,7 +33,7 @@ class Observer:
     """
 
     def __init__(self, node: CellNode, on_motion: Callable[[], None]) -> None:
-        self._on_motion = on_motion
+        self._node, self._on_motion = node, on_motion
         self._motion: MotionStatus | None = None
         self._grip: GripState | None = None
         self._detection: BoxDetection | None = None
@@ -43,10 +44,14 @@ class Observer:
 
     @property
     def newest(self) -> Observation | None:
-        """What is known now; None before arm and gripper were heard of."""
+        """What is known now; None before arm and gripper were heard of.
+
+        The status of the motion is ahead of the clock, as setpoints are: it says no time.
+        """
         if self._motion is None or self._grip is None:
             return None
-        return Observation(self._motion.time, self._motion, self._grip, self.spawned, self._detection)
+        time = from_stamp(self._node.get_clock().now().to_msg())
+        return Observation(time, self._motion, self._grip, self.spawned, self._detection)
 
     def _hear_motion(self, message: MotionStatusMsg) -> None:
         self._motion = from_status(message)
