@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from pydantic import Field, NonNegativeFloat, PositiveFloat
+from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
 from pack_core.rearrangement.gripper import GripperFootprint
@@ -34,14 +34,6 @@ class Tolerance(Config):
     overlap: NonNegativeFloat = Field(0.001, description="depth that two blocks may overlap as measured [m]")
 
 
-class Costs(Config):
-    """Of the paper's Eq. 1; by `pirs` for a single block's path."""
-
-    pick_place: PositiveFloat = Field(1.0, description="alpha_1")
-    push: PositiveFloat = Field(1.5, description="alpha_2; a push is less precise")
-    collision: PositiveFloat = Field(2.0, description="alpha_3, for every block in the way")
-
-
 @dataclass(frozen=True)
 class Problem:
     """Blocks to be rearranged.
@@ -54,7 +46,6 @@ class Problem:
         symmetry: after how many equal turns a block looks alike: 1, 2 or 4 (any face may be in front).
         gripper: its room on the table.
         tolerance: what counts as in place.
-        costs: of actions.
         starts_may_be_outside: blocks may stand outside the workspace to begin with.
     """
 
@@ -65,7 +56,6 @@ class Problem:
     symmetry: int = 1
     gripper: GripperFootprint = field(default_factory=GripperFootprint)
     tolerance: Tolerance = field(default_factory=Tolerance)
-    costs: Costs = field(default_factory=Costs)
     starts_may_be_outside: bool = False
 
     def __post_init__(self) -> None:

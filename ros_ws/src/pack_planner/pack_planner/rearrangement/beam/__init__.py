@@ -1,0 +1,1 @@
+"""The default planner: finite poses, collisions as bits, a beam search that a pattern database guides."""

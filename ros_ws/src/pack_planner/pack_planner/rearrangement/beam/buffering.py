@@ -1,0 +1,130 @@
+"""Where a block may go that must make way, compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from pack_core.rotations import Array
+from pack_planner.rearrangement.beam.bits import bit, count_bits
+from pack_planner.rearrangement.beam.estimates import Summary
+from pack_planner.rearrangement.beam.grasping import swaps
+from pack_planner.rearrangement.beam.pushing import Ints
+from pack_planner.rearrangement.beam.states import PUSHED, has
+from pack_planner.rearrangement.beam.tables import Tables
+from pack_planner.rearrangement.collisions import Words
+
+LOOKED_AT = 2
+"""Free buffer poses that are compared for every one that is tried."""
+OFF_LINE = 1.0
+"""Cost of a buffer pose that is on no push line of the block, in goals stood on."""
+CROWDED = 0.3
+"""Cost of a goal that is left without a grasp."""
+PER_METRE = 0.5
+"""Cost of the way."""
+
+
+class Options(NamedTuple):
+    """Room for buffer poses `(room,)` and the grasps to get there, as in Children; costs `(breadth,)`."""
+
+    spot: Ints
+    grasps: Ints
+    cost: Array
+
+
+@njit(cache=True, inline="always")
+def buffer_options(
+    i: int, spots: npt.NDArray[np.int16], can_pick: npt.NDArray[np.bool_], now: Summary, order: Ints,
+    tables: Tables, options: Options,
+) -> int:  # fmt: skip
+    """Fill `options` with the best of the first free buffer poses in order; how many there are."""
+    start, breadth = spots[i], options.cost.shape[0]
+    free = _free_spots(i, spots, tables.denied)
+    possible = free[0] | free[1]
+    found, looked = 0, 0
+    for rank in range(order.shape[1]):
+        spot = order[i, rank]
+        if spot == start or not has(possible, spot):
+            continue
+        pair = _grasps(i, start, spot, can_pick, free, tables)
+        if pair < 0:
+            continue
+        cost = _cost(i, spot, start, now.left, tables)
+        if found < breadth:
+            place = found
+            found += 1
+        else:
+            place = _dearest(options.cost)
+        if looked < breadth or cost < options.cost[place]:
+            options.spot[place], options.grasps[place], options.cost[place] = spot, pair, cost
+        looked += 1
+        if looked == LOOKED_AT * breadth:
+            break
+    return found
+
+
+@njit(cache=True, inline="always")
+def pushed_out_options(i: int, occupied: Words, tables: Tables, options: Options) -> int:
+    """Fill `options` with the poses that block i can be pushed to from its start; how many there are."""
+    found = 0
+    for row in range(tables.out_first[i], tables.out_first[i + 1]):
+        is_clear = True
+        for w in range(occupied.shape[0]):
+            is_clear &= not tables.out[row, w] & occupied[w]
+        if is_clear:
+            options.spot[found], options.grasps[found] = tables.out_spot[row], PUSHED
+            found += 1
+    return found
+
+
+@njit(cache=True)
+def _free_spots(i: int, spots: npt.NDArray[np.int16], denied: Words) -> Words:
+    """Spots on which block i can be put down, the gripper closing along either axis `(2, W)`."""
+    words = np.zeros((2, denied.shape[2]), dtype=np.uint64)
+    for j in range(spots.shape[0]):
+        if j != i:
+            for k in range(2):
+                for w in range(denied.shape[2]):
+                    words[k, w] |= denied[spots[j], k, w]
+    return ~words
+
+
+@njit(cache=True, inline="always")
+def _grasps(
+    i: int, start: int, spot: int, can_pick: npt.NDArray[np.bool_], free: Words, tables: Tables
+) -> int:
+    """The pair of grasps by which a block can be carried to a buffer pose; -1 for none."""
+    pair = -1
+    swap = swaps(i, start, spot, tables)
+    for turned in range(1 + tables.is_symmetric):
+        for k in range(2):
+            end = k ^ swap ^ turned
+            is_free = (free[end, spot // 64] >> np.uint64(spot % 64)) & np.uint64(1)
+            if pair < 0 and can_pick[i, k] and is_free:
+                pair = 2 * k + end
+    return pair
+
+
+@njit(cache=True, inline="always")
+def _cost(i: int, spot: int, start: int, left: np.uint64, tables: Tables) -> float:
+    """How much a buffer pose is in the way of goals not filled yet; less on the block's own push line."""
+    others = left & ~bit(i)
+    stood_on, crowded = tables.crowds[spot, 0] & others, tables.crowds[spot, 1] & others
+    dx = tables.poses[spot, 0] - tables.poses[start, 0]
+    dy = tables.poses[spot, 1] - tables.poses[start, 1]
+    way = math.sqrt(dx * dx + dy * dy)
+    off_line = OFF_LINE if tables.push_of[i, spot] < 0 else 0.0
+    return float(count_bits(stood_on) + CROWDED * count_bits(crowded) + off_line + PER_METRE * way)
+
+
+@njit(cache=True, inline="always")
+def _dearest(costs: Array) -> int:
+    dearest = 0
+    for option in range(1, costs.shape[0]):
+        if costs[option] > costs[dearest]:
+            dearest = option
+    return dearest

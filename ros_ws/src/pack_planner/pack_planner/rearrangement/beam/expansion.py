@@ -1,0 +1,136 @@
+"""One step of the beam search, compiled: all children of all states of a layer.
+
+A block that can go home goes home: by picking and placing, by a push if it stands on its push line, or by
+being put there and pushed. A block that cannot, or that stands in another's way, goes to a buffer pose; one
+that cannot even be grasped at its start is pushed out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from pack_planner.rearrangement.assembly import NEVER
+from pack_planner.rearrangement.beam.bits import bit
+from pack_planner.rearrangement.beam.buffering import Options, buffer_options, pushed_out_options
+from pack_planner.rearrangement.beam.estimates import (
+    NOWHERE,
+    Summary,
+    after_going_home,
+    after_making_way,
+    cycles_with,
+    summarize,
+)  # fmt: skip
+from pack_planner.rearrangement.beam.grasping import way_home
+from pack_planner.rearrangement.beam.obstacles import note_obstacles, note_obstacles_of_pushes
+from pack_planner.rearrangement.beam.pushing import Ints
+from pack_planner.rearrangement.beam.spots import GOAL, POOL
+from pack_planner.rearrangement.beam.states import (
+    NO_STAGE,
+    Children,
+    States,
+    append,
+    clear,
+    empty_children,
+    estimate,
+    first_children,
+    has,
+    occupy,
+)  # fmt: skip
+from pack_planner.rearrangement.beam.tables import Tables
+from pack_planner.rearrangement.collisions import Words, is_free
+
+Flags = npt.NDArray[np.bool_]
+
+
+@njit(cache=True)
+def expand(
+    states: States, tables: Tables, order: Ints, breadth: int, limit: int, is_anyone: bool
+) -> Children:
+    """All children of a layer.
+
+    Args:
+        states: the layer.
+        tables: geometry.
+        order: buffer poses in the order in which every block looks at them `(n, P)`.
+        breadth: buffer poses that are tried for a block.
+        limit: children with more actions left than this are dropped.
+        is_anyone: blocks may go to buffer poses though they are in nobody's way.
+    """
+    rows, n = states.spot.shape
+    room = max(breadth, tables.out_spot.shape[0])
+    options = Options(np.empty(room, np.int32), np.empty(room, np.int32), np.empty(breadth))
+    out = empty_children(rows * (n * (1 + breadth) + tables.out_spot.shape[0]))
+    can_pick, must_go = np.empty((n, 2), np.bool_), np.empty(n, np.bool_)
+    count = 0
+    for row in range(rows):
+        occupied, spots = states.occupied[row].copy(), states.spot[row]
+        now = summarize(occupied, spots, tables)
+        blocking = np.zeros_like(occupied)
+        count = _go_home(states, row, occupied, now, can_pick, must_go, blocking, tables, limit, out, count)
+        for i in range(n):
+            spot = spots[i]
+            if spot == GOAL + i or not (must_go[i] or has(blocking, spot) or is_anyone):
+                continue
+            found = 0
+            if can_pick[i, 0] or can_pick[i, 1]:
+                found = buffer_options(i, spots, can_pick, now, order, tables, options)
+            elif spot == i:
+                clear(occupied, spot)
+                found = pushed_out_options(i, occupied, tables, options)
+                occupy(occupied, spot)
+            count = _make_way(states, row, i, now, options, found, tables, limit, out, count)
+    return first_children(out, count)
+
+
+@njit(cache=True, inline="always")
+def _go_home(
+    states: States, row: int, occupied: Words, now: Summary, can_pick: Flags, must_go: Flags, blocking: Words,
+    tables: Tables, limit: int, out: Children, count: int,
+) -> int:  # fmt: skip
+    """Append children in which a block goes home; the new number of children.
+
+    Notes which grasps find room, which blocks must leave their starts without going home, and who stands in
+    the way of those that cannot go home, or not without a push.
+    """
+    for i in range(must_go.shape[0]):
+        spot = states.spot[row, i]
+        if spot == GOAL + i:
+            continue
+        clear(occupied, spot)
+        for k in range(2):
+            can_pick[i, k] = is_free(tables.pick[spot, k], occupied)
+        stage, pair = way_home(i, spot, can_pick, occupied, tables)
+        bound, detours = after_going_home(i, now, states.cycles[row], tables)
+        is_going = pair >= 0 and bound < now.bound
+        if pair >= 0 and bound < NEVER and bound + 1 + (stage != NO_STAGE) <= limit:
+            append(out, count, states, tables, row, i, GOAL + i, stage, pair)
+            estimate(out, count, bound, states.cycles[row], detours)
+            count += 1
+        if not is_going or stage != NO_STAGE:
+            note_obstacles(i, spot, occupied, tables, blocking)
+        if not is_going:
+            note_obstacles_of_pushes(i, occupied, tables, blocking)
+        must_go[i] = not is_going and spot < POOL
+        occupy(occupied, spot)
+    return count
+
+
+@njit(cache=True, inline="always")
+def _make_way(
+    states: States, row: int, i: int, now: Summary, options: Options, found: int, tables: Tables, limit: int,
+    out: Children, count: int,
+) -> int:  # fmt: skip
+    """Append a child for every pose that was found for a block to wait at; the new number of children."""
+    cycles_elsewhere = cycles_with(i, NOWHERE, now, tables)
+    for option in range(found):
+        end, cycles = options.spot[option], cycles_elsewhere
+        if tables.crowds[end, 0] & now.left & ~bit(i):
+            cycles = cycles_with(i, end, now, tables)
+        bound, detours = after_making_way(i, end, now, cycles, tables)
+        if bound + 1 <= limit:
+            append(out, count, states, tables, row, i, end, NO_STAGE, options.grasps[option])
+            estimate(out, count, bound, cycles, detours)
+            count += 1
+    return count

@@ -1,0 +1,153 @@
+"""Beam search over the number of actions: layer by layer, the most promising states of each."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from pack_core.rotations import Array
+from pack_planner.rearrangement.beam.detours import cycles, standing_on_goals
+from pack_planner.rearrangement.beam.expansion import expand
+from pack_planner.rearrangement.beam.history import History, Move
+from pack_planner.rearrangement.beam.pushing import Ints
+from pack_planner.rearrangement.beam.spots import GOAL
+from pack_planner.rearrangement.beam.states import NO_STAGE, Children, States, follow, occupy
+from pack_planner.rearrangement.beam.tables import Tables
+from pack_planner.rearrangement.collisions import Words
+
+TRAVEL_WEIGHT = 1e-3
+"""Of a metre of travel against an action: travel decides between plans of one length."""
+
+Indices = npt.NDArray[np.int64]
+Pending = list[tuple[States, Children, Indices]]
+
+
+@dataclass(frozen=True)
+class Beam:
+    """What a round keeps to.
+
+    Attributes:
+        width: states kept of a layer.
+        longest: actions that a plan may have.
+        breadth: buffer poses tried for a block in a state.
+        is_anyone: blocks may make way though they are in nobody's way.
+        noise: of the states' ranks, in actions.
+    """
+
+    width: int
+    longest: int
+    breadth: int = 4
+    is_anyone: bool = False
+    noise: float = 0.0
+
+
+@dataclass(frozen=True)
+class Round:
+    """How a round went: the moves of the shortest plan found, and how many states were expanded."""
+
+    moves: list[Move] | None
+    actions: int
+    expanded: int
+
+
+def root_state(tables: Tables, spots: npt.NDArray[np.int16]) -> States:
+    """The layer of one state with blocks at spots `(n,)`."""
+    occupied = np.zeros((1, tables.pick.shape[2]), dtype=np.uint64)
+    for spot in spots.tolist():
+        occupy(occupied[0], spot)
+    circles = cycles(standing_on_goals(spots, tables.crowds), np.uint64(2 ** len(spots) - 1))
+    return States(
+        occupied, spots[None], np.zeros(1, np.int32), np.zeros(1), tables.poses[spots[:1], :2],
+        np.array([circles], np.int32), np.zeros(1, np.uint64),
+    )  # fmt: skip
+
+
+def run_round(
+    root: States,
+    tables: Tables,
+    order: Ints,
+    beam: Beam,
+    is_over: Callable[[], bool],
+    rng: np.random.Generator,
+) -> Round:
+    """Search once."""
+    n = root.spot.shape[1]
+    history, expanded = History(), 0
+    pending: defaultdict[int, Pending] = defaultdict(list)
+    layer: States | None = root
+    for depth in range(beam.longest + 1):
+        if depth:
+            layer = _next_layer(pending.pop(depth, []), beam, tables, history, rng)
+        if is_over():
+            break
+        if layer is None:
+            continue
+        done = np.flatnonzero((layer.spot == GOAL + np.arange(n)).all(axis=1))
+        if len(done):
+            best = done[np.argmin(layer.travel[done])]
+            return Round(history.moves(int(layer.node[best])), depth, expanded)
+        children = expand(layer, tables, order, beam.breadth, beam.longest - depth, beam.is_anyone)
+        expanded += len(layer.node)
+        is_staged = children.moves[:, 3] != NO_STAGE
+        pending[depth + 1].append((layer, children, np.flatnonzero(~is_staged)))
+        pending[depth + 2].append((layer, children, np.flatnonzero(is_staged)))
+    return Round(None, 0, expanded)
+
+
+def _next_layer(
+    pending: Pending, beam: Beam, tables: Tables, history: History, rng: np.random.Generator
+) -> States | None:
+    """The best children of earlier layers that take as many actions, no two alike."""
+    if not sum(len(indices) for _, _, indices in pending):
+        return None
+    keys = np.concatenate([_rank(children, indices) for _, children, indices in pending])
+    if beam.noise:
+        keys += rng.uniform(0.0, beam.noise, len(keys))
+    hashes = np.concatenate([children.hash[indices] for _, children, indices in pending])
+    kept = select(keys, hashes, beam.width)
+    layers, first = [], 0
+    for states, children, indices in pending:
+        own = indices[kept[(kept >= first) & (kept < first + len(indices))] - first]
+        first += len(indices)
+        nodes = history.add(states.node, children, own)
+        layers.append(follow(states, children, own, nodes, tables.poses))
+    return (
+        layers[0]
+        if len(layers) == 1
+        else States(*(np.concatenate(part) for part in zip(*layers, strict=True)))
+    )
+
+
+def _rank(children: Children, indices: Indices) -> Array:
+    """Estimated number of actions left, `(len(indices),)`; travel decides between equals."""
+    left = children.bound[indices] + children.detours[indices]
+    return np.asarray(left + TRAVEL_WEIGHT * children.travel[indices])
+
+
+def select(keys: Array, hashes: Words, width: int) -> Indices:
+    """Indices of the `width` smallest keys with different hashes."""
+    room = 4 * width
+    if len(keys) > 2 * room:
+        nearest = np.argpartition(keys, room)[:room]
+        return np.asarray(nearest[_first_distinct(keys[nearest], hashes[nearest], width)])
+    return np.asarray(_first_distinct(keys, hashes, width))
+
+
+@njit(cache=True)
+def _first_distinct(keys: Array, hashes: Words, width: int) -> Indices:
+    order = np.argsort(keys)
+    seen, kept = set(hashes[:0]), np.empty(min(width, len(keys)), np.int64)
+    count = 0
+    for index in order:
+        if hashes[index] not in seen:
+            seen.add(hashes[index])
+            kept[count] = index
+            count += 1
+            if count == len(kept):
+                break
+    return kept[:count]

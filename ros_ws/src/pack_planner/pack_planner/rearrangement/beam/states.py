@@ -1,0 +1,150 @@
+"""States of the search and what follows from them, as arrays."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from pack_core.rotations import Array
+from pack_planner.rearrangement.beam.pushing import Ints
+from pack_planner.rearrangement.beam.tables import Tables
+from pack_planner.rearrangement.collisions import Words
+
+NO_STAGE = -1
+PUSHED = 4
+"""Instead of a pair of grasps: the block was pushed."""
+ONE = np.uint64(1)
+
+
+class States(NamedTuple):
+    """A layer of B states.
+
+    Attributes:
+        occupied: spots `(B, W)`.
+        spot: of every block `(B, n)`.
+        node: number in the search's history `(B,)`.
+        travel: of the gripper so far [m] `(B,)`.
+        tool: where the gripper is [m] `(B, 2)`.
+        cycles: estimated number of blocks that must make way `(B,)`.
+        hash: `(B,)`
+    """
+
+    occupied: Words
+    spot: npt.NDArray[np.int16]
+    node: Ints
+    travel: Array
+    tool: Array
+    cycles: Ints
+    hash: Words
+
+
+class Children(NamedTuple):
+    """What follows from the states of a layer, C children.
+
+    Attributes:
+        moves: rows of integers `(C, 5)`: the parent's row in the layer; which block goes; to which spot; by
+            which staging pose, or NO_STAGE; by which grasps, 2 * axis at the pick + axis at the place, or
+            PUSHED.
+        bound: at least so many actions are left `(C,)`.
+        cycles: `(C,)`
+        detours: actions that are likely left beyond the bound `(C,)`.
+        travel: `(C,)`
+        hash: `(C,)`
+    """
+
+    moves: Ints
+    bound: Ints
+    cycles: Ints
+    detours: Array
+    travel: Array
+    hash: Words
+
+
+@njit(cache=True)
+def empty_children(room: int) -> Children:
+    """Room for so many."""
+    return Children(
+        np.empty((room, 5), np.int32), np.empty(room, np.int32), np.empty(room, np.int32),
+        np.empty(room, np.float64), np.empty(room, np.float64), np.empty(room, np.uint64),
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def first_children(children: Children, count: int) -> Children:
+    """The first `count`."""
+    return Children(
+        children.moves[:count].copy(), children.bound[:count].copy(), children.cycles[:count].copy(),
+        children.detours[:count].copy(), children.travel[:count].copy(), children.hash[:count].copy(),
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def follow(
+    states: States, children: Children, kept: npt.NDArray[np.int64], nodes: Ints, poses: Array
+) -> States:
+    """The states of the children that are kept, numbered `nodes`."""
+    rows = children.moves[kept, 0]
+    occupied, spots, tool = states.occupied[rows], states.spot[rows], states.tool[rows]
+    for row in range(kept.shape[0]):
+        _, i, spot, _, _ = children.moves[kept[row]]
+        clear(occupied[row], spots[row, i])
+        occupy(occupied[row], spot)
+        spots[row, i] = spot
+        tool[row] = poses[spot, :2]
+    return States(
+        occupied, spots, nodes, children.travel[kept], tool, children.cycles[kept], children.hash[kept]
+    )
+
+
+@njit(cache=True, inline="always")
+def clear(occupied: Words, spot: int) -> None:
+    """Take the block away from a spot."""
+    occupied[spot // 64] &= ~(ONE << np.uint64(spot % 64))
+
+
+@njit(cache=True, inline="always")
+def occupy(occupied: Words, spot: int) -> None:
+    """Put a block on a spot."""
+    occupied[spot // 64] |= ONE << np.uint64(spot % 64)
+
+
+@njit(cache=True, inline="always")
+def has(words: Words, spot: int) -> bool:
+    """The spot is in the set."""
+    return bool((words[spot // 64] >> np.uint64(spot % 64)) & ONE)
+
+
+@njit(cache=True, inline="always")
+def append(
+    out: Children,
+    count: int,
+    states: States,
+    tables: Tables,
+    row: int,
+    i: int,
+    end: int,
+    stage: int,
+    pair: int,
+) -> None:
+    """Let child `count` be block i's way to a spot, by a staging pose or not; estimates are left open."""
+    start = states.spot[row, i]
+    move = out.moves[count]
+    move[0], move[1], move[2], move[3], move[4] = row, i, end, stage, pair
+    out.hash[count] = states.hash[row] ^ tables.hash[i, start] ^ tables.hash[i, end]
+    ax, ay = tables.poses[start, 0], tables.poses[start, 1]
+    bx, by = tables.poses[end, 0], tables.poses[end, 1]
+    length = states.travel[row] + np.hypot(ax - states.tool[row, 0], ay - states.tool[row, 1])
+    if stage != NO_STAGE:
+        cx, cy = tables.stage[i, stage, 0], tables.stage[i, stage, 1]
+        length += np.hypot(cx - ax, cy - ay)
+        ax, ay = cx, cy
+    out.travel[count] = length + np.hypot(bx - ax, by - ay)
+
+
+@njit(cache=True, inline="always")
+def estimate(out: Children, count: int, bound: int, cycles: int, detours: float) -> None:
+    """Note the estimates of child `count`."""
+    out.bound[count], out.cycles[count], out.detours[count] = bound, cycles, detours

@@ -1,0 +1,166 @@
+"""All geometry of a search, computed once: which spots every action would hit."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.rearrangement.planar import QUARTER, wrapped
+from pack_core.rotations import Array
+from pack_planner.rearrangement.assembly import MAX_GOALS, Method, assembly_planes
+from pack_planner.rearrangement.beam.bits import MEMO_BITS
+from pack_planner.rearrangement.beam.pushing import Ints, pushes_from_spots, pushes_out, stages, sweep
+from pack_planner.rearrangement.beam.spots import GOAL, POOL, STRAIGHT, spot_poses
+from pack_planner.rearrangement.collisions import Words, hits
+from pack_planner.rearrangement.footprints import fingers, placings, squares
+from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.workspace import are_inside
+
+EVERYTHING = np.uint64(2**64 - 1)
+
+
+class Tables(NamedTuple):
+    """Collisions as words over spots; W words a row, n blocks, Q spots, M ways to stage.
+
+    Attributes:
+        poses: of the spots `(Q, 3)`.
+        pick: of grasping at a spot `(Q, 2, W)`.
+        place: of putting down at a spot `(Q, 2, W)`.
+        denied: spots at which nothing can be put down while a spot is occupied `(Q, 2, W)`.
+        swap: the grasp's axis of a block is the other one of the spot's axes `(n, Q)`.
+        is_symmetric: a block may be turned by a quarter.
+        stage: poses from which a block can be pushed into its goal `(n, M, 3)`, the nearest first.
+        stage_place: of putting down there `(n, M, 2, W)`.
+        stage_push: of the push from there `(n, M, W)`.
+        push_of: row of `push` that leads from a spot to the block's goal, -1 for none `(n, Q)`.
+        push: of pushes from spots `(L, W)`.
+        out_first: first row of the pushes away from every start `(n + 1,)`.
+        out_spot: where they end `(K,)`.
+        out: `(K, W)`.
+        crowds: goals that a block at a spot overlaps, and those where it leaves no grasp, as bits `(Q, 2)`.
+        place_at: goals that must be unfilled for a block to be put down on its own, as bits `(n, 2)`.
+        push_at: goals that must be unfilled for a block to be pushed there the short way, as bits `(n, 4)`.
+        memo, memo_keys: of `likely_pushes`, which fills them.
+        planes: assembly pattern database of the first goals.
+        upper_planes: of the other goals.
+        split: number of goals in the first.
+        hash: of a block at a spot `(n, Q)`.
+    """
+
+    poses: Array
+    pick: Words
+    place: Words
+    denied: Words
+    swap: npt.NDArray[np.bool_]
+    is_symmetric: bool
+    stage: Array
+    stage_place: Words
+    stage_push: Words
+    push_of: Ints
+    push: Words
+    out_first: Ints
+    out_spot: Ints
+    out: Words
+    crowds: Words
+    place_at: Words
+    push_at: Words
+    memo: Words
+    memo_keys: Words
+    planes: Words
+    upper_planes: Words
+    split: int
+    hash: Words
+
+
+def build_tables(task: Task, pool: Array) -> Tables:
+    """Compute the tables of a task with a buffer pool `(P, 3)`, to which ends of pushes out are added."""
+    out = pushes_out(task, POOL + len(pool))
+    poses = spot_poses(task, np.vstack([pool, out.ends]))
+    blocks = squares(poses, task.side)
+    place = hits(placings(poses, task.side, task.gripper), blocks)
+    stage, stage_sweeps = stages(task)
+    stage_place = hits(placings(stage, task.side, task.gripper), blocks)
+    stage_place[~are_inside(stage, task.side, task.half_planes)] = EVERYTHING
+    stage_push = hits(stage_sweeps, blocks)
+    push_of, push_sweeps = pushes_from_spots(task, poses)
+    placed = place[GOAL : GOAL + task.n]
+    planes, upper_planes, split = _assembly(placed, stage_place, stage_push)
+    return Tables(
+        poses=poses,
+        pick=hits(fingers(poses, task.side, task.gripper), blocks),
+        place=place,
+        denied=_turned_round(place),
+        swap=_swaps(task, poses),
+        is_symmetric=task.problem.symmetry == 4,
+        stage=stage,
+        stage_place=stage_place,
+        stage_push=stage_push,
+        push_of=push_of,
+        push=hits(push_sweeps, blocks),
+        out_first=out.first,
+        out_spot=out.spots,
+        out=hits(sweep(task, out.ends, out.headings, out.lengths), blocks),
+        crowds=_crowds(task, blocks, placed),
+        place_at=_goals_at(placed),
+        push_at=_goals_at(stage_push[:, :4]),
+        memo=np.zeros(1 << MEMO_BITS, dtype=np.uint64),
+        memo_keys=np.zeros(1 << MEMO_BITS, dtype=np.uint64),
+        planes=planes,
+        upper_planes=upper_planes,
+        split=split,
+        hash=np.random.default_rng(0).integers(2**63, size=push_of.shape, dtype=np.uint64),
+    )
+
+
+def _swaps(task: Task, poses: Array) -> npt.NDArray[np.bool_]:
+    """Where a block that is to end at its goal's yaw lies across: by an odd number of quarters."""
+    turns = task.goals[:, 2, None] - poses[:, 2]
+    is_square = np.abs(wrapped(turns, QUARTER)) < STRAIGHT
+    swaps = is_square & (np.round(turns / QUARTER) % 2 == 1)
+    swaps[:, :POOL] = False
+    return np.asarray(swaps)
+
+
+def _turned_round(place: Words) -> Words:
+    """The relation `(Q, 2, W)` from what is hit to what hits it."""
+    spots = len(place)
+    turned = np.zeros((spots, 2, 64 * place.shape[-1]), dtype=np.uint8)
+    turned[..., :spots] = _bits(place)[..., :spots].transpose(2, 1, 0)
+    return np.packbits(turned, axis=-1, bitorder="little").view(np.uint64)
+
+
+def _crowds(task: Task, blocks: Array, placed: Words) -> Words:
+    overlap = hits(squares(task.goals, task.side, task.gripper.block_margin)[:, None], blocks)
+    goals = np.uint64(1) << np.arange(task.n, dtype=np.uint64)
+    sets = [_bits(words)[:, : len(blocks)].T @ goals for words in (overlap, placed[:, 0] & placed[:, 1])]
+    return np.stack(sets, axis=1)
+
+
+def _bits(words: Words) -> npt.NDArray[np.uint8]:
+    """Words `(..., W)` as bits `(..., 64 W)`."""
+    return np.unpackbits(np.ascontiguousarray(words).view(np.uint8), axis=-1, bitorder="little")
+
+
+def _goals_at(words: Words) -> Words:
+    """Goals other than a block's own among words `(n, ..., W)`, as bits `(n, ...)`."""
+    own = np.uint64(1) << np.arange(len(words), dtype=np.uint64)[:, None]
+    return np.ascontiguousarray((words[..., 0] >> np.uint64(GOAL)) & ~own)
+
+
+def _assembly(placed: Words, stage_place: Words, stage_push: Words) -> tuple[Words, Words, int]:
+    """Pattern databases for the ways into a goal that the search knows."""
+    n = len(placed)
+    staged = stage_place | stage_push[:, :, None]
+    place = Method.of(_goal_sets(placed[i, :, 0], i) for i in range(n))
+    push = Method.of(_goal_sets(staged[i, ..., 0], i) for i in range(n))
+    if n <= MAX_GOALS:
+        return assembly_planes(place, push), assembly_planes(Method(()), Method(())), n
+    half = n // 2
+    lower, upper = ((place.within(*part), push.within(*part)) for part in ((0, half), (half, n - half)))
+    return assembly_planes(*lower), assembly_planes(*upper), half
+
+
+def _goal_sets(words: Words, own: int) -> list[int]:
+    return [int(word) >> GOAL & ~(1 << own) for word in words.ravel() if word != EVERYTHING]

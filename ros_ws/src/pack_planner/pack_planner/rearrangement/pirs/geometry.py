@@ -1,0 +1,108 @@
+"""Which blocks an action at any pose would hit, compiled; sets of blocks are bits."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from pack_core.rearrangement.gripper import GripperFootprint
+from pack_core.rotations import Array
+from pack_planner.rearrangement.collisions import overlap
+
+QUARTER = np.pi / 2
+LINE = 1e-7
+"""Poses count as being on one push line up to this [m, rad]."""
+
+
+class Sizes(NamedTuple):
+    """Of blocks and gripper [m]; see GripperFootprint."""
+
+    side: float
+    block_margin: float
+    slab_thickness: float
+    slab_width: float
+    push_half_width: float
+    push_tail: float
+    min_push: float
+    max_push: float
+
+    @classmethod
+    def of(cls, side: float, gripper: GripperFootprint) -> Sizes:
+        """As floats that compiled code takes."""
+        half_width = max(side / 2 + gripper.block_margin, gripper.push_width / 2 + gripper.safety_margin)
+        return cls(
+            side, gripper.block_margin, gripper.slab_thickness, gripper.slab_width, half_width,
+            gripper.push_tail, gripper.min_push, gripper.max_push,
+        )  # fmt: skip
+
+
+@njit(cache=True)
+def hit_blocks(rectangle: Array, squares: Array) -> np.uint64:
+    """The blocks `(n, 6)` that a rectangle overlaps."""
+    blocks = np.uint64(0)
+    for q in range(squares.shape[0]):
+        if overlap(rectangle, squares[q]):
+            blocks |= np.uint64(1) << np.uint64(q)
+    return blocks
+
+
+@njit(cache=True)
+def rectangle_at(pose: Array, turn: float, x: float, half_x: float, half_y: float) -> Array:
+    """A rectangle whose centre lies at x along the heading of a pose turned by `turn`."""
+    cosine, sine = np.cos(pose[2] + turn), np.sin(pose[2] + turn)
+    return np.array([pose[0] + cosine * x, pose[1] + sine * x, cosine, sine, half_x, half_y])
+
+
+@njit(cache=True)
+def grasp_hits(pose: Array, grasp: int, sizes: Sizes, squares: Array) -> np.uint64:
+    """What the fingers of a grasp would hit."""
+    reach = (sizes.side + sizes.slab_thickness) / 2
+    blocks = np.uint64(0)
+    for x in (reach, -reach):
+        finger = rectangle_at(pose, grasp * QUARTER, x, sizes.slab_thickness / 2, sizes.slab_width / 2)
+        blocks |= hit_blocks(finger, squares)
+    return blocks
+
+
+@njit(cache=True)
+def block_hits(pose: Array, sizes: Sizes, squares: Array) -> np.uint64:
+    """What a block that is put down would hit."""
+    half = sizes.side / 2 + sizes.block_margin
+    return hit_blocks(rectangle_at(pose, 0.0, 0.0, half, half), squares)
+
+
+@njit(cache=True)
+def push_hits(start: Array, end: Array, sizes: Sizes, squares: Array) -> np.uint64:
+    """What a push would hit."""
+    heading = np.arctan2(end[1] - start[1], end[0] - start[0])
+    front = sizes.side / 2 + sizes.block_margin
+    rear = np.hypot(end[0] - start[0], end[1] - start[1]) + sizes.side / 2 + sizes.push_tail
+    sweep = rectangle_at(end, heading - end[2], (front - rear) / 2, (front + rear) / 2, sizes.push_half_width)
+    return hit_blocks(sweep, squares)
+
+
+@njit(cache=True)
+def is_push(start: Array, end: Array, is_symmetric: bool, sizes: Sizes) -> bool:
+    """A push could lead from one pose to the other: same yaw, along a face's normal, not too long."""
+    turn = end[2] - start[2]
+    period = QUARTER if is_symmetric else 2 * np.pi
+    if abs((turn + period / 2) % period - period / 2) > LINE:
+        return False
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    cosine, sine = np.cos(end[2]), np.sin(end[2])
+    along, across = abs(cosine * dx + sine * dy), abs(cosine * dy - sine * dx)
+    return bool(min(along, across) < LINE and sizes.min_push <= max(along, across) <= sizes.max_push)
+
+
+@njit(cache=True)
+def is_inside(pose: Array, sizes: Sizes, half_planes: Array) -> bool:
+    """A block at the pose stands inside the workspace."""
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    for e in range(half_planes.shape[0]):
+        nx, ny = half_planes[e, 0], half_planes[e, 1]
+        reach = sizes.side / 2 * (abs(nx * cosine + ny * sine) + abs(ny * cosine - nx * sine))
+        if nx * pose[0] + ny * pose[1] + reach > half_planes[e, 2] + 1e-9:
+            return False
+    return True

@@ -1,0 +1,185 @@
+"""pIRS, the paper's recursive search over the order of the blocks (Algorithms 1 and 2).
+
+Sotiropoulos and Sandzimier, "Rearranging blocks into densely packed configurations", after Krontiris and
+Bekris, "Dealing with difficult instances of object rearrangement". What is mended of the pseudocode:
+
+- Algorithm 1, line 7 takes away o_b, which is not defined there; it must be o_r.
+- Where there is no path at all, O_b is empty and has no "block in O_b": that is a failure.
+- alpha_C is changed in place (line 3) and would keep the changes of a branch that failed; here every call has
+  its own. Nor does a call whose own path was free, but whose children failed, return what it did in vain.
+- CLEAR returns the configuration as well as the actions when it fails, too.
+- CLEAR(o_b, O_R without o_b) treats o, for which o_b makes way, as fixed, so that two blocks that obstruct
+  each other can never be parted; here o is among the blocks that may be moved.
+- Only one block of O_b was tried; here each is, in random order. And a sampled pose may lie on the very path
+  that is to be cleared; here it must not.
+- Nothing bounds the recursion. Here its depth is bounded, and a search that has planned many paths in vain
+  starts again with other random choices, and more patience.
+
+Not mended, since it is the method: a block that was brought home stays there, so that a bad order is noticed
+only when no way into the grid is left.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, PositiveFloat, PositiveInt
+
+from pack_core.config import Config
+from pack_core.rearrangement.plan import Action, Push
+from pack_core.rearrangement.planar import PlanarPose
+from pack_core.rotations import Array
+from pack_planner.rearrangement.carrying import carried
+from pack_planner.rearrangement.footprints import squares
+from pack_planner.rearrangement.pirs.geometry import Sizes
+from pack_planner.rearrangement.pirs.roadmap import PUSHED, Prices, Way, shortest_way
+from pack_planner.rearrangement.pirs.sampling import sample_clear_poses, sample_nodes
+from pack_planner.rearrangement.progress import Progress
+from pack_planner.rearrangement.task import Task
+
+
+class Costs(Config):
+    """Of actions in the roadmaps, Eq. 1."""
+
+    pick_place: PositiveFloat = Field(1.0, description="alpha_1")
+    push: PositiveFloat = Field(1.5, description="alpha_2; a push is less precise")
+    collision: PositiveFloat = Field(2.0, description="alpha_3, for every block in the way")
+
+
+class PirsConfig(Config):
+    """Parameters of pIRS and its roadmaps."""
+
+    samples: PositiveInt = Field(60, description="N, intermediate poses of a roadmap")
+    costs: Costs = Field(default_factory=Costs)
+    bias: float = Field(0.5, ge=0.0, le=1.0, description="epsilon, share of them on push lines")
+    depth: PositiveInt = Field(8, description="calls of CLEAR within each other")
+    tries: PositiveInt = Field(200, description="poses drawn for a block to be cleared")
+    patience: PositiveInt = Field(20, description="paths planned a block before the first new start")
+    impatience: PositiveFloat = Field(1.3, description="growth of the patience at every new start")
+
+
+class GiveUp(Exception):
+    """The search is to start again, or the time is over."""
+
+
+Outcome = tuple[list[Action], Array] | None
+"""Actions and the configuration `(n, 3)` that they lead to; None for a failure."""
+
+
+def plan_by_pirs(
+    task: Task, progress: Progress, rng: np.random.Generator, config: PirsConfig
+) -> list[Action] | None:
+    """The first plan that is found; None where there is none in time."""
+    away = frozenset(int(i) for i in np.flatnonzero(~task.is_home))
+    patience = float(config.patience * task.n)
+    while away:
+        search = Pirs(task, progress, rng, config, int(patience))
+        try:
+            for o in search.shuffled(away):
+                if outcome := search.pirs(o, away - {o}, task.starts.copy()):
+                    progress.found(len(outcome[0]))
+                    return outcome[0]
+        except GiveUp:
+            patience *= config.impatience
+        if progress.is_over():
+            return None
+    return []
+
+
+class Pirs:
+    """One start of the search; sets of blocks are called as in the paper."""
+
+    def __init__(
+        self, task: Task, progress: Progress, rng: np.random.Generator, config: PirsConfig, patience: int
+    ) -> None:
+        self._task, self._progress, self._rng, self._config = task, progress, rng, config
+        self._patience = patience
+        self._sizes = Sizes.of(task.side, task.gripper)
+        costs = config.costs
+        self._prices = Prices(costs.pick_place, costs.push, costs.collision)
+        self._corners = np.array(task.problem.workspace, dtype=float)
+
+    def pirs(self, o: int, O_R: frozenset[int], alpha_C: Array) -> Outcome:
+        """Algorithm 1: bring o home, then the remaining ones O_R."""
+        way = self._prm(o, alpha_C, self._task.goals[o], O_R)
+        if way is None:
+            return None
+        if not way.blocks:
+            pi_U, alpha = self._act(o, way, alpha_C)
+            if not O_R:
+                return pi_U, alpha
+            for o_r in self.shuffled(O_R):
+                if rest := self.pirs(o_r, O_R - {o_r}, alpha):
+                    return pi_U + rest[0], rest[1]
+            return None
+        for o_b in self.shuffled(_members(way.blocks)):
+            if cleared := self._clear(o_b, (O_R | {o}) - {o_b}, alpha_C, way, self._config.depth):
+                pi, alpha = cleared
+                if rest := self.pirs(o, O_R, alpha):
+                    return pi + rest[0], rest[1]
+        return None
+
+    def _clear(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: Way, depth: int) -> Outcome:
+        """Algorithm 2: move o to where it is not in a way, together with what is in its own way."""
+        pose = self._sample_new_pose(o, alpha_C, keep_free)
+        way = None if pose is None else self._prm(o, alpha_C, pose, O_R)
+        if way is None:
+            return None
+        if not way.blocks:
+            return self._act(o, way, alpha_C)
+        for o_b in self.shuffled(_members(way.blocks)):
+            if depth > 1 and (cleared := self._clear(o_b, (O_R | {o}) - {o_b}, alpha_C, way, depth - 1)):
+                pi, alpha = cleared
+                if rest := self._clear(o, O_R, alpha, keep_free, depth - 1):
+                    return pi + rest[0], rest[1]
+        return None
+
+    def _prm(self, o: int, alpha_C: Array, end: Array, O_R: frozenset[int]) -> Way | None:
+        """PRM(o, alpha_C, alpha_F, O_R), where alpha_F differs by the pose `end` of o."""
+        if self._patience <= 0 or self._progress.is_over():
+            raise GiveUp
+        self._patience -= 1
+        self._progress.count(1)
+        task, config = self._task, self._config
+        movable = sum(1 << i for i in O_R)
+        fixed = (1 << task.n) - 1 & ~movable & ~(1 << o)
+        blocks = squares(alpha_C, task.side)
+        nodes = sample_nodes(
+            alpha_C[o], end, config.samples, config.bias, np.uint64(fixed), self._sizes, blocks,
+            task.half_planes, self._corners, self._rng,
+        )  # fmt: skip
+        way = shortest_way(
+            nodes, blocks, np.uint64(movable), np.uint64(fixed), task.problem.symmetry == 4, self._prices,
+            self._sizes,
+        )  # fmt: skip
+        return way if len(way.grasps) else None
+
+    def _sample_new_pose(self, o: int, alpha_C: Array, keep_free: Way) -> Array | None:
+        """SAMPLE_NEW_POSE(o, alpha_C): hits no block, and does not lie on the way to be kept free."""
+        others = np.uint64((1 << self._task.n) - 1 & ~(1 << o))
+        poses = sample_clear_poses(
+            keep_free, others, self._config.tries, self._sizes, squares(alpha_C, self._task.side),
+            self._task.half_planes, self._corners, self._rng,
+        )  # fmt: skip
+        return poses[0] if len(poses) else None
+
+    def _act(self, o: int, way: Way, alpha_C: Array) -> tuple[list[Action], Array]:
+        """Actions along a way, and the configuration after it."""
+        name, pose = self._task.ids[o], PlanarPose(*alpha_C[o].tolist())
+        actions: list[Action] = []
+        for spot, end, kind in zip(way.poses[:-1], way.poses[1:], way.grasps.tolist(), strict=True):
+            if kind == PUSHED:
+                actions.append(Push(name, pose, PlanarPose(float(end[0]), float(end[1]), pose.yaw)))
+            else:
+                actions.append(carried(self._task.problem, name, pose, spot, end, divmod(kind, 2)))
+            pose = actions[-1].end
+        alpha = alpha_C.copy()
+        alpha[o] = pose.row
+        return actions, alpha
+
+    def shuffled(self, blocks: frozenset[int]) -> list[int]:
+        """In random order."""
+        return [int(i) for i in self._rng.permutation(sorted(blocks))]
+
+
+def _members(bits: np.uint64) -> frozenset[int]:
+    return frozenset(i for i in range(64) if int(bits) >> i & 1)

@@ -1,0 +1,156 @@
+"""The PRM planner of the paper, compiled: the cheapest way of one block, and the blocks in its way.
+
+An edge is an action: carrying the block, by either grasp, or pushing it. Edges have directions, and a pair of
+nodes may have several. What an edge hits of the blocks that may be moved adds to its cost (Eq. 1); an edge
+that hits another block does not exist. Edges are priced when Dijkstra's algorithm comes to them.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from pack_core.rotations import Array
+from pack_planner.rearrangement.pirs.geometry import Sizes, block_hits, grasp_hits, is_push, push_hits
+
+PUSHED = 4
+"""Instead of a pair of grasps: the edge is a push."""
+
+
+class Prices(NamedTuple):
+    """Of Eq. 1: alpha_1, alpha_2, alpha_3."""
+
+    pick_place: float
+    push: float
+    collision: float
+
+
+class Way(NamedTuple):
+    """A path through the roadmap; without nodes where there is none.
+
+    Attributes:
+        poses: nodes on the way `(edges + 1, 3)`.
+        grasps: of every edge, 2 * axis at its start + axis at its end, or PUSHED `(edges,)`.
+        blocks: in the way, as bits.
+    """
+
+    poses: Array
+    grasps: npt.NDArray[np.int64]
+    blocks: np.uint64
+
+
+@njit(cache=True)
+def shortest_way(
+    nodes: Array, squares: Array, movable: np.uint64, fixed: np.uint64, is_symmetric: bool, prices: Prices,
+    sizes: Sizes,
+) -> Way:  # fmt: skip
+    """Dijkstra's algorithm from node 0 to node 1 of `(nodes, 3)`."""
+    n = nodes.shape[0]
+    picks, places = _grasps_at(nodes, sizes, squares)
+    cost, parent = np.full(n, np.inf), np.full(n, -1)
+    used, hits = np.full(n, -1), np.zeros(n, np.uint64)
+    is_done = np.zeros(n, np.bool_)
+    cost[0] = 0.0
+    for _ in range(n):
+        i = -1
+        for j in range(n):
+            if not is_done[j] and cost[j] < np.inf and (i < 0 or cost[j] < cost[i]):
+                i = j
+        if i < 0 or i == 1:
+            break
+        is_done[i] = True
+        for j in range(n):
+            if not is_done[j]:
+                price, edge, blocks = _cheapest_edge(
+                    nodes[i],
+                    nodes[j],
+                    picks[i],
+                    places[j],
+                    squares,
+                    movable,
+                    fixed,
+                    is_symmetric,
+                    prices,
+                    sizes,
+                )
+                if cost[i] + price < cost[j]:
+                    cost[j], parent[j], used[j], hits[j] = cost[i] + price, i, edge, blocks
+    return _way_back(nodes, parent, used, hits)
+
+
+@njit(cache=True)
+def _grasps_at(
+    nodes: Array, sizes: Sizes, squares: Array
+) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.uint64]]:
+    """What picking and placing at the nodes hits, by either grasp `(nodes, 2)` each."""
+    picks, places = np.empty((len(nodes), 2), np.uint64), np.empty((len(nodes), 2), np.uint64)
+    for i in range(len(nodes)):
+        below = block_hits(nodes[i], sizes, squares)
+        for k in range(2):
+            picks[i, k] = grasp_hits(nodes[i], k, sizes, squares)
+            places[i, k] = picks[i, k] | below
+    return picks, places
+
+
+@njit(cache=True)
+def _cheapest_edge(
+    start: Array, end: Array, picks: npt.NDArray[np.uint64], places: npt.NDArray[np.uint64], squares: Array,
+    movable: np.uint64, fixed: np.uint64, is_symmetric: bool, prices: Prices, sizes: Sizes,
+) -> tuple[float, int, np.uint64]:  # fmt: skip
+    """Price, kind and blocks in the way of the cheapest action from pose to pose; infinite for none."""
+    best, kind, in_the_way = np.inf, -1, np.uint64(0)
+    for k in range(2):
+        for turned in range(1 + is_symmetric):
+            blocks = picks[k] | places[k ^ turned]
+            price = prices.pick_place + prices.collision * _count(blocks & movable)
+            if not blocks & fixed and price < best:
+                best, kind, in_the_way = price, 2 * k + (k ^ turned), blocks & movable
+    if prices.push < best and is_push(start, end, is_symmetric, sizes):
+        blocks = push_hits(start, end, sizes, squares)
+        price = prices.push + prices.collision * _count(blocks & movable)
+        if not blocks & fixed and price < best:
+            best, kind, in_the_way = price, PUSHED, blocks & movable
+    return best, kind, in_the_way
+
+
+@njit(cache=True)
+def _way_back(
+    nodes: Array, parent: npt.NDArray[np.int64], used: npt.NDArray[np.int64], hits: npt.NDArray[np.uint64]
+) -> Way:
+    length, j = 0, 1
+    while parent[j] >= 0:
+        length, j = length + 1, parent[j]
+    poses, grasps, blocks = np.empty((length + 1, 3)), np.empty(length, np.int64), np.uint64(0)
+    j = 1
+    for edge in range(length - 1, -1, -1):
+        poses[edge + 1], grasps[edge] = nodes[j], used[j]
+        blocks |= hits[j]
+        j = parent[j]
+    poses[0] = nodes[0]
+    return Way(poses, grasps, blocks)
+
+
+@njit(cache=True)
+def way_hits(way: Way, sizes: Sizes, squares: Array) -> np.uint64:
+    """Blocks `(n, 6)` in the way, for blocks that stand elsewhere now."""
+    blocks = np.uint64(0)
+    for edge in range(len(way.grasps)):
+        start, end, kind = way.poses[edge], way.poses[edge + 1], way.grasps[edge]
+        if kind == PUSHED:
+            blocks |= push_hits(start, end, sizes, squares)
+        else:
+            blocks |= grasp_hits(start, kind // 2, sizes, squares) | block_hits(end, sizes, squares)
+            blocks |= grasp_hits(end, kind % 2, sizes, squares)
+    return blocks
+
+
+@njit(cache=True)
+def _count(blocks: np.uint64) -> int:
+    total = 0
+    while blocks:
+        blocks &= blocks - np.uint64(1)
+        total += 1
+    return total

@@ -1,0 +1,54 @@
+"""How a planner's time goes by, on a clock that is handed in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pack_core.rearrangement.plan import PlanStatistics
+
+Clock = Callable[[], float]
+
+
+@dataclass
+class Progress:
+    """Time since the call, and what was found when.
+
+    Attributes:
+        clock: seconds from anywhere.
+        budget_s: time for planning [s].
+    """
+
+    clock: Clock
+    budget_s: float
+    setup_s: float = 0.0
+    first_s: float = np.nan
+    first_actions: int = 0
+    expanded: int = 0
+    started: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.started = self.clock()
+
+    def elapsed(self) -> float:
+        """Since the call [s]."""
+        return self.clock() - self.started
+
+    def is_over(self) -> bool:
+        """The time is spent."""
+        return self.elapsed() >= self.budget_s
+
+    def found(self, actions: int) -> None:
+        """Note a plan; only the first is of interest."""
+        if np.isnan(self.first_s):
+            self.first_s, self.first_actions = self.elapsed(), actions
+
+    def count(self, expanded: int) -> None:
+        """Note states expanded or paths planned."""
+        self.expanded += expanded
+
+    def statistics(self) -> PlanStatistics:
+        """As part of a plan."""
+        return PlanStatistics(self.setup_s, self.first_s, self.first_actions, self.elapsed(), self.expanded)

@@ -1,0 +1,92 @@
+"""A valid problem as arrays, with blocks snapped to where they count as being."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.rearrangement.gripper import GripperFootprint
+from pack_core.rearrangement.planar import QUARTER, PlanarPose, turn_between
+from pack_core.rearrangement.problem import Problem
+from pack_core.rotations import Array
+from pack_planner.rearrangement.footprints import rows_of
+from pack_planner.rearrangement.workspace import edges
+
+
+@dataclass(frozen=True)
+class Task:
+    """What both methods plan on; blocks are numbered by the place of their goals.
+
+    Attributes:
+        ids: of the blocks.
+        starts: poses `(n, 3)`, snapped.
+        goals: poses `(n, 3)`.
+        is_home: the block stands on its goal already `(n,)`.
+        is_ready: the block stands where one push leads to its goal `(n,)`.
+        half_planes: of the workspace `(edges, 3)`.
+        problem: as given.
+    """
+
+    ids: tuple[str, ...]
+    starts: Array
+    goals: Array
+    is_home: npt.NDArray[np.bool_]
+    is_ready: npt.NDArray[np.bool_]
+    half_planes: Array
+    problem: Problem
+
+    @classmethod
+    def of(cls, problem: Problem) -> Task:
+        """Number the blocks and snap them."""
+        goals = problem.goals
+        blocks = sorted(problem.blocks, key=lambda b: (round(goals[b.id].y, 4), round(goals[b.id].x, 4)))
+        snapped = [_snapped(problem, block.id, block.pose) for block in blocks]
+        return cls(
+            tuple(block.id for block in blocks),
+            rows_of(pose for pose, _, _ in snapped),
+            rows_of(goals[block.id] for block in blocks),
+            np.array([is_home for _, is_home, _ in snapped], dtype=bool),
+            np.array([is_ready for _, _, is_ready in snapped], dtype=bool),
+            edges(problem.workspace),
+            problem,
+        )
+
+    @property
+    def n(self) -> int:
+        """Number of blocks."""
+        return len(self.ids)
+
+    @property
+    def side(self) -> float:
+        """Of a block [m]."""
+        return self.problem.side
+
+    @property
+    def gripper(self) -> GripperFootprint:
+        """Its room on the table."""
+        return self.problem.gripper
+
+
+def is_at_goal(problem: Problem, block: str, pose: PlanarPose) -> bool:
+    """The block counts as standing on its goal."""
+    goal, tolerance = problem.goals[block], problem.tolerance
+    turn = abs(turn_between(pose, goal, problem.symmetry))
+    return pose.distance_to(goal) <= tolerance.position and turn <= np.deg2rad(tolerance.angle_deg)
+
+
+def _snapped(problem: Problem, block: str, pose: PlanarPose) -> tuple[PlanarPose, bool, bool]:
+    """Where a block counts as standing, whether on its goal, and whether on a push line of it."""
+    goal, tolerance, gripper = problem.goals[block], problem.tolerance, problem.gripper
+    turn = turn_between(pose, goal, problem.symmetry)
+    if is_at_goal(problem, block, pose):
+        return PlanarPose(goal.x, goal.y, pose.yaw + turn), True, False
+    for heading in goal.yaw + QUARTER * np.arange(4):
+        ahead = float((goal.p - pose.p) @ [np.cos(heading), np.sin(heading)])
+        on_line = goal.moved(-ahead, float(heading))
+        is_near = on_line.distance_to(pose) <= tolerance.push_line
+        is_turned = abs(turn) > np.deg2rad(tolerance.angle_deg)
+        if is_near and not is_turned and gripper.min_push <= ahead <= gripper.max_push:
+            return PlanarPose(on_line.x, on_line.y, pose.yaw + turn), False, True
+    return pose, False, False

@@ -1,0 +1,105 @@
+"""Problems that contradict themselves, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from pack_core.rearrangement.plan import Diagnosis
+from pack_core.rearrangement.planar import PlanarPose
+from pack_core.rearrangement.problem import Problem
+from pack_planner.rearrangement.collisions import hits
+from pack_planner.rearrangement.footprints import rows_of, squares
+from pack_planner.rearrangement.workspace import are_inside, corners_of, edges, is_convex
+
+SYMMETRIES = (1, 2, 4)
+
+
+def find_fault(problem: Problem) -> Diagnosis | None:
+    """The first contradiction of a problem; None for a sound one."""
+    for check in CHECKS:
+        for fault in check(problem):
+            return fault
+    return None
+
+
+def _check_ids(problem: Problem) -> Iterator[Diagnosis]:
+    ids = [block.id for block in problem.blocks]
+    if twice := tuple(sorted({name for name in ids if ids.count(name) > 1})):
+        yield Diagnosis(f"block ids occur more than once: {_list(twice)}", twice)
+    if missing := tuple(name for name in ids if name not in problem.goals):
+        yield Diagnosis(f"blocks without a goal: {_list(missing)}", missing)
+    if unknown := tuple(name for name in problem.goals if name not in ids):
+        yield Diagnosis(f"goals of blocks that are not there: {_list(unknown)}", unknown)
+
+
+def _check_numbers(problem: Problem) -> Iterator[Diagnosis]:
+    for what, poses in _poses(problem):
+        if broken := tuple(name for name, pose in poses.items() if not pose.is_finite):
+            yield Diagnosis(f"the {what} of {_list(broken)} is not finite", broken)
+    if problem.symmetry not in SYMMETRIES:
+        yield Diagnosis(f"symmetry is {problem.symmetry}; allowed: {_list(map(str, SYMMETRIES))}")
+    if not np.isfinite(problem.side) or problem.side <= 0:
+        yield Diagnosis(f"the blocks' side is {problem.side} m; allowed: above 0")
+    elif (opening := problem.gripper.grasp_opening(problem.side)) > problem.gripper.max_opening:
+        yield Diagnosis(
+            f"blocks {1e3 * problem.side:.1f} mm wide need an opening of {1e3 * opening:.1f} mm; "
+            f"the gripper opens {1e3 * problem.gripper.max_opening:.1f} mm",
+            tuple(block.id for block in problem.blocks),
+        )
+
+
+def _check_workspace(problem: Problem) -> Iterator[Diagnosis]:
+    corners = np.array(problem.workspace, dtype=float).reshape(-1, 2)
+    if not np.isfinite(corners).all() or not is_convex(problem.workspace):
+        yield Diagnosis(f"the workspace is no convex polygon of 3 corners or more: {corners.tolist()}")
+
+
+def _check_inside(problem: Problem) -> Iterator[Diagnosis]:
+    half_planes = edges(problem.workspace)
+    slack = np.array([0.0, 0.0, problem.tolerance.position])
+    for what, poses in _poses(problem):
+        if what == "start" and problem.starts_may_be_outside:
+            continue
+        grown = half_planes + slack if what == "start" else half_planes
+        rows = rows_of(poses.values())
+        for name, row in zip(poses, rows, strict=True):
+            if not are_inside(row, problem.side, grown):
+                heights = (corners_of(row, problem.side) @ grown[:, :2].T - grown[:, 2]).max(axis=1)
+                x, y = corners_of(row, problem.side)[int(np.argmax(heights))]
+                yield Diagnosis(
+                    f"the {what} of {name} is outside the workspace: its corner ({x:.4f}, {y:.4f}) m "
+                    f"by {1e3 * heights.max():.1f} mm",
+                    (name,),
+                )
+
+
+def _check_overlaps(problem: Problem) -> Iterator[Diagnosis]:
+    margins = {"start": -problem.tolerance.overlap / 2, "goal": problem.gripper.block_margin}
+    rules = {
+        "start": f"overlap by more than {1e3 * problem.tolerance.overlap:.1f} mm: measure them again",
+        "goal": f"are less than {2e3 * problem.gripper.block_margin:.1f} mm apart",
+    }
+    for what, poses in _poses(problem):
+        grown = squares(rows_of(poses.values()), problem.side, margins[what])
+        words, names = hits(grown[:, None], grown), list(poses)
+        for i, j in combinations(range(len(names)), 2):
+            if int(words[i, j // 64]) >> (j % 64) & 1:
+                yield Diagnosis(
+                    f"the {what}s of {names[i]} and {names[j]} {rules[what]}", (names[i], names[j])
+                )
+
+
+CHECKS: Sequence[Callable[[Problem], Iterator[Diagnosis]]] = (
+    _check_ids, _check_numbers, _check_workspace, _check_inside, _check_overlaps,
+)  # fmt: skip
+
+
+def _poses(problem: Problem) -> Iterable[tuple[str, dict[str, PlanarPose]]]:
+    return ("start", problem.starts), ("goal", dict(problem.goals))
+
+
+def _list(names: Iterable[str]) -> str:
+    return ", ".join(names)

@@ -1,0 +1,42 @@
+"""No plan is shorter than the lower bound."""
+
+from pack_core.rearrangement.problem import Block
+from pack_planner.rearrangement.instances import make_instance
+from pack_planner.rearrangement.lower_bound import lower_bound
+from pack_planner.rearrangement.task import Task
+
+PITCH = 52.8
+SQUARE = {"a": (0, 0), "b": (PITCH, 0), "c": (0, PITCH), "d": (PITCH, PITCH)}
+
+
+def bound(problem) -> int:
+    return lower_bound(Task.of(problem))
+
+
+def test_every_block_away_counts_and_every_push_of_the_assembly() -> None:
+    assert [bound(make_instance(n, 0.08, 0)) for n in (1, 2, 4, 6, 9, 12, 16)] == [1, 2, 5, 7, 11, 15, 21]
+
+
+def test_groups_of_a_larger_grid_bound_it_together() -> None:
+    assert bound(make_instance(30, 0.08, 0)) >= 30 + 6
+
+
+def test_a_block_that_waits_on_its_push_line_takes_one_action(make) -> None:
+    assert bound(make({**SQUARE, "d": (PITCH, PITCH + 40)}, SQUARE)) == 1
+    assert bound(make({**SQUARE, "d": (PITCH + 5, PITCH + 40)}, SQUARE)) == 2
+
+
+def test_moving_a_block_that_is_home_may_be_cheaper_than_the_pushes_it_forces(make) -> None:
+    """Three at home force a push of the fourth: two actions, as many as putting one of the three aside."""
+    assert bound(make({**SQUARE, "d": (200, 200)}, SQUARE)) == 2
+
+
+def test_blocks_at_home_need_nothing(make) -> None:
+    assert bound(make(SQUARE)) == 0
+
+
+def test_the_bound_does_not_depend_on_the_order_of_the_blocks() -> None:
+    problem = make_instance(9, 0.2, 3)
+    turned = type(problem)(tuple(reversed(problem.blocks)), problem.goals, problem.workspace)
+    assert bound(problem) == bound(turned)
+    assert isinstance(problem.blocks[0], Block)

@@ -1,0 +1,143 @@
+"""Plans of both methods: valid, short, repeatable, and honest about what is not known."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pack_core.errors import PackError
+from pack_core.rearrangement.plan import PickPlace, PlanStatus, Push
+from pack_core.rearrangement.planar import PlanarPose
+from pack_core.rearrangement.problem import Block, Problem
+from pack_planner.rearrangement.beam.beam_planner import BeamConfig
+from pack_planner.rearrangement.instances import make_instance
+from pack_planner.rearrangement.planner import METHODS, RearrangementConfig, plan
+from pack_planner.rearrangement.verifier import verify
+
+Clocks = Callable[[], Callable[[], float]]
+SHORT = RearrangementConfig(beam=BeamConfig(rounds=4))
+SIDE = 50.8
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("n", "density", "symmetry"), [(4, 0.2, 1), (9, 0.2, 1), (9, 0.2, 4), (12, 0.08, 2)])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_plans_are_valid(method: str, n: int, density: float, symmetry: int, seed: int) -> None:
+    problem = make_instance(n, density, seed, symmetry=symmetry)
+    made = plan(problem, method=method, budget_s=20.0, seed=seed, config=SHORT)
+    assert made.is_solved
+    assert verify(problem, made) == []
+    assert len(made.actions) >= made.lower_bound
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_nine_blocks_with_room_take_eleven_actions_which_is_proven_optimal(seed: int) -> None:
+    made = plan(make_instance(9, 0.08, seed), budget_s=20.0)
+    assert made.status is PlanStatus.OPTIMAL
+    assert len(made.actions) == made.lower_bound == 11
+    assert sum(isinstance(action, Push) for action in made.actions) == 2
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_same_seed_gives_the_same_plan(method: str, clock: Clocks) -> None:
+    problem = make_instance(6, 0.2, 5)
+    first, second = (
+        plan(problem, method=method, budget_s=20.0, seed=7, config=SHORT, clock=clock()) for _ in range(2)
+    )
+    assert first.is_solved
+    assert first.actions == second.actions
+
+
+def test_blocks_that_are_home_need_no_plan(make) -> None:
+    goals = {"a": (0, 0), "b": (52.8, 0)}
+    for starts in (goals, {"a": (0, 1.5, 0.03), "b": (54, 0)}, {}):
+        made = plan(make(starts, {name: goals[name] for name in starts}))
+        assert made.status is PlanStatus.OPTIMAL
+        assert made.actions == ()
+
+
+def test_a_block_three_millimetres_off_is_brought_home(make) -> None:
+    problem = make({"a": (0, 3.5, 0.1)}, {"a": (0, 0)})
+    made = plan(problem)
+    assert len(made.actions) == 1
+    assert verify(problem, made) == []
+
+
+def test_a_block_that_waits_on_its_push_line_as_measured_is_pushed(make) -> None:
+    """As after staging: half a millimetre and a degree off, with neighbours on two sides."""
+    home = {"b": (52.8, 0), "c": (0, 52.8), "d": (52.8, 52.8)}
+    problem = make({"a": (-21.2, 0.5, 0.017), **home}, {"a": (0, 0), **home})
+    made = plan(problem)
+    assert [type(action) for action in made.actions] == [Push]
+    assert made.status is PlanStatus.OPTIMAL
+    assert verify(problem, made) == []
+
+
+def test_a_blocked_hole_is_opened_by_moving_blocks_that_are_home(make) -> None:
+    """The middle of a row of three between two others cannot be entered: one of them makes way."""
+    cells = {name: ((SIDE + 2) * (i % 3), (SIDE + 2) * (i // 3)) for i, name in enumerate("abcdefghi")}
+    starts = cells | {"e": (250, 250)}
+    starts |= {"b": (52.8, -60)}
+    problem = make(starts, cells, size=0.7)
+    made = plan(problem, budget_s=20.0, config=SHORT)
+    assert made.is_solved
+    assert verify(problem, made) == []
+
+
+def test_without_room_to_swap_nothing_is_claimed(make) -> None:
+    problem = make({"a": (-26.4, 0), "b": (26.4, 0)}, {"a": (26.4, 0), "b": (-26.4, 0)}, size=0.11)
+    made = plan(problem, budget_s=0.2)
+    assert made.status is PlanStatus.TIMEOUT
+    assert "not proven" in made.diagnosis.text
+
+
+def test_replanning_from_any_state_of_a_plan_takes_no_more_actions() -> None:
+    problem = make_instance(6, 0.08, 2)
+    made = plan(problem, budget_s=20.0, config=SHORT)
+    for done, poses in enumerate(made.states(problem.starts)):
+        now = replace(problem, blocks=tuple(Block(name, pose) for name, pose in poses.items()))
+        again = plan(now, budget_s=20.0, config=SHORT)
+        assert again.is_solved
+        assert len(again.actions) <= len(made.actions) - done
+
+
+def test_cubes_that_may_be_turned_by_quarters_are_turned_by_an_eighth_at_most() -> None:
+    made = plan(make_instance(9, 0.08, 3, symmetry=4), budget_s=20.0, config=SHORT)
+    turns = [abs(a.place_yaw - a.pick_yaw) for a in made.actions if isinstance(a, PickPlace)]
+    assert np.mean([(turn + np.pi / 2) % np.pi - np.pi / 2 for turn in turns]) < np.pi / 4 + 1e-6
+
+
+def test_blocks_that_bar_each_others_grasps_are_pushed_out(make) -> None:
+    """Four blocks like a pinwheel: none can be grasped before one has been pushed along its neighbour."""
+    starts = {"a": (16.9, 51.9), "b": (-51.9, 16.9), "c": (-16.9, -51.9), "d": (51.9, -16.9)}
+    goals = {name: (60 * i - 100, -200) for i, name in enumerate("abcd")}
+    problem = make(starts, goals)
+    made = plan(problem, budget_s=20.0, config=SHORT)
+    assert made.is_solved
+    assert isinstance(made.actions[0], Push)
+    assert verify(problem, made) == []
+
+
+@pytest.mark.parametrize(
+    ("fields", "part"), [({"method": "magic"}, "allowed: beam, pirs"), ({"budget_s": 0.0}, "above 0")]
+)
+def test_misuse_is_refused_in_words(make, fields: dict[str, object], part: str) -> None:
+    with pytest.raises(PackError, match=part):
+        plan(make({"a": (0, 0)}), **fields)
+
+
+def test_plans_do_not_depend_on_where_the_cell_stands() -> None:
+    near, far = (make_instance(6, 0.2, 1, centre=centre) for centre in ((0.0, 0.0), (0.65, 0.1)))
+    lengths = {len(plan(p, budget_s=20.0, seed=1, config=SHORT).actions) for p in (near, far)}
+    assert max(lengths) - min(lengths) <= 1
+
+
+def test_a_state_lists_every_block_after_every_action() -> None:
+    problem: Problem = make_instance(4, 0.2, 1)
+    made = plan(problem, budget_s=5.0, config=SHORT)
+    states = list(made.states(problem.starts))
+    assert len(states) == len(made.actions) + 1
+    for state, action in zip(states[1:], made.actions, strict=True):
+        assert state[action.block] == action.end
+    assert isinstance(states[0]["b1"], PlanarPose)
