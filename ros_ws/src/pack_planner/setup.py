@@ -15,6 +15,7 @@ setup(
         "console_scripts": [
             "layout_node = pack_planner.layout.layout_node:main",
             "planner_node = pack_planner.placement.planner_node:main",
+            "rearrangement_node = pack_planner.rearrangement.rearrangement_node:main",
         ]
     },
 )

@@ -1,0 +1,64 @@
+"""The rearrangement planner as a ROS 2 service."""
+
+from __future__ import annotations
+
+import time
+from typing import Literal
+
+from pack_interfaces.srv import PlanRearrangement
+from pydantic import Field, PositiveFloat
+
+from pack_core.errors import PackError
+from pack_core.rearrangement.plan import Plan
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.params import read_parameters
+from pack_core.ros.rearrangement_messages import fill_plan, from_request
+from pack_core.ros.run import run_node
+from pack_planner.rearrangement.planner import RearrangementConfig, plan, warm_up
+
+
+class RearrangementNodeConfig(RearrangementConfig):
+    """Parameters of the node `rearrangement`."""
+
+    method: Literal["beam", "pirs"] = Field("beam", description="where a request does not say")
+    budget: PositiveFloat = Field(1.0, description="of a plan, where a request does not say [s]")
+
+
+class RearrangementNode(CellNode):
+    """Plans rearrangements on request."""
+
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__("rearrangement", **kwargs)
+        self._config = read_parameters(self, RearrangementNodeConfig)
+        warm_up()
+        self.create_service(PlanRearrangement, contracts.PLAN_REARRANGEMENT.name, self._serve)
+
+    def _serve(
+        self, request: PlanRearrangement.Request, response: PlanRearrangement.Response
+    ) -> PlanRearrangement.Response:
+        try:
+            made = self._plan(request)
+        except PackError as error:
+            response.status, response.message = PlanRearrangement.Response.INVALID_INPUT, str(error)
+            self.health.count(f"refused {contracts.PLAN_REARRANGEMENT.name}", str(error))
+            return response
+        fill_plan(response, made)
+        self.health.values["last plan"] = f"{made.status.name}, {len(made.actions)} actions"
+        self.health.values["planning time [s]"] = f"{made.statistics.total_s:.3f}"
+        return response
+
+    def _plan(self, request: PlanRearrangement.Request) -> Plan:
+        return plan(
+            from_request(request),
+            method=request.method or self._config.method,
+            budget_s=request.budget or self._config.budget,
+            seed=request.seed,
+            config=self._config,
+            clock=time.perf_counter,
+        )
+
+
+def main() -> int:
+    """Entry point of `rearrangement_node`."""
+    return run_node(RearrangementNode)
