@@ -1,0 +1,122 @@
+"""The machine's node: orders that are refused before anything moves, and a halt."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from pack_interfaces.action import Palletize
+from std_msgs.msg import String
+
+from integration.harness import Graph
+from pack_core.grip import ASKED, GripState
+from pack_core.motion.target import MotionState, MotionStatus
+from pack_core.paths import config_path
+from pack_core.ros.contracts import motion as motion_contracts
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.gripper_messages import to_gripper_state
+from pack_core.ros.motion_messages import to_status
+from pack_core.rotations import Pose
+from pack_planner.layout.layout_node import LayoutNode
+from pallet_fsm.fsm_node import FsmNode
+from pallet_fsm.tool_poses import LOOKING_DOWN
+
+ORDER = config_path("orders", "order_03.json")
+
+
+@pytest.fixture
+def fsm(graph: Graph) -> FsmNode:
+    """The machine and the layout; the probe speaks for arm and gripper."""
+    graph.probe.listen(contracts.PALLET_STATE, motion_contracts.MOTION_TARGET, contracts.RESULT)
+    graph.start(LayoutNode)
+    node = graph.start(FsmNode, watched=["layout"])
+    graph.connect(motion_contracts.MOTION_STATUS, contracts.GRIPPER_STATE)
+    return node
+
+
+def tell(graph: Graph, time: float = 1.0) -> None:
+    """Speak for arm and gripper, once."""
+    X_WT = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
+    status = MotionStatus(time, 0, MotionState.IDLE, 0, "", 0.0, 0.0, 0.0, 0.0, 0, "", X_WT)
+    graph.probe.send(contracts.GRIPPER_STATE, to_gripper_state(time, GripState(reason=ASKED)))
+    graph.probe.send(motion_contracts.MOTION_STATUS, to_status(status))
+
+
+def accepted(graph: Graph, **fields: str) -> object:
+    """The handle of a goal that is taken, once arm and gripper have been heard."""
+
+    def offered() -> bool:
+        nonlocal handle
+        tell(graph)
+        handle = graph.send_goal(contracts.PALLETIZE, Palletize.Goal(**fields))
+        return bool(handle.accepted)
+
+    handle = None
+    graph.wait_until(offered)
+    return handle
+
+
+def test_an_order_before_the_arm_was_heard_is_not_taken(graph: Graph, fsm: FsmNode) -> None:
+    assert not graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+
+
+def spoiled(change: str) -> str:
+    order = json.loads(ORDER.read_text())
+    first, second = order["boxes"]
+    if change == "overlap":
+        second["position"] = first["position"]
+    elif change == "twice":
+        second["id"] = first["id"]
+    elif change == "orient_id":
+        first["orient_id"] = 9
+    else:
+        first["dims"] = [-0.4, 0.3, 0.2]
+    return json.dumps(order)
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ({"order": "no JSON"}, "JSON"),
+        ({"file": "/nowhere/order.json"}, "no order there"),
+        ({"order": spoiled("overlap")}, "00101323-5"),
+        ({"order": spoiled("twice")}, "00102400-4"),
+        ({"order": spoiled("orient_id")}, "orient_id"),
+        ({"order": spoiled("size")}, "dims"),
+        ({"file": str(ORDER), "profile": "quick"}, "thesis, blended"),
+    ],
+    ids=["no JSON", "no file", "overlap", "twice", "orient_id", "size", "profile"],
+)
+def test_a_wrong_order_ends_with_the_reason_and_nothing_moves(
+    graph: Graph, fsm: FsmNode, fields: dict[str, str], reason: str
+) -> None:
+    result = graph.result_of(accepted(graph, **fields))
+    assert not result.success
+    assert reason in result.message
+    assert graph.probe.mail[motion_contracts.MOTION_TARGET.name] == []
+    assert graph.probe.mail[contracts.PALLET_STATE.name] == []
+
+
+@pytest.mark.parametrize("number", range(1, 5))
+def test_plans_that_would_not_stand_are_refused_with_the_boxes_named(
+    graph: Graph, fsm: FsmNode, number: int
+) -> None:
+    file = config_path("orders", "stress", f"order_{number:02}.json")
+    result = graph.result_of(accepted(graph, file=str(file)))
+    assert not result.success
+    names = [box["id"] for box in json.loads(file.read_text())["boxes"]]
+    assert any(name in result.message for name in names)
+
+
+def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(graph: Graph, fsm: FsmNode) -> None:
+    handle = accepted(graph, file=str(ORDER))
+    graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
+    first = graph.probe.mail[contracts.PALLET_STATE.name][0]
+    assert (first.state, first.box) == ("0 spawn", "00102400-4")
+    fsm._on_peer("sim", is_alive=False)
+    graph.wait_until(lambda: graph.probe.mail[contracts.RESULT.name] or tell(graph, 2.0))
+    assert graph.result_of(handle).message == "node 'sim' is silent"
+    report = json.loads(graph.probe.last(contracts.RESULT).data)
+    assert report["reason"] == "node 'sim' is silent"
+    assert isinstance(graph.probe.last(contracts.RESULT), String)
