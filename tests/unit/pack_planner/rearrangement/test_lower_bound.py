@@ -1,10 +1,16 @@
 """No plan is shorter than the lower bound."""
 
+import pytest
+
 from pack_core.rearrangement.problem import Block
+from pack_planner.rearrangement.beam.beam_planner import BeamConfig
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound
+from pack_planner.rearrangement.order_bound import order_bound
+from pack_planner.rearrangement.planner import RearrangementConfig, plan
 from pack_planner.rearrangement.task import Task
 
+SHORT = RearrangementConfig(beam=BeamConfig(rounds=4))
 PITCH = 52.8
 SQUARE = {"a": (0, 0), "b": (PITCH, 0), "c": (0, PITCH), "d": (PITCH, PITCH)}
 
@@ -33,6 +39,31 @@ def test_moving_a_block_that_is_home_may_be_cheaper_than_the_pushes_it_forces(ma
 
 def test_blocks_at_home_need_nothing(make) -> None:
     assert bound(make(SQUARE)) == 0
+
+
+def test_two_blocks_that_stand_on_each_others_goals_take_three_actions(make) -> None:
+    problem = make({"a": (0, 0), "b": (80, 0)}, {"a": (80, 0), "b": (0, 0)})
+    assert bound(problem) == 2
+    assert order_bound(Task.of(problem)) == 3
+    assert len(plan(problem, budget_s=20.0, config=SHORT).actions) == 3
+
+
+@pytest.mark.parametrize(("n", "density"), [(4, 0.2), (4, 0.3), (6, 0.2), (6, 0.3)])
+def test_no_plan_is_shorter_than_the_sharper_bound(n: int, density: float) -> None:
+    sharper = 0
+    for seed in range(6):
+        problem = make_instance(n, density, seed)
+        made = plan(problem, budget_s=20.0, seed=seed, config=SHORT)
+        least = order_bound(Task.of(problem))
+        assert not made.is_solved or len(made.actions) >= least
+        sharper += least > bound(problem)
+    assert sharper > 0
+
+
+def test_the_sharper_bound_counts_blocks_at_home_as_the_other_one_does(make) -> None:
+    cells = {name: (PITCH * (i % 3), PITCH * (i // 3)) for i, name in enumerate("abcdefghi")}
+    problem = make({**cells, "e": (250, 250)}, cells, size=0.7)
+    assert order_bound(Task.of(problem)) == bound(problem) == 4
 
 
 def test_the_bound_does_not_depend_on_the_order_of_the_blocks() -> None:

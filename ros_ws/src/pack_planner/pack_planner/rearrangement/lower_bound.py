@@ -16,6 +16,7 @@ import numpy as np
 from pack_planner.rearrangement.assembly import MAX_GOALS, NEVER, PLANES, assembly_planes, pushes
 from pack_planner.rearrangement.certificates import ways_into_goals
 from pack_planner.rearrangement.collisions import Words
+from pack_planner.rearrangement.order_bound import MOST_BLOCKS, order_bound
 from pack_planner.rearrangement.task import Task
 
 
@@ -33,6 +34,11 @@ def lower_bound(task: Task) -> int:
         planes = assembly_planes(place.within(first, end - first), push.within(first, end - first))
         needed += _pushes_with_moves(planes, home >> first & ((1 << end - first) - 1))
     return away + max(needed - int(task.is_ready.sum()), 0)
+
+
+def sharper_bound(task: Task, bound: int) -> int:
+    """The larger of a lower bound and, for few blocks, the one that takes some milliseconds to find."""
+    return max(bound, order_bound(task)) if task.n <= MOST_BLOCKS else bound
 
 
 def _pushes_with_moves(planes: Words, home: int) -> int:

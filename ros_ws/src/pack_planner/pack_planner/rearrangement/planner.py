@@ -16,7 +16,7 @@ from pack_planner.rearrangement.beam.beam_planner import BeamConfig, plan_by_bea
 from pack_planner.rearrangement.beam.spots import MAX_BLOCKS
 from pack_planner.rearrangement.certificates import find_certificate
 from pack_planner.rearrangement.instances import make_instance
-from pack_planner.rearrangement.lower_bound import lower_bound
+from pack_planner.rearrangement.lower_bound import lower_bound, sharper_bound
 from pack_planner.rearrangement.pirs.pirs_planner import PirsConfig, plan_by_pirs
 from pack_planner.rearrangement.progress import Clock, Progress
 from pack_planner.rearrangement.task import Task
@@ -72,9 +72,10 @@ def plan(
     bound, rng = lower_bound(task), np.random.default_rng(seed)
     progress.setup_s = progress.elapsed()
     if checked == "beam":
-        actions = plan_by_beam(task, bound, progress, rng, config.beam)
+        actions, bound = plan_by_beam(task, bound, progress, rng, config.beam)
     else:
         actions = plan_by_pirs(task, progress, rng, config.pirs)
+        bound = sharper_bound(task, bound)
     if actions is None:
         text = f"no plan found in {progress.elapsed():.2f} s; that there is none is not proven"
         return Plan(PlanStatus.TIMEOUT, (), bound, Diagnosis(text), progress.statistics())

@@ -14,6 +14,7 @@ from pack_planner.rearrangement.beam.search import Beam, root_state, run_round
 from pack_planner.rearrangement.beam.spots import GOAL, POOL, buffer_pool
 from pack_planner.rearrangement.beam.tables import Tables, build_tables
 from pack_planner.rearrangement.freed import with_freed_blocks
+from pack_planner.rearrangement.lower_bound import sharper_bound
 from pack_planner.rearrangement.progress import Progress
 from pack_planner.rearrangement.task import Task
 
@@ -37,14 +38,14 @@ class BeamConfig(Config):
 
 def plan_by_beam(
     task: Task, lower_bound: int, progress: Progress, rng: np.random.Generator, config: BeamConfig
-) -> list[Action] | None:
-    """The shortest plan found; None where there is none in time.
+) -> tuple[list[Action] | None, int]:
+    """The shortest plan found, None where there is none in time, and the best lower bound.
 
     Every round demands a plan shorter than the best so far, with a wider beam. Rounds after the widest, and
     those after a few without any plan, draw new buffer poses, and the latter also let blocks make way that
     are in nobody's.
     """
-    task = with_freed_blocks(task)
+    given, task = task, with_freed_blocks(task)
     best: list[Action] | None = None
     longest = LONGEST * task.n
     for number in range(config.rounds):
@@ -57,12 +58,15 @@ def plan_by_beam(
         outcome = run_round(root, tables, _order(tables, rng), beam, progress.is_over, rng)
         progress.count(outcome.expanded)
         if outcome.moves is not None:
+            is_first = best is None
             best = to_actions(task, tables, outcome.moves)
             longest = len(best) - 1
             progress.found(len(best))
+            if is_first and longest >= lower_bound:
+                lower_bound = sharper_bound(given, lower_bound)
         if longest < lower_bound or progress.is_over():
             break
-    return best
+    return best, lower_bound
 
 
 def _spots(task: Task) -> npt.NDArray[np.int16]:

@@ -1,0 +1,37 @@
+"""How long the first plan of the blocks cell takes, process warm; a proof that there is none, too."""
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from pack_core.rearrangement.plan import PlanStatus
+from pack_core.rearrangement.problem import Block, Problem
+from pack_planner.rearrangement.instances import make_instance
+from pack_planner.rearrangement.planner import plan, warm_up
+from pack_planner.rearrangement.verifier import verify
+
+pytestmark = pytest.mark.benchmark
+
+DENSITY = 0.2
+SEEDS = range(40)
+
+
+@pytest.mark.parametrize(("n", "limit_ms", "budget_s"), [(9, 30.0, 0.2), (16, 60.0, 0.3), (25, 200.0, 0.5)])
+def test_first_plan_of_a_small_workspace(n: int, limit_ms: float, budget_s: float) -> None:
+    warm_up()
+    plan(make_instance(n, DENSITY, 1000), budget_s=budget_s)  # the grid's pattern database is kept
+    plans = [(make_instance(n, DENSITY, seed), seed) for seed in SEEDS]
+    made = [(problem, plan(problem, budget_s=budget_s, seed=seed)) for problem, seed in plans]
+    assert [verify(problem, one) for problem, one in made] == [[]] * len(made)
+    first = [1e3 * one.statistics.first_plan_s for _, one in made]
+    assert np.percentile(first, 95) <= limit_ms
+
+
+def test_a_permuted_grid_is_proven_impossible_at_once(benchmark: BenchmarkFixture) -> None:
+    grid = make_instance(9, 0.08, 0).goals
+    ids = list(grid)
+    blocks = tuple(Block(name, grid[other]) for name, other in zip(ids, ids[1:] + ids[:1], strict=True))
+    problem = Problem(blocks, grid, make_instance(9, 0.08, 0).workspace)
+    made = benchmark.pedantic(lambda: plan(problem), rounds=20, warmup_rounds=2)
+    assert made.status is PlanStatus.INFEASIBLE
+    assert benchmark.stats.stats.median < 0.020
