@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Empty
@@ -70,7 +68,12 @@ class PeerWatch:
             grasp.release()
 
     def _change(self, is_alive: bool) -> None:
-        with self._lock, suppress(InvalidHandle):  # the watching node may end in between
-            if self._node.context.ok() and self._is_alive is not is_alive:
-                self._is_alive = is_alive
+        with self._lock:
+            if self._is_alive is is_alive or not self._node.context.ok():
+                return
+            self._is_alive = is_alive
+            try:
                 self._on_change(self._peer, is_alive)
+            except Exception:
+                if self._node.context.ok():
+                    raise  # otherwise the watching node has ended in between
