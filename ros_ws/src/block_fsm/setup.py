@@ -11,5 +11,5 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
     ],
-    entry_points={"console_scripts": []},
+    entry_points={"console_scripts": ["block_fsm_node = block_fsm.block_fsm_node:main"]},
 )

@@ -7,10 +7,14 @@ setup(
     version="0.1.0",
     license="Apache-2.0",
     packages=find_packages(),
+    package_data={"pack_bringup.blocks": ["*.j2"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
-        (f"share/{package}/launch", ["launch/packing.launch.py", "launch/palletizing.launch.py"]),
+        (
+            f"share/{package}/launch",
+            [f"launch/{cell}.launch.py" for cell in ("packing", "palletizing", "blocks")],
+        ),
     ],
     entry_points={
         "console_scripts": [

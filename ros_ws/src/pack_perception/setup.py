@@ -15,6 +15,7 @@ setup(
         "console_scripts": [
             "box_vision_node = pack_perception.boxes.box_vision_node:main",
             "perception_node = pack_perception.mocap.perception_node:main",
+            "tag_perception_node = pack_perception.tags.tag_perception_node:main",
         ]
     },
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +15,7 @@ from rich.table import Table
 from pack_bringup.cli.studies import report_studies
 
 if TYPE_CHECKING:
+    from pack_bringup.blocks.evaluation import BlocksEvaluation
     from pack_core.evaluation.evaluate import Evaluation
     from pack_core.evaluation.palletizing.evaluate import PalletEvaluation
 
@@ -142,14 +144,20 @@ def copy(
     typer.echo(f"{copied.messages} messages{note} in {target}")
 
 
-def run_evaluation(bag: Path, output: Path, *, with_video: bool) -> Evaluation | PalletEvaluation:
+def run_evaluation(
+    bag: Path, output: Path, *, with_video: bool
+) -> Evaluation | PalletEvaluation | BlocksEvaluation:
     """Evaluate as the cell wants it, which run.yaml names, with a progress bar for the video."""
+    from pack_bringup.blocks.evaluation import evaluate_blocks
     from pack_core.evaluation.evaluate import evaluate as evaluate_goal
     from pack_core.evaluation.palletizing.evaluate import evaluate_order
     from pack_core.evaluation.report import load_record
 
     record = load_record(bag) or load_record(bag.parent)
-    evaluate_bag = evaluate_order if record.get("cell") == "palletizing" else evaluate_goal
+    by_cell: dict[str, Callable[..., Evaluation | PalletEvaluation | BlocksEvaluation]] = {
+        "palletizing": evaluate_order, "blocks": evaluate_blocks,
+    }  # fmt: skip
+    evaluate_bag = by_cell.get(str(record.get("cell")), evaluate_goal)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, transient=True) as bar:
         task = bar.add_task("evaluating", total=1.0)
@@ -159,7 +167,7 @@ def run_evaluation(bag: Path, output: Path, *, with_video: bool) -> Evaluation |
         )  # fmt: skip
 
 
-def show(found: Evaluation | PalletEvaluation) -> None:
+def show(found: Evaluation | PalletEvaluation | BlocksEvaluation) -> None:
     """Print the table of the measures, and where the report is."""
     table = Table("measure", "value", "what it is")
     for row in found.rows:

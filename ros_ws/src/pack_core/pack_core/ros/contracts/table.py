@@ -6,10 +6,10 @@ Publishers, subscribers, the recorder, `pack wiring` and docs/dataflow.md come f
 from __future__ import annotations
 
 from pack_core.errors import ConfigError
-from pack_core.ros.contracts import packing, palletizing
+from pack_core.ros.contracts import blocks, packing, palletizing
 from pack_core.ros.contracts.contract import Contract
 
-WIRING = {"packing": packing.CONTRACTS, "palletizing": palletizing.CONTRACTS}
+WIRING = {"packing": packing.CONTRACTS, "palletizing": palletizing.CONTRACTS, "blocks": blocks.CONTRACTS}
 
 
 def wiring_of(cell: str) -> tuple[Contract, ...]:

@@ -1,0 +1,1 @@
+"""What the node `fsm` of the blocks cell needs of ROS beside its shell."""

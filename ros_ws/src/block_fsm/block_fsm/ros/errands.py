@@ -1,0 +1,135 @@
+"""Requests of the executor, run by the nodes that can; each is looked at again and again until it is done."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from pack_interfaces.srv import JawCommand
+from rclpy.client import Client
+from rclpy.publisher import Publisher
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from block_fsm.requests import Answer, MoveArm, MoveJaw, PlanFor
+from block_fsm.ros.cell_state import CellState
+from pack_core.block_sighting import BlockSighting
+from pack_core.jaw import JawStatus
+from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, Tolerance
+from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
+from pack_core.ros.motion_messages import to_target
+from pack_core.ros.rearrangement_messages import from_response, to_request
+
+REACHED = Tolerance(position=0.0005, orientation_deg=0.1)
+ENDED = (MotionState.REACHED, MotionState.STUCK, MotionState.REFUSED)
+
+
+class Errand(ABC):
+    """One request under way; it began at `start` [s]."""
+
+    def __init__(self, start: float) -> None:
+        self._start = start
+
+    @abstractmethod
+    def poll(self, state: CellState) -> Answer | None:
+        """The answer, once there is one; `state` is what is known now."""
+
+
+class LookErrand(Errand):
+    """Waits until the arm is still, has a picture taken, and waits for what is seen in it."""
+
+    def __init__(
+        self, start: float, client: Client, delay: float, timeout: float, blocks: Sequence[str]
+    ) -> None:
+        super().__init__(start)
+        self._client, self._delay, self._timeout, self._blocks = client, delay, timeout, blocks
+        self._trigger: Future | None = None
+
+    def poll(self, state: CellState) -> Answer | None:
+        """Ask again where the camera was busy."""
+        if state.time < self._start + self._delay:
+            return None
+        sighting = state.sighting
+        if sighting is not None and sighting.time >= self._start + self._delay:
+            return sighting
+        if state.time > self._start + self._delay + self._timeout:
+            return BlockSighting(state.time, {}, missing=tuple(self._blocks))
+        if self._trigger is None or (self._trigger.done() and not self._trigger.result().success):
+            self._trigger = self._client.call_async(Trigger.Request())
+        return None
+
+
+class PlanErrand(Errand):
+    """Asks the planner."""
+
+    def __init__(
+        self, start: float, client: Client, request: PlanFor, method: str, seed: int, timeout: float
+    ) -> None:
+        super().__init__(start)
+        self._timeout = timeout
+        self._future = client.call_async(to_request(request.problem, method=method, seed=seed))
+
+    def poll(self, state: CellState) -> Answer | None:
+        """A planner that does not answer is one that ran out of time."""
+        if self._future.done():
+            return from_response(self._future.result())
+        if state.time > self._start + self._timeout:
+            return Plan(PlanStatus.TIMEOUT, diagnosis=Diagnosis("the planner does not answer"))
+        return None
+
+
+class MoveErrand(Errand):
+    """Sends a target to the motion controller."""
+
+    def __init__(
+        self, start: float, publisher: Publisher, request: MoveArm, number: int, timeout: float
+    ) -> None:
+        super().__init__(start)
+        self._number, self._timeout = number, timeout
+        target = MotionTarget(number, request.path, tolerance=REACHED, is_checked=False)
+        publisher.publish(to_target(target, start))
+
+    def poll(self, state: CellState) -> Answer | None:
+        """A controller that takes too long is stuck."""
+        motion = state.motion
+        if motion is None:
+            return None
+        if motion.id == self._number and motion.state in ENDED:
+            return motion
+        late = state.time > self._start + self._timeout
+        return _overdue(motion, self._timeout) if late else None
+
+
+class JawErrand(Errand):
+    """Sends a command to the gripper."""
+
+    def __init__(
+        self,
+        start: float,
+        client: Client,
+        request: MoveJaw,
+        timeout: float,
+        on_refusal: Callable[[str], None],
+    ) -> None:
+        super().__init__(start)
+        self._timeout, self._on_refusal = timeout, on_refusal
+        command = request.command
+        self._future = client.call_async(JawCommand.Request(opening=command.opening, force=command.force))
+
+    def poll(self, state: CellState) -> Answer | None:
+        """Fingers that do not come to rest are answered as they are: moving."""
+        if state.time > self._start + self._timeout:
+            return state.jaw
+        if not self._future.done() or state.jaw is None:
+            return None
+        response = self._future.result()
+        if not response.success:
+            self._on_refusal(f"the gripper refuses: {response.message}")
+            return state.jaw
+        is_heard = state.jaw_commands >= response.command
+        return state.jaw if is_heard and state.jaw.status is not JawStatus.MOVING else None
+
+
+def _overdue(motion: MotionStatus, timeout: float) -> MotionStatus:
+    return replace(motion, state=MotionState.STUCK, reason=f"not there after {timeout:.0f} s")
