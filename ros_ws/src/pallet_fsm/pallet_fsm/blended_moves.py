@@ -74,19 +74,20 @@ class BlendedMoves:
         return self._to_place(item, X_WT)
 
     def _to_grasp(self, state: State, item: WorkItem, X_WT: Pose) -> list[Leg]:
-        end, depart = State.GRASP, None if state is State.ABOVE_BOX else self._lift()
-        if item.approach is not None:
-            end = State.REGRASP
-            if state is State.STEP_BACK:
-                depart = self._retreat(-item.approach, self._config.step_back)
-        return [
-            Leg(
-                Transfer((self._line(goal, Part.FINAL, self._config.speed),), self._hover(), depart),
-                goal,
-                end,
-            )
-            for goal in self._goals.grasps(item, X_WT)
-        ]
+        end = State.GRASP if item.approach is None else State.REGRASP
+        legs = []
+        for depart in self._departs(state, item):
+            for goal in self._goals.grasps(item, X_WT):
+                line = self._line(goal, Part.FINAL, self._config.speed)
+                legs.append(Leg(Transfer((line,), self._hover(), depart), goal, end))
+        return legs
+
+    def _departs(self, state: State, item: WorkItem) -> list[Retreat | None]:
+        """From a box on table B straight back, or rising where the arm cannot fold so far; else up."""
+        if state is State.STEP_BACK and item.approach is not None:
+            length = self._config.step_back
+            return [self._retreat(rise * UP - item.approach, length) for rise in (0.0, 0.5, 1.0)]
+        return [None if state is State.ABOVE_BOX else self._lift()]
 
     def _to_table(self, item: WorkItem, X_WT: Pose) -> list[Leg]:
         config, above = self._config, self._config.final_height * UP

@@ -185,5 +185,6 @@ class Palletizer:
             Guard.HAS_NO_TRIES: not has_tries,
             Guard.HAS_BOXES: self._book.has_boxes,
             Guard.IS_HOLDING: item.X_TB is not None,
+            Guard.IS_FINISHED: item.is_finished,
             Guard.IS_ON_TABLE: item.approach is not None,
         }[guard]

@@ -40,6 +40,7 @@ class Guard(Enum):
     HAS_NO_TRIES = "no tries left"
     HAS_BOXES = "boxes left"
     IS_HOLDING = "box in hand"
+    IS_FINISHED = "box placed or skipped"
     IS_ON_TABLE = "box on table B"
 
 
@@ -119,6 +120,7 @@ MOTION = (
     Transition(State.MOTION_STUCK, Event.ASSESSED, RESUME, Guard.HAS_TRIES),
     Transition(State.MOTION_STUCK, Event.ASSESSED, State.SAFE_STOP),
     Transition(State.NOT_CLEAR, Event.ASSESSED, State.SAFE_STOP, Guard.IS_HOLDING),
+    Transition(State.NOT_CLEAR, Event.ASSESSED, State.SAFE_STOP, Guard.IS_FINISHED),
     Transition(State.NOT_CLEAR, Event.ASSESSED, State.SKIP_BOX),
 )
 # fmt: on
