@@ -9,7 +9,9 @@ import yaml
 
 from integration.harness import Graph
 from integration.sim_rig import EXAMPLE, stamps_of
+from pack_bringup.lockstep import lockstep_config
 from pack_bringup.packing.graph_preset import preset_overrides
+from pack_bringup.packing.presets import load_preset
 from pack_core.ros.contracts import packing as contracts
 from pack_core.scene.scene import Scene
 from pack_sim.packing.sim_node import SimNode
@@ -21,6 +23,14 @@ def start_hardware(graph: Graph) -> SimNode:
     parameters = {name: yaml.safe_load(text) for name, text in texts.items()}
     graph.probe.listen(contracts.DESCRIPTION, contracts.WRENCH)
     return graph.start(SimNode, **parameters, scene=str(EXAMPLE), real_time_factor=0.0)
+
+
+def test_the_node_runs_with_what_the_preset_says(graph: Graph) -> None:
+    node = start_hardware(graph)
+    config, preset = lockstep_config(load_preset("hardware")).simulator, load_preset("hardware")
+    given = {name: getattr(node.simulator.config, name) for name in type(config).model_fields}
+    assert given == dict(config)
+    assert node.simulator.cell == preset.packing_cell()
 
 
 def test_the_published_description_is_off_and_the_truth_is_not(graph: Graph) -> None:

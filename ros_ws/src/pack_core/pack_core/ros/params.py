@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from types import UnionType
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel
 from rcl_interfaces.msg import ParameterDescriptor
@@ -16,7 +17,8 @@ C = TypeVar("C", bound=BaseModel)
 def read_parameters(node: Node, cls: type[C]) -> C:
     """Declare every field of `cls` as a parameter and return the validated configuration.
 
-    Nested configuration classes become dotted names.
+    Nested configuration classes become dotted names; a section that may be None is there as soon as
+    one of its parameters is given.
 
     Raises:
         ConfigError: a parameter has a value that is not allowed.
@@ -30,9 +32,30 @@ def _declare(node: Node, cls: type[BaseModel], prefix: str) -> dict[str, Any]:
         default = field.get_default(call_default_factory=True)
         if isinstance(default, BaseModel):
             values[name] = _declare(node, type(default), f"{prefix}{name}.")
-            continue
-        descriptor = ParameterDescriptor(description=field.description or "", dynamic_typing=True)
-        plain = list(default) if isinstance(default, tuple) else default
-        value = node.declare_parameter(prefix + name, plain, descriptor).value
-        values[name] = list(value) if hasattr(value, "typecode") else value
+        elif section := _optional_section(field.annotation):
+            values[name] = _declare_without_defaults(node, section, f"{prefix}{name}.") or None
+        else:
+            values[name] = _value(node, prefix + name, field.description, default)
     return values
+
+
+def _declare_without_defaults(node: Node, cls: type[BaseModel], prefix: str) -> dict[str, Any]:
+    """The parameters that were given."""
+    values = {
+        name: _value(node, prefix + name, field.description, None) for name, field in cls.model_fields.items()
+    }
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _value(node: Node, name: str, description: str | None, default: Any) -> Any:
+    descriptor = ParameterDescriptor(description=description or "", dynamic_typing=True)
+    plain = list(default) if isinstance(default, tuple) else default
+    value = node.declare_parameter(name, plain, descriptor).value
+    return list(value) if hasattr(value, "typecode") else value
+
+
+def _optional_section(annotation: Any) -> type[BaseModel] | None:
+    """The configuration class of a field that may also be None."""
+    kinds = get_args(annotation) if isinstance(annotation, UnionType) else ()
+    classes = [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)]
+    return classes[0] if classes else None
