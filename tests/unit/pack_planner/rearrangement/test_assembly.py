@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from pack_core.rearrangement.problem import Block, Problem
 from pack_planner.rearrangement.assembly import NEVER, PLANES, Method, assembly_planes, pushes
-from pack_planner.rearrangement.certificates import ways_into_goals
 from pack_planner.rearrangement.instances import goal_grid, square_workspace
 from pack_planner.rearrangement.task import Task
 
@@ -21,7 +20,8 @@ def grid_task(n: int, gap: float) -> Task:
 
 
 def pushes_of_grid(n: int, gap: float) -> int:
-    return pushes(assembly_planes(*ways_into_goals(grid_task(n, gap))), np.uint64(0))
+    ways = grid_task(n, gap).ways
+    return pushes(assembly_planes(ways.place, ways.push), np.uint64(0))
 
 
 @pytest.mark.parametrize(

@@ -12,13 +12,10 @@ import numpy as np
 
 from pack_core.rearrangement.plan import Diagnosis
 from pack_core.rearrangement.planar import QUARTER
-from pack_core.rotations import Array
-from pack_planner.rearrangement.assembly import Method
-from pack_planner.rearrangement.collisions import Words, hits
-from pack_planner.rearrangement.footprints import fingers, placings, squares, sweeps
+from pack_planner.rearrangement.collisions import hits
+from pack_planner.rearrangement.footprints import fingers, squares, sweeps
+from pack_planner.rearrangement.goal_ways import sets_of_others
 from pack_planner.rearrangement.task import Task
-
-Sets = list[list[int]]
 
 
 def find_certificate(task: Task) -> Diagnosis | None:
@@ -49,41 +46,18 @@ def immobile(task: Task) -> list[int]:
     pushes = sweeps(ends, headings, gripper.min_push, side, gripper)[..., None, :]
     blocks = squares(task.starts, side)
     picked, pushed = hits(fingers(task.starts, side, gripper), blocks), hits(pushes, blocks)
-    ways = [sets_a + sets_b for sets_a, sets_b in zip(_sets(picked), _sets(pushed), strict=True)]
+    ways = sets_of_others(np.concatenate([picked, pushed], axis=1))
     return _peeled(ways, fixed=set())
 
 
 def unreachable(task: Task, fixed: set[int]) -> list[int]:
     """Blocks whose goals cannot all be filled, in whatever order, when the `fixed` ones stand on theirs."""
-    place, push = ways_into_goals(task)
-    ways = [[*place.alternatives[i], *push.alternatives[i]] for i in range(task.n)]
+    alternatives = zip(task.ways.place.alternatives, task.ways.push.alternatives, strict=True)
+    ways = [[*place, *push] for place, push in alternatives]
     return _peeled(ways, fixed)
 
 
-def ways_into_goals(task: Task) -> tuple[Method, Method]:
-    """Goals that must be unfilled for a block to be put down on its own, and to be pushed into it.
-
-    Of pushes only the end counts, so that no push, however short, is left out.
-    """
-    goals, gripper = task.goals, task.gripper
-    headings = goals[:, 2, None] + QUARTER * np.arange(4)
-    ends = np.repeat(goals[:, None], 4, axis=1)
-    pushes = sweeps(ends, headings, 0.0, task.side, gripper)[..., None, :]
-    blocks = squares(goals, task.side)
-    return _method(placings(goals, task.side, gripper), blocks), _method(pushes, blocks)
-
-
-def _method(footprints: Array, blocks: Array) -> Method:
-    return Method.of(_sets(hits(footprints, blocks)))
-
-
-def _sets(words: Words) -> Sets:
-    """For every block the sets of others that its footprints `(n, ways, W)` hit, as bits."""
-    values = [[sum(int(word) << 64 * w for w, word in enumerate(row)) for row in rows] for rows in words]
-    return [[value & ~(1 << i) for value in row] for i, row in enumerate(values)]
-
-
-def _peeled(ways: Sets, fixed: set[int]) -> list[int]:
+def _peeled(ways: list[list[int]], fixed: set[int]) -> list[int]:
     """Who remains, the fixed ones left out, when whoever has a way clear of the rest is taken away."""
     left = (1 << len(ways)) - 1
     before = 0

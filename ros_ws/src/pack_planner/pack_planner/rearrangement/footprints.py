@@ -29,11 +29,12 @@ def rectangles(
     """Rectangles `(..., 6)` whose centres lie at x, y [m] in the frames of poses `(..., 3)`."""
     pose = np.asarray(poses, dtype=float)
     cosine, sine = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-    columns = (
-        pose[..., 0] + cosine * x - sine * y, pose[..., 1] + sine * x + cosine * y,
-        cosine, sine, half_x, half_y,
-    )  # fmt: skip
-    return np.stack(np.broadcast_arrays(*columns), axis=-1)
+    rows = np.empty((*np.broadcast_shapes(cosine.shape, np.shape(half_x), np.shape(x)), 6))
+    rows[..., 0] = pose[..., 0] + cosine * x - sine * y
+    rows[..., 1] = pose[..., 1] + sine * x + cosine * y
+    rows[..., 2], rows[..., 3] = cosine, sine
+    rows[..., 4], rows[..., 5] = half_x, half_y
+    return rows
 
 
 def squares(poses: npt.ArrayLike, side: float, margin: float = 0.0) -> Array:
@@ -44,13 +45,9 @@ def squares(poses: npt.ArrayLike, side: float, margin: float = 0.0) -> Array:
 
 def fingers(poses: npt.ArrayLike, side: float, gripper: GripperFootprint) -> Array:
     """Beside the faces that a grasp touches: `(..., grasp, finger, 6)` for both grasps and fingers."""
-    turned = _turned(poses)
-    reach = (side + gripper.slab_thickness) / 2
-    slabs = [
-        rectangles(turned, gripper.slab_thickness / 2, gripper.slab_width / 2, sign * reach)
-        for sign in (1.0, -1.0)
-    ]
-    return np.stack(slabs, axis=-2)
+    thickness, width = gripper.slab_thickness, gripper.slab_width
+    reach = (side + thickness) / 2 * np.array([1.0, -1.0])
+    return rectangles(_turned(poses)[..., None, :], thickness / 2, width / 2, reach)
 
 
 def placings(poses: npt.ArrayLike, side: float, gripper: GripperFootprint) -> Array:

@@ -17,7 +17,7 @@ MOST = 3
 def with_freed_blocks(task: Task) -> Task:
     """The task with as few blocks as possible no longer home, so that the grid can be assembled."""
     home = {int(i) for i in np.flatnonzero(task.is_home)}
-    if not unreachable(task, fixed=home):
+    if not home or not unreachable(task, fixed=home):
         return task
     movable = sorted(home - set(immobile(task)))
     for count in range(1, MOST + 1):

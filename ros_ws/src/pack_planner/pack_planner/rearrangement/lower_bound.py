@@ -14,7 +14,6 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from pack_planner.rearrangement.assembly import MAX_GOALS, NEVER, PLANES, assembly_planes, pushes
-from pack_planner.rearrangement.certificates import ways_into_goals
 from pack_planner.rearrangement.collisions import Words
 from pack_planner.rearrangement.order_bound import MOST_BLOCKS, order_bound
 from pack_planner.rearrangement.task import Task
@@ -25,7 +24,7 @@ def lower_bound(task: Task) -> int:
     away = int((~task.is_home).sum())
     if not away:
         return 0
-    place, push = ways_into_goals(task)
+    place, push = task.ways.place, task.ways.push
     home = sum(1 << int(i) for i in np.flatnonzero(task.is_home))
     parts = -(-task.n // MAX_GOALS)
     cuts = [task.n * part // parts for part in range(parts + 1)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,7 @@ from pack_core.rearrangement.planar import QUARTER, PlanarPose, turn_between
 from pack_core.rearrangement.problem import Problem
 from pack_core.rotations import Array
 from pack_planner.rearrangement.footprints import rows_of
+from pack_planner.rearrangement.goal_ways import GoalWays
 from pack_planner.rearrangement.workspace import edges
 
 
@@ -57,6 +59,11 @@ class Task:
     def n(self) -> int:
         """Number of blocks."""
         return len(self.ids)
+
+    @cached_property
+    def ways(self) -> GoalWays:
+        """What must be unfilled for a goal to be filled."""
+        return GoalWays.of(self.goals, self.side, self.gripper)
 
     @property
     def side(self) -> float:

@@ -65,15 +65,15 @@ def _check_inside(problem: Problem) -> Iterator[Diagnosis]:
             continue
         grown = half_planes + slack if what == "start" else half_planes
         rows = rows_of(poses.values())
-        for name, row in zip(poses, rows, strict=True):
-            if not are_inside(row, problem.side, grown):
-                heights = (corners_of(row, problem.side) @ grown[:, :2].T - grown[:, 2]).max(axis=1)
-                x, y = corners_of(row, problem.side)[int(np.argmax(heights))]
-                yield Diagnosis(
-                    f"the {what} of {name} is outside the workspace: its corner ({x:.4f}, {y:.4f}) m "
-                    f"by {1e3 * heights.max():.1f} mm",
-                    (name,),
-                )
+        for i in np.flatnonzero(~are_inside(rows, problem.side, grown)):
+            corners, name = corners_of(rows[i], problem.side), list(poses)[i]
+            heights = (corners @ grown[:, :2].T - grown[:, 2]).max(axis=1)
+            x, y = corners[int(np.argmax(heights))]
+            yield Diagnosis(
+                f"the {what} of {name} is outside the workspace: its corner ({x:.4f}, {y:.4f}) m "
+                f"by {1e3 * heights.max():.1f} mm",
+                (name,),
+            )
 
 
 def _check_overlaps(problem: Problem) -> Iterator[Diagnosis]:

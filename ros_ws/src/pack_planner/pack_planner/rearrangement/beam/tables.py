@@ -14,7 +14,7 @@ from pack_planner.rearrangement.beam.bits import MEMO_BITS
 from pack_planner.rearrangement.beam.pushing import Ints, pushes_from_spots, pushes_out, stages, sweep
 from pack_planner.rearrangement.beam.spots import GOAL, POOL, STRAIGHT, spot_poses
 from pack_planner.rearrangement.collisions import Words, hits
-from pack_planner.rearrangement.footprints import fingers, placings, squares
+from pack_planner.rearrangement.footprints import fingers, squares
 from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.workspace import are_inside
 
@@ -79,9 +79,9 @@ def build_tables(task: Task, pool: Array) -> Tables:
     out = pushes_out(task, POOL + len(pool))
     poses = spot_poses(task, np.vstack([pool, out.ends]))
     blocks = squares(poses, task.side)
-    place = hits(placings(poses, task.side, task.gripper), blocks)
+    pick, place = _grasps_at(task, poses, blocks)
     stage, stage_sweeps = stages(task)
-    stage_place = hits(placings(stage, task.side, task.gripper), blocks)
+    _, stage_place = _grasps_at(task, stage, blocks)
     stage_place[~are_inside(stage, task.side, task.half_planes)] = EVERYTHING
     stage_push = hits(stage_sweeps, blocks)
     push_of, push_sweeps = pushes_from_spots(task, poses)
@@ -89,7 +89,7 @@ def build_tables(task: Task, pool: Array) -> Tables:
     planes, upper_planes, split = _assembly(placed, stage_place, stage_push)
     return Tables(
         poses=poses,
-        pick=hits(fingers(poses, task.side, task.gripper), blocks),
+        pick=pick,
         place=place,
         denied=_turned_round(place),
         swap=_swaps(task, poses),
@@ -112,6 +112,13 @@ def build_tables(task: Task, pool: Array) -> Tables:
         split=split,
         hash=np.random.default_rng(0).integers(2**63, size=push_of.shape, dtype=np.uint64),
     )
+
+
+def _grasps_at(task: Task, poses: Array, blocks: Array) -> tuple[Words, Words]:
+    """What grasping and what putting down hits at poses `(..., 3)`, `(..., 2, W)` each."""
+    pick = hits(fingers(poses, task.side, task.gripper), blocks)
+    below = hits(squares(poses, task.side, task.gripper.block_margin)[..., None, :], blocks)
+    return pick, pick | below[..., None, :]
 
 
 def _swaps(task: Task, poses: Array) -> npt.NDArray[np.bool_]:
