@@ -35,11 +35,8 @@ def posed(scene: Scene, height: float | None = None) -> tuple[mujoco.MjModel, mu
     v = np.array([model.joint(name).dofadr[0] for name in JOINTS])
     data.qpos[q] = CELL.robot.home
     mujoco.mj_forward(model, data)
-    held, jacobian, turn = (
-        model.body(scene.new_object.name).id,
-        np.zeros((3, model.nv)),
-        np.zeros((3, model.nv)),
-    )
+    held = model.body(scene.new_object.name).id
+    jacobian, turn = np.zeros((2, 3, model.nv))
     for _ in range(40 if height is not None else 0):
         goal = np.array([*scene.container.centre, height + scene.new_object.half_extents[2]])
         mujoco.mj_jacBody(model, data, jacobian, turn, held)
