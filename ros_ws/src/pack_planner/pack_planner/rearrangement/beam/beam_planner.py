@@ -18,8 +18,8 @@ from pack_planner.rearrangement.lower_bound import sharper_bound
 from pack_planner.rearrangement.progress import Progress
 from pack_planner.rearrangement.task import Task
 
-LONGEST = 6
-"""Actions a block that a plan may have."""
+LONGEST = 3
+"""Actions a block that a plan may have, and a few more."""
 PATIENCE = 3
 """Rounds without a plan before the search opens up."""
 
@@ -47,7 +47,7 @@ def plan_by_beam(
     """
     given, task = task, with_freed_blocks(task)
     best: list[Action] | None = None
-    longest = LONGEST * task.n
+    longest = LONGEST * (task.n + 3)
     for number in range(config.rounds):
         is_lost = best is None and number >= PATIENCE
         if number == 0 or is_lost or number >= len(config.widths):

@@ -38,17 +38,20 @@ class Options(NamedTuple):
 
 @njit(cache=True, inline="always")
 def buffer_options(
-    i: int, spots: npt.NDArray[np.int16], can_pick: npt.NDArray[np.bool_], now: Summary, order: Ints,
-    tables: Tables, options: Options,
+    i: int, spots: npt.NDArray[np.int16], can_pick: npt.NDArray[np.bool_], now: Summary, is_tight: bool,
+    order: Ints, tables: Tables, options: Options,
 ) -> int:  # fmt: skip
-    """Fill `options` with the best of the first free buffer poses in order; how many there are."""
+    """Fill `options` with the best of the first free buffer poses in order; how many there are.
+
+    Where there is no action to spare, `is_tight`, only a pose from which the block is pushed home will do.
+    """
     start, breadth = spots[i], options.cost.shape[0]
     free = _free_spots(i, spots, tables.denied)
     possible = free[0] | free[1]
     found, looked = 0, 0
     for rank in range(order.shape[1]):
         spot = order[i, rank]
-        if spot == start or not has(possible, spot):
+        if spot == start or not has(possible, spot) or (is_tight and tables.push_of[i, spot] < 0):
             continue
         pair = _grasps(i, start, spot, can_pick, free, tables)
         if pair < 0:

@@ -69,13 +69,15 @@ def expand(
         now = summarize(occupied, spots, tables)
         blocking = np.zeros_like(occupied)
         count = _go_home(states, row, occupied, now, can_pick, must_go, blocking, tables, limit, out, count)
+        if now.bound > limit:
+            continue
         for i in range(n):
             spot = spots[i]
             if spot == GOAL + i or not (must_go[i] or has(blocking, spot) or is_anyone):
                 continue
             found = 0
             if can_pick[i, 0] or can_pick[i, 1]:
-                found = buffer_options(i, spots, can_pick, now, order, tables, options)
+                found = buffer_options(i, spots, can_pick, now, now.bound == limit, order, tables, options)
             elif spot == i:
                 clear(occupied, spot)
                 found = pushed_out_options(i, occupied, tables, options)

@@ -78,11 +78,12 @@ def run_round(
     """Search once."""
     n = root.spot.shape[1]
     history, expanded = History(), 0
+    seen = np.zeros(1 << int(np.ceil(np.log2(2 * beam.width * (beam.longest + 1)))), dtype=np.uint64)
     pending: defaultdict[int, Pending] = defaultdict(list)
     layer: States | None = root
     for depth in range(beam.longest + 1):
         if depth:
-            layer = _next_layer(pending.pop(depth, []), beam, tables, history, rng)
+            layer = _next_layer(pending.pop(depth, []), beam, tables, history, seen, rng)
         if is_over():
             break
         if layer is None:
@@ -100,16 +101,16 @@ def run_round(
 
 
 def _next_layer(
-    pending: Pending, beam: Beam, tables: Tables, history: History, rng: np.random.Generator
+    pending: Pending, beam: Beam, tables: Tables, history: History, seen: Words, rng: np.random.Generator
 ) -> States | None:
-    """The best children of earlier layers that take as many actions, no two alike."""
+    """The best children of earlier layers that take as many actions, of states not met before."""
     if not sum(len(indices) for _, _, indices in pending):
         return None
     keys = np.concatenate([_rank(children, indices) for _, children, indices in pending])
     if beam.noise:
         keys += rng.uniform(0.0, beam.noise, len(keys))
     hashes = np.concatenate([children.hash[indices] for _, children, indices in pending])
-    kept = select(keys, hashes, beam.width)
+    kept = select(keys, hashes, beam.width, seen)
     layers, first = [], 0
     for states, children, indices in pending:
         own = indices[kept[(kept >= first) & (kept < first + len(indices))] - first]
@@ -129,23 +130,27 @@ def _rank(children: Children, indices: Indices) -> Array:
     return np.asarray(left + TRAVEL_WEIGHT * children.travel[indices])
 
 
-def select(keys: Array, hashes: Words, width: int) -> Indices:
-    """Indices of the `width` smallest keys with different hashes."""
+def select(keys: Array, hashes: Words, width: int, seen: Words) -> Indices:
+    """Indices of up to `width` of the smallest keys with different hashes, none of them in `seen`."""
     room = 4 * width
     if len(keys) > 2 * room:
         nearest = np.argpartition(keys, room)[:room]
-        return np.asarray(nearest[_first_distinct(keys[nearest], hashes[nearest], width)])
-    return np.asarray(_first_distinct(keys, hashes, width))
+        return np.asarray(nearest[_first_new(keys[nearest], hashes[nearest], width, seen)])
+    return np.asarray(_first_new(keys, hashes, width, seen))
 
 
 @njit(cache=True)
-def _first_distinct(keys: Array, hashes: Words, width: int) -> Indices:
-    order = np.argsort(keys)
-    seen, kept = set(hashes[:0]), np.empty(min(width, len(keys)), np.int64)
+def _first_new(keys: Array, hashes: Words, width: int, seen: Words) -> Indices:
+    """As `select`; what it takes is added to `seen`, a hash table whose size is a power of two."""
+    last = np.uint64(seen.shape[0] - 1)
+    kept = np.empty(min(width, len(keys)), np.int64)
     count = 0
-    for index in order:
-        if hashes[index] not in seen:
-            seen.add(hashes[index])
+    for index in np.argsort(keys):
+        slot = hashes[index] & last
+        while seen[slot] != 0 and seen[slot] != hashes[index]:
+            slot = (slot + np.uint64(1)) & last
+        if seen[slot] == 0:
+            seen[slot] = hashes[index]
             kept[count] = index
             count += 1
             if count == len(kept):
