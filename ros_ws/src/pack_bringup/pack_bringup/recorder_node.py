@@ -28,7 +28,7 @@ from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.contracts.table import recorded
+from pack_core.ros.contracts.table import nodes_of, recorded
 from pack_core.ros.conversions import from_scene, from_stamp
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
@@ -82,7 +82,7 @@ class RecorderNode(CellNode):
         group = TakenByHand()
         self._taps = [(contract, self._tap(contract, group)) for contract in topics]
         self.create_timer(DRAIN_PERIOD, self.drain, clock=self.wall)
-        self.watch(senders(config.cell))
+        self.watch(nodes_of(config.cell) - {self.get_name()})
         self.get_logger().info(f"recording to {self.folder}")
 
     def report(self) -> None:
@@ -142,11 +142,6 @@ class RecorderNode(CellNode):
             (self.folder / SCENE_FILE).write_text(description.with_poses(poses).to_yaml())
         except OSError as error:
             raise BagError(f"cannot write {self.folder / SCENE_FILE}: {error}") from error
-
-
-def senders(cell: str) -> list[str]:
-    """The nodes of a cell that send what is recorded."""
-    return sorted({name for contract in recorded(cell) for name in contract.sources} - {"all", "user"})
 
 
 def _topic(contract: Contract) -> Topic:

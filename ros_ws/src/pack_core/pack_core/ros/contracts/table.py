@@ -22,3 +22,9 @@ def wiring_of(cell: str) -> tuple[Contract, ...]:
 def recorded(cell: str) -> tuple[Contract, ...]:
     """The topics of a cell that the recorder writes."""
     return tuple(contract for contract in wiring_of(cell) if contract.recorded)
+
+
+def nodes_of(cell: str) -> set[str]:
+    """The nodes that a cell's table names."""
+    ends = {name for contract in wiring_of(cell) for name in (*contract.sources, *contract.targets)}
+    return ends - {"all", "user"}
