@@ -41,6 +41,14 @@ class Method:
         """Without the alternatives that demand more than another one does."""
         return cls(tuple(_minimal(sets) for sets in alternatives))
 
+    def rows(self) -> Words:
+        """As an array `(goals, alternatives)`, filled up with sets of everything."""
+        width = max((len(sets) for sets in self.alternatives), default=0) or 1
+        rows = np.full((len(self.alternatives), width), FULL, dtype=np.uint64)
+        for goal, sets in enumerate(self.alternatives):
+            rows[goal, : len(sets)] = sets
+        return rows
+
     def within(self, first: int, count: int) -> Method:
         """The same among `count` goals from `first` on, as if the others were never filled."""
         kept = (1 << count) - 1
@@ -58,18 +66,9 @@ def assembly_planes(place: Method, push: Method) -> Words:
     """The database `(words, PLANES)` of up to MAX_GOALS goals."""
     n = len(place.alternatives)
     planes = np.zeros((1 << max(n - LOW, 0), PLANES), dtype=np.uint64)
-    _fill(planes, n, *_table(place), *_table(push), _low_words())
+    _fill(planes, n, place.rows(), push.rows(), _low_words())
     planes.setflags(write=False)
     return planes
-
-
-def _table(method: Method) -> tuple[Words, Words]:
-    """First alternative of each goal, and how many there are: rows padded with sets that are never free."""
-    width = max((len(sets) for sets in method.alternatives), default=0) or 1
-    table = np.full((len(method.alternatives), width), FULL, dtype=np.uint64)
-    for goal, sets in enumerate(method.alternatives):
-        table[goal, : len(sets)] = sets
-    return table & np.uint64((1 << LOW) - 1), table >> np.uint64(LOW)
 
 
 def _low_words() -> Words:
@@ -78,16 +77,13 @@ def _low_words() -> Words:
 
 
 @njit(cache=True)
-def _fill(
-    planes: Words, n: int, place_low: Words, place_high: Words, push_low: Words, push_high: Words,
-    low_words: Words,
-) -> None:  # fmt: skip
+def _fill(planes: Words, n: int, place_rows: Words, push_rows: Words, low_words: Words) -> None:
     words, last = planes.shape[0], planes.shape[1] - 1
     place, push = np.zeros(n, dtype=np.uint64), np.zeros(n, dtype=np.uint64)
     for w in range(words - 1, -1, -1):
         for goal in range(n):
-            place[goal] = _possible(np.uint64(w), place_low[goal], place_high[goal], low_words)
-            push[goal] = _possible(np.uint64(w), push_low[goal], push_high[goal], low_words)
+            place[goal] = _possible(np.uint64(w), place_rows[goal], low_words)
+            push[goal] = _possible(np.uint64(w), push_rows[goal], low_words)
         complete = np.uint64(0)
         if w == words - 1:
             complete = np.uint64(1) << np.uint64((1 << min(n, LOW)) - 1)
@@ -125,12 +121,12 @@ def _grow(
 
 
 @njit(cache=True, inline="always")
-def _possible(w: np.uint64, low: Words, high: Words, low_words: Words) -> np.uint64:
+def _possible(w: np.uint64, alternatives: Words, low_words: Words) -> np.uint64:
     """The lower sets that leave one of the alternatives free, with the upper goals `w` filled."""
     value = np.uint64(0)
-    for i in range(low.shape[0]):
-        if not high[i] & w:
-            value |= low_words[low[i]]
+    for i in range(alternatives.shape[0]):
+        if not (alternatives[i] >> np.uint64(LOW)) & w:
+            value |= low_words[alternatives[i] & np.uint64(63)]
     return value
 
 

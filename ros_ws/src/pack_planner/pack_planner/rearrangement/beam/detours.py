@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from pack_planner.rearrangement.assembly import NEVER
 from pack_planner.rearrangement.beam.bits import MEMO_BITS, Bits, bit, count_bits
 from pack_planner.rearrangement.beam.spots import GOAL
 
@@ -68,8 +69,8 @@ def likely_pushes(
     Args:
         filled: goals that are filled, as bits.
         ready: blocks that stand on their push lines, as bits.
-        place_at: goals that must be unfilled for a block to be put down on its own `(n, 2)`.
-        push_at: goals that must be unfilled for a block to be pushed into its own `(n, 4)`.
+        place_at: sets of goals one of which must be unfilled to put a block down on its own `(n, ways)`.
+        push_at: sets one of which must be unfilled to push it in `(n, ways)`.
         memo: results by a hash of both sets.
         memo_keys: which sets they are of, the inverse of filled + 2^32 ready.
     """
@@ -86,7 +87,7 @@ def count_likely_pushes(filled: np.uint64, ready: np.uint64, place_at: Bits, pus
     """About how many blocks that are not `ready` on their push line will have to be pushed.
 
     The grid is taken apart from the full one, backwards, first what can be lifted or is ready, and if there
-    is nothing, by a push of what most others wait for.
+    is nothing, by a push of what most others wait for; NEVER where nothing can be pushed either.
     """
     n = place_at.shape[0]
     standing = (np.uint64(1) << np.uint64(n)) - np.uint64(1)
@@ -102,7 +103,10 @@ def count_likely_pushes(filled: np.uint64, ready: np.uint64, place_at: Bits, pus
                         standing = others
         if standing == filled:
             return count
-        standing &= ~bit(_most_awaited(standing, filled, place_at, push_at))
+        pushed = _most_awaited(standing, filled, place_at, push_at)
+        if pushed < 0:
+            return NEVER
+        standing &= ~bit(pushed)
         count += 1
 
 
@@ -117,13 +121,13 @@ def _has_room(sets: Bits, j: int, others: np.uint64) -> bool:
 
 @njit(cache=True)
 def _most_awaited(standing: np.uint64, filled: np.uint64, place_at: Bits, push_at: Bits) -> int:
-    """Of the blocks that can be pushed, or else of all, that after which most others can be lifted."""
+    """Of the blocks that can be pushed, that after which most others can be lifted; -1 for none."""
     n = place_at.shape[0]
     most, chosen = -1, -1
     for j in range(n):
         others = standing & ~bit(j)
-        if standing & ~filled & bit(j):
-            lifted = n if _has_room(push_at, j, others) else 0
+        if standing & ~filled & bit(j) and _has_room(push_at, j, others):
+            lifted = 0
             for i in range(n):
                 if others & ~filled & bit(i) and _has_room(place_at, i, others & ~bit(i)):
                     lifted += 1

@@ -81,11 +81,13 @@ def after_going_home(i: int, now: Summary, circles: int, tables: Tables) -> tupl
     filled = now.filled | ONE << np.uint64(i)
     needed = pushes_left(filled, tables.planes, tables.upper_planes, tables.split)
     ready = now.ready & ~bit(i)
-    if needed == NEVER:
+    likely = _likely(filled, ready, tables)
+    if needed == NEVER or likely == NEVER:
         return NEVER, 0.0
     bound = now.away - 1 + max(needed - count_bits(ready), 0)
-    likely = now.away - 1 + _likely(filled, ready, tables)
-    return bound, likely - bound + CYCLE * circles + CROWDED * count_bits(now.crowded[i] & ~bit(i))
+    return bound, now.away - 1 + likely - bound + CYCLE * circles + CROWDED * count_bits(
+        now.crowded[i] & ~bit(i)
+    )
 
 
 @njit(cache=True, inline="always")

@@ -40,8 +40,8 @@ class Tables(NamedTuple):
         out_spot: where they end `(K,)`.
         out: `(K, W)`.
         crowds: goals that a block at a spot overlaps, and those where it leaves no grasp, as bits `(Q, 2)`.
-        place_at: goals that must be unfilled for a block to be put down on its own, as bits `(n, 2)`.
-        push_at: goals that must be unfilled for a block to be pushed there the short way, as bits `(n, 4)`.
+        place_at: sets of goals, as bits, one of which must be unfilled to put a block down `(n, ways)`.
+        push_at: sets one of which must be unfilled to push it in `(n, ways)`.
         memo, memo_keys: of `likely_pushes`, which fills them.
         planes: assembly pattern database of the first goals.
         upper_planes: of the other goals.
@@ -86,7 +86,8 @@ def build_tables(task: Task, pool: Array) -> Tables:
     stage_push = hits(stage_sweeps, blocks)
     push_of, push_sweeps = pushes_from_spots(task, poses)
     placed = place[GOAL : GOAL + task.n]
-    planes, upper_planes, split = _assembly(placed, stage_place, stage_push)
+    into_place, into_push = _ways_into_goals(placed, stage_place, stage_push)
+    planes, upper_planes, split = _assembly(into_place, into_push)
     return Tables(
         poses=poses,
         pick=pick,
@@ -103,8 +104,8 @@ def build_tables(task: Task, pool: Array) -> Tables:
         out_spot=out.spots,
         out=hits(sweep(task, out.ends, out.headings, out.lengths), blocks),
         crowds=_crowds(task, blocks, placed),
-        place_at=_goals_at(placed),
-        push_at=_goals_at(stage_push[:, :4]),
+        place_at=into_place.rows(),
+        push_at=into_push.rows(),
         memo=np.zeros(1 << MEMO_BITS, dtype=np.uint64),
         memo_keys=np.zeros(1 << MEMO_BITS, dtype=np.uint64),
         planes=planes,
@@ -150,18 +151,18 @@ def _bits(words: Words) -> npt.NDArray[np.uint8]:
     return np.unpackbits(np.ascontiguousarray(words).view(np.uint8), axis=-1, bitorder="little")
 
 
-def _goals_at(words: Words) -> Words:
-    """Goals other than a block's own among words `(n, ..., W)`, as bits `(n, ...)`."""
-    own = np.uint64(1) << np.arange(len(words), dtype=np.uint64)[:, None]
-    return np.ascontiguousarray((words[..., 0] >> np.uint64(GOAL)) & ~own)
-
-
-def _assembly(placed: Words, stage_place: Words, stage_push: Words) -> tuple[Words, Words, int]:
-    """Pattern databases for the ways into a goal that the search knows."""
-    n = len(placed)
+def _ways_into_goals(placed: Words, stage_place: Words, stage_push: Words) -> tuple[Method, Method]:
+    """Putting down and pushing, as far as filled goals are concerned."""
     staged = stage_place | stage_push[:, :, None]
-    place = Method.of(_goal_sets(placed[i, :, 0], i) for i in range(n))
-    push = Method.of(_goal_sets(staged[i, ..., 0], i) for i in range(n))
+    return (
+        Method.of(_goal_sets(words[:, 0], i) for i, words in enumerate(placed)),
+        Method.of(_goal_sets(words[..., 0], i) for i, words in enumerate(staged)),
+    )
+
+
+def _assembly(place: Method, push: Method) -> tuple[Words, Words, int]:
+    """Pattern databases, and the number of goals in the first."""
+    n = len(place.alternatives)
     if n <= MAX_GOALS:
         return assembly_planes(place, push), assembly_planes(Method(()), Method(())), n
     half = n // 2
