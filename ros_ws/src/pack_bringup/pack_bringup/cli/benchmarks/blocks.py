@@ -29,18 +29,14 @@ SPREADS = {
 
 def benchmark(
     blocks: Annotated[int, typer.Option(min=1, max=25, help="How many.")] = 9,
-    density: Annotated[
-        float, typer.Option(min=0.01, max=0.6, help="Share of the area they cover.")
-    ] = 0.2,
+    density: Annotated[float, typer.Option(min=0.01, max=0.6, help="Share of the area they cover.")] = 0.2,
     instances: Annotated[int, typer.Option(min=1, help="How many, with seeds from --seed on.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Of the first instance.")] = 0,
     method: Annotated[
         list[str] | None, typer.Option(help="beam (default) or pirs; may be repeated to compare.")
     ] = None,
     budget: Annotated[float, typer.Option(min=0.01, help="Of a plan [s].")] = 1.0,
-    execute: Annotated[
-        bool, typer.Option("--execute", help="Carry them out by the arm.")
-    ] = False,
+    execute: Annotated[bool, typer.Option("--execute", help="Carry them out by the arm.")] = False,
     jobs: Annotated[int, typer.Option(min=1, help="Instances at a time, each a process.")] = 1,
     output: Annotated[
         Path | None,
