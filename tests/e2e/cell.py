@@ -27,7 +27,7 @@ from pack_core.rotations import Array
 
 EASY_SCENE = Path(__file__).with_name("easy_scene.yaml")
 NODES = ("sim", "perception", "planner", "mpc", "recorder")
-START_TIMEOUT = 60.0
+START_TIMEOUT = 150.0
 QUEUE = 10000
 """Joint states that may wait while the test does not spin; a gap would shift the time of a kill."""
 

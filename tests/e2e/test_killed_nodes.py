@@ -5,7 +5,7 @@ import pytest
 from e2e.cell import Cell
 from pack_core.evaluation.bag import read_bag
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(400)]
 WATCHERS = {
     "sim": ("perception", "planner", "mpc", "recorder"),
     "perception": ("planner", "mpc", "recorder"),

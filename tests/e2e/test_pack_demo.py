@@ -14,7 +14,7 @@ from e2e.cell import EASY_SCENE
 from pack_core.evaluation.arrays import load_run
 from pack_core.scene.scene_file import load_scene
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
 PACK = [sys.executable, "-c", "from pack_bringup.cli.main import main; main()"]
 
 

@@ -7,7 +7,7 @@ from e2e.test_pack_demo import output_of, pack
 from pack_core.evaluation.palletizing.from_bag import load_pallet_run
 from pack_core.paths import config_path
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
 ORDER = config_path("orders", "order_03.json")
 
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from pack_core.ros.contracts.contract import Contract
 
 LOG = "nodes.log"
-TIMEOUT = 60.0
-"""Wall clock for all nodes to come up and the goal to be taken, and between two signs of progress [s]."""
+TIMEOUT = 240.0
+"""Wall clock for all nodes to come up (the first start compiles for a minute), and between signs of progress [s]."""
 LINGER = 2.0
 """Wall clock for which the recording goes on after the goal [s]."""
 LOG_LINES = 12
