@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 LOG = "nodes.log"
 TIMEOUT = 240.0
-"""Wall clock for all nodes to come up (the first start compiles for a minute), and between signs of progress [s]."""
+"""Wall clock for the nodes to come up (a first start compiles), and between two signs of progress [s]."""
 LINGER = 2.0
 """Wall clock for which the recording goes on after the goal [s]."""
 LOG_LINES = 12
