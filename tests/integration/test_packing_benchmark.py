@@ -85,6 +85,17 @@ def test_the_log_says_what_the_task_said(folder: BenchmarkFolder) -> None:
     assert run.iterations.distance[-1] == pytest.approx(run.outcome["distance"], abs=0.05)
 
 
+def test_a_scene_with_objects_that_no_camera_sees_fails_and_names_them(tmp_path: Path) -> None:
+    setup = short()
+    narrow = setup.cell.mocap.model_copy(update={"target": (5.0, 5.0, 0.1), "half_angle_deg": 1.0})
+    blind = Setup(setup.settings, setup.cell.model_copy(update={"mocap": narrow}), setup.config)
+    folder = BenchmarkFolder(tmp_path)
+    trial = next(iter(measure_scenes(folder, blind, [SceneJob("seed_3", 3)], LocalPool(1))))
+    assert trial.measures.exit_reason is ExitReason.NO_PLACEMENT
+    assert not trial.measures.success
+    assert re.match("no camera has seen.* soup_can", trial.message)
+
+
 def test_scenes_that_are_there_are_not_run_again(folder: BenchmarkFolder) -> None:
     class NoPool:
         def run(self, work: object, jobs: list[SceneJob]) -> list[object]:

@@ -17,6 +17,7 @@ from pack_bringup.packing.run_log import RunLog
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.evaluation.run import Run
+from pack_core.exit_reason import ExitReason
 from pack_core.rotations import Array
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState
@@ -89,6 +90,7 @@ class Lockstep:
     def run(self, on_step: Callable[[Step], None] | None = None) -> Outcome:
         """Run to the outcome; `on_step` sees every cycle."""
         session = self.session
+        self._refuse_unseen(session.scene)
         while session.task.outcome is None:
             seen = self._observe()
             self._serve_placement(seen)
@@ -135,6 +137,14 @@ class Lockstep:
         forces, self._forces = np.array(self._forces), []
         scene = self._estimator.state(joints.time)
         return Observation(joints, scene, forces, self.simulator.pump.state.is_closed)
+
+    def _refuse_unseen(self, scene: Scene) -> None:
+        """End the goal at once, as the controller's node refuses it, while an object has no pose yet."""
+        known = self._estimator.state(self.simulator.time).objects
+        if unseen := [name for name in scene.names if name not in known]:
+            self.session.task.finish(
+                ExitReason.NO_PLACEMENT, self.simulator.time, f"no camera has seen {', '.join(unseen)} yet"
+            )
 
     def _serve_placement(self, seen: Observation) -> None:
         """Take up a placement that is due, or plan one that will be due."""

@@ -89,7 +89,7 @@ def final_distance(run: Run) -> float:
 def position_error(run: Run) -> float:
     """M_pos (Eq. 7) [m]: over the objects in the container, estimate against truth."""
     errors = []
-    for name in run.scene.names:
+    for name in _estimated(run):
         estimate = run.estimate[name].between(run.start, run.end)
         errors.append(estimate.distance_to(run.truth[name].at(estimate.times).p))
     return _mean(np.concatenate(errors)) if errors else NAN
@@ -103,7 +103,7 @@ def rotation_error(run: Run) -> float:
 
 def predicted_objects(run: Run) -> float:
     """M_per (Eq. 9): objects in the container that were not seen, their mean number over time."""
-    windows = [run.estimate[name].between(run.start, run.end) for name in run.scene.names]
+    windows = [run.estimate[name].between(run.start, run.end) for name in _estimated(run)]
     return float(sum(_mean(window.is_predicted.astype(float)) for window in windows))
 
 
@@ -111,6 +111,11 @@ def object_displacements(run: Run) -> dict[str, float]:
     """Distance [m] between where each object in the container stood and where it stands at the end."""
     ends = np.array([run.start, run.end])
     return {name: float(run.truth[name].at(ends).displacement()[-1]) for name in run.scene.names}
+
+
+def _estimated(run: Run) -> list[str]:
+    """Objects in the container of which there is an estimate: those that some camera has seen."""
+    return [name for name in run.scene.names if name in run.estimate]
 
 
 def _mean(values: Array) -> float:
