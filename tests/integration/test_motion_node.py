@@ -127,3 +127,21 @@ def test_time_that_goes_back_starts_over_from_where_the_arm_is(graph: Graph, arm
     arm.tick()
     assert arm.status.state == "IDLE"
     np.testing.assert_allclose(arm.q, HOME, atol=1e-9)
+
+
+def test_a_target_that_waits_through_a_gap_in_time_is_still_taken(graph: Graph, arm: Arm) -> None:
+    arm.send(Path((PoseMove(GOAL),)), 7)
+    arm.tick()
+    arm.time += 1.0
+    assert arm.until("REACHED", "STUCK", number=7) == "REACHED"
+
+
+def test_a_move_that_a_gap_in_time_ends_is_stuck_and_says_why(graph: Graph, arm: Arm) -> None:
+    arm.send(Path((PoseMove(GOAL),)), 7)
+    arm.until("MOVING", number=7)
+    arm.tick()
+    arm.time += 1.0
+    assert arm.until("REACHED", "STUCK", number=7) == "STUCK"
+    assert "no joint states for" in arm.status.reason
+    arm.send(Path((PoseMove(GOAL),)), 8)
+    assert arm.until("REACHED", "STUCK", number=8) == "REACHED"

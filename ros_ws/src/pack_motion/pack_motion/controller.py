@@ -65,7 +65,18 @@ class MotionController:
         self._moving: dict[str, Obstacle] = {}
         standing = MotionTarget(0, Path((JointMove(self._tracker.state.q),)), is_checked=False)
         self._follow(standing, self._planner.plan(self._tracker.state, standing))
-        self._state = MotionState.IDLE
+        self._state, self._is_pursuing = MotionState.IDLE, False
+
+    def inherit(self, last: MotionStatus, reason: str) -> None:
+        """Answer for the last target of a controller whose place this one takes.
+
+        Args:
+            last: what that one said; a move that was under way then is stuck.
+            reason: why it is.
+        """
+        is_lost = last.state in (MotionState.MOVING, MotionState.SETTLING)
+        self._state, self._reason = (MotionState.STUCK, reason) if is_lost else (last.state, last.reason)
+        self._answered, self._is_pursuing = last.id, False
 
     @property
     def commanded(self) -> JointState:
@@ -101,6 +112,7 @@ class MotionController:
         target, plan = prepared.target, prepared.plan
         if plan is None:
             self._state, self._reason, self._answered = MotionState.REFUSED, prepared.reason, target.id
+            self._is_pursuing = False
             return Acceptance(False, self._reason)
         self._follow(target, plan)
         return Acceptance(True, "", plan.trajectory.duration)
@@ -163,6 +175,7 @@ class MotionController:
         self._progress.restart()
         self._stuck.restart()
         self._state, self._reason, self._answered = MotionState.MOVING, "", target.id
+        self._is_pursuing = True
 
     def _refresh_field(self) -> None:
         known = {item.name: item for item in self._target.obstacles} | self._moving
@@ -174,7 +187,7 @@ class MotionController:
         """Bring the status up to date."""
         pursuit, progress, target = self._pursuit, self._progress, self._target
         progress.measure(sample, pursuit.plan.X_WT, target.tolerance, pursuit.is_over)
-        if self._state in (MotionState.IDLE, MotionState.REFUSED):
+        if not self._is_pursuing:
             return
         is_reached = progress.reached_steps >= target.tolerance.steps
         wrong = self._stuck.update(h, pursuit.rate, pursuit.is_over, is_reached)

@@ -48,6 +48,7 @@ class MotionNode(CellNode):
         warm_up(self._arm, self._set)
         self._stream: SetpointStream | None = None
         self._waiting: MotionTarget | None = None
+        self._planned: MotionTarget | None = None
         self._planning = PlanningThread(self._prepare, self._on_error)
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._status = self.advertise(contracts.MOTION_STATUS)
@@ -67,7 +68,7 @@ class MotionNode(CellNode):
             raise MessageError("no joint state yet: is the sim up?")
         if not self._stream.controller.commanded.is_at_rest:
             self._stream.controller.stop()
-        self._waiting = None if target.move == Path(()) else target
+        self._waiting, self._planned = None if target.move == Path(()) else target, None
 
     def _on_obstacles(self, message: BoxObstacles) -> None:
         if self._stream is not None:
@@ -84,19 +85,32 @@ class MotionNode(CellNode):
         self._status.publish(to_status(stream.controller.status()))
 
     def _start(self, sample: JointSample) -> SetpointStream:
-        """From where the arm is; what was planned before is not wanted any more."""
-        self._waiting = None
-        self._planning.result()
+        """From where the arm is; targets not yet taken up stay wanted, unless time begins anew."""
         controller = MotionController(self._arm, self._set, sample.time, sample.q)
+        self._waiting, self._planned = self._waiting or self._planned, None
+        self._planning.result()
+        if self._stream is not None:
+            self._succeed(self._stream.controller, controller)
         return SetpointStream(controller, self._config.period, self._config.horizon)
+
+    def _succeed(self, old: MotionController, new: MotionController) -> None:
+        missed = new.time - old.time
+        if missed <= 0.0:
+            self._waiting = None
+            return
+        text = f"no joint states for {missed:.2f} s of simulated time, the machine is too slow"
+        new.inherit(old.status(), f"{text}: lower real_time_factor")
+        self.health.count("interrupted", text)
+        self.get_logger().warning(text)
 
     def _take_up(self, controller: MotionController) -> None:
         """Give a waiting target to the planner, and a planned one to the controller."""
         if self._waiting is not None and controller.commanded.is_at_rest:
-            target, self._waiting = self._waiting, None
-            self._planning.submit(target)
+            self._planned, self._waiting = self._waiting, None
+            self._planning.submit(self._planned)
         prepared = self._planning.result()
-        if prepared is not None:
+        if prepared is not None and prepared.target is self._planned:
+            self._planned = None
             acceptance = controller.take(prepared)
             if not acceptance.is_accepted:
                 self.get_logger().warning(f"refused target {prepared.target.id}: {acceptance.reason}")

@@ -15,6 +15,7 @@ from pack_core.ros.block_messages import from_jaw_state, from_sighting
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
+from pack_core.ros.conversions import from_stamp
 from pack_core.ros.motion_messages import from_status
 
 
@@ -30,7 +31,7 @@ class CellState:
     """
 
     def __init__(self, node: CellNode, on_motion: Callable[[], None]) -> None:
-        self._on_motion = on_motion
+        self._node, self._on_motion = node, on_motion
         self.motion: MotionStatus | None = None
         self.jaw: JawState | None = None
         self.jaw_commands = 0
@@ -41,8 +42,8 @@ class CellState:
 
     @property
     def time(self) -> float:
-        """Of the newest status of the motion [s]."""
-        return self.motion.time if self.motion is not None else 0.0
+        """On the clock [s]; the status of the motion is ahead of it, as setpoints are, and tells no time."""
+        return from_stamp(self._node.get_clock().now().to_msg())
 
     def _hear_motion(self, message: MotionStatusMsg) -> None:
         self.motion = from_status(message)
