@@ -4,7 +4,9 @@ import pytest
 from pack_core.errors import MessageError
 from pack_core.joint_reference import JointReference
 from pack_core.robots.ur10e import LIMITS
+from pack_sim.gentle_stop import RAMP
 from pack_sim.reference_follower import ReferenceFollower
+from pack_sim.rejoining import PERIOD, SAME_POSITION, SAME_SPEED
 
 STEP, WATCHDOG = 0.002, 0.1
 REST = np.zeros(6)
@@ -49,7 +51,9 @@ def test_without_fresh_references_the_arm_stops_within_the_acceleration_limits(
     assert v[-1] == 0.0
     assert np.abs(a).max() <= LIMITS.acceleration[0] + 1e-9
     way = rows[-1][0][0] - 0.05 * speed
-    assert way == pytest.approx(speed**2 / (2 * LIMITS.acceleration[0]), abs=2 * speed * STEP)
+    most = LIMITS.acceleration[0]
+    assert way == pytest.approx(speed**2 / (2 * most) + 0.5 * speed * RAMP, abs=2 * speed * STEP)
+    assert np.abs(np.diff(a)).max() <= 1.01 * most * STEP / RAMP
 
 
 def test_a_reference_older_than_the_watchdog_is_not_followed(follower: ReferenceFollower) -> None:
@@ -63,6 +67,63 @@ def test_a_dropped_reference_is_not_followed(follower: ReferenceFollower) -> Non
     follower.drop()
     follower.at(STEP, REST)
     assert follower.is_holding
+
+
+def starved(follower: ReferenceFollower, gap: float) -> float:
+    """An arm at 1 rad/s whose references end at 0.05 s: the time after a gap in them [s]."""
+    follower.accept(moving(0.0, 1.0), 0.0)
+    for time in np.arange(0.0, 0.05 + gap, STEP):
+        follower.at(time, REST)
+    assert follower.is_holding
+    return 0.05 + gap
+
+
+def test_references_that_come_back_soon_are_joined_within_all_limits_and_then_followed(
+    follower: ReferenceFollower,
+) -> None:
+    start = starved(follower, 0.05)
+    rows = [follower.at(start - STEP, REST)]
+    times = start + np.arange(0.0, 2.0, STEP)
+    for time in times:
+        follower.accept(moving(time, 1.0), time)
+        rows.append(follower.at(time, REST))
+    q, v, a = (np.array([row[i][0] for row in rows]) for i in range(3))
+    assert times[0] - q[1] > 1e-4
+    assert q[-1] == pytest.approx(times[-1], abs=1e-12)
+    assert np.abs(a).max() <= LIMITS.acceleration[0]
+    np.testing.assert_allclose(np.diff(v), STEP * a[1:], atol=SAME_SPEED)
+    np.testing.assert_allclose(np.diff(q), 0.5 * STEP * (v[:-1] + v[1:]), atol=2 * SAME_POSITION)
+
+
+def test_references_that_come_back_far_from_where_the_arm_is_held_are_refused(
+    follower: ReferenceFollower,
+) -> None:
+    late = starved(follower, 1.0)
+    with pytest.raises(MessageError, match=r"shoulder_pan_joint \+0\.\d+ rad from where the arm was held"):
+        follower.accept(moving(late, 1.0), late)
+    held, v, _ = follower.at(late, REST)
+    assert follower.is_holding
+    assert not v.any()
+    follower.accept(
+        JointReference(late, np.array([0.0, 0.05]), np.tile(held, (2, 1)), *np.zeros((2, 2, 6))), late
+    )
+    follower.at(late + STEP, REST)
+    assert not follower.is_holding
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_held_arm_takes_what_its_velocity_limits_allow_in_a_period(
+    follower: ReferenceFollower, share: float
+) -> None:
+    follower.at(0.0, REST)
+    step = np.zeros((2, 6))
+    step[:, 3] = -share * PERIOD * LIMITS.velocity[3]
+    reference = JointReference(0.0, np.array([0.0, 0.05]), step, *np.zeros((2, 2, 6)))
+    if share < 1.0:
+        follower.accept(reference, 0.0)
+        return
+    with pytest.raises(MessageError, match="wrist_1_joint"):
+        follower.accept(reference, 0.0)
 
 
 @pytest.mark.parametrize(

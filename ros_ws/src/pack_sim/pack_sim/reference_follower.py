@@ -1,20 +1,21 @@
-"""What a robot's driver does with joint references: checks, interpolates, and stops without fresh ones."""
+"""What a robot's driver does with joint references: it interpolates, stops without fresh ones, rejoins."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from pack_core.errors import MessageError
 from pack_core.joint_reference import JointReference
 from pack_core.robots.joint_limits import JointLimits
 from pack_core.rotations import Array
-
-SLACK = 1e-3
-"""Share of a limit that a reference may exceed it by: rounding, and rows between which it is a cubic."""
+from pack_sim.gentle_stop import Desired, GentleStop
+from pack_sim.reference_check import check_limits
+from pack_sim.rejoining import Rejoining
 
 
 class ReferenceFollower:
     """Follows the newest reference; without a fresh one it brakes and holds.
+
+    An arm that was held takes references up again only where it stands, or nearly: see `Rejoining`.
 
     Args:
         limits: of the joints.
@@ -25,10 +26,12 @@ class ReferenceFollower:
     def __init__(self, limits: JointLimits, watchdog: float, deceleration: float) -> None:
         self._limits = limits
         self._watchdog = watchdog
-        self._braking = deceleration * limits.acceleration
+        self._deceleration = deceleration
         self._newest: JointReference | None = None
         self._received = -np.inf
-        self._last: tuple[float, Array, Array] | None = None
+        self._last: tuple[float, Desired] | None = None
+        self._stop: GentleStop | None = None
+        self._rejoining: Rejoining | None = None
         self.is_holding = True
         """Whether there is no fresh reference: the arm brakes or is held."""
 
@@ -36,16 +39,19 @@ class ReferenceFollower:
         """Take a reference that arrived at `time` [s].
 
         Raises:
-            MessageError: wrong size, not finite, out of order, or beyond a joint's limits.
+            MessageError: wrong size, not finite, out of order, or beyond a joint's limits; or it does not
+                begin where the arm was held.
         """
-        _check(reference, self._limits)
+        check_limits(reference, self._limits)
+        if self._rejoining is not None and self._last is not None:
+            self._rejoining.check(reference, *self._last)
         self._newest, self._received = reference, time
 
     def drop(self) -> None:
         """Forget the reference, as when its sender died."""
         self._newest = None
 
-    def at(self, time: float, q: Array) -> tuple[Array, Array, Array]:
+    def at(self, time: float, q: Array) -> Desired:
         """Desired position, velocity and acceleration `(n,)` at `time`, to be asked in every step.
 
         Args:
@@ -54,45 +60,26 @@ class ReferenceFollower:
         """
         newest = self._newest
         if newest is not None and time - self._received <= self._watchdog and time <= newest.end:
-            self.is_holding = False
-            desired = newest.at(time)
+            self.is_holding, self._stop = False, None
+            desired = self._follow(newest, time)
         else:
             self.is_holding = True
-            desired = self._brake(time, q)
-        self._last = (time, desired[0], desired[1])
+            desired = self._hold(time, q)
+        self._last = (time, desired)
         return desired
 
-    def _brake(self, time: float, q: Array) -> tuple[Array, Array, Array]:
-        """Every joint from its last desired speed to rest, and there it stays."""
-        if self._last is None:
-            return q.copy(), np.zeros_like(q), np.zeros_like(q)
-        before, position, speed = self._last
-        step = time - before
-        change = np.clip(-speed, -self._braking * step, self._braking * step)
-        v = speed + change
-        position = np.clip(position + 0.5 * (speed + v) * step, self._limits.lower, self._limits.upper)
-        return position, v, change / step if step > 0.0 else np.zeros_like(q)
+    def _follow(self, reference: JointReference, time: float) -> Desired:
+        if self._rejoining is None or self._last is None:
+            return reference.at(time)
+        desired, is_there = self._rejoining.step(reference, time, *self._last)
+        if is_there:
+            self._rejoining = None
+        return desired
 
-
-def _check(reference: JointReference, limits: JointLimits) -> None:
-    offsets, n = reference.offsets, len(limits)
-    rows = len(offsets)
-    if rows == 0 or not np.all(np.isfinite(offsets)) or np.any(np.diff(offsets) <= 0):
-        raise MessageError("times of a reference must be finite, rise, and number at least one")
-    for what, values, lower, upper, unit in (
-        ("position", reference.q, limits.lower, limits.upper, "rad"),
-        ("velocity", reference.v, -limits.velocity, limits.velocity, "rad/s"),
-        ("acceleration", reference.a, -limits.acceleration, limits.acceleration, "rad/s^2"),
-    ):
-        if values.shape != (rows, n):
-            raise MessageError(f"{what}s have shape {values.shape}; allowed: ({rows}, {n})")
-        if not np.all(np.isfinite(values)):
-            raise MessageError(f"a {what} is not finite")
-        slack = SLACK * np.abs(upper)
-        beyond = (values < lower - slack) | (values > upper + slack)
-        if np.any(beyond):
-            row, joint = np.argwhere(beyond)[0]
-            raise MessageError(
-                f"{what} of {limits.names[joint]} is {values[row, joint]:.3f} {unit}; "
-                f"allowed: {lower[joint]:.3f} to {upper[joint]:.3f}"
-            )
+    def _hold(self, time: float, q: Array) -> Desired:
+        if self._stop is None:
+            rest = np.zeros(len(self._limits))
+            before, moving = self._last or (time, (q.copy(), rest, rest))
+            self._stop = GentleStop(before, moving, self._limits, self._deceleration)
+            self._rejoining = Rejoining(self._limits)
+        return self._stop.at(time)

@@ -41,15 +41,15 @@ class Rig:
         for _ in range(round(duration / self.simulator.config.timestep)):
             self.simulator.step()
 
-    def move(self, q: Array) -> None:
-        """Fastest joint move."""
+    def move(self, q: Array, until: float = np.inf) -> None:
+        """Fastest joint move; its references end after `until` [s]."""
         move = ruckig.InputParameter(6)
         move.current_position, move.target_position = self._q().tolist(), list(q)
         move.max_velocity, move.max_acceleration = LIMITS.velocity.tolist(), LIMITS.acceleration.tolist()
         move.max_jerk = JERK_LIMITS.tolist()
         plan = ruckig.Trajectory(6)
         ruckig.Ruckig(6).calculate(move, plan)
-        times = np.arange(0.0, plan.duration + PERIOD, PERIOD)
+        times = np.arange(0.0, min(plan.duration, until) + PERIOD, PERIOD)
         rows = [plan.at_time(min(t, plan.duration)) for t in times]
         self._follow(times, *(np.array([row[k] for row in rows]) for k in range(3)))
 

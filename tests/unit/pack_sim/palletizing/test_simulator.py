@@ -9,10 +9,13 @@ from pack_core.joint_reference import JointReference
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Pose, yaw_of
 from pack_core.scene.palletizing.box_body import BoxBody
+from pack_sim.gentle_stop import RAMP
 from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from unit.pack_sim.palletizing.rig import OVER_TABLE, Rig
 
+ACCELERATION = 1.5
+"""Of joint 1 in references [rad/s^2]."""
 BOX = BoxBody("box", (0.4, 0.3, 0.25), 16.6)
 
 
@@ -50,20 +53,26 @@ def test_no_joint_needs_more_than_its_effort_on_the_way() -> None:
     assert np.all(share < 0.9), share
 
 
+def ramp(simulator: PalletSimulator, speed: float, duration: float) -> JointReference:
+    """The first joint goes from rest to a speed, and on."""
+    times = np.arange(0.0, duration, 0.01)
+    rise = np.minimum(times, speed / ACCELERATION)
+    q, v, a = np.tile(simulator.joints().q, (len(times), 1)), *np.zeros((2, len(times), 6))
+    q[:, 0] += 0.5 * ACCELERATION * rise**2 + speed * (times - rise)
+    v[:, 0], a[:, 0] = ACCELERATION * rise, ACCELERATION * (times < speed / ACCELERATION)
+    return JointReference(simulator.time, times, q, v, a)
+
+
 def test_an_arm_whose_references_end_brakes_within_its_limits_and_holds() -> None:
     rig = Rig()
     simulator = rig.simulator
-    q = np.tile(simulator.joints().q, (2, 1))
-    v = np.zeros((2, 6))
-    v[:, 0] = 1.0
-    q[1, 0] += 0.02
-    for _ in range(30):
-        simulator.accept(JointReference(simulator.time, np.array([0.0, 0.02]), q, v, np.zeros((2, 6))))
+    reference = ramp(simulator, 1.0, 1.0)
+    while simulator.time < reference.end:
+        simulator.accept(reference)
         rig.wait(0.02)
-        q[:, 0] += 0.02
     assert simulator.joints().v[0] > 0.9
     deceleration = rig.cell.servo.stop_deceleration * LIMITS.acceleration[0]
-    rig.wait(1.0 / deceleration + 0.15)
+    rig.wait(1.0 / deceleration + RAMP + 0.1)
     assert simulator.follower.is_holding
     assert np.abs(simulator.joints().v).max() < 0.02
     held = simulator.joints().q.copy()
@@ -120,6 +129,23 @@ def test_arrivals_fill_the_range_and_repeat_with_the_seed() -> None:
         assert 0.95 * limit < np.abs(values).max() <= limit
         assert abs(np.mean(values)) < 0.1 * limit
     np.testing.assert_array_equal(arrival_pose(cell, BOX, 7).p, poses[7].p)
+
+
+def test_a_box_in_the_hand_survives_a_stop_from_full_speed() -> None:
+    """Setpoints end in the middle of the fastest move with the heaviest box."""
+    rig = Rig()
+    rig.simulator.spawn(BOX)
+    rig.pick("box")
+    home = np.array(rig.cell.arm.home)
+    rig.move(home, until=0.9)
+    assert np.abs(rig.simulator.joints().v).max() > 1.0
+    rig.wait(3.0)
+    assert rig.simulator.follower.is_holding
+    assert np.abs(rig.simulator.joints().v).max() < 1e-3
+    assert rig.simulator.gripper.state.held == "box"
+    rig.move(home)
+    np.testing.assert_allclose(rig.simulator.joints().q, home, atol=1e-3)
+    assert rig.simulator.gripper.state.held == "box"
 
 
 def test_a_box_that_comes_leaves_everything_else_as_it_is() -> None:

@@ -56,6 +56,7 @@ class PalletSimulator:
         self.gripper = SurfaceGripper(cell.tool, cell.grip)
         self.contacts = ContactWatch(cell.contact)
         self.contacts.index(self._physics.model)
+        self.reference()  # from here on the arm is held: references must begin where it stands
 
     @property
     def time(self) -> float:
