@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 
 from pack_bringup.graph import load_graph, parse_overrides
-from pack_bringup.packing.graph_preset import preset_overrides
 from pack_bringup.processes import ProcessGroup
 from pack_core.config import merged
 
@@ -39,6 +38,8 @@ def up(
     - `pack up packing --preset hardware`
     - `pack up packing --only sim --only perception --domain 7`
     """
+    from pack_bringup.packing.graph_preset import preset_overrides
+
     graph = load_graph(cell)
     graph = graph.only(only) if only else graph
     names = [node.name for node in graph.nodes]

@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.blocks.job import BlocksJob
 from pack_bringup.cli.demos.live import command_line, run_live
 from pack_bringup.run_record import default_folder
 from pack_core.errors import ConfigError
@@ -43,6 +42,8 @@ def demo(
     - `pack demo blocks --blocks 4 --seed 3`
     - `pack demo blocks --problem config/scenarios/blocks_example.yaml --method pirs`
     """
+    from pack_bringup.blocks.job import BlocksJob
+
     text = _text_of(problem) if problem else _generated(blocks, density, seed)
     folder = output or default_folder("blocks", seed, datetime.now())
     run_live(BlocksJob(folder, text, seed, method, real_time_factor, command_line()), video=video)

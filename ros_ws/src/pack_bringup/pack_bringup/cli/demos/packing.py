@@ -10,7 +10,6 @@ from typing import Annotated
 import typer
 
 from pack_bringup.cli.demos.live import command_line, run_live
-from pack_bringup.packing.job import PackingJob
 from pack_bringup.run_record import default_folder
 
 
@@ -56,6 +55,8 @@ def demo(
     - `pack demo packing --preset hardware`
     - `pack demo packing --scene config/scenarios/example.yaml --real-time-factor 0.3`
     """
+    from pack_bringup.packing.job import PackingJob
+
     if scene:
         _check_scene(scene)
     folder = output or default_folder("packing", seed, datetime.now())

@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from pack_bringup.cli.demos.live import command_line, run_live
-from pack_bringup.palletizing.job import PalletizingJob
 from pack_bringup.run_record import default_folder
 from pack_core.paths import config_path
 
@@ -43,6 +42,8 @@ def demo(
     - `pack demo palletizing --order config/orders/order_16.json`
     - `pack demo palletizing --profile thesis --no-video`
     """
+    from pack_bringup.palletizing.job import PalletizingJob
+
     file = order or config_path("orders", "order_03.json")
     _check_order(file)
     folder = output or default_folder("palletizing", seed, datetime.now())
