@@ -8,7 +8,7 @@ from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 
 from integration.harness import Graph
 from pack_core.joint_reference import JointReference
-from pack_core.motion.moves import Move, Path, PoseMove
+from pack_core.motion.moves import JointMove, Move, Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion as contracts
@@ -22,6 +22,8 @@ from pack_motion.motion_node import MotionNode
 
 HOME = load_arm("palletizing").home
 PERIOD = 0.004
+AHEAD = 0.019
+"""Setpoints reach farther than this beyond the measurement that they answer [s]."""
 GOAL = Pose(np.array([0.0, 0.7, 1.5]), from_rpy((np.pi, 0.0, 0.0)))
 FAR = Pose(np.array([9.0, 0.7, 1.5]), from_rpy((np.pi, 0.0, 0.0)))
 
@@ -41,14 +43,18 @@ class Arm:
         return self._graph.probe.last(contracts.MOTION_STATUS)
 
     def tick(self) -> None:
-        """One joint state, and the setpoints that answer it."""
-        mail = self._graph.probe.mail[contracts.SETPOINTS.name]
-        heard = len(mail)
+        """One joint state, and the setpoints that answer it, or none while the arm is held."""
+        setpoints, answers = (
+            self._graph.probe.mail[contract.name]
+            for contract in (contracts.SETPOINTS, contracts.MOTION_STATUS)
+        )
+        heard = len(answers)
         sample = JointSample(self.time, self.q, np.zeros(6), np.zeros(6))
         self._graph.probe.send(contracts.JOINT_STATES, to_joint_state(sample, JOINTS))
-        self._graph.wait_until(lambda: len(mail) > heard)
-        self._graph.wait_until(lambda: len(self._graph.probe.mail[contracts.MOTION_STATUS.name]) >= len(mail))
-        reference = from_trajectory(mail[-1], JOINTS)
+        self._graph.wait_until(lambda: len(answers) > heard)
+        if self.status.state != "HELD":
+            self._graph.wait_until(lambda: from_trajectory(setpoints[-1], JOINTS).end > self.time + AHEAD)
+        reference = from_trajectory(setpoints[-1], JOINTS)
         self.references.append(reference)
         self.time += PERIOD
         self.q = reference.at(self.time)[0]
@@ -136,12 +142,29 @@ def test_a_target_that_waits_through_a_gap_in_time_is_still_taken(graph: Graph, 
     assert arm.until("REACHED", "STUCK", number=7) == "REACHED"
 
 
-def test_a_move_that_a_gap_in_time_ends_is_stuck_and_says_why(graph: Graph, arm: Arm) -> None:
+def test_a_move_that_a_gap_in_time_interrupts_goes_on_when_the_arm_stands(
+    graph: Graph, node: MotionNode, arm: Arm
+) -> None:
     arm.send(Path((PoseMove(GOAL),)), 7)
     arm.until("MOVING", number=7)
-    arm.tick()
+    for _ in range(60):
+        arm.tick()
     arm.time += 1.0
-    assert arm.until("REACHED", "STUCK", number=7) == "STUCK"
-    assert "no joint states for" in arm.status.reason
-    arm.send(Path((PoseMove(GOAL),)), 8)
-    assert arm.until("REACHED", "STUCK", number=8) == "REACHED"
+    arm.tick()
+    assert (arm.status.state, arm.status.id) == ("HELD", 7)
+    assert "no joint states for 1.0" in arm.status.reason
+    assert node.health.counts["interrupted"] == 1
+    assert arm.until("REACHED", "STUCK", "REFUSED", number=7) == "REACHED"
+    assert np.linalg.norm(load_arm("palletizing").chain.forward(arm.q).p - GOAL.p) < 1e-3
+
+
+def test_a_target_that_comes_while_the_arm_is_held_replaces_the_old_one(graph: Graph, arm: Arm) -> None:
+    arm.send(Path((PoseMove(GOAL),)), 7)
+    arm.until("MOVING", number=7)
+    for _ in range(60):
+        arm.tick()
+    arm.time += 1.0
+    arm.tick()
+    arm.send(Path((JointMove(HOME),)), 8)
+    assert arm.until("REACHED", "STUCK", "REFUSED", number=8) == "REACHED"
+    np.testing.assert_allclose(arm.q, HOME, atol=1e-3)

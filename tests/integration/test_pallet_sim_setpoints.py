@@ -17,7 +17,7 @@ from pack_core.ros.joint_messages import to_trajectory
 from pack_sim.palletizing.pallet_sim_node import PalletSimNode
 
 WATCHDOG = 0.1
-MARGIN = 0.02
+MARGIN = 0.07
 """What braking by a twentieth of the speed takes, and some steps [s]."""
 
 

@@ -1,14 +1,17 @@
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import numpy as np
 import pytest
 
-from pack_core.motion.moves import Path, PoseMove
-from pack_core.motion.target import MotionTarget
+from pack_core.motion.moves import Line, Path, PoseMove
+from pack_core.motion.target import MotionState, MotionTarget
+from pack_core.rotations import Array
 from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
 from pack_motion.controller import MotionController
-from pack_motion.setpoint_stream import SetpointStream
+from pack_motion.setpoint_stream import REST_SPEED, SetpointStream
 from pack_motion.tracking.config import motion_set
 from unit.pack_motion.loop import pose
 
@@ -22,7 +25,7 @@ def sample(arm: Arm, time: float) -> JointSample:
 @pytest.fixture
 def stream(arm: Arm) -> SetpointStream:
     controller = MotionController(arm, motion_set("shipped"), 1.0, arm.home)
-    return SetpointStream(controller, PERIOD, HORIZON)
+    return SetpointStream(controller, PERIOD, HORIZON, arm.limits.velocity)
 
 
 def test_rows_reach_from_a_time_that_has_come_to_the_horizon(arm: Arm, stream: SetpointStream) -> None:
@@ -41,8 +44,101 @@ def test_a_row_once_given_out_never_changes(arm: Arm, stream: SetpointStream) ->
     assert np.abs(second.v[-1]).max() > 0.0
 
 
-def test_only_what_time_does_not_do_interrupts(arm: Arm, stream: SetpointStream) -> None:
+def test_only_time_that_goes_back_begins_anew(arm: Arm, stream: SetpointStream) -> None:
     stream.advance(sample(arm, 1.0))
-    assert not stream.is_interrupted(sample(arm, 1.02))
-    assert stream.is_interrupted(sample(arm, 0.5))
-    assert stream.is_interrupted(sample(arm, 2.0))
+    assert not stream.has_begun_anew(sample(arm, 0.99))
+    assert stream.has_begun_anew(sample(arm, 0.5))
+
+
+def test_an_arm_that_stands_goes_on_after_any_gap(arm: Arm, stream: SetpointStream) -> None:
+    stream.advance(sample(arm, 1.0))
+    reference = stream.advance(sample(arm, 9.0))
+    assert reference is not None
+    assert (reference.time, reference.end) == pytest.approx((9.0, 9.0 + HORIZON))
+    assert (stream.interruption, stream.controller.is_held) == ("", False)
+
+
+@dataclass
+class Driver:
+    """An arm that does what it is told, or brakes to a stand where setpoints have run out."""
+
+    stream: SetpointStream
+    time: float
+    q: Array
+    v: Array = field(default_factory=lambda: np.zeros(6))
+
+    def tick(self, *, deaf: bool = False) -> None:
+        """One period of the loop; what is published meanwhile is lost on an arm that is deaf."""
+        reference = self.stream.advance(JointSample(self.time, self.q, self.v, np.zeros(6)))
+        self.time += PERIOD
+        if reference is None or deaf:
+            self.v = 0.8 * self.v
+            self.q = self.q + PERIOD * self.v
+        else:
+            self.q, self.v, _ = reference.at(self.time)
+
+    def until(self, state: MotionState, *, deaf: bool = False) -> None:
+        for _ in range(3000):
+            if self.stream.controller.status().state is state:
+                return
+            self.tick(deaf=deaf)
+        raise AssertionError(self.stream.controller.status())
+
+
+GOAL, LAST = pose(-2.5, 2.5, 1.1), pose(-2.5, 2.5, 0.9)
+MOVE = Path((PoseMove(GOAL, label="there"), Line(LAST, label="down", entry_speed=0.25)))
+
+
+@pytest.mark.parametrize("lost", ["setpoints", "measurements"])
+@pytest.mark.parametrize("label", ["there", "down"])
+def test_a_move_that_is_interrupted_is_held_until_the_arm_stands_and_then_goes_on(
+    arm: Arm, stream: SetpointStream, lost: str, label: str
+) -> None:
+    driver, controller = Driver(stream, 1.0, arm.home), stream.controller
+    controller.command(MotionTarget(5, MOVE))
+    while controller.status().label != label or np.abs(driver.v).max() < 0.1:
+        driver.tick()
+    if lost == "measurements":
+        driver.time += 0.5
+    driver.until(MotionState.HELD, deaf=True)
+    status = controller.status()
+    assert (status.id, status.label) == (5, label)
+    assert "holds the arm" in status.reason
+    while stream.left is None:
+        driver.tick()
+    assert np.abs(driver.v).max() < REST_SPEED
+    assert controller.status().state is MotionState.HELD
+    assert controller.take(controller.prepare(stream.left)).is_accepted
+    driver.until(MotionState.REACHED)
+    status = controller.status()
+    assert (status.id, status.label, status.reason) == (5, "down", "")
+    assert np.linalg.norm(arm.chain.forward(driver.q).p - LAST.p) < 1e-4
+
+
+def test_of_a_move_that_is_stopped_while_it_is_held_nothing_is_left(arm: Arm, stream: SetpointStream) -> None:
+    driver, controller = Driver(stream, 1.0, arm.home), stream.controller
+    controller.command(MotionTarget(5, MOVE))
+    while np.abs(driver.v).max() < 0.5:
+        driver.tick()
+    driver.until(MotionState.HELD, deaf=True)
+    controller.stop()
+    while controller.is_held:
+        driver.tick()
+    assert stream.left is None
+    assert controller.status().state is MotionState.IDLE
+    stood = driver.q.copy()
+    for _ in range(100):
+        driver.tick()
+    np.testing.assert_allclose(driver.q, stood, atol=1e-6)
+
+
+def test_an_arm_that_is_moved_by_force_is_followed_and_moves_nowhere_by_itself(
+    arm: Arm, stream: SetpointStream
+) -> None:
+    driver = Driver(stream, 1.0, arm.home)
+    driver.tick()
+    driver.q = elsewhere = arm.home + 0.1
+    for _ in range(200):
+        driver.tick()
+    np.testing.assert_allclose(driver.q, elsewhere, atol=1e-6)
+    assert stream.controller.status().state is MotionState.IDLE

@@ -14,6 +14,7 @@ from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array
 from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
+from pack_motion.interruption import left_of, standing_plan
 from pack_motion.progress import Progress
 from pack_motion.reference.path_planner import Plan
 from pack_motion.reference.refusal import MoveRefused
@@ -59,6 +60,8 @@ class MotionController:
         """Start over with the arm at rest at `q` `(n,)`."""
         self._time = time
         self._mode = Mode.FAST
+        self._is_held = False
+        self._left: MotionTarget | None = None
         self._tracker = Tracker(self._arm, self._config, np.array(q, dtype=float))
         self._progress, self._stuck = Progress(self._arm), StuckDetector(self._config.stuck)
         self._state, self._reason = MotionState.IDLE, ""
@@ -66,17 +69,6 @@ class MotionController:
         standing = MotionTarget(0, Path((JointMove(self._tracker.state.q),)), is_checked=False)
         self._follow(standing, self._planner.plan(self._tracker.state, standing))
         self._state, self._is_pursuing = MotionState.IDLE, False
-
-    def inherit(self, last: MotionStatus, reason: str) -> None:
-        """Answer for the last target of a controller whose place this one takes.
-
-        Args:
-            last: what that one said; a move that was under way then is stuck.
-            reason: why it is.
-        """
-        is_lost = last.state in (MotionState.MOVING, MotionState.SETTLING)
-        self._state, self._reason = (MotionState.STUCK, reason) if is_lost else (last.state, last.reason)
-        self._answered, self._is_pursuing = last.id, False
 
     @property
     def commanded(self) -> JointState:
@@ -87,6 +79,16 @@ class MotionController:
     def time(self) -> float:
         """That the last setpoint was for [s]."""
         return self._time
+
+    @property
+    def is_standing(self) -> bool:
+        """Whether the joints were told to stand, and no driver holds them elsewhere."""
+        return not self._is_held and self.commanded.is_at_rest
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the driver holds the arm; no steps are taken until it stands and `resume` is called."""
+        return self._is_held
 
     @property
     def plan(self) -> Plan:
@@ -118,9 +120,46 @@ class MotionController:
         return Acceptance(True, "", plan.trajectory.duration)
 
     def stop(self) -> None:
-        """Come to rest as fast as the limits allow."""
+        """Come to rest as fast as the limits allow; of a move that is held nothing is left then."""
+        self._left = None
+        if self._is_held:
+            return
         plan = self._planner.stop(self.commanded)
-        self._follow(replace(self._target, move=Path(plan.segments)), plan)
+        self._follow(replace(self._target, move=Path(())), plan)
+
+    def wait(self, time: float) -> None:
+        """Stand on until `time` [s], through a gap in the measurements; only where it `is_standing`."""
+        self._time = time
+
+    def hold(self, reason: str) -> None:
+        """The arm is not where it was told to be: its driver holds it, until `resume`."""
+        self._left = left_of(self._target, self.plan, self._pursuit.segment, self._state)
+        self._is_held, self._is_pursuing = True, False
+        if self._left is not None:
+            self._state, self._reason = MotionState.HELD, reason
+
+    def see(self, sample: JointSample) -> None:
+        """Take a measurement of the arm that is held."""
+        self._progress.see(sample, self.plan.X_WT)
+
+    def resume(self, time: float, q: Array) -> MotionTarget | None:
+        """Go on from where the arm came to rest.
+
+        Args:
+            time: now [s].
+            q: where it stands `(n,)` [rad].
+
+        Returns:
+            What is left of the move, to be prepared and taken as any target; None where nothing is.
+        """
+        plan = standing_plan(q, self.plan, self._pursuit.segment)
+        self._time, self._is_held = time, False
+        self._tracker, self._progress = Tracker(self._arm, self._config, q), Progress(self._arm)
+        self._pursuit = pursuit_of(plan, self._arm, self._config)
+        left, self._left = self._left, None
+        if left is None and self._state is MotionState.HELD:
+            self._state, self._reason = MotionState.IDLE, ""
+        return left
 
     def observe(self, obstacles: Iterable[Obstacle]) -> None:
         """Where moving obstacles are now; those of an earlier call that are not named are gone."""

@@ -66,7 +66,7 @@ class MotionNode(CellNode):
         target = from_target(message)
         if self._stream is None:
             raise MessageError("no joint state yet: is the sim up?")
-        if not self._stream.controller.commanded.is_at_rest:
+        if not self._stream.controller.is_standing:
             self._stream.controller.stop()
         self._waiting, self._planned = None if target.move == Path(()) else target, None
 
@@ -77,35 +77,34 @@ class MotionNode(CellNode):
     def _on_joints(self, message: JointState) -> None:
         sample = from_joint_state(message, self._arm.limits.names)
         stream = self._stream
-        if stream is None or stream.is_interrupted(sample):
+        if stream is None or stream.has_begun_anew(sample):
             stream = self._stream = self._start(sample)
         self._take_up(stream.controller)
         reference = stream.advance(sample)
-        self._setpoints.publish(to_trajectory(reference, self._arm.limits.names))
+        if reference is not None:
+            self._setpoints.publish(to_trajectory(reference, self._arm.limits.names))
+        if stream.interruption:
+            self._note_interruption(stream.interruption)
+        self._waiting = self._waiting or stream.left
         self._status.publish(to_status(stream.controller.status()))
 
     def _start(self, sample: JointSample) -> SetpointStream:
-        """From where the arm is; targets not yet taken up stay wanted, unless time begins anew."""
+        """From where the arm is; time begins anew, and what was wanted before is not any more."""
+        self._waiting = self._planned = None
         controller = MotionController(self._arm, self._set, sample.time, sample.q)
-        self._waiting, self._planned = self._waiting or self._planned, None
-        self._planning.result()
-        if self._stream is not None:
-            self._succeed(self._stream.controller, controller)
-        return SetpointStream(controller, self._config.period, self._config.horizon)
+        config, velocity = self._config, self._arm.limits.velocity
+        return SetpointStream(controller, config.period, config.horizon, velocity)
 
-    def _succeed(self, old: MotionController, new: MotionController) -> None:
-        missed = new.time - old.time
-        if missed <= 0.0:
-            self._waiting = None
-            return
-        text = f"no joint states for {missed:.2f} s of simulated time, the machine is too slow"
-        new.inherit(old.status(), f"{text}: lower real_time_factor")
+    def _note_interruption(self, reason: str) -> None:
+        """Say so; what was being planned began where the arm is no more."""
+        self._waiting, self._planned = self._waiting or self._planned, None
+        text = f"{reason}: is the machine too slow for this real_time_factor?"
         self.health.count("interrupted", text)
         self.get_logger().warning(text)
 
     def _take_up(self, controller: MotionController) -> None:
         """Give a waiting target to the planner, and a planned one to the controller."""
-        if self._waiting is not None and controller.commanded.is_at_rest:
+        if self._waiting is not None and controller.is_standing:
             self._planned, self._waiting = self._waiting, None
             self._planning.submit(self._planned)
         prepared = self._planning.result()

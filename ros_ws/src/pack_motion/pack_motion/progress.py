@@ -36,9 +36,7 @@ class Progress:
 
     def measure(self, sample: JointSample, X_WG: Pose, tolerance: Tolerance, is_over: bool) -> None:
         """Take a measurement; steps count as reached only where the reference `is_over`."""
-        self.X_WT = self._arm.chain.forward(sample.q)
-        self.position_error = float(np.linalg.norm(self.X_WT.p - X_WG.p))
-        self.orientation_error = float(angle_between(self.X_WT.q, X_WG.q))
+        self.see(sample, X_WG)
         p_commanded = self._arm.chain.forward_matrix(self._told(sample))[1]
         self.path_error = float(np.linalg.norm(self.X_WT.p - p_commanded))
         is_there = (
@@ -47,6 +45,12 @@ class Progress:
             and self.orientation_error <= np.deg2rad(tolerance.orientation_deg)
         )
         self.reached_steps = self.reached_steps + 1 if is_there else 0
+
+    def see(self, sample: JointSample, X_WG: Pose) -> None:
+        """Where the tool is, and how far from its goal."""
+        self.X_WT = self._arm.chain.forward(sample.q)
+        self.position_error = float(np.linalg.norm(self.X_WT.p - X_WG.p))
+        self.orientation_error = float(angle_between(self.X_WT.q, X_WG.q))
 
     def _told(self, sample: JointSample) -> Array:
         """What the joints had been told for the moment of the measurement."""

@@ -7,36 +7,85 @@ from collections import deque
 import numpy as np
 
 from pack_core.joint_reference import JointReference
-from pack_core.motion.target import JointSetpoint
+from pack_core.motion.target import JointSetpoint, MotionTarget
+from pack_core.rotations import Array
 from pack_core.scene.state import JointSample
 from pack_motion.controller import MotionController
 
 MEMORY = 256
+DEVIATION = 0.002
+"""An arm that is farther from its setpoint than its velocity limits allow in this time is held [s]."""
+REST_SPEED = 0.01
+"""Below it a joint of a held arm stands [rad/s]."""
 
 
 class SetpointStream:
     """Steps a controller to a horizon beyond each measurement.
 
+    Where measurements stop coming, or the arm is not where the setpoints had it, its driver has run out of
+    them and holds it: the stream pauses until the arm stands, and goes on from there.
+
     Args:
         controller: freshly started.
         period: between setpoints [s].
         horizon: how far they reach beyond the newest measurement [s].
+        velocity: limits of the joints `(n,)` [rad/s].
     """
 
-    def __init__(self, controller: MotionController, period: float, horizon: float) -> None:
+    def __init__(self, controller: MotionController, period: float, horizon: float, velocity: Array) -> None:
         self.controller = controller
         self._period, self._horizon = period, horizon
-        self._rows: deque[JointSetpoint] = deque(maxlen=MEMORY)
-        state = controller.commanded
-        self._rows.append(JointSetpoint(controller.time, state.q, state.v, state.a))
+        self._deviation = DEVIATION * velocity
+        self._rested = np.inf
+        self.left: MotionTarget | None = None
+        """What is left of an interrupted move; set when the arm has come to stand."""
+        self.interruption = ""
+        """Why the stream pauses; set when it begins to."""
+        self._restart()
 
-    def is_interrupted(self, sample: JointSample) -> bool:
-        """Whether time went back, or the measurements jumped beyond all setpoints."""
-        newest = self._rows[-1].time
-        return sample.time > newest + self._horizon or sample.time < newest - 2.0 * self._horizon
+    def has_begun_anew(self, sample: JointSample) -> bool:
+        """Whether time went back."""
+        return sample.time < self._rows[-1].time - 2.0 * self._horizon
 
-    def advance(self, sample: JointSample) -> JointReference:
-        """Setpoints from the last that has come to the horizon."""
+    def advance(self, sample: JointSample) -> JointReference | None:
+        """Setpoints from the last that has come to the horizon; None while the arm is held."""
+        controller = self.controller
+        self.left, self.interruption = None, ""
+        gap = sample.time - self._rows[-1].time
+        if controller.is_held:
+            controller.see(sample)
+            if not self._has_rested(sample):
+                return None
+            self.left = controller.resume(sample.time, sample.q)
+            self._restart()
+        elif gap > self._horizon and controller.is_standing:
+            controller.wait(sample.time)
+            self._restart()
+        elif gap > self._horizon:
+            return self._pause(sample, f"no joint states for {gap + self._horizon:.2f} s")
+        reference = self._rows_until(sample)
+        apart = np.abs(reference.at(sample.time)[0] - sample.q)
+        if np.any(apart > self._deviation):
+            return self._pause(sample, f"a joint is {apart.max():.3f} rad from its setpoint")
+        return reference
+
+    def _pause(self, sample: JointSample, reason: str) -> None:
+        self._rested, self.interruption = np.inf, f"{reason}; the driver holds the arm"
+        self.controller.hold(self.interruption)
+
+    def _has_rested(self, sample: JointSample) -> bool:
+        """Whether the arm has stood for longer than any setpoints reach that the driver may still have."""
+        if np.abs(sample.v).max() > REST_SPEED:
+            self._rested = np.inf
+            return False
+        self._rested = min(self._rested, sample.time)
+        return sample.time - self._rested > 2.0 * self._horizon
+
+    def _restart(self) -> None:
+        state, time = self.controller.commanded, self.controller.time
+        self._rows = deque([JointSetpoint(time, state.q, state.v, state.a)], maxlen=MEMORY)
+
+    def _rows_until(self, sample: JointSample) -> JointReference:
         while self.controller.time + self._period <= sample.time + self._horizon + 1e-9:
             self._rows.append(self.controller.step(self.controller.time + self._period, sample))
         while len(self._rows) > 1 and self._rows[1].time <= sample.time:

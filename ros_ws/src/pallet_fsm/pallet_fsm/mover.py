@@ -62,6 +62,8 @@ class Mover:
         """What becomes of the leg while the machine is in `state`."""
         if self.leg is None or status.id != self._id:
             return self._wait(status.time)
+        if status.state is MotionState.REFUSED and self._is_accepted:
+            return self._trouble(Event.MOTION_STUCK, f"interrupted, and no way on: {status.reason}")
         if status.state is MotionState.REFUSED:
             self._refusals.append(status.reason)
             return self._offer(status.time) or self._trouble(Event.NOT_CLEAR, "; ".join(self._refusals))
@@ -102,6 +104,8 @@ class Mover:
         return None
 
     def _has_passed(self, status: MotionStatus, state: State) -> bool:
+        if status.state is MotionState.HELD:
+            return False
         if status.state is not MotionState.MOVING:
             return True
         running = PARTS.get(status.label, Part.NONE)

@@ -51,6 +51,8 @@ class MotionState(Enum):
     MOVING = "MOVING"
     SETTLING = "SETTLING"
     REACHED = "REACHED"
+    HELD = "HELD"
+    """Its driver held the arm while no setpoints came; what is left of the move is being planned anew."""
     STUCK = "STUCK"
     REFUSED = "REFUSED"
 
@@ -79,7 +81,7 @@ class MotionStatus:
         orientation_error: measured tool to the target [rad].
         path_error: measured tool to the commanded one [m].
         reached_steps: how many steps in a row the tool has been within tolerance of the target.
-        reason: why it was refused or is stuck; empty otherwise.
+        reason: why it was refused, is held or is stuck; empty otherwise.
         X_WT: the measured tool.
     """
 
