@@ -10,8 +10,10 @@ from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import Outcome
 from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, PlanFor, Request
+from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.block_sighting import BlockSighting
+from pack_core.cells.blocks import blocks_cell
 from pack_core.jaw import JawState, JawStatus
 from pack_core.motion.moves import Line, PoseMove
 from pack_core.motion.target import MotionState, MotionStatus
@@ -62,7 +64,7 @@ class Table:
     def run(self, goals: Mapping[str, PlanarPose], config: ExecutorConfig | None = None) -> Outcome:
         task, config = RearrangeTask(goals, SQUARE, SIDE), config or ExecutorConfig()
         motions = Motions(config, SIDE, task.gripper, np.zeros(6), TOOL_AT_LOOK)
-        executor = Executor(task, config, motions, 60.0)
+        executor = Executor(task, config, motions, Surroundings(blocks_cell(), SIDE), 60.0)
         request: Request | None = executor.start()
         while request is not None:
             self.asked.append(request)

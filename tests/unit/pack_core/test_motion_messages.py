@@ -44,7 +44,7 @@ def test_a_target_comes_back_as_it_was(move: Move) -> None:
     )
     carried = CarriedBox(X, np.array([0.4, 0.3, 0.2]))
     contacts, tolerance = frozenset({"table"}), Tolerance(0.005, 1.0, 4)
-    target = MotionTarget(7, move, carried, obstacles, contacts, tolerance, is_checked=False)
+    target = MotionTarget(7, move, carried, obstacles, contacts, tolerance, False, 0.05)
     assert_same(from_target(to_target(target, 1.5)), target)
 
 

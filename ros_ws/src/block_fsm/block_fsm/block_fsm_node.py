@@ -14,13 +14,15 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from block_fsm.executor import Executor
-from block_fsm.executor_config import ExecutorConfig
+from block_fsm.executor_config import ErrandConfig, ExecutorConfig
 from block_fsm.motions import Motions
+from block_fsm.outcome import ExitReason
 from block_fsm.requests import Request
 from block_fsm.ros.cell_state import CellState
-from block_fsm.ros.errand_runner import ErrandConfig, ErrandRunner
+from block_fsm.ros.errand_runner import ErrandRunner
 from block_fsm.ros.errands import Errand
 from block_fsm.ros.messages import to_feedback, to_result, to_status
+from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.cells.blocks import blocks_cell
 from pack_core.errors import PackError
@@ -119,7 +121,8 @@ class BlockFsmNode(CellNode):
         )
         look = np.array(self._cell.robot.look)
         motions = Motions(self._config, task.side, task.gripper, look, self._chain.forward(look))
-        return Executor(task, self._config, motions, self._cell.gripper.force)
+        surroundings = Surroundings(self._cell, task.side)
+        return Executor(task, self._config, motions, surroundings, self._cell.gripper.force)
 
     def _step(self) -> None:
         """With every status of the motion: look whether what was asked for is done."""
@@ -127,7 +130,7 @@ class BlockFsmNode(CellNode):
         if executor is None or goal is None or self._errand is None:
             return
         if goal.is_cancel_requested:
-            self._cancel("canceled on request")
+            self._cancel(ExitReason.CANCELLED, "on request")
             return
         answer = self._errand.poll(self._state)
         if answer is not None:
@@ -145,13 +148,13 @@ class BlockFsmNode(CellNode):
             self._done.set_result(None)
             return
         given = goal.request
-        self._errand = self._runner.begin(request, given.method, given.seed, list(executor.blocks))
+        self._errand = self._runner.begin(request, given.method, given.seed)
 
-    def _cancel(self, reason: str) -> None:
+    def _cancel(self, reason: ExitReason, message: str) -> None:
         if self._executor is None or self._done is None or self._done.done():
             return
         self._runner.stop()
-        self._executor.cancel(reason)
+        self._executor.cancel(reason, message)
         self._next(None)
 
     def _on_refusal(self, reason: str) -> None:
@@ -163,7 +166,7 @@ class BlockFsmNode(CellNode):
             self._silent.discard(peer)
             return
         self._silent.add(peer)
-        self._cancel(f"node '{peer}' is silent")
+        self._cancel(ExitReason.NODE_SILENT, f"node '{peer}' is silent")
 
 
 def _plain(result: Rearrange.Result) -> dict[str, Any]:

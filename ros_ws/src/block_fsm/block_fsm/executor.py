@@ -15,14 +15,17 @@ from block_fsm.deviation import Poses, as_seen, astray, disturbed, is_on_line, i
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import ExitReason, Outcome, Tally
-from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, PlanFor, Request
+from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, NoPicture, PlanFor, Request
+from block_fsm.surroundings import TABLE, Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.block_sighting import BlockSighting
 from pack_core.errors import PackError
 from pack_core.jaw import JawCommand, JawState, JawStatus
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionState, MotionStatus
+from pack_core.motion.world import CarriedBox
 from pack_core.rearrangement.plan import Action, PickPlace, Plan, Push
+from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rotations import Pose
 
 
@@ -55,6 +58,7 @@ class Executor:
         task: the goals.
         config: tolerances, heights and speeds.
         motions: makes the arm's paths.
+        surroundings: makes what they are checked against.
         jaw_force: that blocks are held with [N].
 
     Attributes:
@@ -67,9 +71,15 @@ class Executor:
     """
 
     def __init__(
-        self, task: RearrangeTask, config: ExecutorConfig, motions: Motions, jaw_force: float
+        self,
+        task: RearrangeTask,
+        config: ExecutorConfig,
+        motions: Motions,
+        surroundings: Surroundings,
+        jaw_force: float,
     ) -> None:
         self._task, self._config, self._motions, self._force = task, config, motions, jaw_force
+        self._surroundings, self._opening = surroundings, task.gripper.max_opening
         self.phase = Phase.IDLE
         self.plan: Plan | None = None
         self.done = 0
@@ -98,11 +108,11 @@ class Executor:
         except StopIteration:
             return None
 
-    def cancel(self, reason: str) -> Outcome:
+    def cancel(self, reason: ExitReason, message: str) -> Outcome:
         """End where it is; the arm is for the caller to stop."""
         if self.outcome is None:
             self._conversation.close()
-            self._end(ExitReason.CANCELLED, reason)
+            self._end(reason, message)
         assert self.outcome is not None
         return self.outcome
 
@@ -168,25 +178,31 @@ class Executor:
         yield from self._jaw(wide)
         yield from self._move(self._motions.approach(grip))
         if not (yield from self._hold()):
-            yield from self._let_go(grip, wide)
+            yield from self._let_go(grip, wide, action.block, action.start)
             return
         self.phase = Phase.PLACE
-        yield from self._move(self._motions.carry(grip, release))
+        carried = self._surroundings.carried(grip, action.start)
+        yield from self._move(self._motions.carry(grip, release), action.block, carried)
         if (yield from self._hold()):
             self._failed_grasps = 0
-        yield from self._let_go(release, wide)
+        yield from self._let_go(release, wide, action.block, action.end)
 
-    def _let_go(self, X_WT: Pose, opening: float) -> Asking:
+    def _let_go(self, X_WT: Pose, opening: float, block: str, pose: PlanarPose) -> Asking:
         self.phase = Phase.RETREAT
         yield from self._jaw(opening)
-        yield from self._move(self._motions.retreat(X_WT))
+        self._seen = {**self._seen, block: pose}
+        yield from self._move(self._motions.retreat(X_WT), touched=block)
 
     def _push(self, action: Push) -> Asking:
         start, end = self._motions.pushes(action)
         self.phase = Phase.PUSH
         yield from self._jaw(self._task.gripper.push_gap)
         yield from self._move(self._motions.approach(start))
-        yield from self._move(self._motions.push(start, end))
+        carried = self._surroundings.carried(end, action.end)
+        yield from self._move(self._motions.push(end), action.block, carried)
+        self.phase = Phase.RETREAT
+        self._seen = {**self._seen, action.block: action.end}
+        yield from self._move(self._motions.back_off(start, end), touched=action.block)
 
     def _hold(self) -> Generator[Request, Any, bool]:
         """Close the fingers; False where they hold nothing."""
@@ -202,12 +218,14 @@ class Executor:
     def _look(self) -> Asking:
         self.phase = Phase.PERCEIVE
         for _ in range(self._config.looks):
-            sighting: BlockSighting = yield Look()
-            self._seen = sighting.poses
+            sighting: BlockSighting | NoPicture = yield Look()
+            if isinstance(sighting, NoPicture):
+                reason = sighting.reason
+                continue
+            self._seen, reason = sighting.poses, _unclear(sighting)
             if sighting.is_complete:
                 return
-        lost = ", ".join((*sighting.missing, *sighting.doubled))
-        raise _Ended(ExitReason.NOT_SEEN, f"not seen, or seen twice: {lost}")
+        raise _Ended(ExitReason.NOT_SEEN, reason)
 
     def _plan(self) -> Generator[Request, Any, Plan]:
         self.phase = Phase.PLAN
@@ -218,15 +236,20 @@ class Executor:
             raise _Ended(ExitReason.NO_PLAN, f"{plan.status.name}: {plan.diagnosis.text}")
         return plan
 
-    def _move(self, path: Path) -> Asking:
-        status: MotionStatus = yield MoveArm(path)
+    def _move(
+        self, path: Path, moved: str = "", carried: CarriedBox | None = None, *, touched: str = ""
+    ) -> Asking:
+        """Along a path; `moved` goes with the fingers, and `touched` is what they have just left."""
+        obstacles = self._surroundings.among(self._seen, without=moved)
+        contacts = frozenset({TABLE, touched} if carried or touched else ())
+        status: MotionStatus = yield MoveArm(path, self._opening, obstacles, carried, contacts)
         if status.state is not MotionState.REACHED:
-            raise _Ended(
-                ExitReason.MOTION_FAILED, f"{status.state.value} in '{status.label}': {status.reason}"
-            )
+            where = "" if status.state is MotionState.REFUSED else f" in '{status.label}'"
+            raise _Ended(ExitReason.MOTION_FAILED, f"{status.state.value}{where}: {status.reason}")
 
     def _jaw(self, opening: float) -> Generator[Request, Any, JawState]:
         state: JawState = yield MoveJaw(JawCommand(opening, self._force))
+        self._opening = state.opening
         return state
 
     def _end(self, reason: ExitReason, message: str) -> None:
@@ -234,3 +257,9 @@ class Executor:
             raise PackError("the executor has ended already")
         self.phase = Phase.DONE
         self.outcome = Outcome(reason, message, self.tally, *self._task.errors(self._seen))
+
+
+def _unclear(sighting: BlockSighting) -> str:
+    """What a picture lacks, in words."""
+    lacks = (("not seen", sighting.missing), ("seen more than once", sighting.doubled))
+    return "; ".join(f"{what}: {', '.join(names)}" for what, names in lacks if names)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import Field, PositiveFloat, PositiveInt
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
 
@@ -53,3 +53,15 @@ class ExecutorConfig(Config):
     )
     speed: SpeedConfig = SpeedConfig()
     tolerance: ToleranceConfig = ToleranceConfig()
+
+
+class ErrandConfig(Config):
+    """How long things may take, on the simulated clock."""
+
+    exposure_delay: NonNegativeFloat = Field(
+        default=0.1, description="before a picture, for the arm to be still [s]"
+    )
+    picture: PositiveFloat = Field(default=10.0, description="from exposure to the poses [s]")
+    plan: PositiveFloat = Field(default=60.0, description="for the planner to answer [s]")
+    move: PositiveFloat = Field(default=30.0, description="of the arm [s]")
+    jaw: PositiveFloat = Field(default=3.0, description="of the fingers [s]")

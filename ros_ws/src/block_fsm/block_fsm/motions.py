@@ -91,13 +91,15 @@ class Motions:
             Line(X_WG, speed.touch, acceleration, label="touch"),
         ))  # fmt: skip
 
-    def push(self, X_WT: Pose, X_WG: Pose) -> Path:
-        """Along the push, a little back, up, and out of the camera's sight."""
-        push, along = self._config.speed.push, X_WG.p - X_WT.p
+    def push(self, X_WG: Pose) -> Path:
+        """Along the push."""
+        return Path((Line(X_WG, self._config.speed.push, label="push"),))
+
+    def back_off(self, X_WT: Pose, X_WG: Pose) -> Path:
+        """From the end of a push a little back, up, and out of the camera's sight."""
+        along = X_WG.p - X_WT.p
         back = Pose(X_WG.p - self._config.back_off * along / np.linalg.norm(along), X_WG.q)
-        return Path((
-            Line(X_WG, push, label="push"), Line(back, push, label="back off"), self._up(back), self._home(),
-        ))  # fmt: skip
+        return Path((Line(back, self._config.speed.push, label="back off"), self._up(back), self._home()))
 
     def _home(self) -> JointMove:
         speed = self._config.speed

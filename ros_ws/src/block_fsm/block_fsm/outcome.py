@@ -15,6 +15,7 @@ class ExitReason(Enum):
     MOTION_FAILED = "motion failed"
     NO_PROGRESS = "no progress"
     CANCELLED = "cancelled"
+    NODE_SILENT = "node silent"
 
 
 @dataclass(frozen=True)

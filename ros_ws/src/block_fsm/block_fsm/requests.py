@@ -1,7 +1,7 @@
 """What the executor asks its surroundings to do, one thing at a time.
 
-Each is answered by a value: a Look by a BlockSighting, a PlanFor by a Plan, a MoveArm by a MotionStatus,
-a MoveJaw by a JawState. An answer that takes too long is one that says so (STUCK, MOVING, all missing).
+Each is answered by a value: a Look by a BlockSighting or by NoPicture, a PlanFor by a Plan, a MoveArm by a
+MotionStatus, a MoveJaw by a JawState. An answer that takes too long is one that says so (STUCK, MOVING).
 """
 
 from __future__ import annotations
@@ -11,9 +11,12 @@ from dataclasses import dataclass
 from pack_core.block_sighting import BlockSighting
 from pack_core.jaw import JawCommand, JawState
 from pack_core.motion.moves import Path
-from pack_core.motion.target import MotionStatus
+from pack_core.motion.target import MotionStatus, MotionTarget, Tolerance
+from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rearrangement.plan import Plan
 from pack_core.rearrangement.problem import Problem
+
+REACHED = Tolerance(position=0.0005, orientation_deg=0.1)
 
 
 @dataclass(frozen=True)
@@ -30,9 +33,27 @@ class PlanFor:
 
 @dataclass(frozen=True)
 class MoveArm:
-    """Along a path, until the tool has reached its end."""
+    """Along a path, until the tool has reached its end.
+
+    Attributes:
+        path: of the tool.
+        opening: between the fingers meanwhile [m].
+        obstacles: the table, and the blocks that stand.
+        carried: the block that goes with the fingers.
+        contacts: obstacles that may be touched where the move starts and ends.
+    """
 
     path: Path
+    opening: float
+    obstacles: tuple[Obstacle, ...]
+    carried: CarriedBox | None = None
+    contacts: frozenset[str] = frozenset()
+
+    def target(self, number: int) -> MotionTarget:
+        """For the motion, with a number to be answered with; it is checked before it starts."""
+        return MotionTarget(
+            number, self.path, self.carried, self.obstacles, self.contacts, REACHED, opening=self.opening
+        )
 
 
 @dataclass(frozen=True)
@@ -42,5 +63,12 @@ class MoveJaw:
     command: JawCommand
 
 
+@dataclass(frozen=True)
+class NoPicture:
+    """There is none, or nothing was told of it."""
+
+    reason: str
+
+
 Request = Look | PlanFor | MoveArm | MoveJaw
-Answer = BlockSighting | Plan | MotionStatus | JawState
+Answer = BlockSighting | NoPicture | Plan | MotionStatus | JawState

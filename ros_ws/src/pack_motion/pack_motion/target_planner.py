@@ -32,7 +32,7 @@ class TargetPlanner:
         Raises:
             MoveRefused: there is none; its text says why.
         """
-        around = Surrounding(target.obstacles, target.carried, target.contacts)
+        around = Surrounding(target.obstacles, target.carried, target.contacts, target.opening)
         if not isinstance(target.move, Path):
             return self._transfers.plan(start, target.move, around)
         plan = self._paths.plan(start, target.move)

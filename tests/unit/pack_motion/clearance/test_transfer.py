@@ -7,7 +7,8 @@ from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import Arm
-from pack_motion.clearance.check import ClearanceCheck, Conflict, Surrounding, with_carried
+from pack_motion.clearance.check import ClearanceCheck, Surrounding, with_carried
+from pack_motion.clearance.conflict import Conflict
 from pack_motion.clearance.separation import gaps_along
 from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.reference.path_planner import PathPlanner, Plan
@@ -59,7 +60,7 @@ class Bench:
 
     def least_gap(self, plan: Plan, obstacle: Obstacle) -> float:
         """From the arm and its box, at every row of the transit [m]."""
-        bodies, chain = with_carried(self.arm, BOX), self.arm.chain
+        bodies, chain = with_carried(self.arm, Surrounding(carried=BOX)), self.arm.chain
         q = plan.trajectory.q[plan.trajectory.segment == 1]
         boxes = np.eye(3)[None], obstacle.X_WO.p[None].copy(), 0.5 * obstacle.size[None]
         gaps = gaps_along(

@@ -5,27 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from pack_interfaces.msg import MotionTarget
-from pydantic import Field, NonNegativeFloat, PositiveFloat
 
+from block_fsm.executor_config import ErrandConfig
 from block_fsm.requests import Look, MoveArm, PlanFor, Request
 from block_fsm.ros.cell_state import CellState
 from block_fsm.ros.errands import Errand, JawErrand, LookErrand, MoveErrand, PlanErrand
-from pack_core.config import Config
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
-
-
-class ErrandConfig(Config):
-    """How long things may take, on the simulated clock."""
-
-    exposure_delay: NonNegativeFloat = Field(
-        default=0.1, description="before a picture, for the arm to be still [s]"
-    )
-    picture: PositiveFloat = Field(default=10.0, description="from exposure to the poses [s]")
-    plan: PositiveFloat = Field(default=60.0, description="for the planner to answer [s]")
-    move: PositiveFloat = Field(default=30.0, description="of the arm [s]")
-    jaw: PositiveFloat = Field(default=3.0, description="of the fingers [s]")
 
 
 class ErrandRunner:
@@ -49,18 +36,17 @@ class ErrandRunner:
         )
         self._number = 0
 
-    def begin(self, request: Request, method: str, seed: int, blocks: list[str]) -> Errand:
+    def begin(self, request: Request, method: str, seed: int) -> Errand:
         """Have a request done.
 
         Args:
             request: of the executor.
             method: of the planner; empty: its own.
             seed: of the planner.
-            blocks: ids of all blocks.
         """
         start, c = self._state.time, self._config
         if isinstance(request, Look):
-            return LookErrand(start, self._trigger, c.exposure_delay, c.picture, blocks)
+            return LookErrand(start, self._trigger, c.exposure_delay, c.picture)
         if isinstance(request, PlanFor):
             return PlanErrand(start, self._planner, request, method, seed, c.plan)
         if isinstance(request, MoveArm):

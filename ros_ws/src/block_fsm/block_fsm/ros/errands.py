@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 from pack_interfaces.srv import JawCommand
@@ -12,16 +12,15 @@ from rclpy.publisher import Publisher
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from block_fsm.requests import Answer, MoveArm, MoveJaw, PlanFor
+from block_fsm.requests import Answer, MoveArm, MoveJaw, NoPicture, PlanFor
 from block_fsm.ros.cell_state import CellState
-from pack_core.block_sighting import BlockSighting
+from pack_core.errors import PackError
 from pack_core.jaw import JawStatus
-from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, Tolerance
+from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
 from pack_core.ros.motion_messages import to_target
 from pack_core.ros.rearrangement_messages import from_response, to_request
 
-REACHED = Tolerance(position=0.0005, orientation_deg=0.1)
 ENDED = (MotionState.REACHED, MotionState.STUCK, MotionState.REFUSED)
 
 
@@ -39,12 +38,11 @@ class Errand(ABC):
 class LookErrand(Errand):
     """Waits until the arm is still, has a picture taken, and waits for what is seen in it."""
 
-    def __init__(
-        self, start: float, client: Client, delay: float, timeout: float, blocks: Sequence[str]
-    ) -> None:
+    def __init__(self, start: float, client: Client, delay: float, timeout: float) -> None:
         super().__init__(start)
-        self._client, self._delay, self._timeout, self._blocks = client, delay, timeout, blocks
+        self._client, self._delay, self._timeout = client, delay, timeout
         self._trigger: Future | None = None
+        self._trouble = "the camera does not answer"
 
     def poll(self, state: CellState) -> Answer | None:
         """Ask again where the camera was busy."""
@@ -54,10 +52,17 @@ class LookErrand(Errand):
         if sighting is not None and sighting.time >= self._start + self._delay:
             return sighting
         if state.time > self._start + self._delay + self._timeout:
-            return BlockSighting(state.time, {}, missing=tuple(self._blocks))
-        if self._trigger is None or (self._trigger.done() and not self._trigger.result().success):
+            return NoPicture(f"no picture in {self._timeout:.0f} s: {self._trouble}")
+        if self._trigger is None:
             self._trigger = self._client.call_async(Trigger.Request())
+        elif self._trigger.done():
+            self._note(self._trigger.result())
         return None
+
+    def _note(self, response: Trigger.Response) -> None:
+        self._trouble = response.message or "nothing is told of what is in it"
+        if not response.success:
+            self._trigger = None
 
 
 class PlanErrand(Errand):
@@ -73,7 +78,11 @@ class PlanErrand(Errand):
     def poll(self, state: CellState) -> Answer | None:
         """A planner that does not answer is one that ran out of time."""
         if self._future.done():
-            return from_response(self._future.result())
+            try:
+                return from_response(self._future.result())
+            except PackError as error:
+                reason = f"the planner's answer cannot be used: {error}"
+                return Plan(PlanStatus.INVALID_INPUT, diagnosis=Diagnosis(reason))
         if state.time > self._start + self._timeout:
             return Plan(PlanStatus.TIMEOUT, diagnosis=Diagnosis("the planner does not answer"))
         return None
@@ -87,8 +96,7 @@ class MoveErrand(Errand):
     ) -> None:
         super().__init__(start)
         self._number, self._timeout = number, timeout
-        target = MotionTarget(number, request.path, tolerance=REACHED, is_checked=False)
-        publisher.publish(to_target(target, start))
+        publisher.publish(to_target(request.target(number), start))
 
     def poll(self, state: CellState) -> Answer | None:
         """A controller that takes too long is stuck."""

@@ -76,7 +76,7 @@ def execute(
 ) -> Execution:
     """Carry out a problem in lockstep."""
     task = RearrangeTask(problem.goals, problem.workspace, problem.side, problem.symmetry, problem.gripper)
-    lockstep = BlocksLockstep(cell, task, problem.starts, CountedPlanner(planner), config)
+    lockstep = BlocksLockstep(cell, task, problem.starts, CountedPlanner(planner, config.planner), config)
     witness = Witness()
 
     def on_request(request: Request, truth: SceneState) -> None:

@@ -16,12 +16,13 @@ from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import Outcome
 from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, PlanFor, Request
+from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.cells.blocks import BlocksCell
 from pack_core.config import Config
 from pack_core.jaw import JawState, JawStatus
 from pack_core.joint_reference import JointReference
-from pack_core.motion.target import JointSetpoint, MotionState, MotionStatus, MotionTarget, Tolerance
+from pack_core.motion.target import JointSetpoint, MotionState, MotionStatus
 from pack_core.rearrangement.plan import Plan
 from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rearrangement.problem import Problem
@@ -30,6 +31,7 @@ from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
+from pack_planner.rearrangement.planner import RearrangementConfig
 from pack_sim.blocks.overhead_camera import OverheadCamera
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
 
@@ -47,9 +49,10 @@ class BlocksLockstepConfig(Config):
     planning_latency: NonNegativeFloat = Field(default=0.3, description="a plan takes [s]")
     jaw_timeout: PositiveFloat = Field(default=3.0, description="for the fingers to come to rest [s]")
     motion: str = Field(default="shipped", description="a set of config/motion")
-    reached: Tolerance = Tolerance(position=0.0005, orientation_deg=0.1)
+    shadows: bool = Field(default=False, description="in the pictures")
     simulator: BlocksSimulatorConfig = BlocksSimulatorConfig()
     vision: TagVisionConfig = TagVisionConfig()
+    planner: RearrangementConfig = RearrangementConfig()
     executor: ExecutorConfig = ExecutorConfig()
 
 
@@ -75,13 +78,14 @@ class BlocksLockstep:
         self._cell, self._config, self._planner = cell, config, planner
         tags = {name: number for number, name in enumerate(task.goals)}
         self.simulator = BlocksSimulator(cell, tags, starts, config.simulator)
-        self.camera = OverheadCamera(cell, tags, config.simulator.timestep)
+        self.camera = OverheadCamera(cell, tags, config.simulator.timestep, shadows=config.shadows)
         self._vision = TagVision(config.vision, cell.block, tags)
         arm, q = load_arm("blocks"), np.array(cell.robot.look)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
         self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
         motions = Motions(config.executor, task.side, task.gripper, q, arm.chain.forward(q))
-        self.executor = Executor(task, config.executor, motions, cell.gripper.force)
+        surroundings = Surroundings(cell, task.side)
+        self.executor = Executor(task, config.executor, motions, surroundings, cell.gripper.force)
         self._targets = 0
 
     def run(self, on_request: Callable[[Request, SceneState], None] | None = None) -> Outcome:
@@ -110,8 +114,7 @@ class BlocksLockstep:
 
     def _move(self, request: MoveArm) -> MotionStatus:
         self._targets += 1
-        target = MotionTarget(self._targets, request.path, tolerance=self._config.reached, is_checked=False)
-        self.motion.command(target)
+        self.motion.command(request.target(self._targets))
         while self.motion.status().state in (MotionState.MOVING, MotionState.SETTLING):
             self._advance(self._config.period)
         return self.motion.status()

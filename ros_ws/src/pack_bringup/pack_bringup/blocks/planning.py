@@ -9,7 +9,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import Config
 from pack_core.rearrangement.plan import Plan
 from pack_core.rearrangement.problem import Problem
-from pack_planner.rearrangement.planner import plan
+from pack_planner.rearrangement.planner import RearrangementConfig, plan
 
 
 class CountingClock:
@@ -34,15 +34,20 @@ class CountedPlannerConfig(Config):
 
 
 class CountedPlanner:
-    """Plans with a budget of work."""
+    """Plans with a budget of work.
 
-    def __init__(self, config: CountedPlannerConfig) -> None:
-        self._config = config
+    Args:
+        config: method and budget.
+        methods: parameters of the methods.
+    """
+
+    def __init__(self, config: CountedPlannerConfig, methods: RearrangementConfig) -> None:
+        self._config, self._methods = config, methods
 
     def __call__(self, problem: Problem) -> Plan:
         """A plan for a problem."""
         config = self._config
         return plan(
             problem, method=config.method, budget_s=config.budget, seed=config.seed,
-            clock=CountingClock(config.step),
+            config=self._methods, clock=CountingClock(config.step),
         )  # fmt: skip

@@ -33,6 +33,7 @@ class MotionTarget:
             they may be near on the first and last line, and nowhere else.
         tolerance: when the move's end is reached.
         is_checked: whether the clearance of the whole move is checked before it starts.
+        opening: between the fingers of a gripper that has them [m].
     """
 
     id: int
@@ -42,6 +43,7 @@ class MotionTarget:
     contacts: frozenset[str] = frozenset()
     tolerance: Tolerance = Tolerance()
     is_checked: bool = True
+    opening: float = 0.0
 
 
 class MotionState(Enum):

@@ -16,6 +16,8 @@ import numpy as np
 
 from pack_core.rotations import Pose
 
+FINGERS = ("finger_left", "finger_right")
+"""Bodies of the fingers."""
 FINGER_JOINTS = ("finger_left_joint", "finger_right_joint")
 PADS = ("finger_left_pad", "finger_right_pad")
 """Geoms of the rubber pads."""

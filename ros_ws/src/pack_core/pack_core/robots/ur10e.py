@@ -20,6 +20,8 @@ JOINTS = (
     "shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
     "wrist_1_joint", "wrist_2_joint", "wrist_3_joint",
 )  # fmt: skip
+BASE = "ur10e_base"
+"""The body that stands still."""
 _TURN = 2 * np.pi
 LIMITS = JointLimits(
     names=JOINTS,
@@ -100,7 +102,7 @@ def add_ur10e(spec: mujoco.MjSpec, X_WB: Pose, *, contype: int, conaffinity: int
     Returns:
         The body `flange`, to hang a tool on.
     """
-    body = spec.worldbody.add_body(name="ur10e_base", pos=X_WB.p, quat=X_WB.q)
+    body = spec.worldbody.add_body(name=BASE, pos=X_WB.p, quat=X_WB.q)
     _draw(body, ((0.095, (0, 0, 0, 0, 0, 0.10), STEEL),), 0, 0)
     for i, link in enumerate(LINKS):
         body = body.add_body(name=f"ur10e_link{i + 1}", pos=link.X_PJ.p, quat=link.X_PJ.q)

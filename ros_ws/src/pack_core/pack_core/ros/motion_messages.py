@@ -44,7 +44,7 @@ def to_target(target: MotionTarget, time: float) -> MotionTargetMsg:
     message.obstacles = [to_obstacle(item) for item in target.obstacles]
     message.position_tolerance = target.tolerance.position
     message.orientation_tolerance_deg = target.tolerance.orientation_deg
-    message.reached_steps = target.tolerance.steps
+    message.reached_steps, message.opening = target.tolerance.steps, float(target.opening)
     return message
 
 
@@ -64,7 +64,7 @@ def from_target(message: MotionTargetMsg) -> MotionTarget:
             Tolerance(
                 message.position_tolerance, message.orientation_tolerance_deg, int(message.reached_steps)
             ),
-            message.is_checked,
+            message.is_checked, float(finite([message.opening], "opening")[0]),
         )  # fmt: skip
     except PackError as error:
         raise MessageError(str(error)) from error

@@ -11,6 +11,7 @@ from pack_core.kinematics.inverse import InverseKinematics
 from pack_core.robots.joint_limits import JointLimits
 from pack_core.rotations import Array
 from pack_motion.arm.body_boxes import BodyBoxes
+from pack_motion.arm.fingers import Fingers
 
 JERK_TIME = 0.1
 """In which a joint reaches its full acceleration [s]; arms' jerk limits are not published."""
@@ -25,7 +26,9 @@ class Arm:
         inverse: of the same chain.
         limits: of its joints.
         home: its posture at rest `(n,)` [rad].
-        bodies: boxes around everything it can touch with.
+        bodies: boxes around everything it can touch with, but for fingers.
+        fingers: of a gripper that has them.
+        base: boxes around what it stands on and could hit; with it, the arm is checked against itself.
     """
 
     chain: SerialChain
@@ -33,6 +36,12 @@ class Arm:
     limits: JointLimits
     home: Array
     bodies: BodyBoxes
+    fingers: Fingers | None = None
+    base: BodyBoxes | None = None
+
+    def bodies_at(self, opening: float) -> BodyBoxes:
+        """Boxes around everything, the fingers `opening` [m] apart."""
+        return self.bodies if self.fingers is None else self.bodies.joined(self.fingers.at(opening))
 
     @property
     def jerk(self) -> Array:

@@ -14,11 +14,11 @@ from pack_core.errors import ConfigError
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.kinematics.parallel_axes import ParallelAxes
 from pack_core.kinematics.spherical_wrist import SphericalWrist
-from pack_core.robots import kr210, ur10e
-from pack_core.robots.robotiq_2f85 import add_robotiq_2f85
+from pack_core.robots import kr210, robotiq_2f85, ur10e
 from pack_core.robots.surface_gripper import add_surface_gripper
 from pack_motion.arm.arm import Arm
-from pack_motion.arm.body_boxes import boxes_from_model
+from pack_motion.arm.body_boxes import boxes_from_model, fixed_boxes
+from pack_motion.arm.fingers import fingers_from_model
 
 TOOL = "tool"
 
@@ -50,11 +50,18 @@ def _blocks() -> Arm:
     cell = blocks_cell()
     spec = mujoco.MjSpec()
     flange = ur10e.add_ur10e(spec, cell.robot.base.to_pose(), contype=1, conaffinity=1)
-    add_robotiq_2f85(flange, spec, pad_friction=cell.gripper.pad_friction, contype=1, conaffinity=1)
+    robotiq_2f85.add_robotiq_2f85(
+        flange, spec, pad_friction=cell.gripper.pad_friction, contype=1, conaffinity=1
+    )
     model, limits = spec.compile(), ur10e.LIMITS
     chain = chain_from_model(model, ur10e.JOINTS, TOOL)
     inverse = ParallelAxes(chain, limits.lower, limits.upper)
-    return Arm(chain, inverse, limits, np.array(cell.robot.look), boxes_from_model(model, ur10e.JOINTS))
+    return Arm(
+        chain, inverse, limits, np.array(cell.robot.look),
+        boxes_from_model(model, ur10e.JOINTS, without=robotiq_2f85.FINGERS),
+        fingers_from_model(model, len(ur10e.JOINTS) - 1, robotiq_2f85.FINGER_JOINTS),
+        fixed_boxes(model, ur10e.BASE),
+    )  # fmt: skip
 
 
 ARMS: dict[str, Callable[[], Arm]] = {"palletizing": _palletizing, "blocks": _blocks}

@@ -13,6 +13,8 @@ from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, to_matrix
 from pack_motion.arm.arm import Arm
 from pack_motion.arm.body_boxes import BodyBoxes
+from pack_motion.clearance.conflict import Conflict, conflict_at
+from pack_motion.clearance.own_body import OwnBodyCheck
 from pack_motion.clearance.separation import gaps_along
 from pack_motion.reference.path_planner import Plan
 
@@ -31,34 +33,13 @@ class Surrounding:
         obstacles: what stands around.
         carried: the box in the hand.
         contacts: names of obstacles that may be touched where the move starts and ends.
+        opening: between the fingers of a gripper that has them [m].
     """
 
     obstacles: tuple[Obstacle, ...] = ()
     carried: CarriedBox | None = None
     contacts: frozenset[str] = frozenset()
-
-
-@dataclass(frozen=True)
-class Conflict:
-    """What comes too near to what.
-
-    Attributes:
-        body: of the arm, or the carried box.
-        obstacle: its name.
-        gap: between them [m]; negative where they overlap.
-        needed: gap that would do [m].
-        time: after the start of the move [s].
-        segment: of the path.
-        text: all that in words.
-    """
-
-    body: str
-    obstacle: str
-    gap: float
-    needed: float
-    time: float
-    segment: int
-    text: str
+    opening: float = 0.0
 
 
 class ClearanceCheck:
@@ -70,21 +51,25 @@ class ClearanceCheck:
 
     def __init__(self, arm: Arm, clearance: float) -> None:
         self._arm, self._clearance = arm, clearance
+        self._own_body = OwnBodyCheck(arm, clearance)
 
     def conflict(self, plan: Plan, around: Surrounding) -> Conflict | None:
         """The worst shortage of room, or None where there is none."""
+        rows = _moments(plan.trajectory.times)
+        return self._among(plan, rows, around) or self._own_body.conflict(plan, rows)
+
+    def _among(self, plan: Plan, rows: npt.NDArray[np.int64], around: Surrounding) -> Conflict | None:
         standing = [item for item in around.obstacles if not item.is_moving]
         if not standing:
             return None
-        bodies = with_carried(self._arm, around.carried)
-        rows = _moments(plan.trajectory.times)
+        bodies = with_carried(self._arm, around)
         gaps = self._gaps(plan.trajectory.q[rows], bodies, standing)
         shortage = self._needed(plan, rows, gaps, standing, around.contacts) - gaps
         t, i, j = (int(k) for k in np.unravel_index(np.argmax(shortage), shortage.shape))
         if shortage[t, i, j] <= 0.0:
             return None
         gap, needed = float(gaps[t, i, j]), float(shortage[t, i, j] + gaps[t, i, j])
-        return self._conflict(plan, int(rows[t]), bodies.names[i], standing[j].name, gap, needed)
+        return conflict_at(self._arm, plan, int(rows[t]), bodies.names[i], standing[j].name, gap, needed)
 
     def _gaps(self, q: Array, bodies: BodyBoxes, standing: Sequence[Obstacle]) -> Array:
         R = np.array([to_matrix(item.X_WO.q) for item in standing])
@@ -111,31 +96,16 @@ class ClearanceCheck:
         needed[near_end] = np.minimum(needed[near_end], at_end)
         return needed
 
-    def _conflict(
-        self, plan: Plan, row: int, body: str, obstacle: str, gap: float, needed: float
-    ) -> Conflict:
-        trajectory = plan.trajectory
-        time, segment = float(trajectory.times[row]), int(trajectory.segment[row])
-        p = self._arm.chain.forward(trajectory.q[row]).p
-        how = f"{1000 * gap:.0f} mm from" if gap > 0.0 else f"{-1000 * gap:.0f} mm inside"
-        text = (
-            f"'{body}' would be {how} '{obstacle}' in '{plan.segments[segment].label}', {time:.2f} s "
-            f"after the start, the tool at {p.round(3).tolist()} m; needed: {1000 * max(needed, 0.0):.0f} mm"
-        )
-        return Conflict(body, obstacle, gap, needed, time, segment, text)
 
-
-def with_carried(arm: Arm, carried: CarriedBox | None) -> BodyBoxes:
+def with_carried(arm: Arm, around: Surrounding) -> BodyBoxes:
     """The arm's boxes, and the one in its hand."""
-    bodies, chain = arm.bodies, arm.chain
+    bodies, chain, carried = arm.bodies_at(around.opening), arm.chain, around.carried
     if carried is None:
         return bodies
     R = chain.R_WT @ to_matrix(carried.X_TB.q)
     p = chain.p_WT + chain.R_WT @ carried.X_TB.p
-    return BodyBoxes(
-        (*bodies.names, CARRIED), np.append(bodies.link, chain.n - 1), np.concatenate([bodies.R, R[None]]),
-        np.vstack([bodies.p, p]), np.vstack([bodies.half, 0.5 * carried.size]),
-    )  # fmt: skip
+    box = BodyBoxes((CARRIED,), np.array([chain.n - 1]), R[None], p[None], 0.5 * carried.size[None])
+    return bodies.joined(box)
 
 
 def _moments(times: Array) -> npt.NDArray[np.int64]:

@@ -71,3 +71,28 @@ def gaps_along(
         R_links, d_links = screws.link_transforms(axes, points, q[t])
         gaps[t] = separations(R_links, d_links, link, R, p, half, box_R, box_p, box_half, enough)
     return gaps
+
+
+@numba.njit(cache=True)
+def own_gaps_along(
+    axes: Array, points: Array, q: Array, link: Indices, R: Array, p: Array, half: Array, pairs: Indices,
+    enough: float,
+) -> Array:  # fmt: skip
+    """Gaps `(T, m)` [m] between pairs `(m, 2)` of boxes on links; `enough` where there is more."""
+    gaps = np.full((len(q), len(pairs)), enough)
+    R_now, p_now, radius = np.empty_like(R), np.empty_like(p), np.sqrt(np.sum(half**2, axis=1))
+    for t in range(len(q)):
+        R_links, d_links = screws.link_transforms(axes, points, q[t])
+        for i in range(len(link)):
+            if link[i] < 0:
+                R_now[i], p_now[i] = R[i], p[i]
+            else:
+                R_now[i] = R_links[link[i]] @ R[i]
+                p_now[i] = R_links[link[i]] @ p[i] + d_links[link[i]]
+        for k in range(len(pairs)):
+            i, j = pairs[k]
+            apart = np.sqrt(np.sum((p_now[j] - p_now[i]) ** 2))
+            if apart < radius[i] + radius[j] + enough:
+                gap = separation(R_now[i], p_now[i], half[i], R_now[j], p_now[j], half[j])
+                gaps[t, k] = min(enough, gap)
+    return gaps
