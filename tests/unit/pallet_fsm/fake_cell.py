@@ -33,6 +33,7 @@ from pallet_fsm.tool_poses import LOOKING_DOWN
 PERIOD = 0.05
 TICKS = 2
 """Per segment of a move."""
+HELD_TICKS = 10
 HOME = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
 REACH = 0.01
 
@@ -46,6 +47,8 @@ class Faults:
     slips: int = 0
     stuck: int = 0
     refused: int = 0
+    held: int = 0
+    astray: int = 0
     lost_at: str = ""
     reason: str = ""
 
@@ -142,10 +145,21 @@ class FakeCell:
         return ""
 
     def _advance(self) -> None:
+        if self._state is MotionState.HELD:
+            self._ticks += 1
+            self._state = MotionState.HELD if self._ticks % HELD_TICKS else MotionState.MOVING
         if self._state is not MotionState.MOVING:
             return
         self._ticks += 1
         if self._ticks % TICKS:
+            return
+        if self.faults.held:
+            self.faults.held -= 1
+            self._state = MotionState.HELD
+            return
+        if self.faults.astray:
+            self.faults.astray -= 1
+            self._state, self._reason = MotionState.REFUSED, "the wrist would hit box 3"
             return
         if self.faults.stuck:
             self.faults.stuck -= 1

@@ -63,6 +63,7 @@ def test_both_profiles_put_boxes_in_the_same_places() -> None:
         (Faults(wrong_size=2), State.WRONG_SIZE),
         (Faults(slips=2), State.GRIP_FAILED),
         (Faults(stuck=2), State.MOTION_STUCK),
+        (Faults(astray=2), State.MOTION_STUCK),
     ],
     ids=lambda value: value.name if isinstance(value, State) else "",
 )
@@ -107,6 +108,16 @@ def test_boxes_that_would_rest_on_a_skipped_one_are_skipped() -> None:
     for name in above:
         assert boxes[name].outcome is BoxOutcome.SKIPPED
         assert first.id in boxes[name].reason
+
+
+@pytest.mark.parametrize("profile", ["thesis", "blended"])
+def test_a_move_that_is_held_on_its_way_goes_on_as_if_nothing_had_been(profile: str) -> None:
+    machine, cell = run(given_order(3), profile, Faults(held=30))
+    report = machine.report()
+    assert cell.faults.held == 0
+    assert report.is_complete
+    assert not report.faults
+    assert misplacement(cell, report)[0] < 1e-9
 
 
 @pytest.mark.parametrize("profile", ["thesis", "blended"])

@@ -24,7 +24,7 @@ from pack_motion.stuck import StuckDetector
 from pack_motion.target_planner import TargetPlanner
 from pack_motion.tracking.config import MotionSet
 from pack_motion.tracking.obstacle_field import ObstacleField
-from pack_motion.tracking.pursuit import pursuit_of
+from pack_motion.tracking.pursuit import Pursuit, pursuit_of
 from pack_motion.tracking.tracker import Surroundings, Tracker
 
 LONGEST_STEP = 0.1
@@ -62,6 +62,7 @@ class MotionController:
         self._mode = Mode.FAST
         self._is_held = False
         self._left: MotionTarget | None = None
+        self._pursuit: Pursuit
         self._tracker = Tracker(self._arm, self._config, np.array(q, dtype=float))
         self._progress, self._stuck = Progress(self._arm), StuckDetector(self._config.stuck)
         self._state, self._reason = MotionState.IDLE, ""

@@ -62,14 +62,16 @@ class SetpointStream:
             controller.wait(sample.time)
             self._restart()
         elif gap > self._horizon:
-            return self._pause(sample, f"no joint states for {gap + self._horizon:.2f} s")
+            self._pause(f"no joint states for {gap + self._horizon:.2f} s")
+            return None
         reference = self._rows_until(sample)
         apart = np.abs(reference.at(sample.time)[0] - sample.q)
         if np.any(apart > self._deviation):
-            return self._pause(sample, f"a joint is {apart.max():.3f} rad from its setpoint")
+            self._pause(f"a joint is {apart.max():.3f} rad from its setpoint")
+            return None
         return reference
 
-    def _pause(self, sample: JointSample, reason: str) -> None:
+    def _pause(self, reason: str) -> None:
         self._rested, self.interruption = np.inf, f"{reason}; the driver holds the arm"
         self.controller.hold(self.interruption)
 
