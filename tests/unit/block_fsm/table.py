@@ -9,7 +9,7 @@ from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import Outcome
-from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, PlanFor, Request
+from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, NoPicture, PlanFor, Request
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.block_sighting import BlockSighting
@@ -47,6 +47,7 @@ class Table:
         after: is called with the table after every retreat of the arm.
         holds: says of each closing of the fingers whether they hold something.
         unseen: how many pictures in a row miss a block.
+        sighting: what is told of a picture, from the poses.
         stuck: label of a segment at which the arm gets stuck.
     """
 
@@ -55,6 +56,9 @@ class Table:
     after: Callable[["Table"], None] = lambda table: None
     holds: Callable[[int], bool] = lambda number: True
     unseen: int = 0
+    sighting: Callable[[Mapping[str, PlanarPose]], BlockSighting | NoPicture] = lambda poses: BlockSighting(
+        0.0, poses
+    )
     stuck: str = ""
     closings: int = 0
     asked: list[Request] = field(default_factory=list)
@@ -79,12 +83,12 @@ class Table:
             return self.planner(request.problem)
         return self._move(request) if isinstance(request, MoveArm) else self._jaw(request)
 
-    def _look(self) -> BlockSighting:
+    def _look(self) -> BlockSighting | NoPicture:
         self.unseen -= 1
         if self.unseen >= 0:
             missing, *rest = self.poses
             return BlockSighting(0.0, {name: self.poses[name] for name in rest}, missing=(missing,))
-        return BlockSighting(0.0, dict(self.poses))
+        return self.sighting(dict(self.poses))
 
     def _move(self, request: MoveArm) -> MotionStatus:
         for segment in request.path.segments:

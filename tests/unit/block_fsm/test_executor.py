@@ -5,7 +5,9 @@ import pytest
 
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.outcome import ExitReason
-from block_fsm.requests import MoveArm, MoveJaw, PlanFor
+from block_fsm.requests import MoveArm, MoveJaw, NoPicture, PlanFor
+from pack_core.block_sighting import BlockSighting
+from pack_core.motion.moves import Line
 from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
 from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rearrangement.problem import Problem
@@ -145,3 +147,58 @@ def test_fingers_open_wide_enough_before_they_come_down() -> None:
         if isinstance(following, MoveArm) and following.path.segments[0].label == "approach":
             assert isinstance(request, MoveJaw)
             assert request.command.opening > 0.0508
+
+
+def test_a_tag_seen_twice_is_told_from_one_not_seen() -> None:
+    table = Table(strewn(), sighting=lambda poses: BlockSighting(0.0, {}, missing=("a",), doubled=("b",)))
+    outcome = table.run(GOALS)
+    assert outcome.exit_reason is ExitReason.NOT_SEEN
+    assert outcome.message == "not seen: a; seen more than once: b"
+
+
+def test_a_camera_that_gives_no_picture_is_quoted() -> None:
+    outcome = Table(strewn(), sighting=lambda poses: NoPicture("the camera does not answer")).run(GOALS)
+    assert outcome.exit_reason is ExitReason.NOT_SEEN
+    assert outcome.message == "the camera does not answer"
+
+
+def moves(table: Table) -> dict[str, MoveArm]:
+    """By the label of their first segment."""
+    return {r.path.segments[0].label: r for r in table.asked if isinstance(r, MoveArm)}
+
+
+def test_a_carried_block_is_no_obstacle_and_a_placed_one_is() -> None:
+    table = Table({"a": PlanarPose(0.5, 0.2, 0.7), "b": GOALS["b"]})
+    table.run(GOALS)
+    asked = moves(table)
+    assert {item.name for item in asked["approach"].obstacles} == {"table", "a", "b"}
+    assert {item.name for item in asked["lift"].obstacles} == {"table", "b"}
+    assert asked["lift"].carried is not None
+    placed = next(item for item in asked["up"].obstacles if item.name == "a")
+    assert placed.X_WO.p[:2] == pytest.approx(GOALS["a"].p)
+    assert asked["up"].contacts == {"table", "a"}
+
+
+def test_moves_are_checked_with_the_fingers_as_they_stand() -> None:
+    table = Table({"a": PlanarPose(0.5, 0.2, 0.7), "b": GOALS["b"]})
+    table.run(GOALS)
+    asked = moves(table)
+    assert asked["approach"].opening == pytest.approx(0.0588)
+    assert asked["lift"].opening == pytest.approx(0.0508)
+    assert all(request.target(1).is_checked for request in asked.values())
+
+
+def test_a_pushed_block_goes_with_the_fingers_and_stays_when_they_leave() -> None:
+    def planner(problem: Problem) -> Plan:
+        todo = directly(problem).actions
+        return Plan(PlanStatus.FEASIBLE, staged("a", GOALS["a"], 0.0)[1:] if todo else (), 1)
+
+    table = Table({"a": GOALS["a"].moved(-0.03, 0.0)}, planner)
+    assert table.run({"a": GOALS["a"]}).success
+    asked = moves(table)
+    carried = asked["push"].carried
+    assert carried is not None
+    end = asked["push"].path.segments[-1]
+    assert isinstance(end, Line)
+    assert (end.X_WT @ carried.X_TB).p[:2] == pytest.approx(GOALS["a"].p)
+    assert [item.name for item in asked["back off"].obstacles] == ["table", "a"]
