@@ -10,6 +10,7 @@ from std_srvs.srv import Trigger
 
 from block_fsm.block_fsm_node import BlockFsmNode
 from integration.harness import Graph
+from pack_core.errors import PackError
 from pack_core.jaw import JawStatus
 from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rearrangement.problem import Block, Problem
@@ -19,6 +20,7 @@ from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion, shared
 from pack_perception.tags.tag_perception_node import TagPerceptionNode
 from pack_sim.blocks.blocks_sim_node import BlocksSimNode
+from pack_sim.blocks.overhead_camera import OverheadCamera
 
 STARTS = {"a": PlanarPose(0.58, -0.05, 0.4), "b": PlanarPose(0.7, 0.06, -1.1)}
 GOALS = {"a": PlanarPose(0.62, 0.05, 0.0), "b": PlanarPose(0.6728, 0.05, 0.0)}
@@ -53,6 +55,20 @@ def test_a_picture_on_request_tells_where_the_blocks_are(graph: Graph, tmp_path:
     assert sighting.is_complete
     for name, pose in STARTS.items():
         assert sighting.poses[name].distance_to(pose) < 0.3e-3
+
+
+def test_a_camera_that_cannot_draw_says_why_to_whoever_asks(
+    graph: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_: OverheadCamera) -> OverheadCamera:
+        raise PackError("cannot draw without a screen")
+
+    monkeypatch.setattr(OverheadCamera, "__enter__", refuse)
+    node = start_sim(graph, tmp_path, factor=0.3)
+    graph.wait_until(lambda: "camera" in node.health.faults)
+    answer = graph.call(contracts.TRIGGER, Trigger.Request())
+    assert not answer.success
+    assert answer.message == "cannot draw without a screen"
 
 
 def test_fingers_obey_and_refuse_what_they_cannot_do(graph: Graph, tmp_path: Path) -> None:

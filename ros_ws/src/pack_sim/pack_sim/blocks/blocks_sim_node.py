@@ -23,21 +23,16 @@ from pack_core.rearrangement.problem import Problem
 from pack_core.rearrangement.problem_file import load_problem, parse_problem
 from pack_core.robots.ur10e import LIMITS
 from pack_core.ros.block_messages import to_tags
-from pack_core.ros.camera_messages import to_camera_info, to_image
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.joint_messages import from_trajectory
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.rotations import Array
-from pack_sim.blocks.overhead_camera import OverheadCamera, Picture
 from pack_sim.blocks.ros.blocks_publisher import BLOCK, BlocksPublisher
+from pack_sim.blocks.ros.camera_publisher import CameraPublisher
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
-from pack_sim.camera_thread import CameraThread
 from pack_sim.pacing import Pacer
-
-FRAME = "overhead_camera"
 
 
 class BlocksSimNodeConfig(BlocksSimulatorConfig):
@@ -61,12 +56,10 @@ class BlocksSimNode(CellNode):
         self._cell = blocks_cell()
         self._lock, self._stopped = threading.Lock(), threading.Event()
         self._is_abandoned, self._jaw_commands = False, 0
-        self._camera: CameraThread[Array] | None = None
         self._publisher = BlocksPublisher(self)
         self._factor = self.advertise(shared.REAL_TIME_FACTOR)
         self._tags = self.advertise(contracts.TAGS)
-        self._image = self.advertise(contracts.IMAGE)
-        self._info = self.advertise(contracts.CAMERA_INFO)
+        self._camera = CameraPublisher(self, self._cell, self._config.timestep, shadows=self._config.shadows)
         path = self._config.problem or config_path("scenarios", "blocks_example.yaml")
         self._simulator = self._build(load_problem(Path(path)), 0.0)
         self.listen(motion.SETPOINTS, self._on_setpoints)
@@ -90,16 +83,12 @@ class BlocksSimNode(CellNode):
         """Stop the physics and the camera, then the node."""
         self._stopped.set()
         self._thread.join()
-        if self._camera is not None:
-            self._camera.close()
+        self._camera.close()
         super().destroy_node()
 
     def _build(self, problem: Problem, start: float) -> BlocksSimulator:
         tags = {block.id: number for number, block in enumerate(problem.blocks)}
-        if self._camera is not None:
-            self._camera.close()
-        camera = OverheadCamera(self._cell, tags, self._config.timestep, shadows=self._config.shadows)
-        self._camera = CameraThread(camera, self._on_picture, self._on_camera_error)
+        self._camera.open(tags)
         self._tags.publish(to_tags(tags))
         return BlocksSimulator(self._cell, tags, problem.starts, self._config, start)
 
@@ -147,9 +136,8 @@ class BlocksSimNode(CellNode):
     def _trigger(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         with self._lock:
             moment, snapshot = self._simulator.time, self._simulator.snapshot()
-        response.success = self._camera is not None and self._camera.expose(moment, snapshot)
-        if not response.success:
-            response.message = "the last picture is still being made, or none can be"
+        response.message = self._camera.expose(moment, snapshot)
+        response.success = not response.message
         return response
 
     def _reset(self, request: ResetScene.Request, response: ResetScene.Response) -> ResetScene.Response:
@@ -161,14 +149,6 @@ class BlocksSimNode(CellNode):
             response.message = str(error)
         response.success = not response.message
         return response
-
-    def _on_picture(self, moment: float, picture: Picture) -> None:
-        self._info.publish(to_camera_info(moment, self._cell.camera.pinhole, FRAME))
-        self._image.publish(to_image(moment, picture, FRAME))
-
-    def _on_camera_error(self, error: str) -> None:
-        self.health.faults["camera"] = error
-        self.get_logger().error(error)
 
 
 def main() -> int:
