@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -65,7 +66,7 @@ def test_the_same_seed_gives_the_same_outcome_and_setpoints_bit_for_bit(record: 
 
 def test_another_seed_gives_other_setpoints(record: Record) -> None:
     other = run(EASY, SEED + 1)
-    assert not np.array_equal(other.setpoints[0].q, record.setpoints[0].q)
+    assert not np.array_equal(other.setpoints[-1].q, record.setpoints[-1].q)
 
 
 def test_the_nodes_reach_the_same_outcome(graph: Graph, record: Record) -> None:
@@ -81,7 +82,8 @@ def test_the_nodes_choose_the_same_placement_where_there_is_a_best_one(graph: Gr
     expected = run(EXAMPLE, timeout=0.5).placement
     cell = Cell(graph, FACTOR, EXAMPLE)
     cell.pack(SEED)
-    graph.wait_until(lambda: graph.probe.last(contracts.MPC_STATUS), timeout=30.0)
-    chosen = from_pose(graph.probe.last(contracts.MPC_STATUS).target)
+    last = partial(graph.probe.last, contracts.MPC_STATUS)
+    graph.wait_until(lambda: last() and last().placements, timeout=30.0)
+    chosen = from_pose(last().target)
     np.testing.assert_allclose(chosen.p, expected.p, atol=0.005)
     assert angle_between(chosen.q, expected.q) < np.deg2rad(3.0)

@@ -81,7 +81,7 @@ def test_the_log_says_what_the_task_said(folder: BenchmarkFolder) -> None:
     m = measure(run)
     assert m.success == run.outcome["success"]
     assert m.placements == run.outcome["placements"]
-    assert m.force_mean == pytest.approx(run.outcome["force_mean"], rel=0.05, abs=0.05)
+    assert m.force_mean == pytest.approx(run.outcome["force_mean"], rel=0.1, abs=0.05)
     assert run.iterations.distance[-1] == pytest.approx(run.outcome["distance"], abs=0.05)
 
 

@@ -17,14 +17,14 @@ def at(x: float, y: float) -> Pose:
 def test_the_object_leans_over_its_obstacle(scene: Scene) -> None:
     entry = plan_entry(scene, PLACE, ("tea_box",), {"tea_box": at(0.5, 0.05)})
     np.testing.assert_allclose(entry.over, [0.0, 1.0])
-    assert entry.top == pytest.approx(0.13)
+    assert entry.tops == pytest.approx((0.13,))
     np.testing.assert_allclose(lean_at(entry, 0.2, 0.2), [0.0, np.sin(0.2)])
 
 
 def test_it_is_upright_once_it_is_down(scene: Scene) -> None:
     entry = plan_entry(scene, PLACE, ("tea_box",), {"tea_box": at(0.5, 0.05)})
     np.testing.assert_allclose(lean_at(entry, 0.2, UPRIGHT_BELOW), 0.0)
-    half_way = lean_at(entry, 0.2, 0.5 * (UPRIGHT_BELOW + entry.top))
+    half_way = lean_at(entry, 0.2, 0.5 * (UPRIGHT_BELOW + entry.tops[0]))
     np.testing.assert_allclose(half_way, [0.0, np.sin(0.1)])
 
 

@@ -33,10 +33,15 @@ def at(height: float) -> Pose:
     return Pose(PLACE.p + np.array([0.0, 0.0, height]))
 
 
-def test_a_goal_waits_for_its_placement(task: PackingTask) -> None:
-    assert task.needs_placement
+def test_a_goal_waits_for_its_placement_over_the_middle_of_the_container(
+    task: PackingTask, scene: Scene
+) -> None:
     task.update(10.1, START)
-    assert task.machine is None
+    target = task.machine.target.p_WN
+    np.testing.assert_array_equal(target[:2], scene.container.centre)
+    task.update(10.2, Pose(target))
+    assert task.machine.stage is Stage.PRE_PACK
+    assert task.needs_placement
     assert not placed(task).needs_placement
 
 

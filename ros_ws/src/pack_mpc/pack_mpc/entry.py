@@ -18,6 +18,8 @@ ONE_SIDED = 0.3
 """Obstacles all around (length of the mean of their unit directions below this) leave no side to lean to."""
 UPRIGHT_BELOW = 0.02
 """Height of the lower end at which the object is upright again [m]."""
+LANDING_MARGIN = 0.01
+"""A lower end this far below an obstacle's top has passed it, tilted as it may be [m]."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +30,13 @@ class Placement:
         X_WN: the pose.
         collisions: the objects that it overlaps, the collision list G.
         over: horizontal unit vector `(2,)` from the pose to its obstacles; zero without a clear side.
-        top: height of the tallest obstacle [m].
+        tops: heights of the obstacles [m].
     """
 
     X_WN: Pose
     collisions: tuple[str, ...]
     over: Array = field(default_factory=lambda: np.zeros(2))
-    top: float = 0.0
+    tops: tuple[float, ...] = ()
 
 
 def plan_entry(scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) -> Placement:
@@ -46,13 +48,19 @@ def plan_entry(scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Map
     mean = (offsets / lengths).mean(axis=0)
     length = float(np.linalg.norm(mean))
     over = mean / length if length > ONE_SIDED else np.zeros(2)
-    top = max(2.0 * float(scene.model_of(name).half_extents[2]) for name in collisions)
-    return Placement(X_WN, collisions, over, top)
+    tops = tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in collisions)
+    return Placement(X_WN, collisions, over, tops)
 
 
 def lean_at(placement: Placement, lean: float, bottom: float) -> Array:
     """Wanted x and y `(2,)` of the object's z axis with its lower end at height `bottom` [m]."""
-    if placement.top <= UPRIGHT_BELOW:
+    top = max(placement.tops, default=0.0)
+    if top <= UPRIGHT_BELOW:
         return np.zeros(2)
-    share = np.clip((bottom - UPRIGHT_BELOW) / (placement.top - UPRIGHT_BELOW), 0.0, 1.0)
+    share = np.clip((bottom - UPRIGHT_BELOW) / (top - UPRIGHT_BELOW), 0.0, 1.0)
     return np.asarray(np.sin(lean * share) * placement.over)
+
+
+def may_land(placement: Placement, bottom: float) -> bool:
+    """Whether the object, its lower end at height `bottom` [m], is not yet below all obstacles' tops."""
+    return any(bottom > top - LANDING_MARGIN for top in placement.tops)

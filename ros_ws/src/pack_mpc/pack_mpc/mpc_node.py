@@ -208,9 +208,13 @@ class MpcNode(CellNode):
     def _on_error(self, error: Exception) -> None:
         if not self.context.ok():
             return
-        self.health.count("failed iteration", str(error))
-        level = self.get_logger().warning if isinstance(error, PackError) else self.get_logger().error
-        level(f"iteration failed: {error!r}", throttle_duration_sec=1.0)
+        log = self.get_logger()
+        if isinstance(error, PackError):
+            self.health.count("skipped iteration", str(error))
+            log.warning(f"iteration skipped: {error}", throttle_duration_sec=1.0)
+        else:
+            self.health.count("failed iteration", str(error))
+            log.error(f"iteration failed: {error!r}", throttle_duration_sec=1.0)
 
 
 def main() -> int:

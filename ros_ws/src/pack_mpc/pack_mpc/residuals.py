@@ -27,6 +27,7 @@ class Target:
         axis: x and y `(2,)` of its z axis, zero for upright.
         over: horizontal direction `(2,)` to the obstacles, zero without a clear side.
         collisions: the collision list.
+        may_land: whether the object may come down on top of another one on its way.
     """
 
     p_WN: Array
@@ -34,6 +35,7 @@ class Target:
     axis: Array = field(default_factory=lambda: np.zeros(2))
     over: Array = field(default_factory=lambda: np.zeros(2))
     collisions: tuple[str, ...] = ()
+    may_land: bool = False
 
 
 class Residuals:

@@ -106,7 +106,7 @@ class PackingSession:
             latency: until the plan will be in force, counted from the observation [s].
 
         Returns:
-            The plan; None before the first placement and once the goal has ended.
+            The plan; None once the goal has ended.
         """
         task, time = self.task, seen.joints.time
         X_WN = seen.scene.objects[self.scene.new_object.name].X_WO

@@ -29,12 +29,12 @@ from pack_mpc.weights import Stage
 class SgnConfig(Config):
     """Parameters of SGN; twists are linear [m/s], then angular [rad/s]."""
 
-    timestep: PositiveFloat = Field(default=0.012, description="of the model [s]")
-    horizon: PositiveInt = Field(default=50, description="steps")
+    timestep: PositiveFloat = Field(default=0.015, description="of the model [s]")
+    horizon: PositiveInt = Field(default=40, description="steps")
     knots: PositiveInt = Field(default=3, description="of the spline")
     step_linear: PositiveFloat = Field(default=0.05, description="finite difference [m/s]")
     step_angular: PositiveFloat = Field(default=0.25, description="finite difference [rad/s]")
-    explorers: NonNegativeInt = Field(default=10, description="random splines an iteration")
+    explorers: NonNegativeInt = Field(default=4, description="random splines an iteration")
     spread_linear: PositiveFloat = Field(default=0.12, description="deviation of explorers [m/s]")
     spread_angular: PositiveFloat = Field(default=0.5, description="deviation of explorers [rad/s]")
     dampings: tuple[PositiveFloat, ...] = Field(
@@ -42,6 +42,9 @@ class SgnConfig(Config):
     )
     speed_linear: PositiveFloat = Field(default=0.4, description="largest twist [m/s]")
     speed_down: PositiveFloat = Field(default=0.4, description="largest twist downwards [m/s]")
+    speed_landing: PositiveFloat = Field(
+        default=0.07, description="largest twist downwards where the object may land on another [m/s]"
+    )
     speed_angular: PositiveFloat = Field(default=1.5, description="largest twist [rad/s]")
     effort: NonNegativeFloat = Field(default=0.02, description="cost of squared knots")
     leash: PositiveFloat = Field(default=0.04, description="how far the reference may lead the arm [m]")
@@ -71,7 +74,7 @@ class SgnOptimizer:
         self._steps = np.repeat([[config.step_linear] * 3 + [config.step_angular] * 3], config.knots, axis=0)
         self._spread = np.array([config.spread_linear] * 3 + [config.spread_angular] * 3)
         self._upper = np.array([config.speed_linear] * 3 + [config.speed_angular] * 3)
-        self._lower = -np.array([*[config.speed_linear] * 2, config.speed_down, *[config.speed_angular] * 3])
+        self._lower = -self._upper
         self._theta = np.zeros((config.knots, 6))
         self._setpoints: Setpoints | None = None
 
@@ -80,7 +83,10 @@ class SgnOptimizer:
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
         """One iteration from state `x0`."""
-        servo = Servo(self.plant, x0, self._reference(x0), self._config.leash)
+        config = self._config
+        down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
+        self._lower[2] = -down
+        servo = Servo(self.plant, x0, self._reference(x0), config.leash)
         nominal = self._shifted(x0)
         thetas, signs = self._first_batch(nominal, x0, target)
         first = self._roll_out(servo, x0, cost, thetas)

@@ -9,7 +9,7 @@ from pack_core.config import Config
 from pack_core.rotations import Array, yaw_of
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Scene
-from pack_mpc.entry import Placement, lean_at
+from pack_mpc.entry import Placement, lean_at, may_land
 from pack_mpc.residuals import Target
 from pack_mpc.weights import Stage
 
@@ -18,7 +18,7 @@ class StageConfig(Config):
     """Thresholds of the stage machine."""
 
     clearance: PositiveFloat = Field(
-        default=0.03, description="pre-packing height over the tallest object [m]"
+        default=0.015, description="pre-packing height over the tallest object [m]"
     )
     pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
     insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
@@ -65,12 +65,16 @@ class StageMachine:
         if self.stage is Stage.FINE_TUNE:
             return Target(p_WN, self._yaw)
         half_height = float(self._scene.new_object.half_extents[2])
-        axis = lean_at(self.placement, self._lean, self._height - half_height)
+        bottom = self._height - half_height
+        axis = lean_at(self.placement, self._lean, bottom)
         p_WN[:2] += half_height * axis
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._pre_pack_height()
             return Target(p_WN, self._yaw, axis)
-        return Target(p_WN, self._yaw, axis, self.placement.over, self.placement.collisions)
+        placement = self.placement
+        return Target(
+            p_WN, self._yaw, axis, placement.over, placement.collisions, may_land(placement, bottom)
+        )
 
     def distance(self, p_WN: Array) -> float:
         """Distance [m] from the held object to the packing pose."""

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from pack_core.config import Config
 from pack_core.exit_reason import ExitReason
-from pack_core.rotations import Array, Pose, yaw_of
+from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
 from pack_mpc.entry import Placement, plan_entry
@@ -118,17 +118,14 @@ class PackingTask:
         Returns:
             Whether the stage changed.
         """
-        machine, changed = self.machine, False
-        if machine is not None:
-            changed = machine.update(time, X_WN.p, may_insert=not self.needs_placement)
-            self.distance = machine.distance(X_WN.p)
-            self._has_succeeded |= machine.stage is Stage.FINE_TUNE
-            if machine.is_placed(X_WN.p):
-                self.finish(
-                    ExitReason.PLACED, time, f"within {self._config.stages.placed_distance * 1e3:.0f} mm"
-                )
-            elif machine.is_stalled:
-                changed = self._retreat(machine, time, X_WN)
+        machine = self.machine or self._follow(self._middle(X_WN), time, X_WN)
+        changed = machine.update(time, X_WN.p, may_insert=not self.needs_placement)
+        self.distance = machine.distance(X_WN.p)
+        self._has_succeeded |= machine.stage is Stage.FINE_TUNE
+        if machine.is_placed(X_WN.p):
+            self.finish(ExitReason.PLACED, time, f"within {self._config.stages.placed_distance * 1e3:.0f} mm")
+        elif machine.is_stalled:
+            changed = self._retreat(machine, time, X_WN)
         self.expire(time)
         return changed
 
@@ -152,9 +149,16 @@ class PackingTask:
         self.needs_placement = True
         return True
 
-    def _follow(self, placement: Placement, time: float, X_WN: Pose) -> None:
+    def _middle(self, X_WN: Pose) -> Placement:
+        """The container's middle, to go above while the first placement is being planned."""
+        x, y = self._scene.container.centre
+        half_height = float(self._scene.new_object.half_extents[2])
+        return Placement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))), ())
+
+    def _follow(self, placement: Placement, time: float, X_WN: Pose) -> StageMachine:
         heading = yaw_of(X_WN.q)
         self.machine = StageMachine(self._scene, self._config.stages, placement, time, heading, self._lean)
+        return self.machine
 
     def _where(self) -> str:
         stage = self.machine.stage.value if self.machine else "waiting for a placement"

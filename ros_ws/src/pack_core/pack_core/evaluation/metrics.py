@@ -81,7 +81,7 @@ def goal_force(run: Run) -> tuple[Array, Array]:
 
 def final_distance(run: Run) -> float:
     """Distance [m] from the held object, as it truly is, to its packing pose at the end."""
-    if not run.iterations.times.size:
+    if not run.iterations.placements.any():
         return NAN
     return float(run.truth[run.held].at(np.array([run.end])).distance_to(run.iterations.p_WT[-1])[0])
 
