@@ -3,7 +3,7 @@
 import pytest
 
 from pack_sim import pacing
-from pack_sim.pacing import CATCH_UP, Pacer
+from pack_sim.pacing import BURST, CATCH_UP, Pacer
 
 
 @pytest.fixture
@@ -35,10 +35,20 @@ def test_a_short_delay_is_caught_up_with(clock) -> None:
 
 
 def test_a_long_delay_is_given_up(clock) -> None:
-    pacer = Pacer(1.0)
+    pacer = Pacer(0.1)
     clock[0] += 10.0
     pacer.delay(0.004)
-    assert pacer.delay(2 * CATCH_UP) == pytest.approx(CATCH_UP)
+    assert pacer.delay(0.2 * CATCH_UP) == pytest.approx(CATCH_UP)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 10.0])
+def test_after_a_long_delay_only_a_short_time_is_simulated_in_haste(clock, factor: float) -> None:
+    pacer, block = Pacer(factor), 0.001
+    clock[0] += 10.0
+    blocks = 0
+    while pacer.delay(block) == 0.0:
+        blocks += 1
+    assert blocks * block == pytest.approx(BURST, abs=2 * block)
 
 
 def test_the_achieved_factor_is_measured_between_calls(clock) -> None:

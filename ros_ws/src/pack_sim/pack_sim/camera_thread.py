@@ -1,4 +1,4 @@
-"""Pictures made in a thread of their own, so that drawing never holds up the physics."""
+"""Pictures made in threads of their own, so that drawing never holds up the physics."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from queue import Queue
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -30,10 +31,13 @@ class Camera(Protocol[Snapshot]):
 class CameraThread(Generic[Snapshot]):
     """Takes one picture at a time.
 
+    Pictures are handed out by a second thread, of normal priority: who copies megabytes while all others
+    wait for the interpreter must not itself wait for the processor.
+
     Args:
-        camera: is entered and used in that thread alone.
-        on_picture: takes the time of exposure [s] and the picture, in that thread.
-        on_error: takes what went wrong, in that thread; no more pictures come then.
+        camera: is entered and used in the thread that draws alone.
+        on_picture: takes the time of exposure [s] and the picture, in the second thread.
+        on_error: takes what went wrong, in the thread that draws; no more pictures come then.
     """
 
     def __init__(
@@ -45,43 +49,56 @@ class CameraThread(Generic[Snapshot]):
         self._camera, self._on_picture, self._on_error = camera, on_picture, on_error
         self._wake = threading.Condition()
         self._exposed: tuple[float, Snapshot] | None = None
-        self._is_ended = False
-        self._thread = threading.Thread(target=self._run, name="camera")
-        self._thread.start()
+        self._is_busy = self._is_ended = False
+        self._drawn: Queue[tuple[float, Picture] | None] = Queue()
+        self._threads = (
+            threading.Thread(target=self._draw, name="camera"),
+            threading.Thread(target=self._hand_out, name="pictures"),
+        )
+        for thread in self._threads:
+            thread.start()
 
     def expose(self, time: float, snapshot: Snapshot) -> bool:
         """Have a picture taken; False while the last one is still being made, or when none can be."""
         with self._wake:
-            if self._exposed is not None or self._is_ended:
+            if self._is_busy or self._is_ended:
                 return False
-            self._exposed = (time, snapshot)
+            self._exposed, self._is_busy = (time, snapshot), True
             self._wake.notify()
         return True
 
     def close(self) -> None:
         """Take no more pictures."""
         self._end()
-        self._thread.join()
+        for thread in self._threads:
+            thread.join()
 
     def _end(self) -> None:
         with self._wake:
             self._is_ended = True
             self._wake.notify()
 
-    def _run(self) -> None:
+    def _draw(self) -> None:
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICENESS)
         try:
             with self._camera as camera:
                 while (exposed := self._next()) is not None:
-                    self._on_picture(exposed[0], camera.picture(exposed[1]))
-                    with self._wake:
-                        self._exposed = None
+                    self._drawn.put((exposed[0], camera.picture(exposed[1])))
         except PackError as error:
             self._end()
             self._on_error(str(error))
+        finally:
+            self._drawn.put(None)
+
+    def _hand_out(self) -> None:
+        while (drawn := self._drawn.get()) is not None:
+            self._on_picture(*drawn)
+            with self._wake:
+                self._is_busy = False
 
     def _next(self) -> tuple[float, Snapshot] | None:
         """The next picture to take; None at the end."""
         with self._wake:
             self._wake.wait_for(lambda: self._exposed is not None or self._is_ended)
-            return None if self._is_ended else self._exposed
+            exposed, self._exposed = self._exposed, None
+            return None if self._is_ended else exposed

@@ -6,6 +6,8 @@ import time
 
 CATCH_UP = 0.05
 """Lateness that is given up rather than caught up with [s of wall clock]."""
+BURST = 0.012
+"""Simulated time that is caught up with at once, at most [s]: controllers must keep up with the burst."""
 
 
 class Pacer:
@@ -27,7 +29,8 @@ class Pacer:
         if self._factor <= 0.0:
             return 0.0
         now = time.perf_counter()
-        self._next = max(self._next + simulated / self._factor, now - CATCH_UP)
+        late = min(CATCH_UP, BURST / self._factor)
+        self._next = max(self._next + simulated / self._factor, now - late)
         return max(0.0, self._next - now)
 
     def achieved(self) -> float:

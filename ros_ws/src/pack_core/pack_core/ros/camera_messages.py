@@ -19,9 +19,9 @@ def to_image(time: float, picture: npt.NDArray[np.uint8], frame: str) -> Image:
     height, width, _ = picture.shape
     message = Image(height=height, width=width, encoding="rgb8", step=3 * width)
     message.header.stamp, message.header.frame_id = to_stamp(time), frame
-    message.data = array(
-        "B", picture.tobytes()
-    )  # the only type that rclpy takes without a look at every byte
+    data = array("B")  # the only type that rclpy takes without a look at every byte
+    data.frombytes(np.ascontiguousarray(picture).data.cast("B"))
+    message.data = data
     return message
 
 
