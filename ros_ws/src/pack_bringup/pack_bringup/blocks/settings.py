@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from block_fsm.executor_config import ErrandConfig, ExecutorConfig
@@ -47,7 +48,8 @@ def lockstep_config() -> BlocksLockstepConfig:
     )  # fmt: skip
 
 
-def default_output(budget: float, *, with_execution: bool) -> Path:
+def default_output(what: str, budget: float, *, with_execution: bool) -> Path:
     """Where a benchmark's results are kept when no file is given."""
-    what = "executed" if with_execution else "planned"
-    return bags_path() / "benchmarks" / f"blocks_{what}_{budget:g}s.jsonl"
+    how = "executed" if with_execution else "planned"
+    name = re.sub(r"[^A-Za-z0-9.]+", "_", what)
+    return bags_path() / "benchmarks" / f"blocks_{how}_{name}_{budget:g}s.jsonl"
