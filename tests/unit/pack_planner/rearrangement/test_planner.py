@@ -119,6 +119,15 @@ def test_blocks_that_bar_each_others_grasps_are_pushed_out(make) -> None:
     assert verify(problem, made) == []
 
 
+@pytest.mark.parametrize("seed", [18, 28])
+def test_crowded_blocks_are_rearranged(seed: int) -> None:
+    """Three tenths of the area: some blocks cannot be grasped before they are pushed out by a little."""
+    problem = make_instance(9, 0.3, seed)
+    made = plan(problem, budget_s=60.0, seed=seed, config=SHORT)
+    assert made.status is PlanStatus.FEASIBLE
+    assert verify(problem, made) == []
+
+
 @pytest.mark.parametrize(
     ("fields", "part"), [({"method": "magic"}, "allowed: beam, pirs"), ({"budget_s": 0.0}, "above 0")]
 )

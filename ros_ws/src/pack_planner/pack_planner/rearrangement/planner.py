@@ -66,6 +66,7 @@ def plan(
         return Plan(PlanStatus.INVALID_INPUT, diagnosis=fault, statistics=progress.statistics())
     task = Task.of(problem)
     if task.is_home.all():
+        progress.found(0)
         return Plan(PlanStatus.OPTIMAL, statistics=progress.statistics())
     if certificate := find_certificate(task):
         return Plan(PlanStatus.INFEASIBLE, diagnosis=certificate, statistics=progress.statistics())

@@ -16,7 +16,7 @@ from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.workspace import are_inside
 
 Ints = npt.NDArray[np.int32]
-OUT_LENGTHS = (0.015, 0.03, 0.05, 0.08, 0.115)
+OUT_LENGTHS = (0.006, 0.01, 0.015, 0.022, 0.03, 0.05, 0.08, 0.115)
 """Of pushes away from a start [m]."""
 
 

@@ -111,6 +111,8 @@ def _next_layer(
         keys += rng.uniform(0.0, beam.noise, len(keys))
     hashes = np.concatenate([children.hash[indices] for _, children, indices in pending])
     kept = select(keys, hashes, beam.width, seen)
+    if not len(kept):
+        return None
     layers, first = [], 0
     for states, children, indices in pending:
         own = indices[kept[(kept >= first) & (kept < first + len(indices))] - first]
