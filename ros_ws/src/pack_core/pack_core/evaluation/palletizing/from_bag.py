@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from pack_core import stamps
 from pack_core.errors import BagError
@@ -24,8 +26,10 @@ from pack_core.evaluation.palletizing.tool_track import tool_track
 from pack_core.rotations import Array, Pose
 
 JOINTS, SETPOINTS, TRUTH, GRIPPER = "/joint_states", "/joint_setpoints", "/sim/truth", "/gripper/state"
-STATES, RESULT, CONTACTS = "/fsm/state", "/palletize/result", "/sim/contacts"
-TOPICS = (JOINTS, SETPOINTS, TRUTH, GRIPPER, STATES, RESULT, CONTACTS)
+STATES, RESULT, CONTACTS, MOTION = "/fsm/state", "/palletize/result", "/sim/contacts", "/motion/status"
+TOPICS = (JOINTS, SETPOINTS, TRUTH, GRIPPER, STATES, RESULT, CONTACTS, MOTION)
+NEAR = 0.75
+"""Of the usual time between rows of setpoints: what is farther from all of them was told nothing."""
 
 
 def load_pallet_run(path: Path) -> PalletRun:
@@ -49,13 +53,13 @@ def load_pallet_run(path: Path) -> PalletRun:
     return PalletRun(
         order=result["order"], seed=0, reason=result["reason"],
         boxes=tuple(_box(box) for box in result["boxes"]), visits=visits,
-        tool=_tool(bag, visits[0].time), tracks=_tracks(bag.of(TRUTH)),
+        tool=tool_of(bag, visits[0].time), tracks=_tracks(bag.of(TRUTH)),
         touches=tuple(
             UnwantedTouch(_seconds(item.header.stamp), (item.bodies[0], item.bodies[1]), item.force)
             for item in bag.of(CONTACTS)
         ),
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
-        grip_peaks=_peaks(bag.of(GRIPPER)), is_cut=bag.is_cut,
+        grip_peaks=_peaks(bag.of(GRIPPER)), interruptions=interruptions_of(bag.of(MOTION)), is_cut=bag.is_cut,
     )  # fmt: skip
 
 
@@ -67,8 +71,11 @@ def _box(box: dict[str, Any]) -> BoxRecord:
     )  # fmt: skip
 
 
-def _tool(bag: Bag, start: float) -> ToolTrack:
-    """Measured joints since `start`, and what the newest setpoints want at the same moments."""
+def tool_of(bag: Bag, start: float) -> ToolTrack:
+    """Measured joints since `start`, and what the newest setpoints want at the same moments.
+
+    Moments without setpoints, at which the driver holds the arm, are left out.
+    """
     measured = [item for item in bag.of(JOINTS) if _seconds(item.header.stamp) >= start]
     times = np.array([_seconds(item.header.stamp) for item in measured])
     wanted = {
@@ -76,10 +83,25 @@ def _tool(bag: Bag, start: float) -> ToolTrack:
         for message in bag.of(SETPOINTS)
         for point in message.points
     }
-    rows = sorted(wanted)
+    rows = np.array(sorted(wanted))
     positions = np.array([wanted[time] for time in rows])
     q_ref = np.stack([np.interp(times, rows, column) for column in positions.T], axis=1)
-    return tool_track(times, q_ref, np.array([item.position for item in measured]))
+    are_told = _are_near(times, rows)
+    q = np.array([item.position for item in measured])
+    return tool_track(times[are_told], q_ref[are_told], q[are_told])
+
+
+def _are_near(times: Array, rows: Array) -> npt.NDArray[np.bool_]:
+    """Which of `times` `(n,)` have a row beside them."""
+    after = np.clip(rows.searchsorted(times), 1, len(rows) - 1)
+    distance = np.minimum(np.abs(times - rows[after - 1]), np.abs(times - rows[after]))
+    return np.asarray(distance <= NEAR * np.median(np.diff(rows)))
+
+
+def interruptions_of(messages: Sequence[Any]) -> int:
+    """How often the driver held the arm in a move."""
+    are_held = [message.state == "HELD" for message in messages]
+    return sum(now and not before for before, now in pairwise([False, *are_held]))
 
 
 def _tracks(messages: Sequence[Any]) -> dict[str, BoxTrack]:

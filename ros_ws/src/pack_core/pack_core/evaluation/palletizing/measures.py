@@ -69,6 +69,7 @@ class OrderMeasures:
         shift_mm: by how far each placement moved boxes that stood already, the largest of each.
         drops: boxes that the gripper lost.
         touches: unwanted contacts.
+        interruptions: how often setpoints came too late and the driver held the arm in a move.
         faults: every fault with its reason.
         duration_s: of the run.
     """
@@ -83,6 +84,7 @@ class OrderMeasures:
     shift_mm: tuple[float, ...]
     drops: int
     touches: int
+    interruptions: int
     faults: tuple[str, ...]
     duration_s: float
 
@@ -98,6 +100,7 @@ def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> 
         is_complete=reward == len(boxes), reward=reward, penalty=len(boxes) - reward, boxes=boxes,
         position_mm=_mean_max(position_mm), orientation_deg=_mean_max(angle_deg), goal_mm=_mean_max(at_goals),
         shift_mm=shifts_mm(run), drops=sum(box.outcome == "lost" for box in boxes), touches=len(run.touches),
+        interruptions=run.interruptions,
         faults=tuple(f"{visit.state}: {visit.reason}" for visit in run.visits if visit.reason),
         duration_s=float(run.tool.times[-1] - run.tool.times[0]),
     )  # fmt: skip

@@ -102,6 +102,7 @@ class PalletRun:
         touches: contacts that should not have been.
         cycles: time that each box took, by name [s].
         grip_peaks: worst coaxial force, shear force [N] and moment [N m] of each box's grips, by name.
+        interruptions: how often setpoints came too late and the driver held the arm in a move.
         is_cut: whether the recording ended before the run did.
     """
 
@@ -115,4 +116,5 @@ class PalletRun:
     touches: tuple[UnwantedTouch, ...]
     cycles: Mapping[str, float]
     grip_peaks: Mapping[str, tuple[float, float, float]]
+    interruptions: int = 0
     is_cut: bool = False

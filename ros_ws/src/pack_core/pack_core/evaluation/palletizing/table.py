@@ -23,6 +23,11 @@ def order_rows(m: OrderMeasures) -> tuple[Row, ...]:
         Row("cycle", _mean_max(cycles, "s"), "mean, longest; simulated"),
         Row("drops", str(m.drops), "boxes that the gripper lost"),
         Row("unwanted contacts", str(m.touches), "over 20 N"),
+        Row(
+            "interruptions",
+            str(m.interruptions),
+            "setpoints too late, the driver held the arm: a slow machine",
+        ),
         Row("faults", str(len(m.faults)), "; ".join(m.faults) or "none"),
         Row("duration", f"{m.duration_s:.1f} s", "simulated"),
     )
