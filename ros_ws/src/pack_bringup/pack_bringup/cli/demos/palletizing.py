@@ -45,13 +45,17 @@ def demo(
     from pack_bringup.palletizing.job import PalletizingJob
 
     file = order or config_path("orders", "order_03.json")
-    _check_order(file)
+    _check(file, profile)
     folder = output or default_folder("palletizing", seed, datetime.now())
     job = PalletizingJob(folder, file, seed, profile, real_time_factor, command_line())
     run_live(job, video=video)
 
 
-def _check_order(path: Path) -> None:
+def _check(order: Path, profile: str) -> None:
+    """Refuse what no node needs to be asked about."""
     from pack_core.orders.order_file import load_order
+    from pallet_fsm.profile import profile_of
 
-    load_order(path)
+    load_order(order)
+    if profile:
+        profile_of(profile)
