@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pack_bringup.palletizing.benchmark import plan_order
+from pack_bringup.palletizing.benchmark import OrderJob, plan_order, run_order
 from pack_bringup.palletizing.lockstep import PalletLockstep
 from pack_bringup.palletizing.settings import set_up
 from pack_bringup.palletizing.sight import SightConfig, open_sight
@@ -53,6 +53,15 @@ def test_a_run_repeats_bit_for_bit() -> None:
     first, again = order_03(), order_03(1)
     assert np.array_equal(first.tool.p, again.tool.p)
     assert all(np.array_equal(first.tracks[name].p, again.tracks[name].p) for name in first.tracks)
+
+
+@pytest.mark.timeout(300)
+def test_a_motion_that_breaks_the_arms_limits_is_refused_by_its_driver_and_the_order_says_so() -> None:
+    setup = set_up(profile="blended", motion="table_4_1", preset="rigid", vision=False)
+    line = run_order(setup, OrderJob(config_path("orders", "order_03.json"), 0))
+    assert "the driver refused setpoints: acceleration of joint_a" in line["reason"]
+    assert not line["measures"]["is_complete"]
+    assert line["hold_mm"] is None
 
 
 @pytest.mark.timeout(300)

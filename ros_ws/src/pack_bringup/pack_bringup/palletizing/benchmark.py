@@ -69,7 +69,8 @@ def run_order(setup: Setup, job: OrderJob) -> dict[str, Any]:
     plan = plan_order(order, setup.layout)
     lockstep = PalletLockstep(setup.cell, order, plan, setup.config, job.seed)
     run = lockstep.run()
-    hold_mm = hold_shift_mm(setup.cell, stack(order, run))
+    placed = stack(order, run)
+    hold_mm = hold_shift_mm(setup.cell, placed) if placed else None
     measures = asdict(measure_order(run))
     return {
         "name": job.name, "order": job.path.stem, "seed": job.seed, "reason": run.reason,

@@ -18,6 +18,7 @@ from pack_bringup.palletizing.sight import Sight, SightConfig, open_sight
 from pack_core.box_detection import BoxDetection
 from pack_core.cells.palletizing import PalletizingCell
 from pack_core.config import Config
+from pack_core.errors import MessageError
 from pack_core.evaluation.palletizing.pallet_run import PalletRun
 from pack_core.joint_reference import JointReference
 from pack_core.motion.target import JointSetpoint, MotionStatus
@@ -146,7 +147,14 @@ class PalletLockstep:
         self._log.note(last.q)
         new = self.motion.step(time + period, simulator.joints())
         rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
-        simulator.accept(JointReference(time, np.array([0.0, period]), *rows))
+        self._hand_over(JointReference(time, np.array([0.0, period]), *rows))
         for _ in range(round(period / simulator.config.timestep)):
             simulator.step()
         self._setpoint = new
+
+    def _hand_over(self, reference: JointReference) -> None:
+        """Give the driver its setpoints; an order whose setpoints it refuses is over."""
+        try:
+            self.simulator.accept(reference)
+        except MessageError as error:
+            self.palletizer.halt(f"the driver refused setpoints: {error}")
