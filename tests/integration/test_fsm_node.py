@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 
 import numpy as np
 import pytest
@@ -23,6 +24,8 @@ from pallet_fsm.fsm_node import FsmNode
 from pallet_fsm.tool_poses import LOOKING_DOWN
 
 ORDER = config_path("orders", "order_03.json")
+FAULT_TIME = 0.5
+"""Silence of a node that ends an order [s]."""
 
 
 @pytest.fixture
@@ -30,7 +33,7 @@ def fsm(graph: Graph) -> FsmNode:
     """The machine and the layout; the probe speaks for arm and gripper."""
     graph.probe.listen(contracts.PALLET_STATE, motion_contracts.MOTION_TARGET, contracts.RESULT)
     graph.start(LayoutNode)
-    node = graph.start(FsmNode, watched=["layout"])
+    node = graph.start(FsmNode, watched=["layout"], fault_time=FAULT_TIME)
     graph.connect(motion_contracts.MOTION_STATUS, contracts.GRIPPER_STATE)
     return node
 
@@ -115,8 +118,20 @@ def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(graph: Gra
     first = graph.probe.mail[contracts.PALLET_STATE.name][0]
     assert (first.state, first.box) == ("0 spawn", "00102400-4")
     fsm._on_peer("sim", is_alive=False)
-    graph.wait_until(lambda: graph.probe.mail[contracts.RESULT.name] or tell(graph, 2.0))
+    graph.wait_until(lambda: graph.probe.mail[contracts.RESULT.name])
     assert graph.result_of(handle).message == "node 'sim' is silent"
     report = json.loads(graph.probe.last(contracts.RESULT).data)
     assert report["reason"] == "node 'sim' is silent"
     assert isinstance(graph.probe.last(contracts.RESULT), String)
+
+
+def test_a_node_that_is_soon_heard_again_costs_nothing(graph: Graph, fsm: FsmNode) -> None:
+    handle = accepted(graph, file=str(ORDER))
+    graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
+    fsm._on_peer("vision", is_alive=False)
+    fsm._on_peer("vision", is_alive=True)
+    until = time.monotonic() + 2.0 * FAULT_TIME
+    graph.wait_until(lambda: time.monotonic() > until)
+    assert not graph.probe.mail[contracts.RESULT.name]
+    handle.cancel_goal_async()
+    graph.wait_until(lambda: graph.probe.mail[contracts.RESULT.name] or tell(graph, 2.0))

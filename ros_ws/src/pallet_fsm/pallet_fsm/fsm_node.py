@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -30,14 +31,18 @@ from pallet_fsm.ros.cell_client import CellClient
 from pallet_fsm.ros.observer import Observer
 from pallet_fsm.ros.results import to_feedback, to_result, to_state
 
+CHECK_PERIOD = 0.2
+"""Between two looks at silent peers [s of wall clock]."""
+
 
 class FsmNodeConfig(PalletizerConfig):
     """Parameters of the node `fsm`."""
 
     watched: tuple[str, ...] = Field(
         default=("sim", "vision", "layout", "motion", "recorder"),
-        description="the order stops safely when one of them falls silent",
+        description="the order stops safely when one of them stays silent",
     )
+    fault_time: float = Field(default=2.0, gt=0, description="silence that ends an order [s of wall clock]")
 
 
 class FsmNode(CellNode):
@@ -52,7 +57,7 @@ class FsmNode(CellNode):
         self._done: Future | None = None
         self._is_busy = False
         self._start, self._told = 0.0, 0
-        self._silent: set[str] = set()
+        self._silent: dict[str, float] = {}
         self._observer = Observer(self, self._step)
         self._client = CellClient(self, self._on_spawned, self._on_failure)
         self._state = self.advertise(contracts.PALLET_STATE)
@@ -63,6 +68,7 @@ class FsmNode(CellNode):
             goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
         )  # fmt: skip
         self.watch(self._config.watched, self._on_peer)
+        self.create_timer(CHECK_PERIOD, self._judge_silence, clock=self.wall)
 
     def destroy_node(self) -> None:
         """Stop taking orders, then the node."""
@@ -168,11 +174,17 @@ class FsmNode(CellNode):
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
         if is_alive:
-            self._silent.discard(peer)
-            return
-        self._silent.add(peer)
-        if self._session is not None:
-            self._session.halt(f"node '{peer}' is silent")
+            self._silent.pop(peer, None)
+        else:
+            self._silent.setdefault(peer, time.monotonic())
+
+    def _judge_silence(self) -> None:
+        """End an order whose peers stay silent, also when it is the motion that would keep it going."""
+        patience, now = self._config.fault_time, time.monotonic()
+        lost = [peer for peer, since in self._silent.copy().items() if now - since > patience]
+        if lost and self._session is not None:
+            self._session.halt(f"node '{lost[0]}' is silent")
+            self._step()
 
 
 def read_order(goal: Palletize.Goal) -> Order:
