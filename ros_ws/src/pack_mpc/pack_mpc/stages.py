@@ -9,7 +9,7 @@ from pack_core.config import Config
 from pack_core.rotations import Array, yaw_of
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Scene
-from pack_mpc.entry import Placement, lean_at, may_land
+from pack_mpc.entry import Placement, entry_at, may_land
 from pack_mpc.residuals import Target
 from pack_mpc.weights import Stage
 
@@ -66,8 +66,8 @@ class StageMachine:
             return Target(p_WN, self._yaw)
         half_height = float(self._scene.new_object.half_extents[2])
         bottom = self._height - half_height
-        axis = lean_at(self.placement, self._lean, bottom)
-        p_WN[:2] += half_height * axis
+        axis, aside = entry_at(self.placement, self._lean, bottom)
+        p_WN[:2] += half_height * axis + aside
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._pre_pack_height()
             return Target(p_WN, self._yaw, axis)
