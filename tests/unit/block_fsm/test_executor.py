@@ -176,7 +176,14 @@ def test_a_carried_block_is_no_obstacle_and_a_placed_one_is() -> None:
     assert asked["lift"].carried is not None
     placed = next(item for item in asked["up"].obstacles if item.name == "a")
     assert placed.X_WO.p[:2] == pytest.approx(GOALS["a"].p)
-    assert asked["up"].contacts == {"table", "a"}
+    assert (asked["lift"].contacts, asked["up"].contacts) == ({"table"}, {"a"})
+
+
+def test_a_block_may_touch_what_it_stands_beside_when_it_is_lifted() -> None:
+    start = PlanarPose(0.5, 0.2, 0.0)
+    table = Table({"a": start, "b": start.moved(0.0508 + 0.0004, 0.0), "c": start.moved(-0.06, 0.0)})
+    table.run({"a": GOALS["a"], "b": table.poses["b"], "c": table.poses["c"]})
+    assert moves(table)["lift"].contacts == {"table", "b"}
 
 
 def test_moves_are_checked_with_the_fingers_as_they_stand() -> None:

@@ -16,7 +16,7 @@ from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import ExitReason, Outcome, Tally
 from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, NoPicture, PlanFor, Request
-from block_fsm.surroundings import TABLE, Surroundings
+from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.block_sighting import BlockSighting
 from pack_core.errors import PackError
@@ -241,7 +241,9 @@ class Executor:
     ) -> Asking:
         """Along a path; `moved` goes with the fingers, and `touched` is what they have just left."""
         obstacles = self._surroundings.among(self._seen, without=moved)
-        contacts = frozenset({TABLE, touched} if carried or touched else ())
+        contacts = frozenset({touched}) if touched else frozenset()
+        if carried is not None:
+            contacts = self._surroundings.beside(moved, self._seen)
         status: MotionStatus = yield MoveArm(path, self._opening, obstacles, carried, contacts)
         if status.state is not MotionState.REACHED:
             where = "" if status.state is MotionState.REFUSED else f" in '{status.label}'"

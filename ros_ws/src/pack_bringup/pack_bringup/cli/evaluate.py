@@ -74,16 +74,29 @@ def evaluate(
 
 def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool) -> dict[str, Any]:
     """Report a run and return its measures."""
-    from pack_core.evaluation.evaluate import Evaluation
-    from pack_core.evaluation.video import write_gif, write_still
+    from pack_core.evaluation.video import write_gif
 
     found = run_evaluation(bag, folder, with_video=video or gif)
     show(found)
     if gif and found.video:
         write_gif(found.video, found.video.with_suffix(".gif"))
-    if still and isinstance(found, Evaluation):
-        write_still(found.run, folder / "run.png")
+    if still:
+        _draw(found, folder / "run.png")
     return found.to_json()
+
+
+def _draw(found: Evaluation | PalletEvaluation | BlocksEvaluation, path: Path) -> None:
+    """One large picture; of a pallet there is none but its plots."""
+    from pack_bringup.blocks.evaluation import BlocksEvaluation
+    from pack_bringup.blocks.run_video import write_strip
+    from pack_core.cells.blocks import blocks_cell
+    from pack_core.evaluation.evaluate import Evaluation
+    from pack_core.evaluation.video import write_still
+
+    if isinstance(found, Evaluation):
+        write_still(found.run, path)
+    elif isinstance(found, BlocksEvaluation):
+        write_strip(found.run, blocks_cell(), path)
 
 
 def evaluate_many(recordings: list[Path], folder: Path, pictures: int) -> dict[str, Any]:

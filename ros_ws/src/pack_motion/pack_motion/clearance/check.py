@@ -86,7 +86,7 @@ class ClearanceCheck:
         contacts: frozenset[str],
     ) -> Array:  # fmt: skip
         """Gaps that are needed `(T, k, m)`."""
-        least = np.array([-np.inf if item.name in contacts else SLACK for item in standing])
+        least = np.array([-np.inf if item.name in contacts else 0.0 for item in standing])
         at_start, at_end = (np.maximum(gaps[t] - SLACK, least) for t in (0, -1))
         first, last = _end_lines(plan)
         segment = plan.trajectory.segment[rows]

@@ -1,0 +1,41 @@
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from shapely import Polygon, affinity, box
+
+from block_fsm.surroundings import TOUCHING, Surroundings
+from pack_core.cells.blocks import blocks_cell
+from pack_core.rearrangement.planar import PlanarPose
+
+SIDE = 0.0508
+SURROUNDINGS = Surroundings(blocks_cell(), SIDE)
+yaws = st.floats(-np.pi, np.pi)
+
+
+def square(pose: PlanarPose) -> Polygon:
+    half = SIDE / 2
+    turned = affinity.rotate(box(-half, -half, half, half), pose.yaw, (0, 0), use_radians=True)
+    return affinity.translate(turned, pose.x, pose.y)
+
+
+@settings(deadline=None)
+@given(yaws, yaws, yaws, st.floats(0.045, 0.08))
+def test_blocks_stand_beside_each_other_where_their_outlines_are_near(
+    yaw_a: float, yaw_b: float, direction: float, distance: float
+) -> None:
+    a = PlanarPose(0.6, 0.1, yaw_a)
+    b = PlanarPose(0.6 + distance * np.cos(direction), 0.1 + distance * np.sin(direction), yaw_b)
+    gap = square(a).distance(square(b))
+    if abs(gap - TOUCHING) > 1e-9:
+        assert ("b" in SURROUNDINGS.beside("a", {"a": a, "b": b})) == (gap < TOUCHING)
+
+
+def test_the_table_is_always_beside_a_block() -> None:
+    assert SURROUNDINGS.beside("a", {"a": PlanarPose(0.6, 0.1)}) == {"table"}
+
+
+def test_a_carried_block_is_where_the_tool_takes_it() -> None:
+    block = PlanarPose(0.6, 0.1, 0.3)
+    X_WT = PlanarPose(0.601, 0.1, 1.0).pose(0.03)
+    carried = SURROUNDINGS.carried(X_WT, block)
+    assert np.allclose((X_WT @ carried.X_TB).p, [0.6, 0.1, SIDE / 2])
