@@ -20,6 +20,8 @@ from pack_planner.rearrangement.task import Task
 
 LONGEST = 3
 """Actions a block that a plan may have, and a few more."""
+LATE = 2
+"""Times as many buffer poses in rounds after the widest."""
 PATIENCE = 3
 """Rounds without a plan before the search opens up."""
 
@@ -42,16 +44,18 @@ def plan_by_beam(
     """The shortest plan found, None where there is none in time, and the best lower bound.
 
     Every round demands a plan shorter than the best so far, with a wider beam. Rounds after the widest, and
-    those after a few without any plan, draw new buffer poses, and the latter also let blocks make way that
-    are in nobody's.
+    those after a few without any plan, draw new buffer poses, the former more of them, and the latter also
+    let blocks make way that are in nobody's.
     """
     given, task = task, with_freed_blocks(task)
     best: list[Action] | None = None
     longest = LONGEST * (task.n + 3)
     for number in range(config.rounds):
         is_lost = best is None and number >= PATIENCE
-        if number == 0 or is_lost or number >= len(config.widths):
-            tables = build_tables(task, buffer_pool(task, config.pool, rng))
+        is_late = number >= len(config.widths)
+        if number == 0 or is_lost or is_late:
+            size = config.pool * (LATE if is_late else 1)
+            tables = build_tables(task, buffer_pool(task, size, rng, is_over_goals=is_late))
         width = config.widths[min(number, len(config.widths) - 1)]
         beam = Beam(width, longest, config.breadth, is_lost and number % 2 == 0, config.noise)
         root = root_state(tables, _spots(task))

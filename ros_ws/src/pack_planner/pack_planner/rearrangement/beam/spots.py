@@ -39,12 +39,16 @@ def spot_poses(task: Task, pool: Array) -> Array:
     return poses
 
 
-def buffer_pool(task: Task, size: int, rng: np.random.Generator) -> Array:
+def buffer_pool(task: Task, size: int, rng: np.random.Generator, *, is_over_goals: bool = False) -> Array:
     """Buffer poses `(up to size, 3)`: on the push lines of goals, then spread over the workspace.
 
-    A block that waits on the push line of its goal goes home in one action even where it must be pushed.
+    A block that waits on the push line of its goal goes home in one action even where it must be pushed. It
+    is rarely worth it to wait on a line where it stands on goals as well, `is_over_goals`.
     """
-    lines = _thinned(_on_lines(task), int(LINE_SHARE * size), rng)
+    lines = _on_lines(task)
+    if not is_over_goals:
+        lines = _clear_of_goals(task, lines)
+    lines = _thinned(lines, int(LINE_SHARE * size), rng)
     spread = _lattice(task, size - len(lines), rng)
     return np.vstack([lines, spread])[:size]
 
@@ -56,7 +60,7 @@ def _on_lines(task: Task) -> Array:
     poses = np.empty((*ahead.shape[:-1], 3))
     poses[..., :2] = task.goals[:, None, None, :2] - ahead
     poses[..., 2] = wrapped(task.goals[:, 2], QUARTER)[:, None, None]
-    poses = _clear_of_goals(task, poses.reshape(-1, 3))
+    poses = poses.reshape(-1, 3)
     return np.asarray(poses[are_inside(poses, task.side, task.half_planes)])
 
 
