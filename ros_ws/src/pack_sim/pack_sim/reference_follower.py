@@ -8,7 +8,7 @@ from pack_core.joint_reference import JointReference
 from pack_core.robots.joint_limits import JointLimits
 from pack_core.rotations import Array
 from pack_sim.gentle_stop import Desired, GentleStop
-from pack_sim.reference_check import check_limits
+from pack_sim.reference_check import ReferenceCheck
 from pack_sim.rejoining import Rejoining
 
 
@@ -24,7 +24,7 @@ class ReferenceFollower:
     """
 
     def __init__(self, limits: JointLimits, watchdog: float, deceleration: float) -> None:
-        self._limits = limits
+        self._limits, self._check = limits, ReferenceCheck(limits)
         self._watchdog = watchdog
         self._deceleration = deceleration
         self._newest: JointReference | None = None
@@ -42,7 +42,7 @@ class ReferenceFollower:
             MessageError: wrong size, not finite, out of order, or beyond a joint's limits; or it does not
                 begin where the arm was held.
         """
-        check_limits(reference, self._limits)
+        self._check.check(reference)
         if self._rejoining is not None and self._last is not None:
             self._rejoining.check(reference, *self._last)
         self._newest, self._received = reference, time
