@@ -66,3 +66,11 @@ class Outcome:
     def success(self) -> bool:
         """All blocks are where they were to be."""
         return self.exit_reason is ExitReason.ARRANGED
+
+
+class Ended(Exception):
+    """Raised where a rearrangement cannot go on; the message says what stood against it."""
+
+    def __init__(self, reason: ExitReason, message: str) -> None:
+        super().__init__(message)
+        self.reason = reason

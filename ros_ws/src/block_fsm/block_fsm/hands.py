@@ -1,0 +1,158 @@
+"""Looks, and picks, places and pushes: one request after the other, each with what it is checked against.
+
+Every method is a part of the executor's conversation: it yields requests and is sent their answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Any
+
+from block_fsm.deviation import Poses
+from block_fsm.executor_config import ExecutorConfig
+from block_fsm.motions import Motions
+from block_fsm.outcome import Ended, ExitReason
+from block_fsm.phase import Phase
+from block_fsm.requests import Look, MoveArm, MoveJaw, NoPicture, Request
+from block_fsm.surroundings import Surroundings
+from block_fsm.task import RearrangeTask
+from pack_core.block_sighting import BlockSighting
+from pack_core.jaw import JawCommand, JawState, JawStatus
+from pack_core.motion.moves import Path
+from pack_core.motion.target import MotionState, MotionStatus
+from pack_core.motion.world import CarriedBox
+from pack_core.rearrangement.plan import Action, PickPlace, Push
+from pack_core.rearrangement.planar import PlanarPose
+from pack_core.rotations import Pose
+
+Asking = Generator[Request, Any, None]
+
+
+class Hands:
+    """The arm with its gripper, and the camera over it.
+
+    Args:
+        task: sizes of blocks and gripper.
+        config: patience.
+        motions: makes the arm's paths.
+        surroundings: makes what they are checked against.
+        force: that blocks are held with [N].
+
+    Attributes:
+        phase: what is being done.
+        seen: where the blocks are, as last seen, or as they were left since.
+        failed_grasps: that held nothing, or lost it.
+    """
+
+    def __init__(
+        self,
+        task: RearrangeTask,
+        config: ExecutorConfig,
+        motions: Motions,
+        surroundings: Surroundings,
+        force: float,
+    ) -> None:
+        self._config, self._motions, self._surroundings = config, motions, surroundings
+        self._gripper, self._side, self._force = task.gripper, task.side, force
+        self._opening = task.gripper.max_opening
+        self._failed_in_a_row = 0
+        self.phase = Phase.IDLE
+        self.seen: Poses = {}
+        self.failed_grasps = 0
+
+    def clear_view(self) -> Asking:
+        """Go where the camera sees past the arm."""
+        yield from self._move(self._motions.look())
+
+    def look(self) -> Asking:
+        """Have a picture taken in which all blocks are seen.
+
+        Raises:
+            Ended: there was none.
+        """
+        self.phase, reason = Phase.PERCEIVE, ""
+        for _ in range(self._config.looks):
+            sighting: BlockSighting | NoPicture = yield Look()
+            if isinstance(sighting, NoPicture):
+                reason = sighting.reason
+                continue
+            self.seen, reason = sighting.poses, _unclear(sighting)
+            if sighting.is_complete:
+                return
+        raise Ended(ExitReason.NOT_SEEN, reason)
+
+    def carry_out(self, action: Action) -> Asking:
+        """Do what an action says; the arm is out of sight afterwards.
+
+        Raises:
+            Ended: a move failed, or too many grasps did.
+        """
+        yield from self._pick_and_place(action) if isinstance(action, PickPlace) else self._push(action)
+
+    def _pick_and_place(self, action: PickPlace) -> Asking:
+        grip, release = self._motions.grasps(action)
+        wide = self._gripper.grasp_opening(self._side)
+        self.phase = Phase.PICK
+        yield from self._jaw(wide)
+        yield from self._move(self._motions.approach(grip))
+        if not (yield from self._hold()):
+            yield from self._let_go(grip, wide, action.block, action.start)
+            return
+        self.phase = Phase.PLACE
+        carried = self._surroundings.carried(grip, action.start)
+        yield from self._move(self._motions.carry(grip, release), action.block, carried)
+        if (yield from self._hold()):
+            self._failed_in_a_row = 0
+        yield from self._let_go(release, wide, action.block, action.end)
+
+    def _let_go(self, X_WT: Pose, opening: float, block: str, pose: PlanarPose) -> Asking:
+        self.phase = Phase.RETREAT
+        yield from self._jaw(opening)
+        self.seen = {**self.seen, block: pose}
+        yield from self._move(self._motions.retreat(X_WT), touched=block)
+
+    def _push(self, action: Push) -> Asking:
+        start, end = self._motions.pushes(action)
+        self.phase = Phase.PUSH
+        yield from self._jaw(self._gripper.push_gap)
+        yield from self._move(self._motions.approach(start))
+        carried = self._surroundings.carried(end, action.end)
+        yield from self._move(self._motions.push(end), action.block, carried)
+        self.phase = Phase.RETREAT
+        self.seen = {**self.seen, action.block: action.end}
+        yield from self._move(self._motions.back_off(start, end), touched=action.block)
+
+    def _hold(self) -> Generator[Request, Any, bool]:
+        """Close the fingers; False where they hold nothing."""
+        state = yield from self._jaw(self._side - self._config.grasp_squeeze)
+        if state.status is JawStatus.HOLDING:
+            return True
+        self._failed_in_a_row += 1
+        self.failed_grasps += 1
+        if self._failed_in_a_row >= self._config.grasps:
+            raise Ended(ExitReason.NO_PROGRESS, f"{self._failed_in_a_row} grasps in a row held nothing")
+        return False
+
+    def _move(
+        self, path: Path, moved: str = "", carried: CarriedBox | None = None, *, touched: str = ""
+    ) -> Asking:
+        """Along a path; `moved` goes with the fingers, and `touched` is what they have just left."""
+        obstacles = self._surroundings.among(self.seen, without=moved)
+        contacts = frozenset({touched}) if touched else frozenset()
+        if carried is not None:
+            contacts = self._surroundings.beside(moved, self.seen)
+        status: MotionStatus = yield MoveArm(path, self._opening, obstacles, carried, contacts)
+        if status.state is not MotionState.REACHED:
+            where = "" if status.state is MotionState.REFUSED else f" in '{status.label}'"
+            raise Ended(ExitReason.MOTION_FAILED, f"{status.state.value}{where}: {status.reason}")
+
+    def _jaw(self, opening: float) -> Generator[Request, Any, JawState]:
+        state: JawState = yield MoveJaw(JawCommand(opening, self._force))
+        self._opening = state.opening
+        return state
+
+
+def _unclear(sighting: BlockSighting) -> str:
+    """What a picture lacks, in words."""
+    lacks = (("not seen", sighting.missing), ("seen more than once", sighting.doubled))
+    return "; ".join(f"{what}: {', '.join(names)}" for what, names in lacks if names)
