@@ -36,6 +36,17 @@ def test_the_base_is_not_reached_outside_the_container(machine: StageMachine) ->
     assert machine.stage is Stage.INSERT
 
 
+def test_an_object_that_comes_down_beside_the_container_has_no_way_in(
+    machine: StageMachine, scene: Scene
+) -> None:
+    machine.update(1.0, machine.target.p_WN)
+    beside = PLACE + np.array([0.3, 0.0, scene.container.height])
+    machine.update(1.1, beside + np.array([0.0, 0.0, 0.01]))
+    assert not machine.is_stalled
+    machine.update(1.2, beside - np.array([0.0, 0.0, 0.01]))
+    assert machine.is_stalled
+
+
 def test_insert_without_progress_stalls(machine: StageMachine) -> None:
     machine.update(1.0, machine.target.p_WN)
     stuck = PLACE + np.array([0.0, 0.0, 0.11])

@@ -104,6 +104,7 @@ class StageMachine:
             if self._is_on_base(p_WN):
                 self._enter(Stage.FINE_TUNE, time)
             self._watch_progress(time, float(p_WN[2]))
+            self.is_stalled |= self._is_outside(p_WN)
         else:
             self._watch_progress(time, self.distance(p_WN))
         return self.stage is not before
@@ -114,9 +115,16 @@ class StageMachine:
 
     def _is_on_base(self, p_WN: Array) -> bool:
         height = float(p_WN[2]) - float(self.placement.X_WN.p[2])
+        return self._is_between_walls(p_WN) and height < self._config.insert_height
+
+    def _is_outside(self, p_WN: Array) -> bool:
+        """It has come down beside the container: there is no way in from there."""
+        bottom = float(p_WN[2]) - float(self._scene.new_object.half_extents[2])
+        return bottom < self._scene.container.height and not self._is_between_walls(p_WN)
+
+    def _is_between_walls(self, p_WN: Array) -> bool:
         container = self._scene.container
-        inside = np.all(p_WN[:2] > container.lower) and np.all(p_WN[:2] < container.upper)
-        return bool(inside) and height < self._config.insert_height
+        return bool(np.all(p_WN[:2] > container.lower) and np.all(p_WN[:2] < container.upper))
 
     def _watch_progress(self, time: float, remaining: float) -> None:
         """Follow what has to shrink: the height in INSERT, the distance in FINE-TUNE [m]."""

@@ -26,6 +26,10 @@ class GovernorConfig(Config):
     tare_time: PositiveFloat = Field(
         default=0.5, description="in which free motion shows the sensor's bias [s]"
     )
+    bias: PositiveFloat = Field(default=3.0, description="largest bias that the sensor can have [N]")
+    draw_back: PositiveFloat = Field(
+        default=0.03, description="way back from a contact that must have ended it [m]"
+    )
     latch: NonNegativeFloat = Field(default=0.15, description="for which contact is remembered [s]")
     filter_time: PositiveFloat = Field(default=0.005, description="of the measured force [s]")
     force: PositiveFloat = Field(default=20.0, description="sideways, and down [N]")
@@ -52,6 +56,7 @@ class ContactGovernor:
         self._force = np.zeros(3)
         self._bias = np.zeros(3)
         self._touched = -np.inf
+        self._drawn_back = 0.0
 
     def feel(self, time: float, force: Array, *, is_holding: bool) -> bool:
         """Take the external force on the held object `(3,)` [N], in the world frame.
@@ -71,11 +76,26 @@ class ContactGovernor:
             self._touched = time
         is_free = time - self._touched > self._config.latch
         if is_free:
+            self._drawn_back = 0.0
             self._tare(force, self._config.tare_time)
         return not is_free
 
+    def move(self, velocity: Array) -> None:
+        """Follow the cup, at a velocity `(3,)` [m/s]: what pushes it however far it yields is a bias."""
+        if self._strength <= self._config.trigger:
+            return
+        self._drawn_back = max(0.0, self._drawn_back + self._timestep * float(self._away @ velocity))
+        if self._drawn_back > self._config.draw_back:
+            self._bias = self._limited(self._bias + self._force)
+            self._force, self._touched, self._drawn_back = np.zeros(3), -np.inf, 0.0
+
     def _tare(self, force: Array, tare_time: float) -> None:
-        self._bias = self._bias + self._timestep / (tare_time + self._timestep) * (force - self._bias)
+        gain = self._timestep / (tare_time + self._timestep)
+        self._bias = self._limited(self._bias + gain * (force - self._bias))
+
+    def _limited(self, bias: Array) -> Array:
+        """A contact that grows slowly must not pass for a bias."""
+        return bias * min(1.0, self._config.bias / max(float(np.linalg.norm(bias)), 1e-9))
 
     def slow_down(self, v_d: Array, J: Array) -> Array:
         """The desired joint velocity `(7,)`, slower into the contact; J is the cup's `(6, 7)`."""
