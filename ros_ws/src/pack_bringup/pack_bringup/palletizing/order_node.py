@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,9 @@ from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.params import read_parameters
+
+PATIENCE = 3.0
+"""For nodes to be found before one says that they are not there [s of wall clock]."""
 
 
 class OrderConfig(Config):
@@ -35,10 +39,24 @@ class OrderNode(GoalClient):
         self.goal = Palletize.Goal(file=str(Path(config.file).resolve()), profile=config.profile)
 
 
+class Patience:
+    """Says once what is waited for, when it takes long."""
+
+    def __init__(self) -> None:
+        self._since: float | None = time.monotonic()
+
+    def __call__(self, node: GoalClient) -> None:
+        """Look whether the cell is complete."""
+        if self._since is None or not node.missing or time.monotonic() < self._since + PATIENCE:
+            return
+        self._since = None
+        sys.stderr.write(f"waiting for {', '.join(node.missing)}: `pack up palletizing` starts the cell\n")
+
+
 def main() -> int:
     """Send one order to the cell that is running; 0 if its pallet is complete."""
     try:
-        result = follow_goal(OrderNode, lambda node: None)
+        result = follow_goal(OrderNode, Patience())
     except PackError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2
