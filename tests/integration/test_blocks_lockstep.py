@@ -6,7 +6,10 @@ from pack_bringup.blocks.execution import Execution, execute
 from pack_bringup.blocks.planning import CountedPlannerConfig
 from pack_bringup.blocks.settings import lockstep_config
 from pack_core.cells.blocks import blocks_cell
+from pack_core.errors import MessageError
+from pack_core.joint_reference import JointReference
 from pack_planner.rearrangement.instances import make_instance
+from pack_sim.blocks.simulator import BlocksSimulator
 
 
 def run(seed: int) -> Execution:
@@ -21,3 +24,14 @@ def test_two_blocks_are_put_side_by_side_and_a_run_repeats_bit_for_bit() -> None
     assert first.is_ok, first
     assert first.error_mm < 0.5
     assert run(0) == first
+
+
+def test_a_run_whose_setpoints_the_driver_refuses_ends_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_: BlocksSimulator, reference: JointReference) -> None:
+        raise MessageError("velocity of elbow_joint is 9.000 rad/s")
+
+    monkeypatch.setattr(BlocksSimulator, "accept", refuse)
+    done = run(0)
+    assert done.exit_reason == "motion failed"
+    assert done.message == "the driver refused setpoints: velocity of elbow_joint is 9.000 rad/s"
+    assert not done.is_ok

@@ -14,12 +14,13 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
-from block_fsm.outcome import Outcome
+from block_fsm.outcome import ExitReason, Outcome
 from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, PlanFor, Request
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.cells.blocks import BlocksCell
 from pack_core.config import Config
+from pack_core.errors import MessageError
 from pack_core.jaw import JawState, JawStatus
 from pack_core.joint_reference import JointReference
 from pack_core.motion.target import JointSetpoint, MotionState, MotionStatus
@@ -133,7 +134,14 @@ class BlocksLockstep:
             last, time = self._setpoint, simulator.time
             new = self.motion.step(time + period, simulator.joints())
             rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
-            simulator.accept(JointReference(time, np.array([0.0, period]), *rows))
+            self._hand_over(JointReference(time, np.array([0.0, period]), *rows))
             for _ in range(round(period / simulator.config.timestep)):
                 simulator.step()
             self._setpoint = new
+
+    def _hand_over(self, reference: JointReference) -> None:
+        """Give the driver its setpoints; a rearrangement whose setpoints it refuses is over."""
+        try:
+            self.simulator.accept(reference)
+        except MessageError as error:
+            self.executor.cancel(ExitReason.MOTION_FAILED, f"the driver refused setpoints: {error}")
