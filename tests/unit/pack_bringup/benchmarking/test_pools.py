@@ -1,5 +1,7 @@
 import math
 import os
+import select
+import subprocess
 import sys
 from pathlib import Path
 
@@ -11,6 +13,19 @@ from pack_core.scene.scene_file import load_scene
 
 MISSING = Path("no_such_scene.yaml")
 """`load_scene` of it raises ConfigError."""
+ENDLESS = """
+import os, sys, time
+from pathlib import Path
+from pack_bringup.benchmarking.pools import LocalPool
+
+def work(pipe):
+    Path(pipe).write_text(str(os.getpid()))
+    time.sleep(3600)
+
+if __name__ == "__main__":
+    list(LocalPool(1).run(work, sys.argv[1:]))
+"""
+"""Says the number of the process that a job runs in."""
 
 
 def test_every_job_comes_back_once_whatever_the_order() -> None:
@@ -34,6 +49,17 @@ def test_an_error_of_a_job_is_raised_here_with_its_words() -> None:
 def test_the_death_of_a_process_is_an_error_not_a_wait() -> None:
     with pytest.raises(PackError, match="process died"):
         list(LocalPool(1).run(os._exit, [1]))
+
+
+def test_processes_end_when_the_one_that_started_them_is_killed(tmp_path: Path) -> None:
+    script, pipe = tmp_path / "script.py", tmp_path / "pipe"
+    script.write_text(ENDLESS)
+    os.mkfifo(pipe)
+    with subprocess.Popen([sys.executable, str(script), str(pipe)]) as parent:
+        worker = os.pidfd_open(int(pipe.read_text()))
+        parent.kill()
+    ended, _, _ = select.select([worker], [], [], 30.0)
+    assert ended
 
 
 def test_ray_that_is_not_installed_is_an_error_that_says_how_to_install_it(

@@ -8,6 +8,7 @@ import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
+from threading import Thread
 from typing import Protocol, TypeVar
 
 from pack_core.errors import PackError
@@ -67,7 +68,7 @@ class LocalPool:
             PackError: of a job, or when a process died.
         """
         context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(self._jobs, context, _leave_ctrl_c_to_the_parent) as executor:
+        with ProcessPoolExecutor(self._jobs, context, _follow_the_parent) as executor:
             futures = [executor.submit(work, job) for job in jobs]
             try:
                 for future in as_completed(futures):
@@ -80,8 +81,16 @@ class LocalPool:
                     process.terminate()
 
 
-def _leave_ctrl_c_to_the_parent() -> None:
+def _follow_the_parent() -> None:
+    """Leave Ctrl-C to the parent, and end when it ends, however that happens."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_the_parent, daemon=True).start()
+
+
+def _end_with_the_parent() -> None:
+    if parent := multiprocessing.parent_process():
+        parent.join()
+        os._exit(1)
 
 
 @contextmanager
