@@ -1,0 +1,113 @@
+"""A simulator's node: physics in a thread of its own at a given pace; the executor only takes commands."""
+
+from __future__ import annotations
+
+import threading
+import time
+from abc import abstractmethod
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from pydantic import Field
+from rclpy.callback_groups import ReentrantCallbackGroup
+from std_msgs.msg import Float64
+from trajectory_msgs.msg import JointTrajectory
+
+from pack_core.config import Config
+from pack_core.errors import MessageError
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.contract import Contract
+from pack_sim.pacing import Pacer
+
+Service = Callable[[Any, Any], Any]
+
+
+class Pacing(Config):
+    """How fast simulated time runs."""
+
+    real_time_factor: float = Field(
+        default=1.0, ge=0, le=100, description="1: real time, 0: as fast as it can"
+    )
+
+
+class PhysicsNode(CellNode):
+    """The node `sim` of a cell; a subclass builds its simulator and then calls `start`."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("sim", **kwargs)
+        self.lock = threading.Lock()
+        self._stopped, self._is_abandoned = threading.Event(), False
+        self._factor = self.advertise(shared.REAL_TIME_FACTOR)
+        self._thread: threading.Thread | None = None
+
+    @abstractmethod
+    def advance(self) -> float:
+        """Advance by a block of steps and publish it, under the lock; how long it was [s]."""
+
+    @abstractmethod
+    def accept(self, message: JointTrajectory) -> None:
+        """Hand setpoints to the driver; raises MessageError when they are refused."""
+
+    @abstractmethod
+    def drop(self) -> None:
+        """Let the driver forget its setpoints and hold the arm, under the lock."""
+
+    def start(
+        self, setpoints: Contract, sender: str, services: Iterable[tuple[Contract, Service]], factor: float
+    ) -> None:
+        """Take commands and let time run.
+
+        Args:
+            setpoints: of the arm.
+            sender: the node that sends them; when it falls silent the arm is held.
+            services: what is served, and by whom.
+            factor: simulated seconds a second of wall clock, 0 for as fast as it can.
+        """
+        self.listen(setpoints, self._on_setpoints)
+        group = ReentrantCallbackGroup()
+        for contract, serve in services:
+            self.create_service(contract.type, contract.name, serve, callback_group=group)
+        self.watch((sender,), self._on_sender)
+        self._thread = threading.Thread(target=self._run_until_shutdown, args=(factor,), name="physics")
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop the physics."""
+        self._stopped.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def destroy_node(self) -> None:
+        """Stop the physics, then the node."""
+        self.stop()
+        super().destroy_node()
+
+    def _run_until_shutdown(self, factor: float) -> None:
+        try:
+            self._run(factor)
+        except Exception:
+            if self.context.ok():
+                raise
+
+    def _run(self, factor: float) -> None:
+        pacer, reported = Pacer(factor), time.monotonic()
+        while not self._stopped.is_set():
+            with self.lock:
+                simulated = self.advance()
+            delay = pacer.delay(simulated)
+            self._stopped.wait(delay) if delay > 0 else time.sleep(0)
+            if time.monotonic() - reported > 1.0:
+                reported = time.monotonic()
+                self._factor.publish(Float64(data=pacer.achieved()))
+
+    def _on_setpoints(self, message: JointTrajectory) -> None:
+        if self._is_abandoned:
+            raise MessageError("their sender has fallen silent since; the arm holds")
+        self.accept(message)
+
+    def _on_sender(self, _: str, is_alive: bool) -> None:
+        self._is_abandoned = not is_alive
+        if self._is_abandoned:
+            with self.lock:
+                self.drop()
