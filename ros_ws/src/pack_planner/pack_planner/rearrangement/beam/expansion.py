@@ -14,6 +14,7 @@ from numba import njit
 from pack_planner.rearrangement.assembly import NEVER
 from pack_planner.rearrangement.beam.bits import bit
 from pack_planner.rearrangement.beam.buffering import Options, buffer_options, pushed_out_options
+from pack_planner.rearrangement.beam.deadlock import is_deadlocked
 from pack_planner.rearrangement.beam.estimates import (
     NOWHERE,
     Summary,
@@ -67,6 +68,7 @@ def expand(
     for row in range(rows):
         occupied, spots = states.occupied[row].copy(), states.spot[row]
         now = summarize(occupied, spots, tables)
+        _note_grasps(occupied, spots, tables, can_pick)
         blocking = np.zeros_like(occupied)
         count = _go_home(states, row, occupied, now, can_pick, must_go, blocking, tables, limit, out, count)
         if now.bound > limit:
@@ -82,8 +84,22 @@ def expand(
                 clear(occupied, spot)
                 found = pushed_out_options(i, occupied, tables, options)
                 occupy(occupied, spot)
-            count = _make_way(states, row, i, now, options, found, tables, limit, out, count)
+            count = _make_way(
+                states, row, i, occupied, now, can_pick, options, found, tables, limit, out, count
+            )
     return first_children(out, count)
+
+
+@njit(cache=True, inline="always")
+def _note_grasps(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables, can_pick: Flags) -> None:
+    """By which grasps the blocks that are not home can be picked."""
+    for i in range(spots.shape[0]):
+        spot = spots[i]
+        if spot != GOAL + i:
+            clear(occupied, spot)
+            for k in range(2):
+                can_pick[i, k] = is_free(tables.pick[spot, k], occupied)
+            occupy(occupied, spot)
 
 
 @njit(cache=True, inline="always")
@@ -93,18 +109,19 @@ def _go_home(
 ) -> int:  # fmt: skip
     """Append children in which a block goes home; the new number of children.
 
-    Notes which grasps find room, which blocks must leave their starts without going home, and who stands in
-    the way of those that cannot go home, or not without a push.
+    Notes which blocks must leave their starts without going home, and who stands in the way of those that
+    cannot go home, or not without a push. What would leave blocks that can never move is no child.
     """
+    spots = states.spot[row]
     for i in range(must_go.shape[0]):
-        spot = states.spot[row, i]
+        spot = spots[i]
         if spot == GOAL + i:
             continue
         clear(occupied, spot)
-        for k in range(2):
-            can_pick[i, k] = is_free(tables.pick[spot, k], occupied)
         stage, pair = way_home(i, spot, can_pick, occupied, tables)
         bound, detours = after_going_home(i, now, states.cycles[row], tables)
+        if pair >= 0 and is_deadlocked(i, GOAL + i, now.left, occupied, spots, can_pick, tables):
+            bound = NEVER
         is_going = pair >= 0 and bound < now.bound
         if pair >= 0 and bound < NEVER and bound + 1 + (stage != NO_STAGE) <= limit:
             append(out, count, states, tables, row, i, GOAL + i, stage, pair)
@@ -121,17 +138,17 @@ def _go_home(
 
 @njit(cache=True, inline="always")
 def _make_way(
-    states: States, row: int, i: int, now: Summary, options: Options, found: int, tables: Tables, limit: int,
-    out: Children, count: int,
+    states: States, row: int, i: int, occupied: Words, now: Summary, can_pick: Flags, options: Options,
+    found: int, tables: Tables, limit: int, out: Children, count: int,
 ) -> int:  # fmt: skip
     """Append a child for every pose that was found for a block to wait at; the new number of children."""
-    cycles_elsewhere = cycles_with(i, NOWHERE, now, tables)
+    cycles_elsewhere, spots = cycles_with(i, NOWHERE, now, tables), states.spot[row]
     for option in range(found):
         end, cycles = options.spot[option], cycles_elsewhere
         if tables.crowds[end, 0] & now.left & ~bit(i):
             cycles = cycles_with(i, end, now, tables)
         bound, detours = after_making_way(i, end, now, cycles, tables)
-        if bound + 1 <= limit:
+        if bound + 1 <= limit and not is_deadlocked(i, end, now.left, occupied, spots, can_pick, tables):
             append(out, count, states, tables, row, i, end, NO_STAGE, options.grasps[option])
             estimate(out, count, bound, cycles, detours)
             count += 1
