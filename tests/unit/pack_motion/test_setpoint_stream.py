@@ -7,10 +7,12 @@ import pytest
 
 from pack_core.motion.moves import Line, Path, PoseMove
 from pack_core.motion.target import MotionState, MotionTarget
-from pack_core.rotations import Array
+from pack_core.motion.world import Obstacle
+from pack_core.rotations import Array, Pose
 from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
 from pack_motion.controller import MotionController
+from pack_motion.interruption import RISES, rising
 from pack_motion.setpoint_stream import REST_SPEED, SetpointStream
 from pack_motion.tracking.config import motion_set
 from unit.pack_motion.loop import pose
@@ -142,3 +144,44 @@ def test_an_arm_that_is_moved_by_force_is_followed_and_moves_nowhere_by_itself(
         driver.tick()
     np.testing.assert_allclose(driver.q, elsewhere, atol=1e-6)
     assert stream.controller.status().state is MotionState.IDLE
+
+
+def interrupted(driver: Driver, move: Path, label: str) -> MotionTarget:
+    """What is left of a move whose setpoints are lost at speed in a part of it; the wrist stops askew."""
+    driver.stream.controller.command(MotionTarget(5, move))
+    while driver.stream.controller.status().label != label or np.abs(driver.v).max() < 0.1:
+        driver.tick()
+    driver.until(MotionState.HELD, deaf=True)
+    driver.q = driver.q + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.01])
+    while driver.stream.left is None:
+        driver.tick()
+    return driver.stream.left
+
+
+def test_an_arm_that_came_to_rest_too_low_rises_before_it_goes_on(arm: Arm, stream: SetpointStream) -> None:
+    """A box as high as the tool stands in the straight way of the joints to a goal on the same level."""
+    low = pose(-1.9, 2.75, 0.95)
+    driver, controller = Driver(stream, 1.0, arm.home), stream.controller
+    box = Obstacle("box", Pose(np.array([-2.2, 2.63, 0.85])), np.array([0.3, 0.3, 0.3]))
+    target = MotionTarget(5, Path((PoseMove(LAST, label="there"),)), obstacles=(box,))
+    ways = rising(target, low)
+    assert [way.move.segments[0].X_WT.p[2] - low.p[2] for way in ways] == pytest.approx(RISES)
+    assert all(way.move.segments[1:] == target.move.segments for way in ways)
+    assert controller.command(MotionTarget(4, Path((PoseMove(low),)))).is_accepted
+    driver.until(MotionState.REACHED)
+    assert controller.prepare(target).plan is None
+    assert any(controller.prepare(way).plan is not None for way in ways)
+
+
+def test_a_rounded_corner_that_was_interrupted_is_no_reason_to_refuse(
+    arm: Arm, stream: SetpointStream
+) -> None:
+    aside = pose(-2.4, 2.4, 0.9)
+    move = Path(
+        (PoseMove(GOAL), Line(LAST, entry_speed=0.25, exit_speed=0.2, blend=0.02, label="down"), Line(aside))
+    )
+    driver, controller = Driver(stream, 1.0, arm.home), stream.controller
+    left = interrupted(driver, move, "down")
+    assert controller.take(controller.prepare(left)).is_accepted
+    driver.until(MotionState.REACHED)
+    assert np.linalg.norm(arm.chain.forward(driver.q).p - aside.p) < 1e-4

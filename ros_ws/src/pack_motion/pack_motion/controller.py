@@ -14,7 +14,7 @@ from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array
 from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
-from pack_motion.interruption import left_of, standing_plan
+from pack_motion.interruption import left_of, rising, standing_plan
 from pack_motion.progress import Progress
 from pack_motion.reference.path_planner import Plan
 from pack_motion.reference.refusal import MoveRefused
@@ -62,6 +62,7 @@ class MotionController:
         self._mode = Mode.FAST
         self._is_held = False
         self._left: MotionTarget | None = None
+        self._resumed: MotionTarget | None = None
         self._pursuit: Pursuit
         self._tracker = Tracker(self._arm, self._config, np.array(q, dtype=float))
         self._progress, self._stuck = Progress(self._arm), StuckDetector(self._config.stuck)
@@ -105,10 +106,16 @@ class MotionController:
 
     def prepare(self, target: MotionTarget) -> PreparedTarget:
         """Plan a target from the present commanded state; changes nothing, and may take its time."""
-        try:
-            return PreparedTarget(target, self._planner.plan(self.commanded, target), "")
-        except MoveRefused as refusal:
-            return PreparedTarget(target, None, str(refusal))
+        ways: tuple[MotionTarget, ...] = (target,)
+        if target is self._resumed:
+            ways += rising(target, self._arm.chain.forward(self.commanded.q))
+        refusals = []
+        for way in ways:
+            try:
+                return PreparedTarget(target, self._planner.plan(self.commanded, way), "")
+            except MoveRefused as refusal:
+                refusals.append(str(refusal))
+        return PreparedTarget(target, None, refusals[0])
 
     def take(self, prepared: PreparedTarget) -> Acceptance:
         """Follow a prepared target from the next step on; no step may have moved the arm since."""
@@ -158,6 +165,7 @@ class MotionController:
         self._tracker, self._progress = Tracker(self._arm, self._config, q), Progress(self._arm)
         self._pursuit = pursuit_of(plan, self._arm, self._config)
         left, self._left = self._left, None
+        self._resumed = left
         if left is None and self._state is MotionState.HELD:
             self._state, self._reason = MotionState.IDLE, ""
         return left
