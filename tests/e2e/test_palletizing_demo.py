@@ -5,17 +5,29 @@ import pytest
 
 from e2e.test_pack_demo import output_of, pack
 from pack_core.evaluation.palletizing.from_bag import load_pallet_run
+from pack_core.orders.order_file import load_order
 from pack_core.paths import config_path
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
-ORDER = config_path("orders", "order_03.json")
+FACTOR = 0.4
+"""Simulated seconds a second: what a busy machine with two cores keeps up with."""
 
 
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    """Two boxes on a pallet: the run's folder, and what was printed."""
+    """One box, turned in flight, on a pallet: the run's folder, and what was printed."""
     folder = tmp_path_factory.mktemp("demo") / "run"
-    process = pack("demo", "palletizing", "--order", ORDER, "--real-time-factor", "0.25", "--output", folder)
+    order = folder.with_name("order.json")
+    given = load_order(config_path("orders", "order_03.json"))
+    small = {
+        "order_id": "one box",
+        "pallet": given.pallet.model_dump(),
+        "boxes": [given.boxes[0].model_dump()],
+    }
+    order.write_text(json.dumps(small))
+    process = pack(
+        "demo", "palletizing", "--order", order, "--real-time-factor", str(FACTOR), "--output", folder
+    )
     text = output_of(process)
     assert process.returncode == 0, text
     return folder, text
@@ -27,7 +39,7 @@ def test_the_demo_builds_the_pallet_and_leaves_everything_behind(demo: tuple[Pat
         "bag", "nodes.log", "plots", "report.html", "run.mp4", "run.yaml",
     }  # fmt: skip
     run = load_pallet_run(folder)
-    assert [box.outcome for box in run.boxes] == ["placed", "placed"]
+    assert [box.outcome for box in run.boxes] == ["placed"]
 
 
 def test_evaluating_the_bag_again_gives_measures_within_their_targets(
