@@ -14,7 +14,7 @@ help: ## list the targets
 setup: ## make .venv, install what is locked, build the workspace; does only what has changed
 	@PYTHON="$(PYTHON)" tools/setup.sh
 
-demo: setup ## pack one object with all nodes running, record it, write the report (CELL, SEED, ARGS)
+demo: setup ## run a cell's main job, all nodes, recording, report (CELL=packing, palletizing or blocks; SEED, ARGS)
 	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
 
 test: setup ## all tests but the benchmarks (ARGS goes to pytest)
