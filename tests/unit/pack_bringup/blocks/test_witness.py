@@ -8,7 +8,7 @@ from pack_core.motion.moves import Line, Path
 from pack_core.rotations import Pose, from_yaw
 from pack_core.scene.state import ObjectState, SceneState
 
-LIFT = MoveArm(Path((Line(Pose(np.zeros(3)), label="lift"),)))
+LIFT = MoveArm(Path((Line(Pose(np.zeros(3)), label="lift"),)), opening=0.05, obstacles=())
 LET_GO = MoveJaw(JawCommand(0.06, 60.0))
 
 
