@@ -11,9 +11,10 @@ from sensor_msgs.msg import JointState
 from integration.cell_rig import Cell
 from integration.harness import Graph
 from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.conversions import from_stamp
 from pack_mpc.stages import Stage
 
-FACTOR = 0.2
+FACTOR = 0.3
 """Real-time factor at which one process runs four nodes."""
 STAGES = [stage.name for stage in Stage]
 LIMIT = 0.1
@@ -64,11 +65,17 @@ def test_a_second_goal_is_refused_while_one_is_in_progress(cell: Cell) -> None:
     cell.wait_for_report("mpc", "a goal is in progress")
 
 
+def is_up_to_date(cell: Cell) -> bool:
+    """Past the placement, which holds up this process, nothing waits in a queue that might overflow."""
+    joints = cell.graph.probe.last(contracts.JOINT_STATES)
+    return cell.feedback[-1].stage == "INSERT" and cell.time - from_stamp(joints.header.stamp) < 0.02
+
+
 def test_joints_and_scenes_that_are_not_finite_are_dropped_and_counted_and_the_goal_goes_on(
     cell: Cell,
 ) -> None:
     probe, handle = cell.graph.probe, cell.pack()
-    cell.graph.wait_until(lambda: cell.feedback, timeout=30.0)
+    cell.graph.wait_until(lambda: cell.feedback and is_up_to_date(cell), timeout=30.0)
     joints: JointState = probe.last(contracts.JOINT_STATES)
     scene = probe.last(contracts.SCENE)
     joints.position[3], scene.objects[0].pose.position.x = math.nan, math.nan
@@ -77,10 +84,11 @@ def test_joints_and_scenes_that_are_not_finite_are_dropped_and_counted_and_the_g
         probe.send(contracts.SCENE, scene)
     result = cell.graph.result_of(handle)
     assert result.exit_reason == "placed", result.message
-    for name in ("refused /scene", "refused /joint_states"):
-        cell.graph.wait_until(lambda name=name: cell.counts_of("mpc").get(name, "0") != "0")
-    assert "is not finite" in cell.status_of("mpc").message
-    assert "failed iteration" not in cell.counts_of("mpc")
+    cell.graph.wait_until(lambda: cell.counts_of("mpc").get("refused /scene") == "5")
+    counts = cell.counts_of("mpc")
+    assert counts["refused /joint_states"] == "5"
+    assert "joint position is not finite" in cell.status_of("mpc").message
+    assert "failed iteration" not in counts
 
 
 def test_without_perception_the_arm_holds_and_the_goal_ends_as_a_fault_that_names_it(cell: Cell) -> None:

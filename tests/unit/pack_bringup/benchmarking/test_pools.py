@@ -14,13 +14,13 @@ from pack_core.scene.scene_file import load_scene
 MISSING = Path("no_such_scene.yaml")
 """`load_scene` of it raises ConfigError."""
 ENDLESS = """
-import os, sys, time
+import os, signal, sys
 from pathlib import Path
 from pack_bringup.benchmarking.pools import LocalPool
 
 def work(pipe):
     Path(pipe).write_text(str(os.getpid()))
-    time.sleep(3600)
+    signal.pause()
 
 if __name__ == "__main__":
     list(LocalPool(1).run(work, sys.argv[1:]))

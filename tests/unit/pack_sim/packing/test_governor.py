@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pack_sim.packing.governor import DAMPING, ContactGovernor, GovernorConfig
@@ -11,8 +11,6 @@ CONFIG = GovernorConfig()
 STEP = 0.001
 J = np.hstack([np.eye(6), np.zeros((6, 1))])
 UP = np.array([0.0, 0.0, 1.0])
-ROUNDING = 1.0 + 2.0 * DAMPING
-"""The damped least squares are not exact."""
 
 
 @pytest.fixture
@@ -75,14 +73,15 @@ def test_torques_within_the_bounds_pass_as_they_are(governor: ContactGovernor) -
     np.testing.assert_allclose(governor.bound(tau, J), tau)
 
 
+@example([0.0, 0.0, -19.0, 0.0, 0.0, 0.0, 0.0], 5.0)
 @given(st.lists(st.floats(-80.0, 80.0), min_size=7, max_size=7), st.floats(5.0, 60.0))
 def test_what_presses_is_within_the_bounds(tau: list[float], force: float) -> None:
     governor = ContactGovernor(CONFIG, STEP)
     press(governor, force * UP)
     wrench = wrench_of(governor.bound(np.array(tau), J))
-    assert np.hypot(wrench[0], wrench[1]) <= CONFIG.force * ROUNDING
-    assert -wrench[2] <= min(CONFIG.force, CONFIG.push) * ROUNDING
-    assert np.linalg.norm(wrench[3:]) <= CONFIG.moment * ROUNDING
+    assert np.hypot(wrench[0], wrench[1]) <= CONFIG.force + 1e-6
+    assert -wrench[2] <= min(CONFIG.force, CONFIG.push) + 1e-6
+    assert np.linalg.norm(wrench[3:]) <= CONFIG.moment + 1e-6
 
 
 def test_beyond_the_push_limit_it_pulls_back_in_proportion(governor: ContactGovernor) -> None:

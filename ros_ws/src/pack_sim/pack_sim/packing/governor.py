@@ -110,14 +110,17 @@ class ContactGovernor:
 
     def bound(self, tau: Array, J: Array) -> Array:
         """Joint torques `(7,)` whose wrench on the cup is within the bounds."""
-        wrench = np.linalg.solve(J @ J.T + DAMPING * np.eye(6), J @ tau).astype(float)
+        wrench = _wrench(tau, J)
         scale = self._scale(wrench)
         if self._strength <= self._config.trigger:
             return scale * tau
         push = scale * float(-self._away @ wrench[:3])
         beyond = max(self._strength - self._config.push, 0.0)
         allowed = max(self._config.push - self._config.reflex * beyond, -self._config.pull_back)
-        return np.asarray(scale * tau + J[:3].T @ (max(push - allowed, 0.0) * self._away))
+        back = J[:3].T @ self._away
+        return np.asarray(
+            scale * tau + max(push - allowed, 0.0) / float(self._away @ _wrench(back, J)[:3]) * back
+        )
 
     @property
     def _strength(self) -> float:
@@ -134,3 +137,8 @@ class ContactGovernor:
         moment = float(np.linalg.norm(wrench[3:]))
         loads = (sideways / config.force, down / config.force, moment / config.moment)
         return 1.0 / max(1.0, *loads)
+
+
+def _wrench(tau: Array, J: Array) -> Array:
+    """The wrench `(6,)` of joint torques on the cup, by damped least squares."""
+    return np.asarray(np.linalg.solve(J @ J.T + DAMPING * np.eye(6), J @ tau))
