@@ -43,7 +43,9 @@ def rig(graph: Graph) -> BlocksRig:
 
 @pytest.fixture
 def node(graph: Graph, rig: BlocksRig) -> BlockFsmNode:
-    return graph.start(BlockFsmNode, **{"patience.picture": 0.4, "looks": 2, "watched": ["tags"]})
+    return graph.start(
+        BlockFsmNode, **{"patience.picture": 0.4, "looks": 2, "fault_time": 0.1, "watched": ["tags"]}
+    )
 
 
 def accepted(graph: Graph) -> Any:

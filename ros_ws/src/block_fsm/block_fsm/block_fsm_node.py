@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from std_msgs.msg import String
 from block_fsm.executor import Executor
 from block_fsm.executor_config import ErrandConfig, ExecutorConfig
 from block_fsm.motions import Motions
-from block_fsm.outcome import ExitReason
+from block_fsm.outcome import ExitReason, Outcome
 from block_fsm.requests import Request
 from block_fsm.ros.cell_state import CellState
 from block_fsm.ros.errand_runner import ErrandRunner
@@ -34,6 +35,10 @@ from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.scene.blocks.model import TOOL, arm_model
+from pack_core.silence import Silence
+
+CHECK_PERIOD = 0.2
+"""Between two looks at silent peers [s of wall clock]."""
 
 
 class BlockFsmNodeConfig(ExecutorConfig):
@@ -42,8 +47,9 @@ class BlockFsmNodeConfig(ExecutorConfig):
     patience: ErrandConfig = ErrandConfig()
     watched: tuple[str, ...] = Field(
         default=("sim", "tags", "rearrangement", "motion"),
-        description="a goal ends when one of them falls silent",
+        description="a goal ends when one of them stays silent",
     )
+    fault_time: float = Field(default=2.0, gt=0, description="silence that ends a goal [s of wall clock]")
 
 
 class BlockFsmNode(CellNode):
@@ -59,7 +65,7 @@ class BlockFsmNode(CellNode):
         self._goal: ServerGoalHandle | None = None
         self._done: Future | None = None
         self._is_busy, self._start = False, 0.0
-        self._silent: set[str] = set()
+        self._silence = Silence()
         self._state = CellState(self, self._step)
         self._runner = ErrandRunner(self, self._state, self._config.patience, self._on_refusal)
         self._status = self.advertise(contracts.STATUS)
@@ -69,6 +75,7 @@ class BlockFsmNode(CellNode):
             goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
         )  # fmt: skip
         self.watch(self._config.watched, self._on_peer)
+        self.create_timer(CHECK_PERIOD, self._judge_silence, clock=self.wall)
 
     def destroy_node(self) -> None:
         """Take no more goals, then end."""
@@ -89,22 +96,18 @@ class BlockFsmNode(CellNode):
         parse_problem(request.problem, "goal")
         if self._is_busy:
             raise PackError("a rearrangement is in progress; cancel it first")
-        if self._silent:
-            raise PackError(f"silent: {', '.join(sorted(self._silent))}")
+        if self._silence:
+            raise PackError(f"silent: {self._silence}")
         if self._state.motion is None or self._state.jaw is None:
             raise PackError("nothing heard of arm and gripper yet: are sim and motion up?")
 
     async def _execute(self, goal: ServerGoalHandle) -> Rearrange.Result:
-        self._goal, self._start = goal, self._state.time
-        self._done = Future(executor=self.executor)
-        self._executor = executor = self._make(goal.request)
-        self._next(executor.start())
-        await self._done
-        outcome, elapsed = executor.outcome, self._state.time - self._start
-        assert outcome is not None
-        result = to_result(outcome, elapsed)
+        try:
+            outcome = await self._pursue(goal)
+        finally:
+            self._executor, self._is_busy = None, False
+        result = to_result(outcome, self._state.time - self._start)
         self._result.publish(String(data=json.dumps(_plain(result))))
-        self._executor, self._is_busy = None, False
         self.get_logger().info(f"{result.exit_reason}: {result.message}")
         if goal.is_cancel_requested:
             goal.canceled()
@@ -113,6 +116,15 @@ class BlockFsmNode(CellNode):
         else:
             goal.abort()
         return result
+
+    async def _pursue(self, goal: ServerGoalHandle) -> Outcome:
+        self._goal, self._start = goal, self._state.time
+        self._done = Future(executor=self.executor)
+        self._executor = executor = self._make(goal.request)
+        self._next(executor.start())
+        await self._done
+        assert executor.outcome is not None
+        return executor.outcome
 
     def _make(self, request: Rearrange.Goal) -> Executor:
         problem = parse_problem(request.problem, "goal")
@@ -162,11 +174,11 @@ class BlockFsmNode(CellNode):
         self.get_logger().error(reason)
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
-        if is_alive:
-            self._silent.discard(peer)
-            return
-        self._silent.add(peer)
-        self._cancel(ExitReason.NODE_SILENT, f"node '{peer}' is silent")
+        self._silence.note(peer, is_alive, time.monotonic())
+
+    def _judge_silence(self) -> None:
+        if lost := self._silence.lasting(self._config.fault_time, time.monotonic()):
+            self._cancel(ExitReason.NODE_SILENT, f"node '{lost[0]}' is silent")
 
 
 def _plain(result: Rearrange.Result) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from pack_core.ros.packing_cell import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.scene.scene import Scene
+from pack_core.silence import Silence
 from pack_mpc.controller import Plan
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
@@ -58,7 +59,7 @@ class MpcNode(CellNode):
         self._done: Future | None = None
         self._goal: ServerGoalHandle | None = None
         self._is_busy = False
-        self._silent: dict[str, float] = {}
+        self._silence = Silence()
         self._sending = threading.Lock()
         self._mailbox = Mailbox(self)
         self._placements = PlacementClient(self)
@@ -104,8 +105,8 @@ class MpcNode(CellNode):
             return "a goal is in progress; cancel it first"
         if not self.is_ready:
             return "no cell description, joint state or scene yet: are sim and perception up?"
-        if self._silent:
-            return f"silent: {', '.join(self._silent)}"
+        if self._silence:
+            return f"silent: {self._silence}"
         methods = [method.value for method in Method]
         if goal.method not in methods:
             return f"method '{goal.method}'; allowed: {', '.join(methods)}"
@@ -147,7 +148,7 @@ class MpcNode(CellNode):
     def _iterate(self, latency: float) -> float | None:
         """One turn of the worker."""
         session, goal = self._session, self._goal
-        if session is None or goal is None or self._silent:
+        if session is None or goal is None or self._silence:
             return None
         seen = self._mailbox.observe()
         if goal.is_cancel_requested:
@@ -166,7 +167,7 @@ class MpcNode(CellNode):
     def _send(self, session: PackingSession, plan: Plan) -> bool:
         """Publish setpoints, unless the goal ended or a peer fell silent while they were planned."""
         with self._sending:
-            is_wanted = self._session is session and not self._silent
+            is_wanted = self._session is session and not self._silence
             if is_wanted:
                 self._setpoints.publish(to_setpoints(plan.setpoints))
         return is_wanted
@@ -186,10 +187,8 @@ class MpcNode(CellNode):
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
         with self._sending:
-            if is_alive:
-                self._silent.pop(peer, None)
-            else:
-                self._silent[peer] = time.monotonic()
+            self._silence.note(peer, is_alive, time.monotonic())
+            if not is_alive:
                 self._hold()
 
     def _check(self) -> None:
@@ -197,9 +196,7 @@ class MpcNode(CellNode):
         session = self._session
         if session is None:
             return
-        patience, now = self._config.fault_time, time.monotonic()
-        lost = [peer for peer, since in self._silent.items() if now - since > patience]
-        if lost:
+        if lost := self._silence.lasting(self._config.fault_time, time.monotonic()):
             session.task.finish(ExitReason.FAULT, self._mailbox.time, f"silent: {', '.join(lost)}")
         session.task.expire(self._mailbox.time)
         if session.task.outcome is not None:

@@ -24,6 +24,7 @@ from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.layout_messages import from_layout
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
+from pack_core.silence import Silence
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.profile import profile_of
@@ -57,7 +58,7 @@ class FsmNode(CellNode):
         self._done: Future | None = None
         self._is_busy = False
         self._start, self._told = 0.0, 0
-        self._silent: dict[str, float] = {}
+        self._silence = Silence()
         self._observer = Observer(self, self._step)
         self._client = CellClient(self, self._on_spawned, self._on_failure)
         self._state = self.advertise(contracts.PALLET_STATE)
@@ -90,7 +91,7 @@ class FsmNode(CellNode):
             return "an order is in progress; cancel it first"
         if self._observer.newest is None:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
-        return f"silent: {', '.join(sorted(self._silent))}" if self._silent else ""
+        return f"silent: {self._silence}" if self._silence else ""
 
     async def _execute(self, goal: ServerGoalHandle) -> Palletize.Result:
         """Nothing moves before order and layout are found good."""
@@ -173,15 +174,11 @@ class FsmNode(CellNode):
             self._session.halt(reason)
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
-        if is_alive:
-            self._silent.pop(peer, None)
-        else:
-            self._silent.setdefault(peer, time.monotonic())
+        self._silence.note(peer, is_alive, time.monotonic())
 
     def _judge_silence(self) -> None:
         """End an order whose peers stay silent, also when it is the motion that would keep it going."""
-        patience, now = self._config.fault_time, time.monotonic()
-        lost = [peer for peer, since in self._silent.copy().items() if now - since > patience]
+        lost = self._silence.lasting(self._config.fault_time, time.monotonic())
         if lost and self._session is not None:
             self._session.halt(f"node '{lost[0]}' is silent")
             self._step()

@@ -1,0 +1,27 @@
+"""Which watched nodes are silent, and since when."""
+
+from __future__ import annotations
+
+
+class Silence:
+    """True while some node is silent; falls silent and speaks up as `note` is told."""
+
+    def __init__(self) -> None:
+        self._since: dict[str, float] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._since)
+
+    def __str__(self) -> str:
+        return ", ".join(sorted(self._since.copy()))
+
+    def note(self, peer: str, is_alive: bool, now: float) -> None:
+        """A node has fallen silent, or was heard of again, at `now` [s]."""
+        if is_alive:
+            self._since.pop(peer, None)
+        else:
+            self._since.setdefault(peer, now)
+
+    def lasting(self, patience: float, now: float) -> list[str]:
+        """Nodes that have been silent for more than `patience` [s]."""
+        return sorted(peer for peer, since in self._since.copy().items() if now - since > patience)
