@@ -45,6 +45,7 @@ def benchmark(
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Of the results, a line an order and seed."),
     ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure anew what FILE has already.")] = False,
     json_file: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Write the summary there.")
     ] = None,
@@ -52,7 +53,7 @@ def benchmark(
     """Build orders without ROS on simulated time, and report how they went.
 
     Results repeat bit for bit, whatever the number of jobs, and are kept as they come: the same command
-    goes on where it was interrupted.
+    goes on where it was interrupted, and --fresh measures anew.
 
     - `pack benchmark palletizing --seeds 5 --jobs 2 --no-vision`
     - `pack benchmark palletizing --orders config/orders --json summary.json`
@@ -67,6 +68,8 @@ def benchmark(
     setup = set_up(profile=profile, motion=motion, preset=preset, vision=vision)
     wanted = order_jobs(orders or config_path("orders"), seeds)
     path = output or default_output(profile=profile, motion=motion, preset=preset, vision=vision)
+    if fresh:
+        path.unlink(missing_ok=True)
     done = len(kept_trials(path, wanted)) if path.is_file() else 0
     with open_pool(jobs, None, 1) as pool, TrialProgress(len(wanted), done) as bar:
         for trial in run_orders(path, setup, wanted, pool):
@@ -75,6 +78,7 @@ def benchmark(
     Console().print(table(summary))
     typer.echo(f"results: {path}")
     if json_file:
+        json_file.parent.mkdir(parents=True, exist_ok=True)
         json_file.write_text(json.dumps(summary, indent=2) + "\n")
 
 
