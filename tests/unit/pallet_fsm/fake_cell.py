@@ -36,21 +36,47 @@ TICKS = 2
 HELD_TICKS = 10
 HOME = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
 REACH = 0.01
+MUTES = {
+    SpawnBox: "feeder",
+    Look: "camera",
+    MoveArm: "motion",
+    CloseGripper: "gripper",
+    OpenGripper: "gripper",
+}
+"""Which part of the cell does a command."""
 
 
 @dataclass
 class Faults:
-    """What shall go wrong: how often it still will."""
+    """What shall go wrong.
+
+    Attributes:
+        unseen: pictures in which there still will be no box.
+        wrong_size: pictures in which it still will have another size.
+        slips: grips that still will fail at table A.
+        table_slips: the same at table B.
+        stuck: moves that still will stop on their way.
+        refused: moves that still will be refused.
+        refused_carrying: the same, counting only those with a box in the hand.
+        held: how often the driver still will hold the arm.
+        astray: moves that still will find no way on after that.
+        lost_at: label of the segment at whose end the hand loses its box; empty: it does not.
+        reason: that the gripper gives then.
+        mute: parts of the cell that take commands and answer none.
+    """
 
     unseen: int = 0
     wrong_size: int = 0
     slips: int = 0
+    table_slips: int = 0
     stuck: int = 0
     refused: int = 0
+    refused_carrying: int = 0
     held: int = 0
     astray: int = 0
     lost_at: str = ""
     reason: str = ""
+    mute: frozenset[str] = frozenset()
 
 
 @dataclass
@@ -89,7 +115,8 @@ class FakeCell:
             CloseGripper: self._close,
             OpenGripper: lambda: self._open(ASKED),
         }
-        actions[type(command)]()
+        if MUTES.get(type(command)) not in self.faults.mute:
+            actions[type(command)]()
 
     def _spawn(self, name: str, dims: tuple[float, float, float]) -> None:
         x, y = np.array(self._cell.picking_table.centre) + self._rng.uniform(-0.1, 0.1, 2)
@@ -112,23 +139,38 @@ class FakeCell:
 
     def _take(self, target: MotionTarget) -> None:
         self._target, self._ticks = target, 0
-        if self.faults.refused:
-            self.faults.refused -= 1
+        if self._is_refused():
             self._state, self._reason = MotionState.REFUSED, "the wrist would hit box 3"
             return
         self._state, self._reason, self._segments = MotionState.MOVING, "", segments(target)
+
+    def _is_refused(self) -> bool:
+        faults = self.faults
+        if self.grip.held and faults.refused_carrying:
+            faults.refused_carrying -= 1
+            return True
+        faults.refused, had = max(0, faults.refused - 1), faults.refused
+        return had > 0
 
     def _stop(self) -> None:
         self.has_stopped, self._segments = True, []
 
     def _close(self) -> None:
-        held = "" if self.faults.slips else self._under_pad()
-        self.faults.slips = max(0, self.faults.slips - 1)
+        held = "" if self._slips() else self._under_pad()
         if held:
             self._X_TB = self.X_WT.inverse() @ self.boxes[held]
             self.grip = GripState(held=held)
         else:
             self.grip = GripState(reason="no face within reach")
+
+    def _slips(self) -> bool:
+        """Whether this grip fails; counts it."""
+        table = self._cell.reorientation_table
+        is_at_b = bool(np.all(np.abs(self.X_WT.p[:2] - table.centre) < table.size))
+        name = "table_slips" if is_at_b else "slips"
+        left = getattr(self.faults, name)
+        setattr(self.faults, name, max(0, left - 1))
+        return left > 0
 
     def _open(self, reason: str) -> None:
         if held := self.grip.held:

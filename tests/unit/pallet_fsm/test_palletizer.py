@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import pytest
 
 from pack_core.cells.palletizing import palletizing_cell
@@ -133,14 +135,67 @@ def test_a_grip_that_is_lost_stops_the_arm_and_says_why(profile: str) -> None:
     assert cell.has_stopped
 
 
-def test_a_move_that_is_never_free_with_a_box_in_the_hand_stops_safely() -> None:
-    order = given_order(3)
-    machine, cell = run(order, "blended", Faults(stuck=0))
-    assert machine.report().is_complete
-    stopped, cell = run(order, "blended", Faults(stuck=100))
-    assert stopped.machine.state is State.SAFE_STOP
-    assert "no progress" in stopped.report().reason
+@pytest.mark.parametrize("profile", ["thesis", "blended"])
+def test_a_box_that_is_gone_without_a_reason_stops_the_arm(profile: str) -> None:
+    label = {"thesis": "TRANSFER", "blended": "transit"}[profile]
+    machine, cell = run(given_order(3), profile, Faults(lost_at=label))
+    report = machine.report()
+    assert [visit.state for visit in report.faults] == [State.BOX_LOST]
+    assert report.reason == "nothing in the hand"
+    assert machine.machine.state is State.SAFE_STOP
     assert cell.has_stopped
+
+
+def test_motion_that_stays_stuck_stops_safely_after_its_tries() -> None:
+    machine, cell = run(given_order(3), "blended", Faults(stuck=100))
+    assert machine.machine.state is State.SAFE_STOP
+    assert [visit.state for visit in machine.report().faults] == [State.MOTION_STUCK] * 3
+    assert "no progress" in machine.report().reason
+    assert cell.has_stopped
+
+
+def test_a_box_in_the_hand_that_no_move_is_clear_for_stops_safely_with_every_refusal() -> None:
+    machine, cell = run(given_order(3), "blended", Faults(refused_carrying=100))
+    assert machine.machine.state is State.SAFE_STOP
+    assert [visit.state for visit in machine.report().faults] == [State.NOT_CLEAR]
+    assert machine.report().reason.count("the wrist would hit box 3") > 1
+    assert cell.grip.held == machine.report().boxes[0].name
+
+
+@pytest.mark.parametrize("profile", ["thesis", "blended"])
+def test_a_grip_that_fails_at_table_b_is_tried_again_from_above(profile: str) -> None:
+    order = given_order(16)
+    machine, cell = run(order, profile, Faults(table_slips=2))
+    report = machine.report()
+    assert report.is_complete
+    assert [visit.state for visit in report.faults] == [State.GRIP_FAILED] * 2
+    followers = [after for before, after in pairwise(steps(machine)) if before == State.REGRASP.value]
+    assert followers[:2] == [State.RISE.value] * 2
+    assert misplacement(cell, report)[0] < 1e-9
+
+
+def test_a_box_that_cannot_be_gripped_at_table_b_is_skipped() -> None:
+    machine, cell = run(given_order(16), "blended", Faults(table_slips=3))
+    skipped = [box for box in machine.report().boxes if box.outcome is BoxOutcome.SKIPPED]
+    assert skipped[0].reason == "no face within reach"
+    assert skipped[0].name not in cell.boxes
+    assert machine.machine.state is State.DONE
+
+
+@pytest.mark.parametrize(
+    ("mute", "outcome", "reason"),
+    [
+        ("feeder", State.SAFE_STOP, "does not come"),
+        ("motion", State.SAFE_STOP, "the motion does not answer"),
+        ("camera", State.DONE, "the camera does not answer"),
+        ("gripper", State.DONE, "the gripper does not close"),
+    ],
+)
+def test_a_part_of_the_cell_that_never_answers_is_named(mute: str, outcome: State, reason: str) -> None:
+    machine, _ = run(given_order(3), "blended", Faults(mute=frozenset({mute})))
+    assert machine.machine.state is outcome
+    assert any(reason in visit.reason for visit in machine.machine.visits)
+    assert not machine.report().is_complete
 
 
 def test_a_halt_stops_the_arm_with_its_reason() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pack_core.grip import GripState
+from pack_core.grip import ASKED, GripState
 from pallet_fsm.ports import CloseGripper, Command, OpenGripper
 from pallet_fsm.states import Grip
 from pallet_fsm.transitions import Event
@@ -33,17 +33,20 @@ class Hand:
         return CloseGripper() if grip is Grip.CLOSE else OpenGripper()
 
     def look(self, state: GripState, time: float) -> Event | None:
-        """What has come of it, if anything yet."""
+        """What has come of it, if anything yet.
+
+        That it was asked to open is why the gripper was open before: no answer to a closing.
+        """
         waited = time - self._start
         if waited < self._dwell:
             return None
         wanted = self._grip is Grip.CLOSE
         if state.is_closed is wanted:
             return self._end(Event.GRIPPED if wanted else Event.RELEASED)
-        has_failed = wanted and not state.is_closing and state.reason
-        if not has_failed and waited < self._patience:
+        answer = "" if state.is_closing or state.reason == ASKED else state.reason
+        if not (wanted and answer) and waited < self._patience:
             return None
-        self.reason = state.reason or f"the gripper does not {self._grip.value}"
+        self.reason = answer or f"the gripper does not {self._grip.value}"
         return self._end(Event.GRIP_FAILED if wanted else Event.HALTED)
 
     def _end(self, event: Event) -> Event:
