@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from pack_core.cells.packing import packing_cell
 from pack_core.robots.panda import JOINTS
@@ -78,7 +79,16 @@ def pushing_run(seed: int, until: float = END) -> Iterator[Moment]:
 
 def without(frame: MarkerFrame, hidden: set[str]) -> MarkerFrame:
     """The frame as cameras that cannot see some objects would deliver it."""
-    keep = np.array([frame.objects[i] not in hidden for i in frame.object_index], dtype=bool)
+    return _kept(frame, np.array([frame.objects[i] not in hidden for i in frame.object_index], dtype=bool))
+
+
+def only(frame: MarkerFrame, name: str, markers: tuple[int, ...]) -> MarkerFrame:
+    """The frame as cameras that see no other markers of an object would deliver it."""
+    is_other = frame.object_index != frame.objects.index(name)
+    return _kept(frame, is_other | np.isin(frame.marker_index, markers))
+
+
+def _kept(frame: MarkerFrame, keep: npt.NDArray[np.bool_]) -> MarkerFrame:
     return replace(
         frame, object_index=frame.object_index[keep], marker_index=frame.marker_index[keep],
         p_WM=frame.p_WM[keep], cameras=frame.cameras[keep],

@@ -9,17 +9,28 @@ import numpy as np
 import pytest
 
 from pack_core.cells.packing import packing_cell
+from pack_core.rotations import angle_between
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import MarkerFrame, SceneState, Source
+from pack_perception.mocap.estimator_report import Correction
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
+from pack_perception.mocap.rigid_body_fit import Refusal
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
-from unit.pack_perception.mocap.pushing import CONTACT, Moment, pushing_run, standing_scene, without
+from unit.pack_perception.mocap.pushing import (
+    CONTACT,
+    Moment,
+    only,
+    pushing_run,
+    standing_scene,
+    without,
+)
 
 CONFIG = EstimatorConfig()
 SCENE = standing_scene()
 HELD = SCENE.new_object.name
 EVERYTHING = {*SCENE.names, HELD}
 SETTLED = 0.3
+SWAP = {"tea_box": "cracker_box", "cracker_box": "tea_box"}
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +48,17 @@ def feed(estimator: PhysicsEstimator, moment: Moment, hidden: set[str] | None = 
     estimator.advance(moment.joints)
     for frame in moment.frames:
         estimator.correct(without(frame, hidden or set()))
+
+
+def show(
+    estimator: PhysicsEstimator, moment: Moment, markers: dict[str, tuple[int, ...]]
+) -> list[Correction]:
+    """Feed a moment in which only some markers of some objects are seen."""
+    estimator.advance(moment.joints)
+    frames = moment.frames
+    for name, those in markers.items():
+        frames = [only(frame, name, those) for frame in frames]
+    return [estimator.correct(frame) for frame in frames]
 
 
 def distances(state: SceneState, truth: SceneState) -> dict[str, float]:
@@ -99,6 +121,46 @@ def test_an_object_is_unknown_until_it_is_seen(estimator: PhysicsEstimator, mome
     for moment in moments[100:110]:
         feed(estimator, moment)
     assert set(estimator.state(estimator.time).objects) == EVERYTHING
+
+
+def test_two_markers_place_what_stands_and_nobody_calls_it_tracked(
+    estimator: PhysicsEstimator, moments: list[Moment]
+) -> None:
+    few = {"tea_box": (0, 1), "soup_can": (1, 2), "sugar_box": (3,)}
+    corrections = [c for moment in moments[:250] for c in show(estimator, moment, few)]
+    assert corrections[-1].planar == ("soup_can", "tea_box")
+    assert corrections[-1].refused == {"sugar_box": Refusal.TOO_FEW}
+    state = estimator.state(estimator.time)
+    assert "sugar_box" not in state.objects
+    for name in ("tea_box", "soup_can"):
+        found, truth = state.objects[name], moments[249].truth.objects[name]
+        assert found.source is Source.PHYSICS
+        assert found.age < 0.05
+        assert np.linalg.norm(found.X_WO.p - truth.X_WO.p) < 0.001
+        assert angle_between(found.X_WO.q, truth.X_WO.q) < np.deg2rad(1.0)
+
+
+def test_two_markers_keep_a_pushed_object_where_it_is(
+    estimator: PhysicsEstimator, moments: list[Moment]
+) -> None:
+    for moment in moments:
+        show(estimator, moment, {"tea_box": (0, 1)} if moment.joints.time > CONTACT else {})
+        if moment.joints.time > SETTLED:
+            assert distances(estimator.state(moment.joints.time), moment.truth)["tea_box"] < 0.002
+    assert estimator.state(estimator.time).objects["tea_box"].source is Source.PHYSICS
+
+
+def test_two_markers_of_what_does_not_stand_give_no_pose(
+    estimator: PhysicsEstimator, moments: list[Moment]
+) -> None:
+    """Two markers of the cracker box come under the name of the tea box, which is two centimetres lower."""
+    corrections = []
+    for moment in moments[:100]:
+        frames = [only(frame, "cracker_box", (0, 1)) for frame in moment.frames]
+        named = [replace(frame, objects=tuple(SWAP.get(n, n) for n in frame.objects)) for frame in frames]
+        corrections += show(estimator, replace(moment, frames=named), {"cracker_box": (0, 1)})
+    assert corrections[-1].refused["tea_box"] is Refusal.UNEXPECTED
+    assert "tea_box" not in estimator.state(estimator.time).objects
 
 
 def test_the_held_object_follows_from_the_joints_alone(

@@ -18,7 +18,7 @@ Rows = npt.NDArray[np.int_]
 MAX_SPEED = 3.0
 """Speed of an object that only diverging physics gives it [m/s]."""
 PARKED = np.array([-5.0, 0.0])
-"""Where objects wait that have not been seen yet, out of reach of everything [m]."""
+"""Where objects wait, standing, that have not been seen yet, out of reach of everything [m]."""
 
 
 class GuidedCell:

@@ -36,6 +36,7 @@ class PerceptionNode(CellNode):
         self._config = read_parameters(self, PerceptionNodeConfig)
         self._cell = read_packing_cell(self)
         self._estimator: PhysicsEstimator | None = None
+        self._names: list[str] = []
         self._new_object = ""
         self._published = -float("inf")
         self._frames: deque[MarkerFrame] = deque(maxlen=50)
@@ -49,7 +50,7 @@ class PerceptionNode(CellNode):
     def _on_description(self, message: String) -> None:
         scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
         self._estimator = PhysicsEstimator(scene, self._cell, self._config)
-        self._new_object = scene.new_object.name
+        self._names, self._new_object = scene.names, scene.new_object.name
         self._start_over()
 
     def _start_over(self) -> None:
@@ -93,7 +94,9 @@ class PerceptionNode(CellNode):
 
     def _note(self, state: SceneState, is_held: bool) -> None:
         hidden = [f"{n} {o.age:.1f} s" for n, o in state.objects.items() if o.source is Source.PHYSICS]
+        unknown = [name for name in self._names if name not in state.objects]
         self.health.values["carried by physics"] = ", ".join(hidden) or "none"
+        self.health.values["not seen yet"] = ", ".join(unknown) or "none"
         self.health.values["frames too late"] = str(self._unused_frames)
         self.health.faults.pop("grip", None)
         if not is_held:

@@ -1,7 +1,9 @@
 """Where every object is: fitted to its markers when they are seen, carried by physics when not.
 
 After Russell, Xu, Roa, Dogar, "Pack it in": physics moves the objects as the measured arm pushes
-them, and what the cameras see corrects it.
+them, and what the cameras see corrects it. Where they see too little for a pose, as little as two
+markers, these correct x, y and yaw, and physics has the rest: that an object stands until it is
+known better.
 """
 
 from __future__ import annotations
@@ -21,8 +23,10 @@ from pack_perception.mocap.estimator_report import Advance, Correction
 from pack_perception.mocap.grip_tracker import GripConfig, GripTracker
 from pack_perception.mocap.guided_cell import GuidedCell, Rows, shifted
 from pack_perception.mocap.marker_table import MarkerTable
+from pack_perception.mocap.planar_fit import PlanarFitConfig
 from pack_perception.mocap.pose_history import PoseHistory
-from pack_perception.mocap.rigid_body_fit import FitConfig, Mask, fit_rigid_bodies
+from pack_perception.mocap.rigid_body_fit import FitConfig, Mask
+from pack_perception.mocap.sighting import sight
 
 TELEPORT = 3.0
 """An arm that moves this many times faster than its limits has been put elsewhere."""
@@ -35,9 +39,12 @@ class EstimatorConfig(Config):
 
     step: float = Field(default=0.004, gt=0, le=0.008, description="of the physics [s]")
     max_gap: PositiveFloat = Field(default=0.5, description="between joint samples, else it starts over [s]")
-    mocap_age: PositiveFloat = Field(default=0.03, description="time since last seen that is still MOCAP [s]")
+    mocap_age: PositiveFloat = Field(
+        default=0.03, description="time since the last free fit that is still MOCAP [s]"
+    )
     correction: CorrectionConfig = CorrectionConfig()
     fit: FitConfig = FitConfig()
+    planar: PlanarFitConfig = PlanarFitConfig()
     grip: GripConfig = GripConfig()
 
 
@@ -97,23 +104,28 @@ class PhysicsEstimator:
         names, (p_WM, visible) = self._markers.names, self._markers.sort(frame)
         if self.is_ahead(frame) or not self._history.covers(frame.time):
             return Correction(is_unused=True)
-        fits = fit_rigid_bodies(self._markers.p_BM, p_WM, visible, self._config.fit)
-        refused = {names[i]: r for i, r in enumerate(fits.refusals) if r and visible[i].any()}
-        rows = np.array([i for i, refusal in enumerate(fits.refusals) if refusal is None], dtype=int)
-        self._take(rows, np.concatenate([fits.p_WB, fits.q_WB], axis=1), frame.time)
-        return Correction(tuple(names[i] for i in rows), refused)
+        earlier, config = self._history.at(frame.time), self._config
+        expected = self._physics.poses(earlier)
+        seen = sight(self._markers.p_BM, p_WM, visible, expected, config.fit, config.planar)
+        rows = np.flatnonzero(seen.is_placed)
+        self._take(rows, seen.poses, earlier, frame.time)
+        self._fitted[seen.is_placed & ~seen.is_planar] = frame.time
+        refused = {names[i]: r for i, r in enumerate(seen.refusals) if r and visible[i].any()}
+        planar = tuple(names[i] for i in np.flatnonzero(seen.is_planar))
+        return Correction(tuple(names[i] for i in rows), planar, refused)
 
     def state(self, time: float) -> SceneState:
         """All objects that have been seen, and the held one, as they move on to `time` [s].
 
-        Objects that were never seen are left out.
+        Objects that were never seen are left out. MOCAP is what a free fit gave; what two markers placed
+        counts as carried by physics, of which height and tilt are.
         """
         poses, twists = self._estimates()
         ahead = float(np.clip(time - self.time, 0.0, self._config.step))
         if ahead > 0.0:
             poses = shifted(poses, ahead * twists)
         ages = np.maximum(time - np.where(self._is_known, self._seen, self._started), 0.0)
-        is_mocap = self._is_known & (ages <= self._config.mocap_age)
+        is_mocap = np.maximum(time - self._fitted, 0.0) <= self._config.mocap_age
         objects = {
             name: ObjectState(
                 Pose(poses[i, :3], poses[i, 3:]), twists[i, :3], twists[i, 3:],
@@ -135,7 +147,7 @@ class PhysicsEstimator:
         return n - 1 if len(self._physics.free) < n else -1
 
     def _start_over(self) -> None:
-        self._seen = np.full(len(self._markers.names), -np.inf)
+        self._seen, self._fitted = np.full((2, len(self._markers.names)), -np.inf)
         self._started = 0.0
         self._grip = GripTracker(self._config.grip, held_pose(self._scene))
         self._use(GuidedCell(self._scene, self._cell, Held.RIGID, self._config.step))
@@ -162,9 +174,8 @@ class PhysicsEstimator:
         pose, twist = self._physics.held_state()
         return np.vstack([poses, pose]), np.vstack([twists, twist])
 
-    def _take(self, rows: Rows, seen: Array, time: float) -> None:
-        """Use the poses `seen` `(n, 7)` of some rows, exposed at `time`."""
-        earlier = self._history.at(time)
+    def _take(self, rows: Rows, seen: Array, earlier: Array, time: float) -> None:
+        """Use the poses `seen` `(n, 7)` of some rows, exposed at `time`, when physics was at `earlier`."""
         free = rows[rows != self._held]
         self._correct_free(free, seen[free], self._physics.poses(earlier)[free], time)
         self._seen[rows] = time

@@ -32,6 +32,8 @@ class Refusal(Enum):
     TOO_FEW = "too few markers"
     COLLINEAR = "markers on a line"
     RESIDUAL = "markers do not match the object"
+    TOO_CLOSE = "markers too close together to tell a yaw"
+    UNEXPECTED = "markers not where an object of this height and tilt has them"
 
 
 @dataclass(frozen=True)
