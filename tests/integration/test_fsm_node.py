@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from pack_interfaces.action import Palletize
+from rclpy.task import Future
 from std_msgs.msg import String
 
 from integration.harness import Graph
@@ -16,6 +17,7 @@ from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.paths import config_path
 from pack_core.ros.contracts import motion as motion_contracts
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.contracts import shared
 from pack_core.ros.gripper_messages import to_gripper_state
 from pack_core.ros.motion_messages import to_status
 from pack_core.rotations import Pose
@@ -64,6 +66,31 @@ def test_an_order_before_the_arm_was_heard_is_not_taken(graph: Graph, fsm: FsmNo
     assert not graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
 
 
+def test_an_order_without_a_layout_service_is_not_taken(graph: Graph) -> None:
+    graph.probe.listen(shared.DIAGNOSTICS)
+    graph.start(FsmNode)
+    graph.connect(motion_contracts.MOTION_STATUS, contracts.GRIPPER_STATE)
+
+    def says_why() -> bool:
+        tell(graph)
+        assert not graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+        mail = graph.probe.mail[shared.DIAGNOSTICS.name]
+        return any("is layout up?" in message.status[0].message for message in mail)
+
+    graph.wait_until(says_why)
+
+
+def test_a_node_that_dies_while_the_layout_is_planned_ends_the_order(
+    graph: Graph, fsm: FsmNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fsm._layout, "call_async", lambda _: Future(executor=fsm.executor))
+    handle = accepted(graph, file=str(ORDER))
+    fsm._on_peer("sim", is_alive=False)
+    assert graph.result_of(handle).message == "node 'sim' is silent"
+    fsm._on_peer("sim", is_alive=True)
+    assert graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+
+
 def spoiled(change: str) -> str:
     order = json.loads(ORDER.read_text())
     first, second = order["boxes"]
@@ -73,8 +100,13 @@ def spoiled(change: str) -> str:
         second["id"] = first["id"]
     elif change == "orient_id":
         first["orient_id"] = 9
+    elif change == "weight":
+        first["weight"] = 40.0
+    elif change == "outside":
+        first["position"] = [0.9, 0.0, 0.0]
     else:
         first["dims"] = [-0.4, 0.3, 0.2]
+    order.pop("total_weight")
     return json.dumps(order)
 
 
@@ -82,14 +114,30 @@ def spoiled(change: str) -> str:
     ("fields", "reason"),
     [
         ({"order": "no JSON"}, "JSON"),
-        ({"file": "/nowhere/order.json"}, "no order there"),
+        ({}, "the goal holds no order"),
+        ({"file": "/nowhere/order.json"}, "/nowhere/order.json: cannot be read: No such file"),
+        ({"file": "/dev"}, "/dev: cannot be read: Is a directory"),
         ({"order": spoiled("overlap")}, "00101323-5"),
         ({"order": spoiled("twice")}, "00102400-4"),
         ({"order": spoiled("orient_id")}, "orient_id"),
         ({"order": spoiled("size")}, "dims"),
+        ({"order": spoiled("outside")}, "it ends at"),
+        ({"order": spoiled("weight")}, "40 kg, held from above, make a coaxial force of 712.4 N"),
         ({"file": str(ORDER), "profile": "quick"}, "thesis, blended"),
     ],
-    ids=["no JSON", "no file", "overlap", "twice", "orient_id", "size", "profile"],
+    ids=[
+        "no JSON",
+        "nothing",
+        "no file",
+        "folder",
+        "overlap",
+        "twice",
+        "orient_id",
+        "size",
+        "outside",
+        "weight",
+        "profile",
+    ],
 )
 def test_a_wrong_order_ends_with_the_reason_and_nothing_moves(
     graph: Graph, fsm: FsmNode, fields: dict[str, str], reason: str

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 from typing import Any
 
 from pack_interfaces.action import Palletize
@@ -18,7 +17,6 @@ from pack_core.cells.palletizing import palletizing_cell
 from pack_core.errors import ConfigError, PackError
 from pack_core.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.orders.order import Order
-from pack_core.orders.order_file import parse_order
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.layout_messages import from_layout
@@ -30,7 +28,9 @@ from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.profile import profile_of
 from pallet_fsm.ros.cell_client import CellClient
 from pallet_fsm.ros.observer import Observer
-from pallet_fsm.ros.results import to_feedback, to_result, to_state
+from pallet_fsm.ros.order_run import OrderRun, StateTeller
+from pallet_fsm.ros.requests import requested_config, requested_order
+from pallet_fsm.ros.results import to_result
 
 CHECK_PERIOD = 0.2
 """Between two looks at silent peers [s of wall clock]."""
@@ -53,15 +53,13 @@ class FsmNode(CellNode):
         super().__init__("fsm", **kwargs)
         self._config = read_parameters(self, FsmNodeConfig)
         profile_of(self._config.profile)
-        self._session: Palletizer | None = None
-        self._goal: ServerGoalHandle | None = None
-        self._done: Future | None = None
         self._is_busy = False
-        self._start, self._told = 0.0, 0
+        self._planning: Future | None = None
+        self._run: OrderRun | None = None
         self._silence = Silence()
         self._observer = Observer(self, self._step)
         self._client = CellClient(self, self._on_spawned, self._on_failure)
-        self._state = self.advertise(contracts.PALLET_STATE)
+        self._teller = StateTeller(self)
         self._result = self.advertise(contracts.RESULT)
         self._layout = self.create_client(contracts.PLAN_LAYOUT.type, contracts.PLAN_LAYOUT.name)
         self._action = ActionServer(
@@ -91,18 +89,21 @@ class FsmNode(CellNode):
             return "an order is in progress; cancel it first"
         if self._observer.newest is None:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
+        if not self._layout.service_is_ready():
+            return f"no service {contracts.PLAN_LAYOUT.name}: is layout up?"
         return f"silent: {self._silence}" if self._silence else ""
 
     async def _execute(self, goal: ServerGoalHandle) -> Palletize.Result:
         """Nothing moves before order and layout are found good."""
         try:
-            order = read_order(goal.request)
-            config = self._configured(goal.request.profile)
+            order = requested_order(goal.request, palletizing_cell())
+            config = requested_config(goal.request, self._config)
             plan = await self._plan(order)
             result = await self._build(goal, order, plan, config)
         except PackError as error:
             result = Palletize.Result(success=False, message=str(error))
         finally:
+            self._planning = self._run = None
             self._is_busy = False
         self.get_logger().info(f"order ended: {result.placed} of {result.boxes} boxes; {result.message}")
         if goal.is_cancel_requested:
@@ -113,14 +114,10 @@ class FsmNode(CellNode):
             goal.abort()
         return result
 
-    def _configured(self, profile: str) -> PalletizerConfig:
-        if profile:
-            profile_of(profile)
-        return self._config.model_copy(update={"profile": profile}) if profile else self._config
-
     async def _plan(self, order: Order) -> LayoutPlan:
         request = PlanLayout.Request(order=order.model_dump_json(exclude_none=True), gap=-1.0)
-        response = await self._layout.call_async(request)
+        self._planning = self._layout.call_async(request)
+        response = await self._planning
         if response.status != LayoutStatus.SUCCESS:
             raise ConfigError(f"order {order.order_id}: {response.message}")
         return from_layout(response)
@@ -130,39 +127,19 @@ class FsmNode(CellNode):
     ) -> Palletize.Result:
         seen = self._observer.newest
         assert seen is not None
-        self._done, self._goal, self._start, self._told = Future(executor=self.executor), goal, seen.time, 0
-        self._session = session = Palletizer(order, plan, palletizing_cell(), config, seen.time)
-        await self._done
-        report, elapsed = session.report(), session.machine.since - self._start
-        result = to_result(report, elapsed)
+        session = Palletizer(order, plan, palletizing_cell(), config, seen.time)
+        ended = Future(executor=self.executor)
+        self._run = run = OrderRun(goal, session, self._client.obey, self._teller, ended)
+        await ended
+        result = to_result(session.report(), run.elapsed)
         self._result.publish(String(data=result.report))
         return result
 
     def _step(self) -> None:
         """One turn of the machine, with every status of the motion."""
-        session, goal, seen = self._session, self._goal, self._observer.newest
-        if session is None or goal is None or seen is None:
-            return
-        if goal.is_cancel_requested:
-            session.halt("canceled on request")
-        for command in session.step(seen):
-            self._client.obey(command)
-        self._tell(session, goal)
-        if session.machine.is_over and self._done is not None:
-            self._session = None
-            self._done.set_result(None)
-
-    def _tell(self, session: Palletizer, goal: ServerGoalHandle) -> None:
-        """Publish the states that were entered since."""
-        visits = session.machine.visits
-        for visit in visits[self._told :]:
-            self._state.publish(to_state(visit))
-            if visit.reason:
-                self.health.count(visit.state.label, visit.reason)
-                self.get_logger().warning(f"{visit.state.label}, box {visit.box}: {visit.reason}")
-        if len(visits) > self._told:
-            goal.publish_feedback(to_feedback(session, session.machine.since - self._start))
-        self._told = len(visits)
+        seen = self._observer.newest
+        if self._run is not None and seen is not None:
+            self._run.step(seen)
 
     def _on_spawned(self, name: str) -> None:
         self._observer.spawned = name
@@ -170,32 +147,23 @@ class FsmNode(CellNode):
     def _on_failure(self, reason: str) -> None:
         self.health.count("failed command", reason)
         self.get_logger().error(reason)
-        if self._session is not None:
-            self._session.halt(reason)
+        if self._run is not None:
+            self._run.session.halt(reason)
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
         self._silence.note(peer, is_alive, time.monotonic())
 
     def _judge_silence(self) -> None:
-        """End an order whose peers stay silent, also when it is the motion that would keep it going."""
+        """End an order whose peers stay silent, also when it is one of them that would keep it going."""
         lost = self._silence.lasting(self._config.fault_time, time.monotonic())
-        if lost and self._session is not None:
-            self._session.halt(f"node '{lost[0]}' is silent")
+        if not lost:
+            return
+        reason = f"node '{lost[0]}' is silent"
+        if self._run is not None:
+            self._run.session.halt(reason)
             self._step()
-
-
-def read_order(goal: Palletize.Goal) -> Order:
-    """The order of a goal.
-
-    Raises:
-        PackError: it cannot be read, or is wrong; the text says all that is.
-    """
-    if goal.order:
-        return parse_order(goal.order, "the order of the goal")
-    path = Path(goal.file)
-    if not path.is_file():
-        raise ConfigError(f"{goal.file or 'the goal'}: no order there; give `order` or `file`")
-    return parse_order(path.read_text(), str(path))
+        elif self._planning is not None and not self._planning.done():
+            self._planning.set_exception(PackError(reason))
 
 
 def main() -> int:

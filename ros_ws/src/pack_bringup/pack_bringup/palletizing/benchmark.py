@@ -65,7 +65,7 @@ def order_jobs(folder: Path, seeds: int) -> list[OrderJob]:
 
 def run_order(setup: Setup, job: OrderJob) -> dict[str, Any]:
     """Plan and build an order; a line of the results."""
-    order = load_order(job.path)
+    order = load_order(job.path, setup.cell)
     plan = plan_order(order, setup.layout)
     lockstep = PalletLockstep(setup.cell, order, plan, setup.config, job.seed)
     run = lockstep.run()

@@ -58,6 +58,8 @@ class GripLimits(Config):
     """Steps in a row, of the physics, above a limit before it lets go."""
     retry_interval: NonNegativeFloat
     """How long closing goes on trying [s]; 0: once."""
+    carrying_acceleration: NonNegativeFloat
+    """At which boxes are carried, at most and in any direction; orders are checked with it [m/s^2]."""
 
 
 class Table(Config):

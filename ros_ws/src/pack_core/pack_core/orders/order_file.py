@@ -8,7 +8,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from pack_core.cells.palletizing import PalletizingCell
 from pack_core.errors import OrderError
+from pack_core.orders.cell_check import misfits_of
 from pack_core.orders.order import Order
 from pack_core.orders.order_check import problems_of
 from pack_core.orders.support import SupportConfig
@@ -16,8 +18,12 @@ from pack_core.orders.support import SupportConfig
 MAX_BYTES = 5_000_000
 
 
-def load_order(path: Path, config: SupportConfig | None = None) -> Order:
+def load_order(path: Path, cell: PalletizingCell | None = None) -> Order:
     """Read an order's file.
+
+    Args:
+        path: of the file.
+        cell: that shall build it; None: any.
 
     Raises:
         OrderError: it cannot be read, or cannot be built; its text has a line for every problem.
@@ -30,11 +36,19 @@ def load_order(path: Path, config: SupportConfig | None = None) -> Order:
         raise OrderError(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise OrderError(f"{path}: is no text in UTF-8; allowed: one order as JSON") from error
-    return parse_order(text, str(path), config)
+    return parse_order(text, str(path), cell=cell)
 
 
-def parse_order(text: str, source: str, config: SupportConfig | None = None) -> Order:
-    """Read an order from JSON text; `source` names it in errors.
+def parse_order(
+    text: str, source: str, config: SupportConfig | None = None, *, cell: PalletizingCell | None = None
+) -> Order:
+    """Read an order from JSON text.
+
+    Args:
+        text: the order.
+        source: names it in errors.
+        config: what a box needs under it.
+        cell: that shall build it; None: any.
 
     Raises:
         OrderError: as for `load_order`.
@@ -51,7 +65,8 @@ def parse_order(text: str, source: str, config: SupportConfig | None = None) -> 
         order = Order.model_validate(data)
     except ValidationError as error:
         raise OrderError("\n".join(_explain(item, data, source) for item in error.errors())) from error
-    if problems := problems_of(order, config or SupportConfig()):
+    misfits = [] if cell is None else misfits_of(order, cell)
+    if problems := [*problems_of(order, config or SupportConfig()), *misfits]:
         raise OrderError("\n".join(f"{source}: {problem}" for problem in problems))
     return order
 

@@ -53,9 +53,10 @@ def demo(
 
 def _check(order: Path, profile: str) -> None:
     """Refuse what no node needs to be asked about."""
+    from pack_core.cells.palletizing import palletizing_cell
     from pack_core.orders.order_file import load_order
     from pallet_fsm.profile import profile_of
 
-    load_order(order)
+    load_order(order, palletizing_cell())
     if profile:
         profile_of(profile)

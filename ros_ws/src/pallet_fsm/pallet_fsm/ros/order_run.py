@@ -1,0 +1,82 @@
+"""An order that is being built, and what is told of it on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import palletizing as contracts
+from pallet_fsm.machine import Visit
+from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.ports import Command, Observation
+from pallet_fsm.ros.results import to_feedback, to_state
+
+
+class StateTeller:
+    """Publishes states, and logs and counts those that have a reason.
+
+    Args:
+        node: that publishes.
+    """
+
+    def __init__(self, node: CellNode) -> None:
+        self._node, self._publisher = node, node.advertise(contracts.PALLET_STATE)
+
+    def tell(self, visit: Visit) -> None:
+        """A state was entered."""
+        self._publisher.publish(to_state(visit))
+        if visit.reason:
+            self._node.health.count(visit.state.label, visit.reason)
+            self._node.get_logger().warning(f"{visit.state.label}, box {visit.box}: {visit.reason}")
+
+
+class OrderRun:
+    """From the machine's first step to its last.
+
+    Args:
+        goal: of the action.
+        session: the machine.
+        obey: carries a command out.
+        teller: of the states.
+        ended: gets a result at the end.
+    """
+
+    def __init__(
+        self,
+        goal: ServerGoalHandle,
+        session: Palletizer,
+        obey: Callable[[Command], None],
+        teller: StateTeller,
+        ended: Future,
+    ) -> None:
+        self._goal, self._obey, self._teller = goal, obey, teller
+        self.session, self.ended = session, ended
+        self._start, self._told = session.machine.since, 0
+
+    @property
+    def elapsed(self) -> float:
+        """Up to the last change of state [s]."""
+        return self.session.machine.since - self._start
+
+    def step(self, seen: Observation) -> None:
+        """One turn of the machine; none after its end."""
+        if self.ended.done():
+            return
+        if self._goal.is_cancel_requested:
+            self.session.halt("canceled on request")
+        for command in self.session.step(seen):
+            self._obey(command)
+        self._tell()
+        if self.session.machine.is_over:
+            self.ended.set_result(None)
+
+    def _tell(self) -> None:
+        visits = self.session.machine.visits
+        for visit in visits[self._told :]:
+            self._teller.tell(visit)
+        if len(visits) > self._told:
+            self._goal.publish_feedback(to_feedback(self.session, self.elapsed))
+        self._told = len(visits)
