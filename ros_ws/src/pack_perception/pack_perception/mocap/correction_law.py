@@ -7,7 +7,7 @@ from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.rotations import Array, conjugate, log, multiply
-from pack_perception.mocap.rigid_body_fit import Mask
+from pack_perception.mocap.alignment import Mask
 
 
 class CorrectionConfig(Config):

@@ -26,12 +26,12 @@ class Correction:
 
     Attributes:
         seen: objects whose pose was corrected.
-        planar: those of them of which only x, y and yaw were, because too few markers were seen.
+        partly: those of them that showed too few markers for a pose without the help of physics.
         refused: objects whose markers could not be used, and why.
         is_unused: the frame is older than the history or ahead of the joints, and changed nothing.
     """
 
     seen: tuple[str, ...] = ()
-    planar: tuple[str, ...] = ()
+    partly: tuple[str, ...] = ()
     refused: dict[str, Refusal] = field(default_factory=dict)
     is_unused: bool = False

@@ -8,7 +8,7 @@ from pack_core.errors import MessageError
 from pack_core.rotations import Array
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import MarkerFrame
-from pack_perception.mocap.rigid_body_fit import Mask
+from pack_perception.mocap.alignment import Mask
 
 
 class MarkerTable:

@@ -1,9 +1,8 @@
 """Where every object is: fitted to its markers when they are seen, carried by physics when not.
 
 After Russell, Xu, Roa, Dogar, "Pack it in": physics moves the objects as the measured arm pushes
-them, and what the cameras see corrects it. Where they see too little for a pose, as little as two
-markers, these correct x, y and yaw, and physics has the rest: that an object stands until it is
-known better.
+them, and what the cameras see corrects it. Two markers are too few for a pose of their own, but
+with the direction of the object's axis they give one: as physics predicts it, and upright at first.
 """
 
 from __future__ import annotations
@@ -18,14 +17,15 @@ from pack_core.rotations import Array, Pose
 from pack_core.scene.model import Held, held_pose
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, MarkerFrame, ObjectState, SceneState, Source
+from pack_perception.mocap.alignment import Mask
+from pack_perception.mocap.axis_fit import AxisFitConfig
 from pack_perception.mocap.correction_law import CorrectionConfig, corrections, is_put_anew, pose_errors
 from pack_perception.mocap.estimator_report import Advance, Correction
 from pack_perception.mocap.grip_tracker import GripConfig, GripTracker
 from pack_perception.mocap.guided_cell import GuidedCell, Rows, shifted
 from pack_perception.mocap.marker_table import MarkerTable
-from pack_perception.mocap.planar_fit import PlanarFitConfig
 from pack_perception.mocap.pose_history import PoseHistory
-from pack_perception.mocap.rigid_body_fit import FitConfig, Mask
+from pack_perception.mocap.rigid_body_fit import FitConfig
 from pack_perception.mocap.sighting import sight
 
 TELEPORT = 3.0
@@ -44,7 +44,7 @@ class EstimatorConfig(Config):
     )
     correction: CorrectionConfig = CorrectionConfig()
     fit: FitConfig = FitConfig()
-    planar: PlanarFitConfig = PlanarFitConfig()
+    axis_fit: AxisFitConfig = AxisFitConfig()
     grip: GripConfig = GripConfig()
 
 
@@ -106,19 +106,20 @@ class PhysicsEstimator:
             return Correction(is_unused=True)
         earlier, config = self._history.at(frame.time), self._config
         expected = self._physics.poses(earlier)
-        seen = sight(self._markers.p_BM, p_WM, visible, expected, config.fit, config.planar)
+        is_known = self._is_known[: len(expected)]
+        seen = sight(self._markers.p_BM, p_WM, visible, expected, is_known, config.fit, config.axis_fit)
         rows = np.flatnonzero(seen.is_placed)
         self._take(rows, seen.poses, earlier, frame.time)
-        self._fitted[seen.is_placed & ~seen.is_planar] = frame.time
+        self._fitted[seen.is_placed & ~seen.is_partial] = frame.time
         refused = {names[i]: r for i, r in enumerate(seen.refusals) if r and visible[i].any()}
-        planar = tuple(names[i] for i in np.flatnonzero(seen.is_planar))
-        return Correction(tuple(names[i] for i in rows), planar, refused)
+        partly = tuple(names[i] for i in np.flatnonzero(seen.is_partial))
+        return Correction(tuple(names[i] for i in rows), partly, refused)
 
     def state(self, time: float) -> SceneState:
         """All objects that have been seen, and the held one, as they move on to `time` [s].
 
-        Objects that were never seen are left out. MOCAP is what a free fit gave; what two markers placed
-        counts as carried by physics, of which height and tilt are.
+        Objects that were never seen are left out. MOCAP is what a free fit gave; where two markers needed the
+        help of physics, the pose counts as carried by physics.
         """
         poses, twists = self._estimates()
         ahead = float(np.clip(time - self.time, 0.0, self._config.step))

@@ -1,4 +1,4 @@
-"""What a frame tells about the objects: whole poses where it can, their planar part where it cannot."""
+"""What a frame tells about the objects: poses by their markers, alone or together with physics."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.rotations import Array
-from pack_perception.mocap.planar_fit import PlanarFitConfig, fit_in_plane
-from pack_perception.mocap.rigid_body_fit import FitConfig, Mask, Refusal, fit_rigid_bodies
+from pack_perception.mocap.alignment import Mask
+from pack_perception.mocap.axis_fit import AxisFitConfig, fit_with_axis
+from pack_perception.mocap.rigid_body_fit import FitConfig, Refusal, fit_rigid_bodies
 
 TOO_LITTLE = (Refusal.TOO_FEW, Refusal.COLLINEAR)
-"""What a fit in the plane may make up for; markers that do not match the object are never used."""
+"""What an expected axis may make up for; markers that do not match the object are never used."""
 
 
 @dataclass(frozen=True)
@@ -20,12 +21,12 @@ class Sighting:
 
     Attributes:
         poses: X_WB as position and quaternion `(n, 7)`.
-        is_planar: which have only x, y and yaw from the markers `(n,)`.
+        is_partial: which have not the whole pose from markers `(n,)`.
         refusals: why the markers gave no pose, None where they did.
     """
 
     poses: Array
-    is_planar: Mask
+    is_partial: Mask
     refusals: tuple[Refusal | None, ...]
 
     @property
@@ -35,24 +36,31 @@ class Sighting:
 
 
 def sight(
-    p_BM: Array, p_WM: Array, visible: Mask, expected: Array, fit: FitConfig, planar: PlanarFitConfig
+    p_BM: Array,
+    p_WM: Array,
+    visible: Mask,
+    expected: Array,
+    is_known: Mask,
+    fit: FitConfig,
+    axis: AxisFitConfig,
 ) -> Sighting:
-    """Fit every object freely, and in the plane where its markers are too few for that.
+    """Fit every object freely, and with its expected axis where its markers are too few for that.
 
     Args:
         p_BM: where the m markers are on each of the n objects `(n, m, 3)` [m].
         p_WM: where they were measured `(n, m, 3)` [m].
         visible: which of them were `(n, m)`.
-        expected: poses `(k, 7)` of the first k objects, whose heights and tilts may be relied on.
+        expected: poses `(k, 7)` of the first k objects; the others are fitted freely or not at all.
+        is_known: of which of them these come from earlier fits `(k,)`; the others are expected to stand.
         fit: what a free fit needs.
-        planar: what a fit in the plane needs.
+        axis: what a fit with the axis needs.
     """
     free = fit_rigid_bodies(p_BM, p_WM, visible, fit)
     poses, refusals = np.concatenate([free.p_WB, free.q_WB], axis=1), list(free.refusals)
     rows = [i for i in range(len(expected)) if refusals[i] in TOO_LITTLE]
-    plane = fit_in_plane(p_BM[rows], p_WM[rows], visible[rows], expected[rows], planar)
-    poses[rows] = np.concatenate([plane.p_WB, plane.q_WB], axis=1)
-    is_planar = np.zeros(len(poses), dtype=bool)
-    for i, refusal in zip(rows, plane.refusals, strict=True):
-        refusals[i], is_planar[i] = refusal, refusal is None
-    return Sighting(poses, is_planar, tuple(refusals))
+    led = fit_with_axis(p_BM[rows], p_WM[rows], visible[rows], expected[rows], is_known[rows], axis)
+    poses[rows] = np.concatenate([led.p_WB, led.q_WB], axis=1)
+    is_partial = np.zeros(len(poses), dtype=bool)
+    for i, refusal in zip(rows, led.refusals, strict=True):
+        refusals[i], is_partial[i] = refusal, refusal is None
+    return Sighting(poses, is_partial, tuple(refusals))

@@ -1,0 +1,83 @@
+"""Poses from too few markers for a free fit: physics says where the body's axis points.
+
+Two markers fix five of a body's six coordinates. The sixth, the rotation about the line through both, is
+settled by the direction of the body's z axis: up in what stands, and in what physics carries as physics has
+it. A direction is one more pair of vectors in Kabsch's problem, which is Wahba's then ("A Least Squares
+Estimate of Satellite Attitude").
+
+With noise sigma of a coordinate, and S the sum of the markers' squared distances from their centre, seen
+along the axis, the yaw has the deviation sigma / sqrt(S): for two markers at distance b, sigma * sqrt(2) / b.
+Of a tilt along their line the markers decide the share S / (S + arm^2), of one about it nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.rotations import Array, rotate
+from pack_perception.mocap.alignment import Mask, align
+from pack_perception.mocap.rigid_body_fit import Fits, Refusal
+
+Z = np.array([0.0, 0.0, 1.0])
+STANDING_ARM = 1.0
+"""Arm of the axis of what stands, so long that markers do not tilt it [m]."""
+
+
+class AxisFitConfig(Config):
+    """What a fit with the axis needs to be believed."""
+
+    min_markers: int = Field(default=2, ge=2, description="visible markers")
+    min_spread: PositiveFloat = Field(
+        default=0.01, description="rms distance of the markers from their centre, seen along the axis [m]"
+    )
+    max_residual: PositiveFloat = Field(default=0.003, description="rms distance of a marker [m]")
+    arm: PositiveFloat = Field(
+        default=0.01,
+        description="where up the axis a marker would tell its direction as well as physics predicts it [m]",
+    )
+
+
+def fit_with_axis(
+    p_BM: Array, p_WM: Array, visible: Mask, expected: Array, is_known: Mask, config: AxisFitConfig
+) -> Fits:
+    """Fit poses to markers and to the directions in which the z axes are expected.
+
+    Args:
+        p_BM: where the m markers are on each of the k bodies `(k, m, 3)` [m].
+        p_WM: where they were measured `(k, m, 3)` [m].
+        visible: which of them were `(k, m)`.
+        expected: poses `(k, 7)`, of which the axes are used.
+        is_known: of which bodies these come from earlier fits `(k,)`. The others are taken to stand as
+            expected, and their markers must be as high as they are then.
+        config: what a fit needs to be believed.
+    """
+    arms, axes = np.where(is_known, config.arm, STANDING_ARM), rotate(expected[:, 3:], Z)
+    found = align(p_BM, p_WM, visible, (arms**2)[:, None, None] * axes[:, :, None] * Z)
+    lifts = p_WM[:, :, 2] - expected[:, None, 2] - rotate(expected[:, None, 3:], p_BM)[:, :, 2]
+    refusals = tuple(
+        Refusal.TOO_FEW if count < config.min_markers
+        else Refusal.COLLINEAR if width < config.min_spread
+        else Refusal.NOT_STANDING if not known and lift > config.max_residual
+        else Refusal.RESIDUAL if miss > config.max_residual
+        else None
+        for count, width, known, lift, miss in zip(
+            visible.sum(axis=1), _rms_from_centre(p_BM[:, :, :2], visible), is_known,
+            _rms(lifts[:, :, None], visible), found.residual, strict=True,
+        )
+    )  # fmt: skip
+    return Fits(found.p_WB, found.q_WB, found.residual, refusals)
+
+
+def _rms(vectors: Array, visible: Mask) -> Array:
+    """Root of the mean square length `(k,)` of the visible ones of `(k, m, d)`."""
+    squares = (vectors**2).sum(axis=2) * visible
+    return np.asarray(np.sqrt(squares.sum(axis=1) / np.maximum(visible.sum(axis=1), 1)))
+
+
+def _rms_from_centre(points: Array, visible: Mask) -> Array:
+    """Root of the mean square distance `(k,)` of the visible ones of `(k, m, d)` from their centre."""
+    n = np.maximum(visible.sum(axis=1), 1)[:, None]
+    centres = (points * visible[:, :, None]).sum(axis=1) / n
+    return _rms(points - centres[:, None], visible)
