@@ -119,6 +119,14 @@ def test_blocks_that_bar_each_others_grasps_are_pushed_out(make) -> None:
     assert verify(problem, made) == []
 
 
+def test_a_knot_is_undone_before_the_grid_bars_its_way() -> None:
+    """Three blocks beside the grid hold each other; with the grid's near side filled none can be pushed."""
+    problem = make_instance(25, 0.2, 74)
+    made = plan(problem, budget_s=20.0, config=RearrangementConfig(beam=BeamConfig(rounds=2)))
+    assert made.is_solved
+    assert verify(problem, made) == []
+
+
 @pytest.mark.parametrize("seed", [18, 28])
 def test_crowded_blocks_are_rearranged(seed: int) -> None:
     """Three tenths of the area: some blocks cannot be grasped before they are pushed out by a little."""

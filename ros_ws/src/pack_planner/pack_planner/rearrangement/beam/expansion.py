@@ -14,7 +14,6 @@ from numba import njit
 from pack_planner.rearrangement.assembly import NEVER
 from pack_planner.rearrangement.beam.bits import bit
 from pack_planner.rearrangement.beam.buffering import Options, buffer_options, pushed_out_options
-from pack_planner.rearrangement.beam.deadlock import is_deadlocked
 from pack_planner.rearrangement.beam.estimates import (
     NOWHERE,
     Summary,
@@ -24,6 +23,7 @@ from pack_planner.rearrangement.beam.estimates import (
     summarize,
 )  # fmt: skip
 from pack_planner.rearrangement.beam.grasping import way_home
+from pack_planner.rearrangement.beam.knots import pushes_out_left
 from pack_planner.rearrangement.beam.obstacles import note_obstacles, note_obstacles_of_pushes
 from pack_planner.rearrangement.beam.pushing import Ints
 from pack_planner.rearrangement.beam.spots import GOAL, POOL
@@ -120,8 +120,9 @@ def _go_home(
         clear(occupied, spot)
         stage, pair = way_home(i, spot, can_pick, occupied, tables)
         bound, detours = after_going_home(i, now, states.cycles[row], tables)
-        if pair >= 0 and is_deadlocked(i, GOAL + i, now.left, occupied, spots, can_pick, tables):
-            bound = NEVER
+        if pair >= 0:
+            pushes_out = pushes_out_left(i, GOAL + i, now.left, occupied, spots, can_pick, tables)
+            bound, detours = NEVER if pushes_out == NEVER else bound, detours + pushes_out
         is_going = pair >= 0 and bound < now.bound
         if pair >= 0 and bound < NEVER and bound + 1 + (stage != NO_STAGE) <= limit:
             append(out, count, states, tables, row, i, GOAL + i, stage, pair)
@@ -148,8 +149,11 @@ def _make_way(
         if tables.crowds[end, 0] & now.left & ~bit(i):
             cycles = cycles_with(i, end, now, tables)
         bound, detours = after_making_way(i, end, now, cycles, tables)
-        if bound + 1 <= limit and not is_deadlocked(i, end, now.left, occupied, spots, can_pick, tables):
+        if bound + 1 > limit:
+            continue
+        pushes_out = pushes_out_left(i, end, now.left, occupied, spots, can_pick, tables)
+        if pushes_out < NEVER:
             append(out, count, states, tables, row, i, end, NO_STAGE, options.grasps[option])
-            estimate(out, count, bound, cycles, detours)
+            estimate(out, count, bound, cycles, detours + pushes_out)
             count += 1
     return count

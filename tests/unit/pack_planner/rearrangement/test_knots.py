@@ -1,10 +1,11 @@
-"""A move after which some block can never move again is seen, and no other."""
+"""Moves after which some block can never move again, or not before a push, are seen, and no others."""
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from pack_planner.rearrangement.beam.deadlock import is_deadlocked
+from pack_planner.rearrangement.assembly import NEVER
+from pack_planner.rearrangement.beam.knots import pushes_out_left
 from pack_planner.rearrangement.beam.spots import GOAL, POOL, buffer_pool
 from pack_planner.rearrangement.beam.tables import Tables, build_tables
 from pack_planner.rearrangement.instances import make_instance
@@ -14,13 +15,13 @@ Spots = npt.NDArray[np.int16]
 N = 25
 
 
-@pytest.mark.parametrize("seed", [17, 20])
-def test_deadlocks_are_those_that_taking_blocks_away_one_by_one_leaves(seed: int) -> None:
+@pytest.mark.parametrize(("seed", "kind"), [(17, "stuck"), (20, "stuck"), (74, "knot")])
+def test_knots_are_what_taking_blocks_away_one_by_one_leaves(seed: int, kind: str) -> None:
     """Blocks are carried about at random, home wherever they find room, on and on."""
     rng = np.random.default_rng(seed)
     task = Task.of(make_instance(N, 0.2, seed))
     tables = build_tables(task, buffer_pool(task, 64, rng))
-    spots, found = np.arange(N, dtype=np.int16), 0
+    spots, found = np.arange(N, dtype=np.int16), {"stuck": 0, "knot": 0}
     for _ in range(800):
         i = int(rng.integers(N))
         end = carried(i, spots, tables, rng)
@@ -28,15 +29,19 @@ def test_deadlocks_are_those_that_taking_blocks_away_one_by_one_leaves(seed: int
             continue
         after = spots.copy()
         after[i] = end
-        expected = bool(remaining(after, tables))
-        assert seen(i, end, spots, tables) == expected
-        found += expected
-        is_over = expected or (after >= GOAL).sum() > N - 3
+        stuck, knot = remaining(after, tables, pushed_out=True), remaining(after, tables, pushed_out=False)
+        pushes = seen(i, end, spots, tables)
+        assert (pushes == NEVER) == bool(stuck)
+        assert (pushes == 0) == (not knot)
+        assert pushes == NEVER or pushes <= len(knot)
+        found["stuck"] += bool(stuck)
+        found["knot"] += bool(knot) and not stuck
+        is_over = stuck or (after >= GOAL).sum() > N - 3
         spots = np.arange(N, dtype=np.int16) if is_over else after
-    assert found > 0
+    assert found[kind] > 0
 
 
-def seen(i: int, end: int, spots: Spots, tables: Tables) -> bool:
+def seen(i: int, end: int, spots: Spots, tables: Tables) -> int:
     left = np.uint64(sum(1 << j for j in range(N) if spots[j] != GOAL + j))
     can_pick = np.array(
         [[is_clear(tables.pick[spots[j], k], spots, {j}) for k in range(2)] for j in range(N)]
@@ -44,7 +49,7 @@ def seen(i: int, end: int, spots: Spots, tables: Tables) -> bool:
     occupied = np.zeros(tables.pick.shape[2], dtype=np.uint64)
     for spot in spots.tolist():
         occupied[spot // 64] |= np.uint64(1) << np.uint64(spot % 64)
-    return bool(is_deadlocked(i, end, left, occupied, spots, can_pick, tables))
+    return int(pushes_out_left(i, end, left, occupied, spots, can_pick, tables))
 
 
 def carried(i: int, spots: Spots, tables: Tables, rng: np.random.Generator) -> int | None:
@@ -57,21 +62,21 @@ def carried(i: int, spots: Spots, tables: Tables, rng: np.random.Generator) -> i
     return None
 
 
-def remaining(spots: Spots, tables: Tables) -> set[int]:
+def remaining(spots: Spots, tables: Tables, *, pushed_out: bool) -> set[int]:
     """Blocks away from their goals that stay when what can leave is taken away, again and again."""
     gone: set[int] = set()
     left = {j for j in range(N) if spots[j] != GOAL + j}
-    while leaving := {j for j in left if can_leave(j, spots, tables, gone)}:
+    while leaving := {j for j in left if can_leave(j, spots, tables, gone, pushed_out)}:
         gone |= leaving
         left -= leaving
     return left
 
 
-def can_leave(j: int, spots: Spots, tables: Tables, gone: set[int]) -> bool:
+def can_leave(j: int, spots: Spots, tables: Tables, gone: set[int], pushed_out: bool) -> bool:
     rows = [*tables.pick[spots[j]]]
     if tables.push_of[j, spots[j]] >= 0:
         rows.append(tables.push[tables.push_of[j, spots[j]]])
-    if spots[j] == j:
+    if pushed_out and spots[j] == j:
         rows += [*tables.out[tables.out_first[j] : tables.out_first[j + 1]]]
     return any(is_clear(row, spots, {j} | gone) for row in rows)
 
