@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from pack_interfaces.msg import MotionStatus as MotionStatusMsg
+from rclpy.qos import ReliabilityPolicy
 
 from integration.harness import Graph
 from pack_core.joint_reference import JointReference
@@ -36,11 +39,21 @@ class Arm:
         self.references: list[JointReference] = []
         graph.probe.listen(contracts.SETPOINTS, contracts.MOTION_STATUS)
         graph.connect(contracts.JOINT_STATES, contracts.MOTION_TARGET, contracts.MOTION_OBSTACLES)
+        self._be_heard()
         self.tick()
 
     @property
     def status(self) -> MotionStatusMsg:
         return self._graph.probe.last(contracts.MOTION_STATUS)
+
+    def _be_heard(self) -> None:
+        """Send a joint state until one is answered: the first may come before the node knows their sender."""
+        answers = self._graph.probe.mail[contracts.MOTION_STATUS.name]
+        sample = JointSample(self.time, self.q, np.zeros(6), np.zeros(6))
+        while not answers:
+            self._graph.probe.send(contracts.JOINT_STATES, to_joint_state(sample, JOINTS))
+            with suppress(AssertionError):
+                self._graph.wait_until(lambda: bool(answers), timeout=1.0)
 
     def tick(self) -> None:
         """One joint state, and the setpoints that answer it, or none while the arm is held."""
@@ -84,6 +97,11 @@ def node(graph: Graph) -> MotionNode:
 @pytest.fixture
 def arm(graph: Graph, node: MotionNode) -> Arm:
     return Arm(graph)
+
+
+def test_a_joint_state_that_is_lost_holds_up_none_that_follow(node: MotionNode) -> None:
+    (listener,) = node.get_subscriptions_info_by_topic(contracts.JOINT_STATES.name)
+    assert listener.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
 
 
 def test_a_target_is_reached_by_setpoints_that_stay_ahead(graph: Graph, arm: Arm) -> None:

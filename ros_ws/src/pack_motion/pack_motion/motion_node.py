@@ -16,7 +16,7 @@ from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionTarget
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion as contracts
-from pack_core.ros.contracts.contract import LATEST
+from pack_core.ros.contracts.contract import NEWEST
 from pack_core.ros.conversions import from_joint_state
 from pack_core.ros.joint_messages import to_trajectory
 from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
@@ -56,7 +56,7 @@ class MotionNode(CellNode):
         self._status = self.advertise(contracts.MOTION_STATUS)
         self.listen(contracts.MOTION_TARGET, self._on_target)
         self.listen(contracts.MOTION_OBSTACLES, self._on_obstacles)
-        self.listen(replace(contracts.JOINT_STATES, qos=LATEST), self._on_joints)  # old ones lead nowhere
+        self.listen(replace(contracts.JOINT_STATES, qos=NEWEST), self._on_joints)  # old ones lead nowhere
         self.watch(("sim",))
 
     def destroy_node(self) -> None:

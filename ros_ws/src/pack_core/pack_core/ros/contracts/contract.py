@@ -52,3 +52,5 @@ STREAM = _reliable(50)
 LATEST = _reliable(1)
 EVENTS = _reliable(100)
 LATCHED = _latched()
+NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""For a listener that a lost message must not hold up: a reliable one waits until it is sent again."""
