@@ -128,6 +128,7 @@ class FsmNode(CellNode):
         seen = self._observer.newest
         assert seen is not None
         session = Palletizer(order, plan, palletizing_cell(), config, seen.time)
+        self._observer.spawned = ""  # the last order's last box may have had the name of this one's first
         ended = Future(executor=self.executor)
         self._run = run = OrderRun(goal, session, self._client.obey, self._teller, ended)
         await ended

@@ -68,10 +68,6 @@ class Machine:
         self.visits.append(Visit(following, time, box, event, reason))
         return following
 
-    def expects(self, event: Event) -> bool:
-        """Whether the table has a row for the event here."""
-        return any(row.state is self.state and row.event is event for row in TRANSITIONS)
-
     def _row(self, event: Event) -> Transition:
         rows = [row for row in TRANSITIONS if row.state is self.state and row.event is event]
         for row in rows:

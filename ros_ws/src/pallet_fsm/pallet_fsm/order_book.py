@@ -73,7 +73,6 @@ class OrderBook:
                 item.name, item.box.dims, item.box.weight, item.handling.value, item.outcome, item.reason,
                 item.plan.insertion.direction,
                 placed_pose(item.plan.placed, item.box, self._X_WP, item.X_WB),
-                item.X_WB if item.outcome is BoxOutcome.PLACED else None,
             )
             for item in self.items
         )  # fmt: skip

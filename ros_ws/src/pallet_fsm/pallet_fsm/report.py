@@ -34,7 +34,6 @@ class BoxReport:
         reason: why it was skipped or lost; empty otherwise.
         direction: of its insertion.
         X_WB: where it was meant to stand.
-        X_WB_believed: where it is believed to stand since it was let go; None if it was not.
     """
 
     name: str
@@ -45,7 +44,6 @@ class BoxReport:
     reason: str
     direction: str
     X_WB: Pose
-    X_WB_believed: Pose | None
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,14 @@
-"""The turn of a box: its rotation brings its sides where its extents say they are."""
+"""The turn of a box: which of its sides lie where, and what it takes to get them there."""
 
 from __future__ import annotations
 
 from itertools import product
 
-import numpy as np
 import pytest
 
 from pack_core.orders.handling import BundlingAxis, Handling, OrientId, turn_of
 from pack_core.orders.order_file import load_order
 from pack_core.paths import config_path
-from pack_core.rotations import rotate, to_matrix
 
 DIMS = (0.6, 0.4, 0.2)
 AXES: tuple[BundlingAxis, ...] = ("z", "y")
@@ -21,13 +19,15 @@ BYPASSES = {
     ("z", 4): Handling.FLIP,
     ("y", 2): Handling.FLIP,
 }
-TOOL_AXIS = np.array([0.0, 0.0, 1.0])
 
 
 @pytest.mark.parametrize(("axis", "orient_id"), list(product(AXES, IDS)))
-def test_the_tool_turns_the_box_to_its_extents(axis: BundlingAxis, orient_id: OrientId) -> None:
+def test_a_bypass_of_the_table_leaves_the_box_lying_and_the_table_stands_it_up(
+    axis: BundlingAxis, orient_id: OrientId
+) -> None:
     turn = turn_of(DIMS, axis, orient_id)
-    np.testing.assert_allclose(np.abs(to_matrix(turn.q_box)) @ DIMS, turn.extents, atol=1e-12)
+    assert sorted(turn.extents, reverse=True) == list(DIMS)
+    assert (turn.extents[2] == DIMS[2]) is (turn.handling is not Handling.TABLE)
 
 
 @pytest.mark.parametrize("axis", AXES)
@@ -38,23 +38,6 @@ def test_the_six_ids_of_an_axis_are_the_six_ways_to_lie(axis: BundlingAxis) -> N
 @pytest.mark.parametrize(("axis", "orient_id"), list(product(AXES, IDS)))
 def test_the_two_bypasses_are_those_of_the_thesis(axis: BundlingAxis, orient_id: OrientId) -> None:
     assert turn_of(DIMS, axis, orient_id).handling == BYPASSES.get((axis, orient_id), Handling.TABLE)
-
-
-@pytest.mark.parametrize(("axis", "orient_id"), list(product(AXES, IDS)))
-def test_boxes_are_put_down_from_above_and_stood_up_from_the_side(
-    axis: BundlingAxis, orient_id: OrientId
-) -> None:
-    turn = turn_of(DIMS, axis, orient_id)
-    np.testing.assert_allclose(rotate(turn.q_place, TOOL_AXIS), [0, 0, -1], atol=1e-12)
-    approach = rotate(turn.q_reorient, TOOL_AXIS)
-    if turn.handling is Handling.TABLE:
-        assert np.allclose(approach, [1, 0, 0]) or np.allclose(approach, [0, 1, 0])
-    else:
-        np.testing.assert_allclose(approach, [0, 0, -1], atol=1e-12)
-
-
-def test_the_untouched_box_is_not_turned() -> None:
-    np.testing.assert_allclose(turn_of(DIMS, "z", 0).q_box, [1, 0, 0, 0], atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -73,7 +56,7 @@ def test_equal_sides_are_handled_the_cheapest_way(
 ) -> None:
     turn = turn_of(dims, axis, orient_id)
     assert turn.handling is handling
-    np.testing.assert_allclose(np.abs(to_matrix(turn.q_box)) @ dims, turn.extents, atol=1e-12)
+    assert sorted(turn.extents, reverse=True) == list(dims)
 
 
 def test_the_25_orders_use_every_axis_and_id() -> None:

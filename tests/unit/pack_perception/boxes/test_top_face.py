@@ -16,7 +16,7 @@ CAMERA_HEIGHT = 3.0
 
 def edge(start: Array, end: Array) -> EdgeLine:
     length = float(np.linalg.norm(end - start))
-    return EdgeLine(0.5 * (start + end), (end - start) / length, length, 1.0, 0.0, 100.0, 180.0)
+    return EdgeLine(0.5 * (start + end), (end - start) / length, length, 1.0, 100.0, 180.0)
 
 
 def outline(yaw: float, centre: Array, dims: tuple[float, float, float], shows_sides: bool) -> list[EdgeLine]:

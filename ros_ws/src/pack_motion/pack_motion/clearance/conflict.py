@@ -16,7 +16,6 @@ class Conflict:
         body: of the arm, or the carried box.
         obstacle: its name.
         gap: between them [m]; negative where they overlap.
-        needed: gap that would do [m].
         time: after the start of the move [s].
         segment: of the path.
         text: all that in words.
@@ -25,7 +24,6 @@ class Conflict:
     body: str
     obstacle: str
     gap: float
-    needed: float
     time: float
     segment: int
     text: str
@@ -43,4 +41,4 @@ def conflict_at(
         f"'{body}' would be {how} '{obstacle}' in '{plan.segments[segment].label}', {time:.2f} s "
         f"after the start, the tool at {p.round(3).tolist()} m; needed: {1000 * max(needed, 0.0):.0f} mm"
     )
-    return Conflict(body, obstacle, gap, needed, time, segment, text)
+    return Conflict(body, obstacle, gap, time, segment, text)

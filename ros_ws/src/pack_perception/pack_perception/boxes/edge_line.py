@@ -33,7 +33,6 @@ class EdgeLine:
         direction: unit vector along it `(2,)`.
         length: of the part that was looked at [m].
         inliers: share of the profiles whose slope lies on the line.
-        residual: rms distance of those from it [pixel].
         contrast: how much brighter the box is than what lies outside, the median over the profiles, of 255;
             the amount by which it is darker where that is looked for.
         inside: brightness just inside the edge, the median over the profiles.
@@ -43,7 +42,6 @@ class EdgeLine:
     direction: Array
     length: float
     inliers: float
-    residual: float
     contrast: float
     inside: float
 
@@ -102,12 +100,11 @@ def find_edge(face: TopFace, start: Array, end: Array, config: EdgeConfig) -> Ed
         return None
     direction = along + slant * outward
     middle_place = 0.5 * length / face.pixel
-    residuals = offsets - slant * places / face.pixel - shift
     inside, contrast = _levels(profiles[is_on], offsets[is_on], across, config.core)
     return EdgeLine(
         start + 0.5 * length * along + (slant * middle_place + shift) * face.pixel * outward,
         direction / np.linalg.norm(direction), length, float(is_on.mean()),
-        float(np.sqrt(np.mean(residuals[is_on] ** 2))), -contrast if face.is_dark else contrast, inside,
+        -contrast if face.is_dark else contrast, inside,
     )  # fmt: skip
 
 
