@@ -62,5 +62,8 @@ def main() -> int:
         return 2
     except (KeyboardInterrupt, ExternalShutdownException):
         return 1
-    sys.stdout.write(f"{result.placed} of {result.boxes} boxes placed {result.message}\n")
+    if result.boxes:
+        sys.stdout.write(f"{result.placed} of {result.boxes} boxes placed\n")
+    if result.message:
+        sys.stderr.write(f"error: {result.message}\n")
     return 0 if result.success else 1
