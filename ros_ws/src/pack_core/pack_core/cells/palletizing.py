@@ -11,11 +11,11 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_
 from pack_core.camera import PinholeCamera, focal_length
 from pack_core.config import Config, load_config, validate_config
 from pack_core.paths import config_path
+from pack_core.robots.gears import Gears
 from pack_core.robots.servo import Servo
 from pack_core.rotations import Pose
 
 Joints = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
-Six = Annotated[tuple[PositiveFloat, ...], Field(min_length=6, max_length=6)]
 Point = tuple[float, float, float]
 Pair = tuple[float, float]
 Size = tuple[PositiveFloat, PositiveFloat]
@@ -113,21 +113,6 @@ class Contact(Config):
     """Unwanted contacts above it are recorded [N]."""
     landing_speed: PositiveFloat
     """What a carried box may come down on something with before it counts as a collision [m/s]."""
-
-
-class Gears(Config):
-    """Gears that give way, between motors, which the controller measures, and links."""
-
-    stiffness: Six
-    """Of each, beyond its play [N m/rad]."""
-    damping: Six
-    """[N m s/rad]"""
-    inertia: Six
-    """Of the gear behind its spring [kg m^2]."""
-    backlash_deg: NonNegativeFloat
-    """Full play of each, seen at the joint."""
-    stiffness_error: Annotated[float, Field(gt=-1.0)]
-    """Of what the controller believes, as a share: it leads the motors by the load over this stiffness."""
 
 
 class Calibration(Config):

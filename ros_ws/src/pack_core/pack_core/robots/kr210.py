@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from pack_core.cells.palletizing import Gears
+from pack_core.robots.gears import Gears
 from pack_core.robots.joint_limits import JointLimits
 from pack_core.robots.kr210_shapes import LINK_CAPSULES, draw_base, draw_link
 from pack_core.rotations import Pose, from_rpy

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import mujoco
 
-from pack_core.cells.palletizing import Contact, Gears, PalletizingCell
+from pack_core.cells.palletizing import Contact, PalletizingCell
+from pack_core.robots.gears import Gears
 from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
 from pack_core.robots.surface_gripper import TOOL, add_surface_gripper
 from pack_core.rotations import Pose
