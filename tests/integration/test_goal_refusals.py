@@ -58,14 +58,15 @@ def refusal(graph: Graph, **fields: object) -> str:
 
 
 def test_a_goal_before_anything_was_heard_is_refused(graph: Graph, mpc: MpcNode) -> None:
-    assert "are sim and perception up?" in refusal(graph)
+    assert "no /cell_description yet: is sim up?" in refusal(graph)
 
 
 def test_a_goal_is_refused_while_an_object_has_not_been_found(
     graph: Graph, mpc: MpcNode, scene: Scene
 ) -> None:
     tell(graph, scene, missing="tea_box")
-    assert "no cell description, joint state or scene yet" in refusal(graph)
+    graph.wait_until(lambda: "tea_box" in mpc.missing)
+    assert "the cameras have not seen tea_box yet" in refusal(graph)
 
 
 @pytest.mark.parametrize(

@@ -77,9 +77,16 @@ class MpcNode(CellNode):
         self._mailbox.on_joints = self._worker.wake
 
     @property
+    def missing(self) -> str:
+        """What a goal needs and has not been heard of yet; empty: nothing."""
+        if self._scene is None:
+            return f"no {contracts.DESCRIPTION.name} yet: is sim up?"
+        return self._mailbox.missing(self._scene)
+
+    @property
     def is_ready(self) -> bool:
         """Whether the cell is described, and its joints and objects have been seen."""
-        return self._scene is not None and self._mailbox.is_ready(self._scene)
+        return not self.missing
 
     def destroy_node(self) -> None:
         """Stop the worker, then the node."""
@@ -103,8 +110,8 @@ class MpcNode(CellNode):
         """Why a goal cannot be pursued; empty when it can."""
         if self._is_busy:
             return "a goal is in progress; cancel it first"
-        if not self.is_ready:
-            return "no cell description, joint state or scene yet: are sim and perception up?"
+        if self.missing:
+            return self.missing
         if self._silence:
             return f"silent: {self._silence}"
         methods = [method.value for method in Method]

@@ -43,11 +43,14 @@ class Mailbox:
         """Stamp of the newest joint state [s]."""
         return self.joints.time if self.joints is not None else 0.0
 
-    def is_ready(self, scene: Scene) -> bool:
-        """Whether joints and every object of the scene have been seen."""
-        if self.joints is None or self._scene is None:
-            return False
-        return {*scene.names, scene.new_object.name} <= set(self._scene.objects)
+    def missing(self, scene: Scene) -> str:
+        """What has not been heard of the joints and of every object of the scene; empty: nothing."""
+        if self.joints is None:
+            return f"no {contracts.JOINT_STATES.name} yet: is sim up?"
+        if self._scene is None:
+            return f"no {contracts.SCENE.name} yet: is perception up?"
+        unseen = [name for name in (*scene.names, scene.new_object.name) if name not in self._scene.objects]
+        return f"the cameras have not seen {', '.join(unseen)} yet" if unseen else ""
 
     def clear_forces(self) -> None:
         """Forget the forces felt so far."""
