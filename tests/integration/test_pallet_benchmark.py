@@ -29,6 +29,13 @@ def benchmark(orders: Path, *options: str) -> Result:
     return CliRunner().invoke(app, ["benchmark", "palletizing", "--orders", str(orders), *fixed, *options])
 
 
+def test_orders_that_cannot_be_built_are_all_named_before_anything_runs(tmp_path: Path) -> None:
+    outcome = benchmark(config_path("orders", "stress"), "--output", str(tmp_path / "results.jsonl"))
+    named = {line.split("'")[1] for line in str(outcome.exception).splitlines()}
+    assert len(named) == 9
+    assert not (tmp_path / "results.jsonl").exists()
+
+
 def test_results_are_kept_and_measured_anew_only_where_asked_for(orders: Path) -> None:
     results, summary = orders.parent / "results.jsonl", orders.parent / "new" / "summary.json"
     first = benchmark(orders, "--json", str(summary))

@@ -13,7 +13,7 @@ from pack_bringup.benchmarking.trial_file import TrialFile, read_trials
 from pack_bringup.palletizing.lockstep import PalletLockstep, PalletLockstepConfig
 from pack_bringup.palletizing.stack_hold import hold_shift_mm
 from pack_core.cells.palletizing import PalletizingCell
-from pack_core.errors import ConfigError, PackError
+from pack_core.errors import ConfigError, OrderError, PackError
 from pack_core.evaluation.palletizing.measures import measure_order
 from pack_core.evaluation.palletizing.pallet_run import PalletRun
 from pack_core.evaluation.palletizing.summary import OrderTrial
@@ -51,21 +51,32 @@ class OrderJob:
         return f"{self.path.stem}_seed{self.seed}"
 
 
-def order_jobs(folder: Path, seeds: int) -> list[OrderJob]:
+def order_jobs(folder: Path, seeds: int, cell: PalletizingCell) -> list[OrderJob]:
     """Every order of a folder with the seeds from 0 on, the first seed of all orders first.
 
     Raises:
         ConfigError: there is no order file.
+        OrderError: the cell cannot build some; the text says why for each of them.
     """
     files = sorted(folder.glob("*.json"))
     if not files:
         raise ConfigError(f"{folder} has no order files (*.json); config/orders has 25")
+    if refusals := [refusal for path in files if (refusal := _refusal(path, cell))]:
+        raise OrderError("\n".join(refusals))
     return [OrderJob(path, seed) for seed in range(seeds) for path in files]
+
+
+def _refusal(path: Path, cell: PalletizingCell) -> str:
+    try:
+        load_order(path, cell)
+    except OrderError as error:
+        return str(error)
+    return ""
 
 
 def run_order(setup: Setup, job: OrderJob) -> dict[str, Any]:
     """Plan and build an order; a line of the results."""
-    order = load_order(job.path, setup.cell)
+    order = load_order(job.path)
     plan = plan_order(order, setup.layout)
     lockstep = PalletLockstep(setup.cell, order, plan, setup.config, job.seed)
     run = lockstep.run()

@@ -66,7 +66,7 @@ def benchmark(
     from pack_core.paths import config_path
 
     setup = set_up(profile=profile, motion=motion, preset=preset, vision=vision)
-    wanted = order_jobs(orders or config_path("orders"), seeds)
+    wanted = order_jobs(orders or config_path("orders"), seeds, setup.cell)
     path = output or default_output(profile=profile, motion=motion, preset=preset, vision=vision)
     if fresh:
         path.unlink(missing_ok=True)
