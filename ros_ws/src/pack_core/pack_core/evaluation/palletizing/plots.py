@@ -10,16 +10,18 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.spatial.transform import Rotation
 
 from pack_core.evaluation.palletizing.measures import tracking_errors
 from pack_core.evaluation.palletizing.pallet_run import PalletRun
+from pack_core.rotations import Array
 
 SIZE = (9.0, 4.2)
 """Of a figure [inch]."""
 SLOW = ("3", "4", "7", "8", "9", "10", "11", "12", "13", "17", "18", "19")
 """Numbers of the states with the slow speed (Table 8.1)."""
 INK, GREY = "#20252b", "#9aa4ae"
+AXES = ("#c03a2b", "#2f8a46", "#2b6cb0")
+"""Colours of x, y and z."""
 STRIDE = 5
 """Every so many samples are drawn."""
 
@@ -40,7 +42,7 @@ def draw_position(figure: Figure, run: PalletRun) -> None:
     """Wanted and measured position; slow phases shaded, as in Fig. 9.2."""
     axes, tool = figure.add_subplot(), run.tool
     axes.set(title="Tool position: measured (solid) and commanded (dashed)", ylabel="[m]", xlabel="time [s]")
-    for i, (name, colour) in enumerate(zip("xyz", ("#c03a2b", "#2f8a46", "#2b6cb0"), strict=True)):
+    for i, (name, colour) in enumerate(zip("xyz", AXES, strict=True)):
         axes.plot(tool.times[::STRIDE], tool.p[::STRIDE, i], color=colour, lw=1.2, label=name)
         axes.plot(tool.times[::STRIDE], tool.p_ref[::STRIDE, i], color=INK, lw=0.8, ls="--")
     _shade(axes, run)
@@ -48,13 +50,22 @@ def draw_position(figure: Figure, run: PalletRun) -> None:
 
 
 def draw_orientation(figure: Figure, run: PalletRun) -> None:
-    """Wanted and measured orientation as rotation vectors; slow phases shaded."""
+    """Wanted and measured orientation as quaternions; slow phases shaded."""
     axes, tool = figure.add_subplot(), run.tool
-    axes.set(title="Tool orientation, rotation vector", ylabel="[deg]", xlabel="time [s]")
-    for q, style in ((tool.q, {"lw": 1.2}), (tool.q_ref, {"lw": 0.8, "ls": "--", "color": INK})):
-        vectors = np.degrees(Rotation.from_quat(q[::STRIDE], scalar_first=True).as_rotvec())
-        axes.plot(tool.times[::STRIDE], vectors, **style)
+    axes.set(title="Tool orientation, quaternion: measured (solid) and commanded (dashed)", xlabel="time [s]")
+    q = continuous(tool.q)
+    q_ref = tool.q_ref * np.where(np.sum(tool.q_ref * q, axis=1) < 0.0, -1.0, 1.0)[:, None]
+    for i, (name, colour) in enumerate(zip("wxyz", ("#7a4bb0", *AXES), strict=True)):
+        axes.plot(tool.times[::STRIDE], q[::STRIDE, i], color=colour, lw=1.2, label=name)
+        axes.plot(tool.times[::STRIDE], q_ref[::STRIDE, i], color=INK, lw=0.8, ls="--")
     _shade(axes, run)
+    axes.legend(loc="upper right", ncols=4)
+
+
+def continuous(q: Array) -> Array:
+    """Unit quaternions `(n, 4)` with the signs at which none is far from the one before it."""
+    flips = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0.0, -1.0, 1.0)
+    return np.asarray(q * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
 
 
 def draw_tracking(figure: Figure, run: PalletRun) -> None:
@@ -89,7 +100,7 @@ def draw_errors(figure: Figure, run: PalletRun) -> None:
     axes.set(title="Placement error at the end", ylabel="[mm]")
     placed = [box for box in run.boxes if box.outcome == "placed"]
     errors = [1e3 * (run.tracks[box.name].at(np.inf).p - box.X_WB.p) for box in placed]
-    for i, (name, colour) in enumerate(zip("xyz", ("#c03a2b", "#2f8a46", "#2b6cb0"), strict=True)):
+    for i, (name, colour) in enumerate(zip("xyz", AXES, strict=True)):
         places = np.arange(len(placed)) + 0.25 * (i - 1)
         axes.bar(places, [error[i] for error in errors], 0.22, color=colour, label=name)
     axes.set_xticks(range(len(placed)), [box.name for box in placed], rotation=60, ha="right", fontsize=7)
