@@ -65,6 +65,16 @@ build_workspace() {
     echo "$key" >ros_ws/install/.sources
 }
 
+# Numba compiles anew what changed, but not what calls it.
+forget_compiled() {
+    local sources key
+    mapfile -t sources < <(grep -rl --include='*.py' njit ros_ws/src | LC_ALL=C sort)
+    key=$(hash_of "${sources[@]}")
+    is_stamped "$venv/.compiled" "$key" && return
+    find ros_ws/src \( -name '*.nbi' -o -name '*.nbc' \) -delete
+    echo "$key" >"$venv/.compiled"
+}
+
 has_own_ros2() { PATH=$(tr : '\n' <<<"$PATH" | grep -vFx "$venv/bin" | paste -sd:) command -v ros2 >/dev/null; }
 
 link_commands() {
@@ -77,5 +87,6 @@ tools/system_packages.sh "$(find_python 2>/dev/null || true)"
 python=$(find_python)
 install_requirements
 build_workspace
+forget_compiled
 link_commands
 echo "PackCell is ready: .venv/bin/pack --help"

@@ -43,6 +43,8 @@ class BlocksRig:
         on_plan: may change it as a message.
         state: of the motion, after each target.
         reason: of the motion.
+        refused: label of a segment; the first target that begins with it is refused.
+        problems: that plans were asked for.
     """
 
     graph: Graph
@@ -53,6 +55,8 @@ class BlocksRig:
     on_plan: Callable[[PlanRearrangement.Response], None] = lambda response: None
     state: MotionState = MotionState.REACHED
     reason: str = ""
+    refused: str = ""
+    problems: list[PlanRearrangement.Request] = field(default_factory=list)
     targets: list[MotionTargetMsg] = field(default_factory=list)
     jaw: JawState = field(default_factory=lambda: JawState(0.0, 0.06, 0.0, JawStatus.AT_OPENING))
     commands: int = 0
@@ -74,10 +78,13 @@ class BlocksRig:
         return from_stamp(self.graph.probe.get_clock().now().to_msg())
 
     def _say(self) -> None:
-        number = self.targets[-1].id if self.targets else 0
+        number, state = self.targets[-1].id if self.targets else 0, self.state
+        meant = [t.id for t in self.targets if t.segments and t.segments[0].label == self.refused]
+        if meant and number == meant[0]:
+            state = MotionState.REFUSED
         X_WT = Pose([0.4, -0.3, 0.4], [0.0, 1.0, 0.0, 0.0])
         status = MotionStatus(
-            self.time + AHEAD, number, self.state, 0, "", 0.0, 0.0, 0.0, 0.0, 3, self.reason, X_WT
+            self.time + AHEAD, number, state, 0, "", 0.0, 0.0, 0.0, 0.0, 3, self.reason, X_WT
         )
         self.graph.probe.send(motion.MOTION_STATUS, to_status(status))
         self.graph.probe.send(contracts.JAW_STATE, to_jaw_state(self.jaw, self.commands))
@@ -97,8 +104,9 @@ class BlocksRig:
         return response
 
     def _make_plan(
-        self, _: PlanRearrangement.Request, response: PlanRearrangement.Response
+        self, request: PlanRearrangement.Request, response: PlanRearrangement.Response
     ) -> PlanRearrangement.Response:
+        self.problems.append(request)
         fill_plan(response, self.plan)
         self.on_plan(response)
         return response

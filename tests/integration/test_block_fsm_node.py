@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pack_interfaces.action import Rearrange
+from pack_interfaces.msg import BlockDeed
 from pack_interfaces.msg import BlockSighting as BlockSightingMsg
 from pack_interfaces.srv import PlanRearrangement
 
@@ -134,6 +135,18 @@ def test_a_refused_motion_ends_the_goal_with_what_is_in_the_way(
     result = outcome(graph)
     assert result.exit_reason == "motion failed"
     assert result.message == "REFUSED: 'palm' would be 3 mm from 'b' in 'down'"
+
+
+def test_an_action_that_is_refused_is_planned_around(
+    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    rig.poses, rig.plan, rig.refused = {**GOALS, "a": AWAY}, TO_GOAL, "approach"
+    result = outcome(graph)
+    assert (result.refusals, result.failed_grasps) == (1, 3)
+    first, second, *_ = rig.problems
+    assert len(first.refused) == 0
+    assert [deed.kind for deed in second.refused] == [BlockDeed.GRASP]
+    assert second.refused[0].x == pytest.approx(AWAY.x)
 
 
 def test_every_move_is_sent_with_what_stands_around_it(

@@ -17,6 +17,7 @@ from pack_core.cells.blocks import blocks_cell
 from pack_core.jaw import JawState, JawStatus
 from pack_core.motion.moves import Line, PoseMove
 from pack_core.motion.target import MotionState, MotionStatus
+from pack_core.rearrangement.deed import is_refused
 from pack_core.rearrangement.plan import Action, PickPlace, Plan, PlanStatus, Push
 from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rearrangement.problem import Problem
@@ -28,12 +29,12 @@ SQUARE = ((0.3, -0.4), (1.0, -0.4), (1.0, 0.4), (0.3, 0.4))
 
 
 def directly(problem: Problem) -> Plan:
-    """Every block that is not at its goal, picked and placed there."""
-    actions = [
-        PickPlace(name, pose, problem.goals[name], 0)
-        for name, pose in problem.starts.items()
-        if pose.distance_to(problem.goals[name]) > problem.tolerance.position
-    ]
+    """Every block that is not at its goal, picked and placed there by a grasp that was not refused."""
+    actions = []
+    for name, pose in problem.starts.items():
+        if pose.distance_to(problem.goals[name]) > problem.tolerance.position:
+            ways = [PickPlace(name, pose, problem.goals[name], grasp) for grasp in (0, 1)]
+            actions.append(next((way for way in ways if not is_refused(way, problem.refused)), ways[0]))
     return Plan(PlanStatus.FEASIBLE, tuple(actions), len(actions))
 
 
@@ -49,6 +50,7 @@ class Table:
         unseen: how many pictures in a row miss a block.
         sighting: what is told of a picture, from the poses.
         stuck: label of a segment at which the arm gets stuck.
+        refuses: says of a move whether it is refused.
     """
 
     poses: dict[str, PlanarPose]
@@ -60,6 +62,7 @@ class Table:
         0.0, poses
     )
     stuck: str = ""
+    refuses: Callable[[MoveArm], bool] = lambda move: False
     closings: int = 0
     asked: list[Request] = field(default_factory=list)
     held: str = ""
@@ -91,6 +94,8 @@ class Table:
         return self.sighting(dict(self.poses))
 
     def _move(self, request: MoveArm) -> MotionStatus:
+        if self.refuses(request):
+            return _status(MotionState.REFUSED, "", "'palm' would be 3 mm inside 'b'")
         for segment in request.path.segments:
             if segment.label == self.stuck:
                 return _status(MotionState.STUCK, segment.label, "something is in the way")

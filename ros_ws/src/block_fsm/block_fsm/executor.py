@@ -14,7 +14,7 @@ from block_fsm.deviation import Poses, as_seen, astray, disturbed, is_on_line, i
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.hands import Asking, Hands
 from block_fsm.motions import Motions
-from block_fsm.outcome import Ended, ExitReason, Outcome, Tally
+from block_fsm.outcome import Ended, ExitReason, Outcome, Refused, Tally
 from block_fsm.phase import Phase
 from block_fsm.requests import Answer, PlanFor, Request
 from block_fsm.surroundings import Surroundings
@@ -55,6 +55,7 @@ class Executor:
         self.action: Action | None = None
         self.outcome: Outcome | None = None
         self._tally = Tally()
+        self._refusals: list[Refused] = []
         self._conversation = self._run()
 
     @property
@@ -114,10 +115,12 @@ class Executor:
     def _plan(self) -> Generator[Request, Any, Plan]:
         self._hands.phase = Phase.PLAN
         self._tally = replace(self._tally, plans=self._tally.plans + 1)
-        plan: Plan = yield PlanFor(self._task.problem(self._hands.seen))
+        refused = tuple(refusal.deed for refusal in self._refusals)
+        plan: Plan = yield PlanFor(self._task.problem(self._hands.seen, refused))
         self.plan, self.done = plan, 0
         if not plan.is_solved:
-            raise Ended(ExitReason.NO_PLAN, f"{plan.status.name}: {plan.diagnosis.text}")
+            because = "".join(f"; the arm refused: {refusal}" for refusal in self._refusals)
+            raise Ended(ExitReason.NO_PLAN, f"{plan.status.name}: {plan.diagnosis.text}{because}")
         return plan
 
     def _is_as_predicted(self, action: Action, predicted: Poses) -> bool:
@@ -129,14 +132,28 @@ class Executor:
     def _act(self, action: Action) -> Generator[Request, Any, bool]:
         """Carry out an action and look; False where the plan no longer holds."""
         before, self.action = self._hands.seen, action
+        refusal = yield from self._carry_out(action)
+        yield from self._hands.look()
+        self.action = None
+        return refusal is None and self._verify(action, before, self._hands.seen)
+
+    def _carry_out(self, action: Action) -> Generator[Request, Any, Refused | None]:
+        """Do what an action says, or remember what the arm cannot do as long as the table is as it is."""
+        try:
+            yield from self._hands.carry_out(action)
+        except Refused as refusal:
+            self._refusals.append(refusal)
+            self._tally = replace(self._tally, refusals=self._tally.refusals + 1)
+            if len(self._refusals) >= self._config.refusals:
+                reason = f"{len(self._refusals)} actions in a row refused, the last: {refusal}"
+                raise Ended(ExitReason.MOTION_FAILED, reason) from refusal
+            return refusal
+        self._refusals.clear()
         if isinstance(action, PickPlace):
             self._tally = replace(self._tally, picks=self._tally.picks + 1)
         else:
             self._tally = replace(self._tally, pushes=self._tally.pushes + 1)
-        yield from self._hands.carry_out(action)
-        yield from self._hands.look()
-        self.action = None
-        return self._verify(action, before, self._hands.seen)
+        return None
 
     def _verify(self, action: Action, before: Poses, after: Poses) -> bool:
         tolerance, block = self._config.tolerance, action.block

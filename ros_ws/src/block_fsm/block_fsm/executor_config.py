@@ -48,6 +48,9 @@ class ExecutorConfig(Config):
     )
     looks: PositiveInt = Field(default=3, description="pictures in a row in which a block may be unseen")
     grasps: PositiveInt = Field(default=3, description="failed grasps in a row that end the task")
+    refusals: PositiveInt = Field(
+        default=5, description="actions in a row that the arm cannot do which end the task"
+    )
     spare_actions: PositiveInt = Field(
         default=20, description="beyond twice the first plan's actions, before there is no progress"
     )

@@ -11,7 +11,7 @@ from typing import Any
 from block_fsm.deviation import Poses
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
-from block_fsm.outcome import Ended, ExitReason
+from block_fsm.outcome import Ended, ExitReason, Refused
 from block_fsm.phase import Phase
 from block_fsm.requests import Look, MoveArm, MoveJaw, NoPicture, Request
 from block_fsm.surroundings import Surroundings
@@ -21,6 +21,7 @@ from pack_core.jaw import JawCommand, JawState, JawStatus
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.motion.world import CarriedBox
+from pack_core.rearrangement.deed import Deed, deeds_of
 from pack_core.rearrangement.plan import Action, PickPlace, Push
 from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rotations import Pose
@@ -85,22 +86,28 @@ class Hands:
         """Do what an action says; the arm is out of sight afterwards.
 
         Raises:
+            Refused: a move is not possible; the block stands where it stood, and is not held.
             Ended: a move failed, or too many grasps did.
         """
         yield from self._pick_and_place(action) if isinstance(action, PickPlace) else self._push(action)
 
     def _pick_and_place(self, action: PickPlace) -> Asking:
         grip, release = self._motions.grasps(action)
+        grasp, place = deeds_of(action)
         wide = self._gripper.grasp_opening(self._side)
         self.phase = Phase.PICK
         yield from self._jaw(wide)
-        yield from self._move(self._motions.approach(grip))
+        yield from self._move(self._motions.approach(grip), deed=grasp)
         if not (yield from self._hold()):
             yield from self._let_go(grip, wide, action.block, action.start)
             return
         self.phase = Phase.PLACE
         carried = self._surroundings.carried(grip, action.start)
-        yield from self._move(self._motions.carry(grip, release), action.block, carried)
+        try:
+            yield from self._move(self._motions.carry(grip, release), action.block, carried, deed=place)
+        except Refused:
+            yield from self._let_go(grip, wide, action.block, action.start)
+            raise
         if (yield from self._hold()):
             self._failed_in_a_row = 0
         yield from self._let_go(release, wide, action.block, action.end)
@@ -113,11 +120,17 @@ class Hands:
 
     def _push(self, action: Push) -> Asking:
         start, end = self._motions.pushes(action)
+        (push,) = deeds_of(action)
         self.phase = Phase.PUSH
         yield from self._jaw(self._gripper.push_gap)
-        yield from self._move(self._motions.approach(start))
+        yield from self._move(self._motions.approach(start), deed=push)
         carried = self._surroundings.carried(end, action.end)
-        yield from self._move(self._motions.push(end), action.block, carried)
+        try:
+            yield from self._move(self._motions.push(end), action.block, carried, deed=push)
+        except Refused:
+            self.phase = Phase.RETREAT
+            yield from self._move(self._motions.retreat(start))
+            raise
         self.phase = Phase.RETREAT
         self.seen = {**self.seen, action.block: action.end}
         yield from self._move(self._motions.back_off(start, end), touched=action.block)
@@ -134,14 +147,22 @@ class Hands:
         return False
 
     def _move(
-        self, path: Path, moved: str = "", carried: CarriedBox | None = None, *, touched: str = ""
-    ) -> Asking:
-        """Along a path; `moved` goes with the fingers, and `touched` is what they have just left."""
+        self, path: Path, moved: str = "", carried: CarriedBox | None = None, *, touched: str = "",
+        deed: Deed | None = None,
+    ) -> Asking:  # fmt: skip
+        """Along a path; `moved` goes with the fingers, `touched` is what they have just left.
+
+        Raises:
+            Refused: the move is not possible, and was for a `deed` that can be done without.
+            Ended: it failed.
+        """
         obstacles = self._surroundings.among(self.seen, without=moved)
         contacts = frozenset({touched}) if touched else frozenset()
         if carried is not None:
             contacts = self._surroundings.beside(moved, self.seen)
         status: MotionStatus = yield MoveArm(path, self._opening, obstacles, carried, contacts)
+        if status.state is MotionState.REFUSED and deed is not None:
+            raise Refused(deed, status.reason)
         if status.state is not MotionState.REACHED:
             where = "" if status.state is MotionState.REFUSED else f" in '{status.label}'"
             raise Ended(ExitReason.MOTION_FAILED, f"{status.state.value}{where}: {status.reason}")

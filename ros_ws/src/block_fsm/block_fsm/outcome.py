@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from pack_core.rearrangement.deed import Deed
+
 
 class ExitReason(Enum):
     """Why the executor stopped."""
@@ -27,6 +29,7 @@ class Tally:
         pushes: blocks pushed.
         plans: plans asked for.
         failed_grasps: grasps that held nothing, or lost it.
+        refusals: actions that the arm could not do.
         deviations: actions after which the table was not as predicted.
         disturbances: actions after which a block stood elsewhere that was not to be moved.
     """
@@ -35,6 +38,7 @@ class Tally:
     pushes: int = 0
     plans: int = 0
     failed_grasps: int = 0
+    refusals: int = 0
     deviations: int = 0
     disturbances: int = 0
 
@@ -66,6 +70,14 @@ class Outcome:
     def success(self) -> bool:
         """All blocks are where they were to be."""
         return self.exit_reason is ExitReason.ARRANGED
+
+
+class Refused(Exception):
+    """Raised where the arm cannot do something, and has made good what it had begun; the message says why."""
+
+    def __init__(self, deed: Deed, message: str) -> None:
+        super().__init__(message)
+        self.deed = deed
 
 
 class Ended(Exception):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pack_core.rearrangement.deed import Deed
 from pack_core.rearrangement.gripper import GripperFootprint
 from pack_core.rearrangement.planar import PlanarPose, turn_between
 from pack_core.rearrangement.problem import Block, Point, Problem
@@ -30,12 +31,12 @@ class RearrangeTask:
     symmetry: int = 1
     gripper: GripperFootprint = field(default_factory=GripperFootprint)
 
-    def problem(self, poses: Mapping[str, PlanarPose]) -> Problem:
-        """What the planner is asked, from where the blocks are now."""
+    def problem(self, poses: Mapping[str, PlanarPose], refused: tuple[Deed, ...] = ()) -> Problem:
+        """What the planner is asked, from where the blocks are now, without what the arm `refused`."""
         return Problem(
             blocks=tuple(Block(name, poses[name]) for name in self.goals), goals=self.goals,
             workspace=self.workspace, side=self.side, symmetry=self.symmetry, gripper=self.gripper,
-            starts_may_be_outside=True,
+            starts_may_be_outside=True, refused=refused,
         )  # fmt: skip
 
     def errors(self, poses: Mapping[str, PlanarPose]) -> tuple[float, float]:

@@ -7,9 +7,16 @@ import pytest
 from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rearrangement.problem import Block, Problem
 from pack_planner.rearrangement.instances import square_workspace
+from pack_planner.rearrangement.planner import warm_up
 
 Make = Callable[..., Problem]
 Rows = Mapping[str, tuple[float, ...]]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled() -> None:
+    """No test's budget is spent on compiling."""
+    warm_up()
 
 
 @pytest.fixture

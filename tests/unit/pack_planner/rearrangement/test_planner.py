@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pack_core.errors import PackError
+from pack_core.rearrangement.deed import DeedKind, deeds_of
 from pack_core.rearrangement.plan import PickPlace, PlanStatus, Push
 from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rearrangement.problem import Block, Problem
@@ -125,6 +126,40 @@ def test_a_knot_is_undone_before_the_grid_bars_its_way() -> None:
     made = plan(problem, budget_s=20.0, config=RearrangementConfig(beam=BeamConfig(rounds=2)))
     assert made.is_solved
     assert verify(problem, made) == []
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_plans_do_without_what_the_arm_refused(seed: int) -> None:
+    problem = make_instance(4, 0.2, seed)
+    made = plan(problem, budget_s=20.0, config=SHORT)
+    deeds = [deed for action in made.actions for deed in deeds_of(action)]
+    assert {deed.kind for deed in deeds} == set(DeedKind)
+    for deed in deeds:
+        without = replace(problem, refused=(deed,))
+        again = plan(without, budget_s=20.0, config=SHORT)
+        assert again.is_solved
+        assert verify(without, again) == []
+        assert any("refused" in fault for fault in verify(without, made))
+
+
+def test_a_block_that_the_arm_cannot_grasp_is_pushed_out(make) -> None:
+    start = PlanarPose(0.0, 0.0, 0.3)
+    problem = make({"a": start.row}, {"a": (100, 0)})
+    ways = [PickPlace("a", start, problem.goals["a"], grasp) for grasp in (0, 1)]
+    without = replace(problem, refused=tuple(deeds_of(way)[0] for way in ways))
+    made = plan(without, budget_s=20.0, config=SHORT)
+    assert isinstance(made.actions[0], Push)
+    assert verify(without, made) == []
+
+
+def test_pirs_draws_again_what_the_arm_refused() -> None:
+    problem = make_instance(4, 0.2, 1)
+    made = plan(problem, method="pirs", budget_s=20.0)
+    push = next(action for action in made.actions if isinstance(action, Push))
+    without = replace(problem, refused=deeds_of(push))
+    again = plan(without, method="pirs", budget_s=20.0)
+    assert again.is_solved
+    assert verify(without, again) == []
 
 
 @pytest.mark.parametrize("seed", [18, 28])

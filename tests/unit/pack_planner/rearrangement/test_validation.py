@@ -88,7 +88,7 @@ def test_corners_may_run_either_way_round(make) -> None:
 
 def test_more_blocks_than_a_method_takes_are_refused(make) -> None:
     rows = {f"b{i}": (60 * (i % 7), 60 * (i // 7)) for i in range(33)}
-    assert "33 blocks; allowed: up to 32 with beam" in refusal(make(rows, size=2.0))[0]
+    assert "33 blocks; allowed: up to 31 with beam" in refusal(make(rows, size=2.0))[0]
 
 
 def test_symmetry_is_one_two_or_four(make) -> None:

@@ -19,7 +19,7 @@ def to_status(executor: Executor, time: float) -> RearrangeStatus:
         plan=[to_action(step) for step in plan.actions] if plan else [],
         lower_bound=plan.lower_bound if plan else 0, picks=tally.picks, pushes=tally.pushes,
         plans=tally.plans, failed_grasps=tally.failed_grasps, deviations=tally.deviations,
-        disturbances=tally.disturbances,
+        disturbances=tally.disturbances, refusals=tally.refusals,
     )  # fmt: skip
     message.header.stamp = to_stamp(time)
     return message
@@ -39,7 +39,7 @@ def to_result(outcome: Outcome, elapsed: float) -> Rearrange.Result:
     return Rearrange.Result(
         success=outcome.success, exit_reason=outcome.exit_reason.value, message=outcome.message,
         picks=tally.picks, pushes=tally.pushes, plans=tally.plans, failed_grasps=tally.failed_grasps,
-        deviations=tally.deviations, disturbances=tally.disturbances,
+        deviations=tally.deviations, disturbances=tally.disturbances, refusals=tally.refusals,
         position_error=float(outcome.position_error), yaw_error=float(outcome.yaw_error),
         execution_time=elapsed,
     )  # fmt: skip

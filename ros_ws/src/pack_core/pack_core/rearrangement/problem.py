@@ -9,6 +9,7 @@ from types import MappingProxyType
 from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
+from pack_core.rearrangement.deed import Deed
 from pack_core.rearrangement.gripper import GripperFootprint
 from pack_core.rearrangement.planar import PlanarPose
 
@@ -47,6 +48,7 @@ class Problem:
         gripper: its room on the table.
         tolerance: what counts as in place.
         starts_may_be_outside: blocks may stand outside the workspace to begin with.
+        refused: what the arm cannot do; a plan does without.
     """
 
     blocks: tuple[Block, ...]
@@ -57,6 +59,7 @@ class Problem:
     gripper: GripperFootprint = field(default_factory=GripperFootprint)
     tolerance: Tolerance = field(default_factory=Tolerance)
     starts_may_be_outside: bool = False
+    refused: tuple[Deed, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "goals", MappingProxyType(dict(self.goals)))

@@ -9,12 +9,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from geometry_msgs.msg import Point
-from pack_interfaces.msg import BlockAction, BlockPose, BlockTolerance
+from pack_interfaces.msg import BlockAction, BlockDeed, BlockPose, BlockTolerance
 from pack_interfaces.msg import GripperFootprint as GripperFootprintMsg
 from pack_interfaces.srv import PlanRearrangement
 
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError, MessageError
+from pack_core.rearrangement.deed import Deed, DeedKind
 from pack_core.rearrangement.gripper import GripperFootprint
 from pack_core.rearrangement.plan import Action, Diagnosis, PickPlace, Plan, PlanStatistics, PlanStatus, Push
 from pack_core.rearrangement.planar import PlanarPose
@@ -47,7 +48,9 @@ def to_request(
         side=problem.side, symmetry=problem.symmetry,
         gripper=GripperFootprintMsg(**problem.gripper.model_dump()),
         tolerance=BlockTolerance(**problem.tolerance.model_dump()),
-        starts_may_be_outside=problem.starts_may_be_outside, method=method, budget=budget_s, seed=seed,
+        starts_may_be_outside=problem.starts_may_be_outside,
+        refused=[BlockDeed(kind=d.kind, x=d.at.x, y=d.at.y, heading=d.at.yaw) for d in problem.refused],
+        method=method, budget=budget_s, seed=seed,
     )  # fmt: skip
 
 
@@ -64,6 +67,7 @@ def from_request(request: PlanRearrangement.Request) -> Problem:
         workspace=tuple((corner.x, corner.y) for corner in request.workspace),
         side=request.side, symmetry=request.symmetry, gripper=gripper, tolerance=tolerance,
         starts_may_be_outside=request.starts_may_be_outside,
+        refused=tuple(_from_deed(deed) for deed in request.refused),
     )  # fmt: skip
 
 
@@ -107,6 +111,13 @@ def _from_action(message: BlockAction) -> Action:
     if message.kind != BlockAction.PICK_PLACE or message.grasp not in (0, 1):
         raise MessageError(f"action is of kind {message.kind} with grasp {message.grasp}")
     return PickPlace(message.start.id, start, end, message.grasp)
+
+
+def _from_deed(message: BlockDeed) -> Deed:
+    at = PlanarPose(message.x, message.y, message.heading)
+    if message.kind not in list(DeedKind) or not at.is_finite:
+        raise MessageError(f"refused deed is of kind {message.kind} at {at}")
+    return Deed(DeedKind(message.kind), at)
 
 
 def _fields(message: Any) -> dict[str, float]:

@@ -10,7 +10,8 @@ from pydantic import Field
 
 from pack_core.config import Config
 from pack_core.errors import PackError
-from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
+from pack_core.rearrangement.deed import is_refused
+from pack_core.rearrangement.plan import Action, Diagnosis, Plan, PlanStatus
 from pack_core.rearrangement.problem import Problem
 from pack_planner.rearrangement.beam.beam_planner import BeamConfig, plan_by_beam
 from pack_planner.rearrangement.beam.spots import MAX_BLOCKS
@@ -75,13 +76,24 @@ def plan(
     if checked == "beam":
         actions, bound = plan_by_beam(task, bound, progress, rng, config.beam)
     else:
-        actions = plan_by_pirs(task, progress, rng, config.pirs)
+        actions = _without_refused(task, progress, rng, config.pirs)
         bound = sharper_bound(task, bound)
     if actions is None:
         text = f"no plan found in {progress.elapsed():.2f} s; that there is none is not proven"
         return Plan(PlanStatus.TIMEOUT, (), bound, Diagnosis(text), progress.statistics())
     status = PlanStatus.OPTIMAL if len(actions) <= bound else PlanStatus.FEASIBLE
     return Plan(status, tuple(actions), bound, statistics=progress.statistics())
+
+
+def _without_refused(
+    task: Task, progress: Progress, rng: np.random.Generator, config: PirsConfig
+) -> list[Action] | None:
+    """The first plan by pIRS, which knows no refusals, that needs nothing of what the arm refused."""
+    refused = task.problem.refused
+    actions = plan_by_pirs(task, progress, rng, config)
+    while actions is not None and any(is_refused(action, refused) for action in actions):
+        actions = None if progress.is_over() else plan_by_pirs(task, progress, rng, config)
+    return actions
 
 
 def warm_up() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from shapely import Polygon, affinity, box
 
+from pack_core.rearrangement.deed import is_refused
 from pack_core.rearrangement.plan import Action, PickPlace, Plan, Push
 from pack_core.rearrangement.planar import QUARTER, PlanarPose, turn_between, wrapped
 from pack_core.rearrangement.problem import Problem
@@ -44,6 +45,8 @@ def _faults(
     problem: Problem, poses: Mapping[str, PlanarPose], action: Action, has_moved: bool
 ) -> Iterator[str]:
     yield from _jump(problem, poses[action.block], action.start, has_moved)
+    if is_refused(action, problem.refused):
+        yield "is what the arm refused"
     if not Polygon(problem.workspace).buffer(EXACT).covers(_block(problem, action.end)):
         yield "ends outside the workspace"
     sweeps = _push_sweeps if isinstance(action, Push) else _grasp_sweeps

@@ -14,6 +14,7 @@ from pack_planner.rearrangement.beam.bits import bit, count_bits
 from pack_planner.rearrangement.beam.estimates import Summary
 from pack_planner.rearrangement.beam.grasping import swaps
 from pack_planner.rearrangement.beam.pushing import Ints
+from pack_planner.rearrangement.beam.spots import NO_GO
 from pack_planner.rearrangement.beam.states import PUSHED, has
 from pack_planner.rearrangement.beam.tables import Tables
 from pack_planner.rearrangement.collisions import Words
@@ -87,7 +88,7 @@ def pushed_out_options(i: int, occupied: Words, tables: Tables, options: Options
 @njit(cache=True)
 def _free_spots(i: int, spots: npt.NDArray[np.int16], denied: Words) -> Words:
     """Spots on which block i can be put down, the gripper closing along either axis `(2, W)`."""
-    words = np.zeros((2, denied.shape[2]), dtype=np.uint64)
+    words: Words = denied[NO_GO].copy()
     for j in range(spots.shape[0]):
         if j != i:
             for k in range(2):

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.rearrangement.deed import DeedKind
 from pack_core.rearrangement.planar import QUARTER, wrapped
 from pack_core.rotations import Array
+from pack_planner.rearrangement.beam.refusals import bar_grasps, bar_pushes
 from pack_planner.rearrangement.beam.spots import POOL, STRAIGHT
-from pack_planner.rearrangement.collisions import hits
+from pack_planner.rearrangement.collisions import Words, hits
 from pack_planner.rearrangement.footprints import fingers, squares, sweeps
 from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.workspace import are_inside
@@ -21,35 +23,53 @@ OUT_LENGTHS = (0.006, 0.01, 0.015, 0.022, 0.03, 0.05, 0.08, 0.115)
 
 
 @dataclass(frozen=True)
+class Pushes:
+    """Any number of them.
+
+    Attributes:
+        ends: poses `(..., 3)`.
+        headings: [rad] `(...)`.
+        lengths: [m] `(...)`.
+    """
+
+    ends: Array
+    headings: Array
+    lengths: Array
+
+    @property
+    def starts(self) -> Array:
+        """Poses `(..., 3)`."""
+        return _moved(self.ends, self.headings, -self.lengths)
+
+    def hits(self, task: Task, blocks: Array) -> Words:
+        """Which of the blocks `(Q, 6)` they hit, those that the arm refused all, `(..., W)`."""
+        footprints = sweeps(self.ends, self.headings, self.lengths, task.side, task.gripper)
+        words = hits(footprints[..., None, :], blocks)
+        bar_pushes(task, self.starts, self.headings, words)
+        return words
+
+
+@dataclass(frozen=True)
 class PushesOut:
     """Pushes away from the starts of blocks that cannot be grasped there, K of them.
 
     Attributes:
         first: first row of every block `(n + 1,)`.
         spots: numbers of their ends `(K,)`.
-        ends: poses `(K, 3)`.
-        headings: [rad] `(K,)`.
-        lengths: [m] `(K,)`.
+        pushes: themselves.
     """
 
     first: Ints
     spots: Ints
-    ends: Array
-    headings: Array
-    lengths: Array
+    pushes: Pushes
 
 
-def sweep(task: Task, ends: Array, headings: Array, lengths: Array) -> Array:
-    """Footprints `(..., 1, 6)` of pushes that end at poses `(..., 3)`."""
-    return sweeps(ends, headings, lengths, task.side, task.gripper)[..., None, :]
-
-
-def stages(task: Task) -> tuple[Array, Array]:
-    """Staging poses `(n, M, 3)`, the nearest first from all sides, and footprints of the pushes."""
+def stages(task: Task) -> Pushes:
+    """Pushes into the goals `(n, M)` from staging poses, the nearest first from all sides."""
     lengths = np.repeat(_lengths_into_goals(task), 4)
     headings = task.goals[:, 2, None] + QUARTER * np.tile(np.arange(4), len(lengths) // 4)
     ends = np.repeat(task.goals[:, None], len(lengths), axis=1)
-    return _moved(ends, headings, -lengths), sweep(task, ends, headings, lengths)
+    return Pushes(ends, headings, np.broadcast_to(lengths, headings.shape))
 
 
 def _lengths_into_goals(task: Task) -> Array:
@@ -64,8 +84,8 @@ def _lengths_into_goals(task: Task) -> Array:
     return np.unique(np.minimum(wanted, task.gripper.max_push))
 
 
-def pushes_from_spots(task: Task, poses: Array) -> tuple[Ints, Array]:
-    """Rows of pushes that lead from spots `(Q, 3)` to the blocks' goals `(n, Q)`, and their footprints."""
+def pushes_from_spots(task: Task, poses: Array) -> tuple[Ints, Pushes]:
+    """Rows of pushes that lead from spots `(Q, 3)` to the blocks' goals `(n, Q)`, and these pushes `(L,)`."""
     goals, gripper = task.goals[:, None], task.gripper
     cosine, sine = np.cos(goals[..., 2]), np.sin(goals[..., 2])
     dx, dy = (goals - poses)[..., 0], (goals - poses)[..., 1]
@@ -79,14 +99,15 @@ def pushes_from_spots(task: Task, poses: Array) -> tuple[Ints, Array]:
     push_of = np.full(is_line.shape, -1, dtype=np.int32)
     push_of[block, spot] = np.arange(len(block))
     headings = np.arctan2(dy, dx)[block, spot]
-    return push_of, sweep(task, task.goals[block], headings, length[block, spot])
+    return push_of, Pushes(task.goals[block], headings, length[block, spot])
 
 
 def pushes_out(task: Task, first_spot: int) -> PushesOut:
-    """Pushes away from the starts of blocks whom the others, as they stand now, leave no grasp."""
-    picks = hits(fingers(task.starts, task.side, task.gripper), squares(task.starts, task.side))[..., 0]
+    """Pushes away from the starts of blocks that can be grasped by no axis as the others stand now."""
+    picks = hits(fingers(task.starts, task.side, task.gripper), squares(task.starts, task.side))
+    bar_grasps(task, DeedKind.GRASP, task.starts, picks)
     others = ~(np.uint64(1) << np.arange(task.n, dtype=np.uint64))
-    stuck = np.flatnonzero(~task.is_home & np.all(picks & others[:, None], axis=1))
+    stuck = np.flatnonzero(~task.is_home & np.all(picks[..., 0] & others[:, None], axis=1))
     lengths = np.broadcast_to(np.tile(OUT_LENGTHS, 4), (len(stuck), 4 * len(OUT_LENGTHS)))
     headings = task.starts[stuck, 2, None] + QUARTER * np.repeat(np.arange(4), len(OUT_LENGTHS))
     ends = _moved(np.repeat(task.starts[stuck, None], lengths.shape[1], axis=1), headings, lengths)
@@ -96,7 +117,7 @@ def pushes_out(task: Task, first_spot: int) -> PushesOut:
     return PushesOut(
         np.concatenate([[0], np.cumsum(counts)]).astype(np.int32),
         (first_spot + np.arange(is_allowed.sum())).astype(np.int32),
-        ends[is_allowed], headings[is_allowed], lengths[is_allowed],
+        Pushes(ends[is_allowed], headings[is_allowed], lengths[is_allowed]),
     )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from pack_planner.rearrangement.beam.detours import cycles, standing_on_goals
 from pack_planner.rearrangement.beam.expansion import expand
 from pack_planner.rearrangement.beam.history import History, Move
 from pack_planner.rearrangement.beam.pushing import Ints
-from pack_planner.rearrangement.beam.spots import GOAL
+from pack_planner.rearrangement.beam.spots import GOAL, NO_GO
 from pack_planner.rearrangement.beam.states import NO_STAGE, Children, States, follow, occupy
 from pack_planner.rearrangement.beam.tables import Tables
 from pack_planner.rearrangement.collisions import Words
@@ -58,6 +58,7 @@ class Round:
 def root_state(tables: Tables, spots: npt.NDArray[np.int16]) -> States:
     """The layer of one state with blocks at spots `(n,)`."""
     occupied = np.zeros((1, tables.pick.shape[2]), dtype=np.uint64)
+    occupy(occupied[0], NO_GO)
     for spot in spots.tolist():
         occupy(occupied[0], spot)
     circles = cycles(standing_on_goals(spots, tables.crowds), np.uint64(2 ** len(spots) - 1))

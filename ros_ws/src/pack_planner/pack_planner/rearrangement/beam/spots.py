@@ -16,7 +16,9 @@ from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.workspace import are_inside
 
 GOAL, POOL = 32, 64
-MAX_BLOCKS = 32
+NO_GO = 31
+"""A spot that counts as occupied always, so that what is impossible hits something even among no blocks."""
+MAX_BLOCKS = 31
 FAR = 1e6
 """Where spots are that do not exist [m]."""
 LINE_STEP = 0.010

@@ -7,18 +7,18 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.rearrangement.deed import DeedKind
 from pack_core.rearrangement.planar import QUARTER, wrapped
 from pack_core.rotations import Array
 from pack_planner.rearrangement.assembly import MAX_GOALS, Method, assembly_planes
 from pack_planner.rearrangement.beam.bits import MEMO_BITS
-from pack_planner.rearrangement.beam.pushing import Ints, pushes_from_spots, pushes_out, stages, sweep
+from pack_planner.rearrangement.beam.pushing import Ints, pushes_from_spots, pushes_out, stages
+from pack_planner.rearrangement.beam.refusals import EVERYTHING, bar_grasps
 from pack_planner.rearrangement.beam.spots import GOAL, POOL, STRAIGHT, spot_poses
 from pack_planner.rearrangement.collisions import Words, hits
 from pack_planner.rearrangement.footprints import fingers, squares
 from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.workspace import are_inside
-
-EVERYTHING = np.uint64(2**64 - 1)
 
 
 class Tables(NamedTuple):
@@ -77,14 +77,14 @@ class Tables(NamedTuple):
 def build_tables(task: Task, pool: Array) -> Tables:
     """Compute the tables of a task with a buffer pool `(P, 3)`, to which ends of pushes out are added."""
     out = pushes_out(task, POOL + len(pool))
-    poses = spot_poses(task, np.vstack([pool, out.ends]))
+    poses = spot_poses(task, np.vstack([pool, out.pushes.ends]))
     blocks = squares(poses, task.side)
     pick, place = _grasps_at(task, poses, blocks)
-    stage, stage_sweeps = stages(task)
-    _, stage_place = _grasps_at(task, stage, blocks)
-    stage_place[~are_inside(stage, task.side, task.half_planes)] = EVERYTHING
-    stage_push = hits(stage_sweeps, blocks)
-    push_of, push_sweeps = pushes_from_spots(task, poses)
+    stage = stages(task)
+    _, stage_place = _grasps_at(task, stage.starts, blocks)
+    stage_place[~are_inside(stage.starts, task.side, task.half_planes)] = EVERYTHING
+    stage_push = stage.hits(task, blocks)
+    push_of, from_spots = pushes_from_spots(task, poses)
     placed = place[GOAL : GOAL + task.n]
     into_place, into_push = _ways_into_goals(placed, stage_place, stage_push)
     planes, upper_planes, split = _assembly(into_place, into_push)
@@ -95,14 +95,14 @@ def build_tables(task: Task, pool: Array) -> Tables:
         denied=_turned_round(place),
         swap=_swaps(task, poses),
         is_symmetric=task.problem.symmetry == 4,
-        stage=stage,
+        stage=stage.starts,
         stage_place=stage_place,
         stage_push=stage_push,
         push_of=push_of,
-        push=hits(push_sweeps, blocks),
+        push=from_spots.hits(task, blocks),
         out_first=out.first,
         out_spot=out.spots,
-        out=hits(sweep(task, out.ends, out.headings, out.lengths), blocks),
+        out=out.pushes.hits(task, blocks),
         crowds=_crowds(task, blocks, placed),
         place_at=into_place.rows(),
         push_at=into_push.rows(),
@@ -116,10 +116,16 @@ def build_tables(task: Task, pool: Array) -> Tables:
 
 
 def _grasps_at(task: Task, poses: Array, blocks: Array) -> tuple[Words, Words]:
-    """What grasping and what putting down hits at poses `(..., 3)`, `(..., 2, W)` each."""
+    """What grasping and what putting down hits at poses `(..., 3)`, `(..., 2, W)` each.
+
+    What the arm refused hits all.
+    """
     pick = hits(fingers(poses, task.side, task.gripper), blocks)
     below = hits(squares(poses, task.side, task.gripper.block_margin)[..., None, :], blocks)
-    return pick, pick | below[..., None, :]
+    place = pick | below[..., None, :]
+    bar_grasps(task, DeedKind.GRASP, poses, pick)
+    bar_grasps(task, DeedKind.PLACE, poses, place)
+    return pick, place
 
 
 def _swaps(task: Task, poses: Array) -> npt.NDArray[np.bool_]:
