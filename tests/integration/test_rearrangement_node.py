@@ -1,13 +1,15 @@
 """The rearrangement planner's service: plans, proofs, refusals."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from geometry_msgs.msg import Point
-from pack_interfaces.msg import BlockPose
+from pack_interfaces.msg import BlockDeed, BlockPose
 from pack_interfaces.srv import PlanRearrangement
 
 from integration.harness import Graph
+from pack_core.rearrangement.deed import deeds_of
 from pack_core.rearrangement.plan import PlanStatus
 from pack_core.rearrangement.problem import Problem
 from pack_core.ros.contracts import blocks as contracts
@@ -52,6 +54,17 @@ def test_the_same_request_gets_the_same_answer(
     assert first.actions == second.actions
 
 
+def test_a_plan_does_without_what_the_arm_refused(
+    graph: Graph, node: RearrangementNode, problem: Problem
+) -> None:
+    first = from_response(call(graph, to_request(problem, budget_s=20.0)))
+    without = replace(problem, refused=deeds_of(first.actions[0]))
+    again = from_response(call(graph, to_request(without, budget_s=20.0)))
+    assert verify(without, first) != []
+    assert again.is_solved
+    assert verify(without, again) == []
+
+
 def test_an_impossible_problem_is_answered_with_the_blocks_that_are_stuck(
     graph: Graph, node: RearrangementNode, problem: Problem
 ) -> None:
@@ -71,20 +84,22 @@ def test_an_impossible_problem_is_answered_with_the_blocks_that_are_stuck(
 def test_bad_requests_are_refused_in_words_and_the_next_one_is_served(
     graph: Graph, node: RearrangementNode, problem: Problem
 ) -> None:
-    broken, doubled, unknown, gripper, corners = (to_request(problem) for _ in range(5))
+    broken, doubled, unknown, gripper, corners, deed = (to_request(problem) for _ in range(6))
     broken.blocks[0].x = math.nan
     doubled.goals = [*doubled.goals, doubled.goals[0]]
     unknown.method = "magic"
     gripper.gripper.insertion = -1.0
     corners.workspace = [Point()]
+    deed.refused = [BlockDeed(kind=7)]
     parts = [
         "is not finite",
         "more than once in the goals",
         "beam, pirs",
         "gripper: key 'insertion'",
         "convex",
+        "refused deed is of kind 7",
     ]
-    for request, part in zip((broken, doubled, unknown, gripper, corners), parts, strict=True):
+    for request, part in zip((broken, doubled, unknown, gripper, corners, deed), parts, strict=True):
         response = call(graph, request)
         assert response.status == Response.INVALID_INPUT
         assert part in response.message

@@ -27,6 +27,7 @@ class BlocksMeasures:
         lower_bound: no plan has fewer.
         plans: asked for.
         failed_grasps: grasps that held nothing.
+        refusals: actions that the arm could not do.
         deviations: actions after which the table was not as predicted.
         disturbances: actions that moved a block they were not on.
         pictures: taken.
@@ -46,6 +47,7 @@ class BlocksMeasures:
     lower_bound: int
     plans: int
     failed_grasps: int
+    refusals: int
     deviations: int
     disturbances: int
     pictures: int
@@ -70,7 +72,7 @@ def measure(run: BlocksRun) -> BlocksMeasures:
         },
         result["picks"] + result["pushes"], len(first.actions) if first else 0,
         first.lower_bound if first else 0, result["plans"], result["failed_grasps"],
-        result["deviations"], result["disturbances"], len(run.sights),
+        result["refusals"], result["deviations"], result["disturbances"], len(run.sights),
         sum(len(sight.unclear) for sight in run.sights), _mean_max(seen_mm), _mean_max(seen_deg),
         result["execution_time"],
     )  # fmt: skip
@@ -85,6 +87,7 @@ def rows(m: BlocksMeasures) -> tuple[Row, ...]:
         Row("actions", f"{m.actions}", f"carried out; first plan {m.planned}, no plan under {m.lower_bound}"),
         Row("plans", str(m.plans), "asked for, with the last one that finds nothing to do"),
         Row("failed grasps", str(m.failed_grasps), "held nothing, or lost it"),
+        Row("refusals", str(m.refusals), "actions that the arm could not do, and that were planned around"),
         Row("deviations", str(m.deviations), "actions after which the table was not as predicted"),
         Row("disturbances", str(m.disturbances), "actions that moved a block they were not on by 1 mm"),
         Row("pictures", str(m.pictures), f"{m.unclear} blocks not seen, or seen twice, in all of them"),
