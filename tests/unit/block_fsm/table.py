@@ -51,6 +51,7 @@ class Table:
         sighting: what is told of a picture, from the poses.
         stuck: label of a segment at which the arm gets stuck.
         refuses: says of a move whether it is refused.
+        known: what the executor gave as its plan whenever it asked for one.
     """
 
     poses: dict[str, PlanarPose]
@@ -63,6 +64,7 @@ class Table:
     )
     stuck: str = ""
     refuses: Callable[[MoveArm], bool] = lambda move: False
+    known: list[Plan | None] = field(default_factory=list)
     closings: int = 0
     asked: list[Request] = field(default_factory=list)
     held: str = ""
@@ -75,6 +77,7 @@ class Table:
         request: Request | None = executor.start()
         while request is not None:
             self.asked.append(request)
+            self.known += [executor.plan] if isinstance(request, PlanFor) else []
             request = executor.answer(self._answer(request))
         assert executor.outcome is not None
         return executor.outcome

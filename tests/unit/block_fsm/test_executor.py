@@ -31,6 +31,12 @@ def test_blocks_end_at_their_goals() -> None:
         assert np.cos(table.poses[name].yaw - goal.yaw) == pytest.approx(1.0)
 
 
+def test_a_plan_is_not_shown_as_the_next_one() -> None:
+    table = Table(strewn())
+    table.run(GOALS)
+    assert table.known == [None, None]
+
+
 def test_nothing_is_done_where_all_blocks_are_in_place() -> None:
     outcome = Table(dict(GOALS)).run(GOALS)
     assert outcome.success

@@ -34,7 +34,7 @@ class Executor:
         jaw_force: that blocks are held with [N].
 
     Attributes:
-        plan: the newest.
+        plan: the newest; None while it is being made.
         done: how many of its actions were carried out.
         action: the one under way, from its first move to the pictures after it.
         outcome: once it has ended.
@@ -115,9 +115,10 @@ class Executor:
     def _plan(self) -> Generator[Request, Any, Plan]:
         self._hands.phase = Phase.PLAN
         self._tally = replace(self._tally, plans=self._tally.plans + 1)
+        self.plan, self.done = None, 0
         refused = tuple(refusal.deed for refusal in self._refusals)
         plan: Plan = yield PlanFor(self._task.problem(self._hands.seen, refused))
-        self.plan, self.done = plan, 0
+        self.plan = plan
         if not plan.is_solved:
             because = "".join(f"; the arm refused: {refusal}" for refusal in self._refusals)
             raise Ended(ExitReason.NO_PLAN, f"{plan.status.name}: {plan.diagnosis.text}{because}")

@@ -93,11 +93,17 @@ def _report(
     record: Mapping[str, Any],
 ) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined)
-    about = {key: value for key, value in record.items() if key != "configuration"}
+    about = {key: _in_words(value) for key, value in record.items() if key != "configuration"}
     return environment.from_string(TEMPLATE.read_text()).render(
         title=f"{len(run.problem.blocks)} blocks", run=run, measures=measures, rows=rows(measures),
         plots=[_embedded(plot) for plot in plots], video=_embedded(video) if video else "", record=about,
     )  # fmt: skip
+
+
+def _in_words(value: Any) -> str:
+    return (
+        ", ".join(f"{name} {part}" for name, part in value.items()) if isinstance(value, dict) else str(value)
+    )
 
 
 def _embedded(path: Path) -> str:
