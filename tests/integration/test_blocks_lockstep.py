@@ -5,14 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from block_fsm.requests import MoveArm, Request
+from block_fsm.task import RearrangeTask
 from pack_bringup.blocks.execution import Execution, execute
-from pack_bringup.blocks.planning import CountedPlannerConfig
+from pack_bringup.blocks.lockstep import BlocksLockstep
+from pack_bringup.blocks.planning import CountedPlanner, CountedPlannerConfig
 from pack_bringup.blocks.settings import lockstep_config
 from pack_core.cells.blocks import blocks_cell
 from pack_core.errors import MessageError
 from pack_core.joint_reference import JointReference
 from pack_core.motion.target import Acceptance, MotionTarget
 from pack_core.motion.world import Obstacle
+from pack_core.rotations import Pose
+from pack_core.scene.blocks.model import block_name
+from pack_core.scene.model import set_object_poses
+from pack_core.scene.state import SceneState
 from pack_motion.controller import MotionController
 from pack_planner.rearrangement.instances import make_instance
 from pack_sim.blocks.simulator import BlocksSimulator
@@ -51,6 +58,32 @@ def test_a_grasp_that_the_arm_refuses_is_planned_around(monkeypatch: pytest.Monk
     assert asked
     assert done.is_ok, done
     assert done.plans == 3
+
+
+@pytest.mark.timeout(600)
+def test_a_block_that_a_hand_moves_during_an_action_is_seen_and_planned_for_anew() -> None:
+    cell, config = blocks_cell(), lockstep_config()
+    problem = make_instance(2, 0.1, 0, centre=cell.workspace.centre)
+    task = RearrangeTask(problem.goals, problem.workspace, problem.side, problem.symmetry, problem.gripper)
+    planner = CountedPlanner(CountedPlannerConfig(), config.planner)
+    lockstep = BlocksLockstep(cell, task, problem.starts, planner, config)
+    shifted: list[str] = []
+
+    def shift(request: Request, truth: SceneState) -> None:
+        if shifted or not isinstance(request, MoveArm) or request.path.segments[0].label != "lift":
+            return
+        action, sim = lockstep.executor.action, lockstep.simulator
+        assert action is not None
+        shifted.extend(name for name in problem.starts if name != action.block)
+        X_WB = truth.objects[shifted[0]].X_WO
+        moved = Pose(X_WB.p + np.array([0.0, 0.02, 0.0]), X_WB.q)
+        set_object_poses(sim.model, sim.data, {block_name(shifted[0]): moved})
+
+    outcome = lockstep.run(shift)
+    assert shifted
+    assert outcome.success, outcome.message
+    assert (outcome.tally.disturbances, outcome.tally.plans) == (1, 3)
+    assert outcome.position_error < 0.0015
 
 
 def test_a_run_whose_setpoints_the_driver_refuses_ends_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
