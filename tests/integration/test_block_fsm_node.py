@@ -27,6 +27,7 @@ GOALS = {"a": PlanarPose(0.62, 0.05, 0.0), "b": PlanarPose(0.6728, 0.05, 0.0)}
 AWAY = PlanarPose(0.55, -0.1, 0.4)
 SQUARE = ((0.5, -0.15), (0.8, -0.15), (0.8, 0.15), (0.5, 0.15))
 TEXT = problem_text(Problem(tuple(Block(name, pose) for name, pose in GOALS.items()), GOALS, SQUARE))
+QUICK = {"looks": 2, "fault_time": 0.1, "watched": ["tags"]}
 TO_GOAL = Plan(PlanStatus.OPTIMAL, (PickPlace("a", AWAY, GOALS["a"], 0),), 1)
 
 
@@ -44,9 +45,13 @@ def rig(graph: Graph) -> BlocksRig:
 
 @pytest.fixture
 def node(graph: Graph, rig: BlocksRig) -> BlockFsmNode:
-    return graph.start(
-        BlockFsmNode, **{"patience.picture": 0.4, "looks": 2, "fault_time": 0.1, "watched": ["tags"]}
-    )
+    return graph.start(BlockFsmNode, **{"patience.picture": 0.4, **QUICK})
+
+
+@pytest.fixture
+def patient_node(graph: Graph, rig: BlocksRig) -> BlockFsmNode:
+    """A node that waits for a picture until something else ends the goal."""
+    return graph.start(BlockFsmNode, **{"patience.picture": 600.0, **QUICK})
 
 
 def accepted(graph: Graph) -> Any:
@@ -162,11 +167,11 @@ def test_every_move_is_sent_with_what_stands_around_it(
 
 
 def test_a_node_that_dies_ends_the_goal_and_stops_the_arm(
-    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+    graph: Graph, patient_node: BlockFsmNode, rig: BlocksRig
 ) -> None:
     rig.camera = "still busy"
     tags = graph.start(lambda **kwargs: CellNode("tags", **kwargs))
-    graph.wait_until(lambda: graph.probe.count_publishers("/alive/tags"))
+    graph.wait_until(lambda: patient_node.hears("tags"))
     handle = accepted(graph)
     graph.wait_until(lambda: rig.targets)
     graph.stop(tags)
@@ -176,7 +181,9 @@ def test_a_node_that_dies_ends_the_goal_and_stops_the_arm(
     graph.wait_until(lambda: not rig.targets[-1].segments)
 
 
-def test_a_goal_that_is_cancelled_stops_the_arm(graph: Graph, node: BlockFsmNode, rig: BlocksRig) -> None:
+def test_a_goal_that_is_cancelled_stops_the_arm(
+    graph: Graph, patient_node: BlockFsmNode, rig: BlocksRig
+) -> None:
     rig.camera = "still busy"
     handle = accepted(graph)
     graph.wait_until(lambda: rig.targets)

@@ -87,6 +87,10 @@ class CellNode(Node):
         for peer in peers:
             self._watches.append(PeerWatch(self, peer, partial(self._on_peer_change, on_change)))
 
+    def hears(self, peer: str) -> bool:
+        """Whether a watched peer has been heard of, and not fallen silent since."""
+        return any(watch.is_alive for watch in self._watches if watch.peer == peer)
+
     def _on_peer_change(
         self, on_change: Callable[[str, bool], None] | None, peer: str, is_alive: bool
     ) -> None:

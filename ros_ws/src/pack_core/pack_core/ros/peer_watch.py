@@ -35,10 +35,14 @@ class PeerWatch:
         node: who watches.
         peer: name of the node that is watched.
         on_change: `on_change(peer, is_alive)`, from the executor or from a thread; never twice the same.
+
+    Attributes:
+        peer: who is watched.
     """
 
     def __init__(self, node: Node, peer: str, on_change: Callable[[str, bool], None]) -> None:
-        self._node, self._peer, self._on_change = node, peer, on_change
+        self.peer = peer
+        self._node, self._on_change = node, on_change
         self._is_alive: bool | None = None
         self._lock = threading.Lock()
         self._grasp: Grasp | None = None
@@ -47,6 +51,11 @@ class PeerWatch:
             Empty, alive_topic(peer), lambda _: None, ALIVE_QOS,
             event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_liveliness),
         )  # fmt: skip
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether the peer has been heard of, and not fallen silent since."""
+        return self._is_alive is True
 
     def end(self) -> None:
         """Watch no longer."""
@@ -60,7 +69,7 @@ class PeerWatch:
         """Take hold of the peer's lifeline as soon as there is one: it came, or came back."""
         if self._grasp is not None and self._grasp.is_held:
             return
-        grasp = Grasp(self._node.context.get_domain_id(), self._peer, lambda: self._change(False))
+        grasp = Grasp(self._node.context.get_domain_id(), self.peer, lambda: self._change(False))
         if grasp.is_held:
             self._grasp = grasp
             self._change(True)
@@ -73,7 +82,7 @@ class PeerWatch:
                 return
             self._is_alive = is_alive
             try:
-                self._on_change(self._peer, is_alive)
+                self._on_change(self.peer, is_alive)
             except Exception:
                 if self._node.context.ok():
                     raise  # otherwise the watching node has ended in between
