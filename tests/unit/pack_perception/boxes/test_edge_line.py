@@ -54,7 +54,7 @@ def test_an_edge_is_found_wherever_it_lies(angle: float, shift: float, offset: f
         half_plane(angle, shift, *levels), angle, shift + offset, is_dark
     )
     assert place == pytest.approx(shift, abs=0.06)
-    assert abs((found - angle + np.pi) % (2 * np.pi) - np.pi) < 6e-4
+    assert abs((found - angle + np.pi) % (2 * np.pi) - np.pi) < 3e-4
     assert contrast == pytest.approx(130.0, abs=3.0)
     assert inside == pytest.approx(levels[0], abs=3.0)
 

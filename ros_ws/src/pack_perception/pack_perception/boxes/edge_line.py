@@ -13,6 +13,9 @@ from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_perception.boxes.segmentation import Picture
 
+FADE = 2.0
+"""Over which the window about a slope fades out [pixel]."""
+
 
 class EdgeConfig(Config):
     """Parameters of the edge search; lengths in pixels of the top face."""
@@ -109,10 +112,14 @@ def find_edge(face: TopFace, start: Array, end: Array, config: EdgeConfig) -> Ed
 
 
 def _slope_middles(slopes: Array, across: Array, core: float) -> Array:
-    """Centroid of each profile's steepest slope `(n,)` [pixel]."""
+    """Centroid of each profile's steepest slope `(n,)` [pixel].
+
+    The window about it fades out, so that it moves evenly with an edge that crosses the pixels slowly.
+    """
     peaks = across[np.argmax(slopes, axis=1)]
-    for _ in range(2):  # once more around the centroid, so that the window is even to both sides of it
-        weights = np.clip(slopes, 0.0, None) * (np.abs(across - peaks[:, None]) <= core)
+    for _ in range(3):  # again around the centroid, so that the window is even to both sides of it
+        window = np.clip((core - np.abs(across - peaks[:, None])) / FADE + 0.5, 0.0, 1.0)
+        weights = np.clip(slopes, 0.0, None) * window
         totals = weights.sum(axis=1)
         peaks = np.where(totals > 0.0, weights @ across / np.where(totals > 0.0, totals, 1.0), np.nan)
     return np.asarray(peaks)
