@@ -67,6 +67,18 @@ def test_the_object_comes_down_slowly_only_where_it_may_land_on_another(optimize
     assert (fastest < 1.3 * SgnConfig().speed_landing) == may_land
 
 
+def test_no_rollout_exceeds_the_limits_of_speed(optimizer, x0, monkeypatch) -> None:
+    tried, config = [], SgnConfig()
+    roll_out = optimizer._roll_out
+    monkeypatch.setattr(optimizer, "_roll_out", lambda *args: tried.append(args[-1]) or roll_out(*args))
+    for target in (ABOVE, Target(BELOW, 0.0), Target(BELOW, 0.0, may_land=True)):
+        optimizer.improve(x0, cost_of(optimizer, target, Stage.INSERT), Stage.INSERT, target)
+    twists = np.concatenate(tried)
+    assert np.all(np.abs(twists[..., :3]) <= config.speed_linear + 1e-9)
+    assert np.all(np.abs(twists[..., 3:]) <= config.speed_angular + 1e-9)
+    assert np.all(np.concatenate(tried[-2:])[..., 2] >= -config.speed_landing - 1e-9)
+
+
 def test_a_model_that_diverges_leaves_a_finite_plan(optimizer, x0, monkeypatch) -> None:
     cost = cost_of(optimizer, ABOVE)
     weighted = cost.weighted

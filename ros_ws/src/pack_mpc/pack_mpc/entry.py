@@ -22,7 +22,7 @@ UPRIGHT_BELOW = 0.02
 """Height of the lower end at which the object is upright again [m]."""
 ASIDE_MARGIN = 0.008
 """Between the lower edge and its obstacles at the entry [m]."""
-LANDING_MARGIN = 0.01
+LANDING_MARGIN = 0.04
 """A lower end this far below an obstacle's top has passed it, tilted as it may be [m]."""
 
 

@@ -29,8 +29,8 @@ from pack_mpc.weights import Stage
 class SgnConfig(Config):
     """Parameters of SGN; twists are linear [m/s], then angular [rad/s]."""
 
-    timestep: PositiveFloat = Field(default=0.015, description="of the model [s]")
-    horizon: PositiveInt = Field(default=40, description="steps")
+    timestep: PositiveFloat = Field(default=0.02, description="of the model [s]")
+    horizon: PositiveInt = Field(default=30, description="steps")
     knots: PositiveInt = Field(default=3, description="of the spline")
     step_linear: PositiveFloat = Field(default=0.05, description="finite difference [m/s]")
     step_angular: PositiveFloat = Field(default=0.25, description="finite difference [rad/s]")
@@ -87,7 +87,7 @@ class SgnOptimizer:
         down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
         self._lower[2] = -down
         servo = Servo(self.plant, x0, self._reference(x0), config.leash)
-        nominal = self._shifted(x0)
+        nominal = self._clip(self._shifted(x0))
         thetas, signs = self._first_batch(nominal, x0, target)
         first = self._roll_out(servo, x0, cost, thetas)
         steps = self._gauss_newton(first, thetas, signs)
@@ -115,8 +115,8 @@ class SgnOptimizer:
         return self._basis.shifted(self._theta, float(x0[0]) - self._setpoints.time)
 
     def _first_batch(self, nominal: Array, x0: Array, target: Target) -> tuple[Array, Array]:
-        """The nominal, one perturbation a parameter, explorers `(B, K, 6)`; the perturbations' signs."""
-        signs = self._rng.choice([-1.0, 1.0], nominal.size)
+        """The nominal, one perturbation a parameter, explorers, all within the bounds `(B, K, 6)`; the signs."""
+        signs = self._signs(nominal)
         deltas = np.diag(signs * self._steps.ravel()).reshape(-1, *nominal.shape)
         explorers = nominal + self._rng.normal(size=(self._config.explorers, *nominal.shape)) * self._spread
         straight = np.stack([np.zeros_like(nominal), self._straight(x0, target)])
@@ -124,6 +124,12 @@ class SgnOptimizer:
             [nominal[None], nominal + deltas, self._clip(np.concatenate([straight, explorers]))]
         )
         return thetas, signs
+
+    def _signs(self, nominal: Array) -> Array:
+        """Random signs of the perturbations `(n,)`, towards the inside where a bound is near."""
+        signs = self._rng.choice([-1.0, 1.0], nominal.shape)
+        ahead = nominal + signs * self._steps
+        return np.where((ahead > self._upper) | (ahead < self._lower), -signs, signs).ravel()
 
     def _straight(self, x0: Array, target: Target) -> Array:
         """The spline that heads straight for the target and stops there."""
