@@ -115,7 +115,7 @@ class SgnOptimizer:
         return self._basis.shifted(self._theta, float(x0[0]) - self._setpoints.time)
 
     def _first_batch(self, nominal: Array, x0: Array, target: Target) -> tuple[Array, Array]:
-        """The nominal, one perturbation a parameter, explorers, all within the bounds `(B, K, 6)`; the signs."""
+        """The nominal, a perturbation a parameter, explorers, all within bounds `(B, K, 6)`; the signs."""
         signs = self._signs(nominal)
         deltas = np.diag(signs * self._steps.ravel()).reshape(-1, *nominal.shape)
         explorers = nominal + self._rng.normal(size=(self._config.explorers, *nominal.shape)) * self._spread

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from pack_sim.packing.governor import DAMPING, ContactGovernor, GovernorConfig
 
@@ -18,9 +19,11 @@ def governor() -> ContactGovernor:
     return ContactGovernor(CONFIG, STEP)
 
 
-def press(governor: ContactGovernor, force: np.ndarray, start: float = 0.0, steps: int = 100) -> bool:
-    """Feel a constant force for some steps of the driver."""
-    return [governor.feel(start + STEP * i, force, is_holding=False) for i in range(steps)][-1]
+def press(
+    governor: ContactGovernor, force: np.ndarray, start: float = 0.0, steps: int = 100, bending: float = 0.0
+) -> bool:
+    """Feel a constant load for some steps of the driver."""
+    return [governor.feel(start + STEP * i, force, bending, is_holding=False) for i in range(steps)][-1]
 
 
 def wrench_of(tau: np.ndarray) -> np.ndarray:
@@ -35,20 +38,20 @@ def test_contact_is_remembered_for_the_latch_and_then_forgotten(governor: Contac
 
 def test_a_bias_shown_while_the_arm_is_held_is_no_contact(governor: ContactGovernor) -> None:
     for i in range(300):
-        governor.feel(STEP * i, 2.5 * UP, is_holding=True)
+        governor.feel(STEP * i, 2.5 * UP, 0.0, is_holding=True)
     assert not press(governor, 2.5 * UP, start=0.3, steps=300)
     assert not press(governor, 6.0 * UP, start=0.6)
     assert press(governor, 8.0 * UP, start=0.7)
 
 
 def test_a_bias_that_drifts_in_free_motion_is_followed(governor: ContactGovernor) -> None:
-    felt = [governor.feel(STEP * i, 1.25e-4 * i * UP, is_holding=False) for i in range(20_000)]
+    felt = [governor.feel(STEP * i, 1.25e-4 * i * UP, 0.0, is_holding=False) for i in range(20_000)]
     assert not any(felt)
     assert not press(governor, 6.0 * UP, start=20.0)
 
 
 def test_a_contact_that_grows_slowly_does_not_pass_for_a_bias(governor: ContactGovernor) -> None:
-    felt = [governor.feel(STEP * i, 0.001 * i * UP, is_holding=False) for i in range(20_000)]
+    felt = [governor.feel(STEP * i, 0.001 * i * UP, 0.0, is_holding=False) for i in range(20_000)]
     assert felt[-1]
     assert felt.index(True) < 1.1 * (CONFIG.bias + CONFIG.trigger) / 0.001
 
@@ -81,7 +84,28 @@ def test_what_presses_is_within_the_bounds(tau: list[float], force: float) -> No
     wrench = wrench_of(governor.bound(np.array(tau), J))
     assert np.hypot(wrench[0], wrench[1]) <= CONFIG.force + 1e-6
     assert -wrench[2] <= min(CONFIG.force, CONFIG.push) + 1e-6
-    assert np.linalg.norm(wrench[3:]) <= CONFIG.moment + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("bending", "share"),
+    [
+        (CONFIG.bending, 1.0),
+        (0.5 * (CONFIG.bending + CONFIG.bending_limit), 0.5),
+        (CONFIG.bending_limit, 0.0),
+        (9.0, 0.0),
+    ],
+)
+def test_the_arm_gives_way_where_the_load_bends_the_cup(
+    governor: ContactGovernor, bending: float, share: float
+) -> None:
+    press(governor, 5.0 * UP, bending=bending)
+    tau = J.T @ np.array([10.0, 0.0, -10.0, 5.0, 0.0, 0.0])
+    np.testing.assert_allclose(governor.bound(tau, J), share * tau, atol=1e-6)
+
+
+def test_giving_way_must_begin_before_its_limit() -> None:
+    with pytest.raises(ValidationError, match="less than bending_limit"):
+        GovernorConfig(bending=1.5)
 
 
 def test_beyond_the_push_limit_it_pulls_back_in_proportion(governor: ContactGovernor) -> None:

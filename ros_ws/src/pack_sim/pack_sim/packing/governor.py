@@ -8,7 +8,7 @@ nothing: bounded there, the arm would only be late.
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
 
 from pack_core.config import Config
 from pack_core.rotations import Array
@@ -33,13 +33,24 @@ class GovernorConfig(Config):
     latch: NonNegativeFloat = Field(default=0.15, description="for which contact is remembered [s]")
     filter_time: PositiveFloat = Field(default=0.005, description="of the measured force [s]")
     force: PositiveFloat = Field(default=20.0, description="sideways, and down [N]")
-    moment: PositiveFloat = Field(default=1.25, description="[N m]")
+    bending: PositiveFloat = Field(
+        default=0.9, description="measured load on the cup from which the arm gives way [N m]"
+    )
+    bending_limit: PositiveFloat = Field(default=1.4, description="at which it gives way wholly [N m]")
     push: PositiveFloat = Field(default=18.0, description="against the measured force [N]")
     reflex: NonNegativeFloat = Field(default=3.0, description="less push for every newton beyond `push`")
     pull_back: NonNegativeFloat = Field(
         default=40.0, description="at most, against the direction of push [N]"
     )
     approach: PositiveFloat = Field(default=0.03, description="reference speed into the contact [m/s]")
+
+    @model_validator(mode="after")
+    def _gives_way_before_its_limit(self) -> GovernorConfig:
+        if self.bending >= self.bending_limit:
+            raise ValueError(
+                f"bending is {self.bending}; allowed: less than bending_limit, {self.bending_limit}"
+            )
+        return self
 
 
 class ContactGovernor:
@@ -54,23 +65,25 @@ class ContactGovernor:
         self._config = config
         self._timestep = timestep
         self._force = np.zeros(3)
+        self._bending = 0.0
         self._bias = np.zeros(3)
         self._touched = -np.inf
         self._drawn_back = 0.0
 
-    def feel(self, time: float, force: Array, *, is_holding: bool) -> bool:
-        """Take the external force on the held object `(3,)` [N], in the world frame.
+    def feel(self, time: float, force: Array, bending: float, *, is_holding: bool) -> bool:
+        """Take the external force on the held object `(3,)` [N], world frame, and what bends the cup [N m].
 
         The sensor's bias is what it shows while the arm is held in its place or moves freely.
 
         Returns:
             Whether there is contact, or was just now.
         """
+        gain = self._timestep / (self._config.filter_time + self._timestep)
+        self._bending += gain * (bending - self._bending)
         if is_holding:
             self._tare(force, HOLD_TARE_TIME)
             self._force, self._touched = np.zeros(3), -np.inf
             return False
-        gain = self._timestep / (self._config.filter_time + self._timestep)
         self._force = self._force + gain * (force - self._bias - self._force)
         if self._strength > self._config.trigger:
             self._touched = time
@@ -109,7 +122,7 @@ class ContactGovernor:
         return np.asarray(v_d + excess * retreat)
 
     def bound(self, tau: Array, J: Array) -> Array:
-        """Joint torques `(7,)` whose wrench on the cup is within the bounds."""
+        """Joint torques `(7,)` that press no harder than allowed, less where the load bends the cup."""
         wrench = _wrench(tau, J)
         scale = self._scale(wrench)
         if self._strength <= self._config.trigger:
@@ -132,11 +145,11 @@ class ContactGovernor:
         return np.asarray(self._force / self._strength)
 
     def _scale(self, wrench: Array) -> float:
+        """The share of the arm's torques that remains: none of them where the cup would bend off."""
         config = self._config
         sideways, down = float(np.hypot(wrench[0], wrench[1])), float(max(-wrench[2], 0.0))
-        moment = float(np.linalg.norm(wrench[3:]))
-        loads = (sideways / config.force, down / config.force, moment / config.moment)
-        return 1.0 / max(1.0, *loads)
+        room = (config.bending_limit - self._bending) / (config.bending_limit - config.bending)
+        return float(np.clip(room, 0.0, 1.0)) / max(1.0, sideways / config.force, down / config.force)
 
 
 def _wrench(tau: Array, J: Array) -> Array:

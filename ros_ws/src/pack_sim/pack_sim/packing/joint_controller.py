@@ -67,17 +67,18 @@ class JointController:
         """Forget the setpoints, as when their sender died: hold from the next step on."""
         self._setpoints = None
 
-    def feel(self, time: float, force: Array, v: Array, J: Callable[[], Array]) -> None:
-        """Take the external force on the held object `(3,)` [N], in the world frame.
+    def feel(self, time: float, force: Array, bending: float, v: Array, J: Callable[[], Array]) -> None:
+        """Take what is measured at the cup.
 
         Args:
             time: now [s].
-            force: measured.
+            force: external, on the held object `(3,)` [N], in the world frame.
+            bending: of the cup [N m].
             v: joint velocities `(7,)` [rad/s].
             J: gives the cup's Jacobian `(6, 7)`, linear part first, in the world frame.
         """
         if self._governor is not None:
-            is_contact = self._governor.feel(time, force, is_holding=self.is_holding)
+            is_contact = self._governor.feel(time, force, bending, is_holding=self.is_holding)
             self._jacobian = J() if is_contact else None
             if self._jacobian is not None:
                 self._governor.move(self._jacobian[:3] @ v)

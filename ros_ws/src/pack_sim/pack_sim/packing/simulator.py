@@ -108,7 +108,9 @@ class Simulator:
         q, v = data.qpos[self._q], data.qvel[self._v]
         if self.config.governor is not None:
             R_WT = data.body("tool").xmat.reshape(3, 3)
-            self.controller.feel(self.time, R_WT @ self.external_wrench()[0], v, self._cup_jacobian)
+            force, torque = self.external_wrench()
+            bending = float(np.hypot(torque[0], torque[1]))
+            self.controller.feel(self.time, R_WT @ force, bending, v, self._cup_jacobian)
         data.ctrl[:] = self.controller.torque(self.time, q, v, self._mass_matrix)
         if self.pump.state.is_closed:
             self._payload.apply(self.model, data)
