@@ -29,13 +29,13 @@ def test_its_lower_end_keeps_off_what_it_would_land_on(scene: Scene) -> None:
     np.testing.assert_array_equal(beside.aside, 0.0)
 
 
-def test_it_may_land_until_it_is_below_every_top(scene: Scene) -> None:
-    poses = {"tea_box": at(0.5, 0.05), "soup_can": at(0.53, 0.05)}
-    entry = plan_entry(scene, PLACE, ("tea_box", "soup_can"), poses)
-    lowest = min(entry.tops)
-    assert may_land(entry, lowest)
-    assert not may_land(entry, lowest - 1.01 * LANDING_MARGIN)
-    assert not may_land(plan_entry(scene, PLACE, (), {}), 0.1)
+@pytest.mark.parametrize("names", [(), ("tea_box",), ("tea_box", "soup_can")])
+def test_it_may_land_until_it_is_below_the_walls_and_every_top(scene: Scene, names: tuple[str, ...]) -> None:
+    entry = plan_entry(scene, PLACE, names, {"tea_box": at(0.5, 0.05), "soup_can": at(0.53, 0.05)})
+    walls = scene.container.height
+    lowest = min((walls, *entry.tops)) - LANDING_MARGIN
+    assert may_land(entry, walls, lowest + 1e-6)
+    assert not may_land(entry, walls, lowest - 1e-6)
 
 
 def test_it_is_upright_once_it_is_down(scene: Scene) -> None:

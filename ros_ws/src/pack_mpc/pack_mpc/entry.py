@@ -23,7 +23,7 @@ UPRIGHT_BELOW = 0.02
 ASIDE_MARGIN = 0.008
 """Between the lower edge and its obstacles at the entry [m]."""
 LANDING_MARGIN = 0.04
-"""A lower end this far below an obstacle's top has passed it, tilted as it may be [m]."""
+"""A lower end this far below a top has passed it, tilted as it may be [m]."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,9 @@ def entry_at(placement: Placement, lean: float, bottom: float) -> tuple[Array, A
     return np.sin(lean * share) * placement.over, share * placement.aside
 
 
-def may_land(placement: Placement, bottom: float) -> bool:
-    """Whether the object, its lower end at height `bottom` [m], is not yet below all obstacles' tops."""
-    return any(bottom > top - LANDING_MARGIN for top in placement.tops)
+def may_land(placement: Placement, walls: float, bottom: float) -> bool:
+    """Whether the object, its lower end at height `bottom` [m], is not yet below all that it may land on.
+
+    That is the tops of its obstacles and of the walls, `walls` [m] high.
+    """
+    return bottom > min((walls, *placement.tops)) - LANDING_MARGIN

@@ -72,9 +72,8 @@ class StageMachine:
             p_WN[2] += self._pre_pack_height()
             return Target(p_WN, self._yaw, axis)
         placement = self.placement
-        return Target(
-            p_WN, self._yaw, axis, placement.over, placement.collisions, may_land(placement, bottom)
-        )
+        lands = may_land(placement, self._scene.container.height, bottom)
+        return Target(p_WN, self._yaw, axis, placement.over, placement.collisions, lands)
 
     def distance(self, p_WN: Array) -> float:
         """Distance [m] from the held object to the packing pose."""
