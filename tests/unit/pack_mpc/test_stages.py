@@ -2,78 +2,93 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from pack_core.rotations import Pose, from_yaw
+from pack_core.rotations import Pose, from_yaw, rotate
 from pack_core.scene.scene import Scene
 from pack_mpc.entry import Placement
 from pack_mpc.stages import StageConfig, StageMachine, nearest_heading
 from pack_mpc.weights import Stage
 
 PLACE = np.array([0.5, 0.0, 0.09])
+START = Pose(PLACE + np.array([0.0, 0.0, 0.27]))
 
 
 @pytest.fixture
 def machine(scene: Scene) -> StageMachine:
-    return StageMachine(scene, StageConfig(), Placement(Pose(PLACE), ("tea_box",)), 0.0, 0.0)
+    return StageMachine(scene, StageConfig(), Placement(Pose(PLACE), ("tea_box",)), 0.0, START)
 
 
 def test_stages_follow_one_another_down_to_the_place(machine: StageMachine) -> None:
     above = machine.target.p_WN
     assert above[2] > PLACE[2] + 0.15
     assert machine.target.collisions == ()
-    assert machine.update(1.0, above)
+    assert machine.update(1.0, Pose(above))
     assert machine.stage is Stage.INSERT
     assert machine.target.collisions == ("tea_box",)
-    assert machine.update(2.0, PLACE + np.array([0.03, 0.0, 0.01]))
+    assert machine.update(2.0, Pose(PLACE + np.array([0.03, 0.0, 0.01])))
     assert machine.stage is Stage.FINE_TUNE
     assert not machine.is_placed(PLACE + np.array([0.03, 0.0, 0.01]))
     assert machine.is_placed(PLACE + np.array([0.01, 0.0, 0.0]))
 
 
 def test_the_base_is_not_reached_outside_the_container(machine: StageMachine) -> None:
-    machine.update(1.0, machine.target.p_WN)
-    machine.update(2.0, PLACE + np.array([0.3, 0.0, 0.0]))
+    machine.update(1.0, Pose(machine.target.p_WN))
+    machine.update(2.0, Pose(PLACE + np.array([0.3, 0.0, 0.0])))
     assert machine.stage is Stage.INSERT
 
 
 def test_an_object_that_comes_down_beside_the_container_has_no_way_in(
     machine: StageMachine, scene: Scene
 ) -> None:
-    machine.update(1.0, machine.target.p_WN)
+    machine.update(1.0, Pose(machine.target.p_WN))
     beside = PLACE + np.array([0.3, 0.0, scene.container.height])
-    machine.update(1.1, beside + np.array([0.0, 0.0, 0.01]))
+    machine.update(1.1, Pose(beside + np.array([0.0, 0.0, 0.01])))
     assert not machine.is_stalled
-    machine.update(1.2, beside - np.array([0.0, 0.0, 0.01]))
+    machine.update(1.2, Pose(beside - np.array([0.0, 0.0, 0.01])))
     assert machine.is_stalled
 
 
 def test_insert_without_progress_stalls(machine: StageMachine) -> None:
-    machine.update(1.0, machine.target.p_WN)
+    machine.update(1.0, Pose(machine.target.p_WN))
     stuck = PLACE + np.array([0.0, 0.0, 0.11])
-    machine.update(1.1, stuck)
-    machine.update(1.0 + StageConfig().stall_time, stuck)
+    machine.update(1.1, Pose(stuck))
+    machine.update(1.0 + StageConfig().stall_time, Pose(stuck))
     assert not machine.is_stalled
-    machine.update(1.2 + StageConfig().stall_time, stuck)
+    machine.update(1.2 + StageConfig().stall_time, Pose(stuck))
     assert machine.is_stalled
 
 
 def test_insert_that_moves_down_does_not_stall(machine: StageMachine) -> None:
-    machine.update(1.0, machine.target.p_WN)
+    machine.update(1.0, Pose(machine.target.p_WN))
     for i in range(20):
-        machine.update(1.0 + i, PLACE + np.array([0.0, 0.0, 0.15 - 0.005 * i]))
+        machine.update(1.0 + i, Pose(PLACE + np.array([0.0, 0.0, 0.15 - 0.005 * i])))
         assert not machine.is_stalled
 
 
 def test_fine_tune_that_comes_no_nearer_stalls(machine: StageMachine) -> None:
     blocked = PLACE + np.array([0.025, 0.0, 0.005])
-    machine.update(1.0, machine.target.p_WN)
-    machine.update(2.0, blocked)
+    machine.update(1.0, Pose(machine.target.p_WN))
+    machine.update(2.0, Pose(blocked))
     assert machine.stage is Stage.FINE_TUNE
-    machine.update(2.1, blocked)
-    machine.update(2.2 + StageConfig().stall_time, blocked - np.array([0.005, 0.0, 0.0]))
+    machine.update(2.1, Pose(blocked))
+    machine.update(2.2 + StageConfig().stall_time, Pose(blocked - np.array([0.005, 0.0, 0.0])))
     assert not machine.is_stalled
-    machine.update(2.3 + 2 * StageConfig().stall_time, blocked)
+    machine.update(2.3 + 2 * StageConfig().stall_time, Pose(blocked))
     assert machine.is_stalled
+
+
+def test_the_way_back_is_straight_up_until_it_is_out(scene: Scene) -> None:
+    lean = Rotation.from_euler("zx", [0.3, 0.2]).as_quat(scalar_first=True)
+    wedged, out = (Pose(np.array([0.53, 0.02, z]), lean) for z in (0.18, 0.26))
+    machine = StageMachine(scene, StageConfig(), Placement(Pose(PLACE), ("tea_box",)), 0.0, wedged)
+    target = machine.target
+    np.testing.assert_allclose(target.p_WN[:2], wedged.p[:2])
+    np.testing.assert_allclose(target.axis, rotate(lean, np.array([0.0, 0.0, 1.0]))[:2])
+    assert target.p_WN[2] > out.p[2] - 0.01
+    machine.update(0.1, out)
+    np.testing.assert_allclose(machine.target.axis, 0.0, atol=1e-9)
+    np.testing.assert_allclose(machine.target.p_WN[:2], PLACE[:2], atol=1e-9)
 
 
 @pytest.mark.parametrize(("yaw", "heading"), [(0.0, 1.5), (3.0, 0.2), (-2.0, 2.9)])
@@ -90,4 +105,6 @@ def test_a_cylinder_keeps_its_heading(scene: Scene) -> None:
 
 def test_the_placement_heading_is_kept_through_the_stages(scene: Scene) -> None:
     placement = Placement(Pose(PLACE, from_yaw(0.4)), ())
-    assert StageMachine(scene, StageConfig(), placement, 0.0, 0.1).target.yaw == pytest.approx(0.4)
+    assert StageMachine(
+        scene, StageConfig(), placement, 0.0, Pose(START.p, from_yaw(0.1))
+    ).target.yaw == pytest.approx(0.4)

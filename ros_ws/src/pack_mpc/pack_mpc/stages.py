@@ -6,12 +6,14 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.rotations import Array, yaw_of
+from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Scene
 from pack_mpc.entry import Placement, entry_at, may_land
 from pack_mpc.residuals import Target
 from pack_mpc.weights import Stage
+
+UP = np.array([0.0, 0.0, 1.0])
 
 
 class StageConfig(Config):
@@ -35,8 +37,8 @@ class StageMachine:
         config: thresholds.
         placement: where to go.
         time: now [s].
-        heading: the held object's yaw now [rad]; the placement's yaw is taken at the nearest
-            heading that looks the same.
+        X_WN: the held object's pose now; the placement's yaw is taken at the nearest heading that
+            looks the same.
         lean: tilt at the entry [rad].
     """
 
@@ -46,7 +48,7 @@ class StageMachine:
         config: StageConfig,
         placement: Placement,
         time: float,
-        heading: float,
+        X_WN: Pose,
         lean: float = 0.0,
     ) -> None:
         self._scene, self._config = scene, config
@@ -54,9 +56,9 @@ class StageMachine:
         self.stage = Stage.PRE_PACK
         self.stage_start = time
         self.is_stalled = False
-        self._yaw = nearest_heading(scene.new_object, yaw_of(placement.X_WN.q), heading)
+        self._yaw = nearest_heading(scene.new_object, yaw_of(placement.X_WN.q), yaw_of(X_WN.q))
         self._least, self._progress = np.inf, time
-        self._lean, self._height = lean, np.inf
+        self._lean, self._X_WN = lean, X_WN
 
     @property
     def target(self) -> Target:
@@ -64,16 +66,20 @@ class StageMachine:
         p_WN = self.placement.X_WN.p.copy()
         if self.stage is Stage.FINE_TUNE:
             return Target(p_WN, self._yaw)
-        half_height = float(self._scene.new_object.half_extents[2])
-        bottom = self._height - half_height
+        bottom, half_height = self._bottom, float(self._scene.new_object.half_extents[2])
         axis, aside = entry_at(self.placement, self._lean, bottom)
         p_WN[:2] += half_height * axis + aside
         if self.stage is Stage.PRE_PACK:
-            p_WN[2] += self._pre_pack_height()
-            return Target(p_WN, self._yaw, axis)
+            p_WN[2] += self._rim + self._config.clearance
+            return self._straight_up(p_WN[2]) if bottom < self._rim else Target(p_WN, self._yaw, axis)
         placement = self.placement
         lands = may_land(placement, self._scene.container.height, bottom)
         return Target(p_WN, self._yaw, axis, placement.over, placement.collisions, lands)
+
+    def _straight_up(self, height: float) -> Target:
+        """Out from among the others, wedged as it may be: as it is, but at this height [m]."""
+        here = self._X_WN
+        return Target(np.array([*here.p[:2], height]), yaw_of(here.q), rotate(here.q, UP)[:2])
 
     def distance(self, p_WN: Array) -> float:
         """Distance [m] from the held object to the packing pose."""
@@ -83,21 +89,21 @@ class StageMachine:
         """Whether the held object is within the tolerance of the packing pose."""
         return self.stage is Stage.FINE_TUNE and self.distance(p_WN) < self._config.placed_distance
 
-    def update(self, time: float, p_WN: Array, *, may_insert: bool = True) -> bool:
-        """Move on with the held object at `p_WN`.
+    def update(self, time: float, X_WN: Pose, *, may_insert: bool = True) -> bool:
+        """Move on with the held object at X_WN.
 
         Args:
             time: now [s].
-            p_WN: `(3,)` [m].
+            X_WN: where it is.
             may_insert: False keeps it over the container, while another placement is on its way.
 
         Returns:
             Whether the stage changed.
         """
-        before, self._height = self.stage, float(p_WN[2])
+        before, self._X_WN, p_WN = self.stage, X_WN, X_WN.p
         if self.stage is Stage.PRE_PACK:
-            is_there = np.linalg.norm(p_WN - self.target.p_WN) < self._config.pre_pack_distance
-            if is_there and may_insert:
+            is_near = np.linalg.norm(p_WN - self.target.p_WN) < self._config.pre_pack_distance
+            if is_near and self._bottom >= self._rim and may_insert:
                 self._enter(Stage.INSERT, time)
         elif self.stage is Stage.INSERT:
             if self._is_on_base(p_WN):
@@ -118,8 +124,7 @@ class StageMachine:
 
     def _is_outside(self, p_WN: Array) -> bool:
         """It has come down beside the container: there is no way in from there."""
-        bottom = float(p_WN[2]) - float(self._scene.new_object.half_extents[2])
-        return bottom < self._scene.container.height and not self._is_between_walls(p_WN)
+        return self._bottom < self._scene.container.height and not self._is_between_walls(p_WN)
 
     def _is_between_walls(self, p_WN: Array) -> bool:
         container = self._scene.container
@@ -131,9 +136,16 @@ class StageMachine:
             self._least, self._progress = remaining, time
         self.is_stalled = time - self._progress > self._config.stall_time
 
-    def _pre_pack_height(self) -> float:
-        tallest = max((2.0 * item.half_extents[2] for item in self._scene.objects), default=0.0)
-        return max(tallest, self._scene.container.height) + self._config.clearance
+    @property
+    def _bottom(self) -> float:
+        """Height of the held object's lower end [m]."""
+        return float(self._X_WN.p[2]) - float(self._scene.new_object.half_extents[2])
+
+    @property
+    def _rim(self) -> float:
+        """Height of the walls and of the tallest object [m]: above it the way is free."""
+        tops = (2.0 * float(item.half_extents[2]) for item in self._scene.objects)
+        return max((self._scene.container.height, *tops))
 
 
 def nearest_heading(item: Box | Cylinder, yaw: float, heading: float) -> float:

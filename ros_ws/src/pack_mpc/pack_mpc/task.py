@@ -119,7 +119,7 @@ class PackingTask:
             Whether the stage changed.
         """
         machine = self.machine or self._follow(self._middle(X_WN), time, X_WN)
-        changed = machine.update(time, X_WN.p, may_insert=not self.needs_placement)
+        changed = machine.update(time, X_WN, may_insert=not self.needs_placement)
         self.distance = machine.distance(X_WN.p)
         self._has_succeeded |= machine.stage is Stage.FINE_TUNE
         if machine.is_placed(X_WN.p):
@@ -156,8 +156,7 @@ class PackingTask:
         return Placement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))), ())
 
     def _follow(self, placement: Placement, time: float, X_WN: Pose) -> StageMachine:
-        heading = yaw_of(X_WN.q)
-        self.machine = StageMachine(self._scene, self._config.stages, placement, time, heading, self._lean)
+        self.machine = StageMachine(self._scene, self._config.stages, placement, time, X_WN, self._lean)
         return self.machine
 
     def _where(self) -> str:

@@ -11,6 +11,7 @@ from pack_core.scene.model import Held
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import Setpoints
 from pack_core.scene.tip import TIP_JOINTS
+from pack_sim.packing.governor import GovernorConfig
 from pack_sim.packing.mismatch import MismatchConfig
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
@@ -22,9 +23,12 @@ WEIGHT = 9.81 * HELD.mass
 
 
 def build(
-    cell: PackingCell = CELL, scene: Scene = SCENE, mismatch: MismatchConfig | None = None
+    cell: PackingCell = CELL,
+    scene: Scene = SCENE,
+    mismatch: MismatchConfig | None = None,
+    governor: GovernorConfig | None = None,
 ) -> Simulator:
-    config = SimulatorConfig(mismatch=mismatch or MismatchConfig())
+    config = SimulatorConfig(mismatch=mismatch or MismatchConfig(), governor=governor)
     return Simulator(cell, scene, config, np.random.default_rng(0))
 
 
@@ -52,6 +56,17 @@ def test_the_driver_carries_the_payload_and_the_cup_stretches_by_its_weight() ->
     assert stretch == pytest.approx(-WEIGHT / TIP.axial, rel=0.01)
     force, torque = simulator.external_wrench()
     np.testing.assert_allclose([*force, *torque], 0.0, atol=0.05)
+
+
+@pytest.mark.parametrize("force", np.vstack([8.0 * np.eye(3), -8.0 * np.eye(3)]).tolist())
+def test_the_driver_feels_which_way_the_held_object_is_pushed(
+    force: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    simulator, felt = build(governor=GovernorConfig()), []
+    monkeypatch.setattr(simulator.controller, "feel", lambda time, force, *rest: felt.append(force))
+    push(simulator, np.array(force))
+    run(simulator, 0.5)
+    np.testing.assert_allclose(felt[-1], force, atol=0.5)
 
 
 def test_the_planners_model_has_no_springs() -> None:

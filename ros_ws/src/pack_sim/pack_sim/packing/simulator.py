@@ -107,10 +107,10 @@ class Simulator:
         data = self.data
         q, v = data.qpos[self._q], data.qvel[self._v]
         if self.config.governor is not None:
-            R_WT = data.body("tool").xmat.reshape(3, 3)
+            R_WN = data.body(self.scene.new_object.name).xmat.reshape(3, 3)
             force, torque = self.external_wrench()
             bending = float(np.hypot(torque[0], torque[1]))
-            self.controller.feel(self.time, R_WT @ force, bending, v, self._cup_jacobian)
+            self.controller.feel(self.time, R_WN @ force, bending, v, self._cup_jacobian)
         data.ctrl[:] = self.controller.torque(self.time, q, v, self._mass_matrix)
         if self.pump.state.is_closed:
             self._payload.apply(self.model, data)
@@ -130,8 +130,8 @@ class Simulator:
     def external_wrench(self) -> tuple[Array, Array]:
         """What the sensor says of the external force `(3,)` [N] and torque `(3,)` [N m] on the held object.
 
-        In the cup's frame, the weight of the object as described taken off; with its errors alone when
-        nothing is held.
+        In the frame of site `tip`, that of the held object N at the middle of its top, and less the weight
+        of the object as described; its errors alone when nothing is held.
         """
         if not self.pump.state.is_closed:
             return self._wrench_sensor.read(np.zeros(3), np.zeros(3))
