@@ -105,6 +105,5 @@ def test_a_cylinder_keeps_its_heading(scene: Scene) -> None:
 
 def test_the_placement_heading_is_kept_through_the_stages(scene: Scene) -> None:
     placement = Placement(Pose(PLACE, from_yaw(0.4)), ())
-    assert StageMachine(
-        scene, StageConfig(), placement, 0.0, Pose(START.p, from_yaw(0.1))
-    ).target.yaw == pytest.approx(0.4)
+    machine = StageMachine(scene, StageConfig(), placement, 0.0, Pose(START.p, from_yaw(0.1)))
+    assert machine.target.yaw == pytest.approx(0.4)

@@ -27,7 +27,7 @@ class Target:
         axis: x and y `(2,)` of its z axis, zero for upright.
         over: horizontal direction `(2,)` to the obstacles, zero without a clear side.
         collisions: the collision list.
-        may_land: whether the object may come down on top of another one on its way.
+        may_land: whether the object may come down on top of another one, or of a wall, on its way.
     """
 
     p_WN: Array

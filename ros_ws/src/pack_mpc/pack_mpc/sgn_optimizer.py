@@ -43,7 +43,7 @@ class SgnConfig(Config):
     speed_linear: PositiveFloat = Field(default=0.4, description="largest twist [m/s]")
     speed_down: PositiveFloat = Field(default=0.4, description="largest twist downwards [m/s]")
     speed_landing: PositiveFloat = Field(
-        default=0.07, description="largest twist downwards where the object may land on another [m/s]"
+        default=0.07, description="largest twist downwards where the object may land [m/s]"
     )
     speed_angular: PositiveFloat = Field(default=1.5, description="largest twist [rad/s]")
     effort: NonNegativeFloat = Field(default=0.02, description="cost of squared knots")

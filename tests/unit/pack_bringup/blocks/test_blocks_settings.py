@@ -28,7 +28,7 @@ NODES = {
 @pytest.mark.parametrize(("node", "cls"), NODES.items())
 def test_every_key_of_a_node_s_file_is_one_of_its_parameters(node: str, cls: type[BaseModel]) -> None:
     parameters, source = parameters_of(f"blocks/{node}")
-    validate_config(cls, parameters, source)
+    assert validate_config(cls, parameters, source).model_fields_set == set(parameters)
 
 
 def test_lockstep_takes_the_nodes_files() -> None:

@@ -47,7 +47,9 @@ def bench(small_arm: Arm) -> Bench:
 
 def test_fingers_go_down_around_a_block_between_others_that_leave_them_room(bench: Bench) -> None:
     room = SIDE + 0.0221
-    bench.plan(DOWN, block("a", X, Y), block("b", X + room, Y), block("c", X, Y + SIDE + 0.002))
+    plan = bench.plan(DOWN, block("a", X, Y), block("b", X + room, Y), block("c", X, Y + SIDE + 0.002))
+    reached = bench.arm.chain.forward(plan.trajectory.end.q)
+    np.testing.assert_allclose(reached.p, GRIP.p, atol=1e-4)
 
 
 def test_a_finger_that_would_meet_a_neighbour_is_named_with_it(bench: Bench) -> None:
