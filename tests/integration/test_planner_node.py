@@ -76,6 +76,16 @@ def test_points_to_avoid_are_avoided(graph: Graph, planner: PlannerNode, scene: 
     assert math.hypot(first.x - second.x, first.y - second.y) >= 0.03
 
 
+def test_after_a_failure_the_answer_is_rehearsed_and_says_where_to_lean(
+    graph: Graph, planner: PlannerNode, scene: Scene
+) -> None:
+    failed = plan(graph, message_of(scene)).pose.position
+    response = plan(graph, message_of(scene), avoid=[failed], avoid_radius=0.02, lean=0.6)
+    assert response.status == Response.SUCCESS
+    assert response.collisions
+    assert math.hypot(response.over.x, response.over.y) == pytest.approx(1.0)
+
+
 def test_the_random_variant_is_served(graph: Graph, planner: PlannerNode, scene: Scene) -> None:
     response = plan(graph, message_of(scene), variant="random")
     assert response.status == Response.SUCCESS
@@ -123,10 +133,13 @@ def test_bad_requests_are_refused_in_words_and_the_next_one_is_served(
         plan(graph, good, variant="magic"),
         plan(graph, good, avoid=[Point(x=math.inf)]),
         plan(graph, good, avoid_radius=-1.0),
+        plan(graph, good, lean=2.0),
     ]
     assert [response.status for response in refusals] == [Response.INVALID_INPUT] * len(refusals)
     for response, part in zip(
-        refusals, ["not finite", "soup_can", "physics, random", "not finite", "avoid_radius"], strict=True
+        refusals,
+        ["not finite", "soup_can", "physics, random", "not finite", "avoid_radius", "lean is 2.0"],
+        strict=True,
     ):
         assert part in response.message
     assert planner.health.counts["refused /plan_placement"] == len(refusals)

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from pack_core.rotations import Pose, from_yaw, rotate
 from pack_core.scene.scene import Scene
-from pack_mpc.entry import Placement
+from pack_mpc.placement import Placement
 from pack_mpc.stages import StageConfig, StageMachine, nearest_heading
 from pack_mpc.weights import Stage
 

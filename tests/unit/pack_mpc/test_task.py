@@ -11,6 +11,7 @@ from pack_mpc.task import PackingTask, TaskConfig
 from pack_mpc.weights import Stage
 
 PLACE = Pose(np.array([0.5, 0.0, 0.09]))
+OVER = np.array([-1.0, 0.0])
 START = Pose(np.array([0.5, 0.0, 0.36]))
 
 
@@ -20,7 +21,7 @@ def task(scene: Scene) -> PackingTask:
 
 
 def placed(task: PackingTask) -> PackingTask:
-    task.place(PLACE, ("tea_box",), scene_at(START))
+    task.place(PLACE, ("tea_box",), OVER, scene_at(START))
     return task
 
 
@@ -43,6 +44,11 @@ def test_a_goal_waits_for_its_placement_over_the_middle_of_the_container(
     assert task.machine.stage is Stage.PRE_PACK
     assert task.needs_placement
     assert not placed(task).needs_placement
+
+
+def test_the_object_leans_as_the_planner_says_and_as_far_as_the_weights(scene: Scene) -> None:
+    task = placed(PackingTask(scene, TaskConfig(), 10.0, lean=0.3))
+    np.testing.assert_allclose(task.machine.target.axis, np.sin(0.3) * OVER)
 
 
 def test_a_goal_that_reaches_its_place_is_a_success(task: PackingTask) -> None:

@@ -37,7 +37,10 @@ class LockstepConfig(Config):
         default=0.048, description="an optimizer iteration takes [s of simulated time]"
     )
     placement_latency: NonNegativeFloat = Field(
-        default=0.3, description="a placement takes [s of simulated time]"
+        default=0.3, description="Algorithm 1 takes [s of simulated time]"
+    )
+    rehearsal_latency: NonNegativeFloat = Field(
+        default=0.25, description="and so much each round of rehearsals [s of simulated time]"
     )
     settle: PositiveFloat = Field(
         default=0.3, description="before the goal, so that everything has been seen [s]"
@@ -150,21 +153,21 @@ class Lockstep:
         """Take up a placement that is due, or plan one that will be due."""
         task, time = self.session.task, seen.joints.time
         if self._answer is None and task.needs_placement:
-            self._answer = (
-                time + self._config.placement_latency,
-                self._plan_placement(seen.scene, task.avoid),
-            )
+            placement = self._plan_placement(seen.scene, task.avoid)
+            latency = self._config.placement_latency + placement.rounds * self._config.rehearsal_latency
+            self._answer = (time + latency, placement)
         if self._answer is not None and time >= self._answer[0]:
             answer, self._answer = self._answer[1], None
             if answer.X_WO is None:
                 task.refuse(time, answer.reason)
             else:
-                task.place(answer.X_WO, answer.collisions, seen.scene)
+                task.place(answer.X_WO, answer.collisions, answer.over, seen.scene)
 
     def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> Placement:
         return self._planner.plan(
             scene, np.random.default_rng(self._seed + len(avoid)), avoid=avoid,
-            avoid_radius=self.session.task.avoid_radius, variant=self.session.method.placement_variant,
+            avoid_radius=self.session.task.avoid_radius, lean=self.session.task.lean,
+            variant=self.session.method.placement_variant,
         )  # fmt: skip
 
 

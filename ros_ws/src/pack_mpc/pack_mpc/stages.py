@@ -9,7 +9,7 @@ from pack_core.config import Config
 from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Scene
-from pack_mpc.entry import Placement, entry_at, may_land
+from pack_mpc.placement import Placement
 from pack_mpc.residuals import Target
 from pack_mpc.weights import Stage
 
@@ -39,7 +39,6 @@ class StageMachine:
         time: now [s].
         X_WN: the held object's pose now; the placement's yaw is taken at the nearest heading that
             looks the same.
-        lean: tilt at the entry [rad].
     """
 
     def __init__(
@@ -49,7 +48,6 @@ class StageMachine:
         placement: Placement,
         time: float,
         X_WN: Pose,
-        lean: float = 0.0,
     ) -> None:
         self._scene, self._config = scene, config
         self.placement = placement
@@ -58,7 +56,7 @@ class StageMachine:
         self.is_stalled = False
         self._yaw = nearest_heading(scene.new_object, yaw_of(placement.X_WN.q), yaw_of(X_WN.q))
         self._least, self._progress = np.inf, time
-        self._lean, self._X_WN = lean, X_WN
+        self._X_WN = X_WN
 
     @property
     def target(self) -> Target:
@@ -67,14 +65,14 @@ class StageMachine:
         if self.stage is Stage.FINE_TUNE:
             return Target(p_WN, self._yaw)
         bottom, half_height = self._bottom, float(self._scene.new_object.half_extents[2])
-        axis, aside = entry_at(self.placement, self._lean, bottom)
+        entry = self.placement.entry
+        axis, aside = entry.at(bottom)
         p_WN[:2] += half_height * axis + aside
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._rim + self._config.clearance
             return self._straight_up(p_WN[2]) if bottom < self._rim else Target(p_WN, self._yaw, axis)
-        placement = self.placement
-        lands = may_land(placement, self._scene.container.height, bottom)
-        return Target(p_WN, self._yaw, axis, placement.over, placement.collisions, lands)
+        lands = entry.may_land(self._scene.container.height, bottom)
+        return Target(p_WN, self._yaw, axis, entry.over, self.placement.collisions, lands)
 
     def _straight_up(self, height: float) -> Target:
         """Out from among the others, wedged as it may be: as it is, but at this height [m]."""

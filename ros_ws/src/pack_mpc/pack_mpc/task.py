@@ -11,9 +11,10 @@ from scipy.signal import lfilter
 from pack_core.config import Config
 from pack_core.exit_reason import ExitReason
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
+from pack_core.scene.entry import plan_entry
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
-from pack_mpc.entry import Placement, plan_entry
+from pack_mpc.placement import Placement
 from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage
 
@@ -63,7 +64,8 @@ class PackingTask:
         self, scene: Scene, config: TaskConfig, time: float, timeout: float = 0.0, lean: float = 0.0
     ) -> None:
         self._scene, self._config = scene, config
-        self._start, self._timeout, self._lean = time, timeout or config.timeout, lean
+        self._start, self._timeout = time, timeout or config.timeout
+        self.lean = lean
         self.machine: StageMachine | None = None
         self.tried: list[Pose] = []
         self.needs_placement = True
@@ -83,9 +85,13 @@ class PackingTask:
         """Where placements have been tried `(3,)` [m]."""
         return [X_WN.p for X_WN in self.tried]
 
-    def place(self, X_WN: Pose, collisions: tuple[str, ...], scene: SceneState) -> None:
-        """Go for the packing pose X_WN and its collision list, with the objects as they are in `scene`."""
-        placement = plan_entry(self._scene, X_WN, collisions, scene.poses())
+    def place(self, X_WN: Pose, collisions: tuple[str, ...], over: Array, scene: SceneState) -> None:
+        """Go for the packing pose X_WN and its collision list, leaning `over` `(2,)` at the entry.
+
+        The objects are as they are in `scene`.
+        """
+        entry = plan_entry(self._scene, X_WN, collisions, scene.poses(), self.lean, over)
+        placement = Placement(X_WN, collisions, entry)
         self._follow(placement, scene.time, scene.objects[self._scene.new_object.name].X_WO)
         self.tried.append(X_WN)
         self.needs_placement, self._refusals = False, 0
@@ -153,10 +159,10 @@ class PackingTask:
         """The container's middle, to go above while the first placement is being planned."""
         x, y = self._scene.container.centre
         half_height = float(self._scene.new_object.half_extents[2])
-        return Placement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))), ())
+        return Placement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))))
 
     def _follow(self, placement: Placement, time: float, X_WN: Pose) -> StageMachine:
-        self.machine = StageMachine(self._scene, self._config.stages, placement, time, X_WN, self._lean)
+        self.machine = StageMachine(self._scene, self._config.stages, placement, time, X_WN)
         return self.machine
 
     def _where(self) -> str:

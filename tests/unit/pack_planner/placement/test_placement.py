@@ -4,8 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from pack_core.cells.packing import packing_cell
 from pack_core.errors import PackError
@@ -14,12 +12,7 @@ from pack_core.scene.free_space import footprint
 from pack_core.scene.objects import Box
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import ObjectState, SceneState
-from pack_planner.placement.placement_planner import (
-    PlacementConfig,
-    PlacementPlanner,
-    cheapest_elsewhere,
-    checked_variant,
-)
+from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
 from pack_planner.placement.placement_result import Placement, PlacementStatus
 
 StateOf = Callable[[Scene], SceneState]
@@ -123,18 +116,6 @@ def test_places_tried_before_are_left_out(example: Scene, state_of: StateOf) -> 
         assert placement.X_WO is not None
         assert all(np.linalg.norm(placement.X_WO.p[:2] - p[:2]) >= 0.03 for p in tried)
         tried.append(placement.X_WO.p)
-
-
-def test_where_everything_was_tried_the_farthest_is_taken() -> None:
-    poses = np.zeros((3, 7))
-    poses[:, 0] = [0.01, 0.03, 0.02]
-    assert cheapest_elsewhere(np.array([1.0, 9.0, 2.0]), poses, [np.zeros(3)], 0.1) == 1
-
-
-@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
-def test_with_nothing_to_avoid_the_cheapest_is_taken(costs: list[float]) -> None:
-    poses = np.zeros((len(costs), 7))
-    assert costs[cheapest_elsewhere(np.array(costs), poses, [], 0.1)] == min(costs)
 
 
 def test_the_random_variant_takes_any_pose_with_its_collisions(example: Scene, state_of: StateOf) -> None:

@@ -12,7 +12,7 @@ from pack_core.evaluation.track import to_tracks
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState
 from pack_mpc.controller import Plan
-from pack_mpc.entry import Placement
+from pack_mpc.placement import Placement
 from pack_mpc.task import Outcome, PackingTask
 from pack_perception.mocap.physics_estimator import PhysicsEstimator
 from pack_sim.packing.simulator import Simulator

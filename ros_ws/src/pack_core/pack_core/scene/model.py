@@ -13,6 +13,7 @@ from pack_core.robots.panda import add_panda
 from pack_core.rotations import Pose
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Container, Scene
+from pack_core.scene.steering import add_steering
 from pack_core.scene.surroundings import add_surroundings
 from pack_core.scene.tip import add_tip
 
@@ -46,6 +47,8 @@ class Held(Enum):
     """On the springs of the cup, its weight not compensated; for who simulates the truth."""
     FREE = "free"
     """A body of its own."""
+    STEERED = "steered"
+    """A body of its own without weight, on springs to a place that a caller moves."""
     ABSENT = "absent"
 
 
@@ -155,8 +158,12 @@ def _add_new_object(
     spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: Held, tip: Tip | None
 ) -> None:
     item = scene.new_object
-    if held is Held.FREE:
-        _add_object(spec.worldbody.add_body(name=item.name), item, scene, free=True)
+    if held in (Held.FREE, Held.STEERED):
+        is_steered = held is Held.STEERED
+        body = spec.worldbody.add_body(name=item.name, gravcomp=is_steered)
+        _add_object(body, item, scene, free=True)
+        if is_steered:
+            add_steering(spec, body)
     elif held is not Held.ABSENT and tool is not None:
         X_TN, is_rigid = held_pose(scene), held is Held.RIGID
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)

@@ -8,7 +8,7 @@ from rclpy.task import Future
 from pack_core.errors import MessageError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_pose, to_point, to_scene
+from pack_core.ros.conversions import finite, from_pose, to_point, to_scene
 from pack_mpc.session import Observation, PackingSession
 
 
@@ -38,7 +38,7 @@ class PlacementClient:
     def _request(self, session: PackingSession, seen: Observation) -> PlanPlacement.Request:
         task = session.task
         return PlanPlacement.Request(
-            scene=to_scene(seen.scene), variant=session.method.placement_variant,
+            scene=to_scene(seen.scene), lean=task.lean, variant=session.method.placement_variant,
             seed=self._seed + len(task.tried),
             avoid=[to_point(p) for p in task.avoid], avoid_radius=task.avoid_radius,
         )  # fmt: skip
@@ -51,8 +51,8 @@ class PlacementClient:
             task.refuse(time, response.message)
             return
         try:
-            X_WN = from_pose(response.pose)
+            X_WN, over = from_pose(response.pose), finite([response.over.x, response.over.y], "over")
         except MessageError as error:
             task.refuse(time, str(error))
             return
-        task.place(X_WN, tuple(response.collisions), seen.scene)
+        task.place(X_WN, tuple(response.collisions), over, seen.scene)

@@ -25,9 +25,11 @@ from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.scene.fit import fitting_yaws
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
+from pack_planner.placement.approach import ApproachConfig, ApproachPlanner, beside
 from pack_planner.placement.feasibility import judge
-from pack_planner.placement.placement_result import Placement, PlacementStatus, Samples
+from pack_planner.placement.placement_result import Candidate, Placement, PlacementStatus, Samples
 from pack_planner.placement.pose_sampling import sample_poses
+from pack_planner.placement.ranking import cheapest_elsewhere, spread_out
 from pack_planner.placement.settling import Settling
 
 Variant = Literal["physics", "random"]
@@ -51,6 +53,7 @@ class PlacementConfig(Config):
         0.005, description="placements nearer to a wall [m] are taken only where there are no others"
     )
     threads: NonNegativeInt = Field(0, description="threads of the physics; 0: all cores")
+    approach: ApproachConfig = ApproachConfig()
 
 
 class PlacementPlanner:
@@ -64,17 +67,19 @@ class PlacementPlanner:
         """
         self._scene, self._config = scene, config
         fitting_yaws(scene.new_object, scene.container, 0.0)
+        self._approach = ApproachPlanner(scene, cell, config.approach, config.threads)
         self._settling = Settling(scene, cell, config.timestep, config.threads)
 
     def plan(
-        self, state: SceneState, rng: np.random.Generator, *, variant: Variant | None = None,
-        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02,
+        self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
+        variant: Variant | None = None, avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02,
     ) -> Placement:  # fmt: skip
         """Choose a placement.
 
         Args:
             state: where the objects are, the new one included; taken to be at rest.
             rng: decides the samples.
+            lean: how far the object will be tilted at its entry [rad].
             variant: overrides the configured one.
             avoid: points `(3,)` [m] tried before; a sample within `avoid_radius` of one, as seen from
                 above, is taken only if all are, and then the farthest.
@@ -88,15 +93,22 @@ class PlacementPlanner:
         new, container = self._scene.new_object, self._scene.container
         sampled = sample_poses(new, container, self._config.samples, yaw_of(poses[new.name].q), rng)
         if (variant or self._config.variant) == "random":
-            k = cheapest_elsewhere(np.zeros(len(sampled)), sampled, avoid, avoid_radius)
+            k = cheapest_elsewhere(np.zeros(len(sampled)), sampled, avoid, avoid_radius)[0]
             samples, _ = self._evaluate(now, sampled[[k]])
-            return self._placement(now, samples, 0, sampled[k])
+            candidate = self._candidate(now, sampled[k], samples.costs[0])
+            return _success(beside(candidate, poses), 0, samples)
         samples, reason = self._evaluate(now, sampled)
-        if not np.any(samples.is_feasible):
-            return Placement(PlacementStatus.NO_FEASIBLE_PLACEMENT, reason, None, (), np.inf, samples)
-        costs, settled = samples.costs[samples.is_feasible], samples.settled[samples.is_feasible]
-        k = int(np.flatnonzero(samples.is_feasible)[cheapest_elsewhere(costs, settled, avoid, avoid_radius)])
-        return self._placement(now, samples, k, samples.settled[k])
+        feasible = np.flatnonzero(samples.is_feasible)
+        if not len(feasible):
+            return Placement(
+                PlacementStatus.NO_FEASIBLE_PLACEMENT, reason, None, (), np.zeros(2), np.inf, 0, samples
+            )
+        costs, settled = samples.costs[feasible], samples.settled[feasible]
+        ranked = feasible[cheapest_elsewhere(costs, settled, avoid, avoid_radius)]
+        approach = self._config.approach
+        spread = spread_out(ranked, samples.settled, approach.spacing, approach.tried)
+        candidates = [self._candidate(now, samples.settled[k], samples.costs[k]) for k in spread]
+        return _success(*self._approach.choose(candidates, poses, lean, len(avoid)), samples)
 
     def _checked(self, state: SceneState) -> dict[str, Pose]:
         poses, known = state.poses(), self._settling.names
@@ -129,14 +141,19 @@ class PlacementPlanner:
         depths = np.array(list(self._settling.penetrations(state).values()))
         return float(np.maximum(depths - self._config.resting_penetration, 0.0).sum())
 
-    def _placement(self, now: Array, samples: Samples, k: int, pose: Array) -> Placement:
+    def _candidate(self, now: Array, pose: Array, cost: float) -> Candidate:
         teleported = self._settling.teleport(now, pose[None])[0]
         depths = self._settling.penetrations(teleported)
         new = self._scene.new_object.name
         overlapped = {n for pair, depth in depths.items() if new in pair and depth > 0.0 for n in pair}
         collisions = tuple(name for name in self._scene.names if name in overlapped)
-        X_WO = Pose(pose[:3], pose[3:])
-        return Placement(PlacementStatus.SUCCESS, "", X_WO, collisions, float(samples.costs[k]), samples)
+        return Candidate(Pose(pose[:3], pose[3:]), collisions, float(cost))
+
+
+def _success(found: Candidate, rounds: int, samples: Samples) -> Placement:
+    return Placement(
+        PlacementStatus.SUCCESS, "", found.X_WN, found.collisions, found.over, found.cost, rounds, samples
+    )
 
 
 def checked_variant(name: str) -> Variant:
@@ -148,14 +165,3 @@ def checked_variant(name: str) -> Variant:
     if name not in get_args(Variant):
         raise PackError(f"variant is '{name}'; allowed: {', '.join(get_args(Variant))}")
     return cast(Variant, name)
-
-
-def cheapest_elsewhere(costs: Array, poses: Array, avoid: Sequence[npt.ArrayLike], radius: float) -> int:
-    """Index of the cheapest pose `(n, 7)` that is near none of `avoid`; if all are near, of the farthest."""
-    if not len(avoid):
-        return int(np.argmin(costs))
-    tried = np.asarray(avoid, dtype=float)[:, :2]
-    distances = np.linalg.norm(poses[:, None, :2] - tried[None], axis=-1).min(axis=1)
-    if np.all(distances < radius):
-        return int(np.argmax(distances))
-    return int(np.argmin(np.where(distances < radius, np.inf, costs)))

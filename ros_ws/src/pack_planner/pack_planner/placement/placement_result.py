@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
@@ -36,6 +36,23 @@ class Samples:
 
 
 @dataclass(frozen=True)
+class Candidate:
+    """A packing pose that Algorithm 1 finds feasible.
+
+    Attributes:
+        X_WN: the pose of the new object N.
+        collisions: objects that it overlaps where they stand now, the collision list G.
+        cost: Eq. 6.
+        over: horizontal unit vector `(2,)` towards which it leans at its entry; zero: to no side.
+    """
+
+    X_WN: Pose
+    collisions: tuple[str, ...]
+    cost: float
+    over: Array = field(default_factory=lambda: np.zeros(2))
+
+
+@dataclass(frozen=True)
 class Placement:
     """Where to pack the new object.
 
@@ -44,7 +61,9 @@ class Placement:
         reason: why there is none; empty after success.
         X_WO: the packing pose; None without success.
         collisions: objects that it overlaps where they stand now, the collision list G.
+        over: horizontal unit vector `(2,)` towards which it leans at its entry; zero: to no side.
         cost: Eq. 6 of the chosen sample; infinite without success.
+        rounds: of rehearsals that it took.
         samples: all that was tried.
     """
 
@@ -52,5 +71,7 @@ class Placement:
     reason: str
     X_WO: Pose | None
     collisions: tuple[str, ...]
+    over: Array
     cost: float
+    rounds: int
     samples: Samples

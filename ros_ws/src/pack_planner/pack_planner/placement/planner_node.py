@@ -75,6 +75,7 @@ class PlannerNode(CellNode):
         placement = self._planner.plan(
             state,
             np.random.default_rng(request.seed),
+            lean=_checked_lean(request.lean),
             variant=checked_variant(request.variant) if request.variant else None,
             avoid=[finite([p.x, p.y, p.z], "point to avoid") for p in request.avoid],
             avoid_radius=_checked_radius(request.avoid_radius),
@@ -89,9 +90,16 @@ def _checked_radius(radius: float) -> float:
     return radius
 
 
+def _checked_lean(lean: float) -> float:
+    if not 0.0 <= lean < 0.5 * np.pi:
+        raise MessageError(f"lean is {lean}; allowed: radians from 0 to below pi / 2")
+    return lean
+
+
 def _fill(response: PlanPlacement.Response, placement: Placement) -> None:
     response.status, response.message = int(placement.status), placement.reason
     response.collisions, response.cost = list(placement.collisions), placement.cost
+    response.over.x, response.over.y = placement.over.tolist()
     response.samples = _to_samples(placement.samples)
     if placement.X_WO is not None:
         response.pose = to_pose(placement.X_WO)

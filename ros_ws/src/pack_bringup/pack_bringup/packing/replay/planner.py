@@ -18,6 +18,7 @@ from pack_core.rotations import Array
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
 from pack_mpc.session import Method, SessionConfig
+from pack_mpc.weights import load_weights
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
 
 WINDOW = 0.05
@@ -90,12 +91,13 @@ def _compare(
     planner: PlacementPlanner, request: Request, scenes: list[SceneState], seed: int, method: Method
 ) -> Row:
     """The nearest placement among those that the scenes give; stops at the one that was recorded."""
-    radius = load_parameters("mpc", SessionConfig).task.avoid_radius
+    session = load_parameters("mpc", SessionConfig)
+    radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
     best, planned = float("inf"), 0
     for scene in scenes:
         placement = planner.plan(
-            scene, np.random.default_rng(seed + len(request.tried)), variant=method.placement_variant,
-            avoid=list(request.tried), avoid_radius=radius,
+            scene, np.random.default_rng(seed + len(request.tried)), lean=lean,
+            variant=method.placement_variant, avoid=list(request.tried), avoid_radius=radius,
         )  # fmt: skip
         planned += 1
         if placement.X_WO is not None and placement.collisions == request.collisions:

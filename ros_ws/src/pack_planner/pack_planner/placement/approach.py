@@ -1,0 +1,128 @@
+"""Which of the best placements can be entered, and leaning to which side.
+
+Algorithm 1 judges where the new object ends, not how it comes there: on its way it may land on what it was
+to push aside. Here its best placements are entered in rehearsal, leaning towards several sides, and those
+that go well once more a few millimetres off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
+
+from pack_core.cells.packing import PackingCell
+from pack_core.config import Config
+from pack_core.rotations import Array, Pose
+from pack_core.scene.entry import Entry, plan_entry, side_of
+from pack_core.scene.free_space import footprint
+from pack_core.scene.scene import Scene
+from pack_planner.placement.placement_result import Candidate
+from pack_planner.placement.rehearsal import Rehearsal
+
+OFF = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+GOOD = 0.5
+"""Price below which the search ends: the entry succeeds, and so do most that are off."""
+
+
+class ApproachConfig(Config):
+    """Parameters of the rehearsals."""
+
+    crowded: NonNegativeFloat = Field(
+        0.5, description="covered share of the base from which on the first placement is rehearsed, too"
+    )
+    rounds: PositiveInt = Field(4, description="of candidates, until one is good")
+    candidates: PositiveInt = Field(5, description="placements a round, the cheapest first")
+    spacing: PositiveFloat = Field(0.015, description="between candidates, seen from above [m]")
+    sides: PositiveInt = Field(8, description="to which the object may lean")
+    finalists: PositiveInt = Field(6, description="entries a round that are rehearsed again, off their way")
+    error: NonNegativeFloat = Field(0.006, description="how far off [m]")
+
+    @property
+    def tried(self) -> int:
+        """How many placements are rehearsed at most."""
+        return self.rounds * self.candidates
+
+
+class ApproachPlanner:
+    """Chooses how one scene's new object enters."""
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: ApproachConfig, threads: int) -> None:
+        self._scene, self._config = scene, config
+        self._rehearsal = Rehearsal(scene, cell, threads)
+
+    def choose(
+        self, candidates: Sequence[Candidate], poses: Mapping[str, Pose], lean: float, failures: int
+    ) -> tuple[Candidate, int]:
+        """Choose a candidate and the side to which the object leans.
+
+        Args:
+            candidates: the cheapest first, at least one.
+            poses: X_WO of what stands in the container.
+            lean: tilt at the entry [rad].
+            failures: placements that failed before.
+
+        Returns:
+            The choice, and how many rounds of rehearsals it took.
+        """
+        if not failures and self._covered(candidates[0], poses) < self._config.crowded:
+            return beside(candidates[0], poses), 0
+        best, lowest, rounds = beside(candidates[0], poses), np.inf, 0
+        n = self._config.candidates
+        for first in range(0, len(candidates), n):
+            if rounds == self._config.rounds or lowest < GOOD:
+                break
+            options = [
+                option
+                for candidate in candidates[first : first + n]
+                for option in self._options(candidate, poses)
+            ]
+            option, price = self._cheapest(options, poses, lean)
+            rounds += 1
+            if price < lowest:
+                best, lowest = option, price
+        return best, rounds
+
+    def _options(self, candidate: Candidate, poses: Mapping[str, Pose]) -> list[Candidate]:
+        """The candidate with every side to rehearse."""
+        if not candidate.collisions:
+            return [candidate]
+        angles = 2.0 * np.pi * np.arange(self._config.sides) / self._config.sides
+        sides = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        return [beside(candidate, poses), *(replace(candidate, over=over) for over in sides)]
+
+    def _cheapest(
+        self, options: Sequence[Candidate], poses: Mapping[str, Pose], lean: float
+    ) -> tuple[Candidate, float]:
+        """The best of a round and its price: Eq. 6 [m], lag [m s] and the share of failures, summed."""
+        entries = [plan_entry(self._scene, o.X_WN, o.collisions, poses, lean, o.over) for o in options]
+        prices = np.array([option.cost for option in options])
+        prices += self._rehearse(options, entries, np.zeros((1, 3)), poses)[0]
+        best = np.argsort(prices, kind="stable")[: self._config.finalists]
+        finalists = [options[i] for i in best]
+        off = self._rehearse(finalists, [entries[i] for i in best], self._config.error * OFF, poses)
+        prices = prices[best] + off.mean(axis=0)
+        k = int(np.argmin(prices))
+        return finalists[k], float(prices[k])
+
+    def _rehearse(
+        self, options: Sequence[Candidate], entries: Sequence[Entry], shifts: Array, poses: Mapping[str, Pose]
+    ) -> Array:
+        """What entering costs `(m, n)` when all is off by `shifts` `(m, 3)` [m]: the lag, 1 for a failure."""
+        goals = [Pose(option.X_WN.p + shift, option.X_WN.q) for shift in shifts for option in options]
+        seen = self._rehearsal.run(poses, goals, [*entries] * len(shifts))
+        return np.asarray(seen.lags + ~seen.is_success).reshape(len(shifts), -1)
+
+    def _covered(self, candidate: Candidate, poses: Mapping[str, Pose]) -> float:
+        """Share of the container's base under the objects, the new one included."""
+        scene = self._scene
+        standing = [footprint(scene.model_of(name), poses[name]) for name in scene.names]
+        area = sum(outline.area for outline in (*standing, footprint(scene.new_object, candidate.X_WN)))
+        return float(area / np.prod(scene.container.size))
+
+
+def beside(candidate: Candidate, poses: Mapping[str, Pose]) -> Candidate:
+    """The candidate leaning over its obstacles, unrehearsed."""
+    return replace(candidate, over=side_of(candidate.X_WN, candidate.collisions, poses))

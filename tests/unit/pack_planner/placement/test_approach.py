@@ -1,0 +1,77 @@
+"""Which placement is entered, and leaning to which side."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pack_core.cells.packing import packing_cell
+from pack_core.rotations import Pose
+from pack_core.scene.objects import Box
+from pack_core.scene.scene import Scene
+from pack_planner.placement.approach import ApproachConfig, ApproachPlanner, beside
+from pack_planner.placement.placement_result import Candidate
+
+LEAN = 0.4
+SMALL = Box(name="small", shape="box", size=(0.09, 0.06, 0.12), mass=0.3)
+LARGE = Box(name="large", shape="box", size=(0.13, 0.20, 0.12), mass=20.0)
+ONTO_SMALL = Candidate(Pose(np.array([0.57, 0.0, 0.09])), ("small",), 0.02)
+ONTO_LARGE = Candidate(Pose(np.array([0.43, 0.01, 0.09])), ("large",), 0.01)
+CANDIDATES = [ONTO_LARGE, ONTO_SMALL]
+
+
+@pytest.fixture
+def scene() -> Scene:
+    """A block that can be pushed aside, and one on which everything lands."""
+    empty = packing_cell().scene.model_copy(update={"objects": [SMALL, LARGE]})
+    poses = {"small": Pose(np.array([0.57, 0.02, 0.06])), "large": Pose(np.array([0.43, 0.0, 0.06]))}
+    return empty.with_poses(poses)
+
+
+def planner(scene: Scene, **config: float) -> ApproachPlanner:
+    return ApproachPlanner(
+        scene.description(), packing_cell(), ApproachConfig(**{"crowded": 1.0} | config), threads=1
+    )
+
+
+def test_at_first_the_cheapest_is_entered_over_its_obstacles_unrehearsed(scene: Scene) -> None:
+    choice, rounds = planner(scene).choose(CANDIDATES, scene.poses(), LEAN, failures=0)
+    assert choice.X_WN is ONTO_LARGE.X_WN
+    np.testing.assert_allclose(choice.over, [0.0, -1.0])
+    assert rounds == 0
+
+
+def test_in_a_crowded_container_the_first_is_rehearsed_too(scene: Scene) -> None:
+    covered = (0.09 * 0.06 + 0.13 * 0.20 + 0.065**2) / (0.27 * 0.22)
+    for crowded, expected in [(covered - 1e-3, 1), (covered + 1e-3, 0)]:
+        rounds = planner(scene, crowded=crowded).choose(CANDIDATES, scene.poses(), LEAN, failures=0)[1]
+        assert rounds == expected
+
+
+def test_after_a_failure_one_that_can_be_entered_is_chosen(scene: Scene) -> None:
+    choice, rounds = planner(scene).choose(CANDIDATES, scene.poses(), LEAN, failures=1)
+    assert choice.X_WN is ONTO_SMALL.X_WN
+    assert choice.over[1] > 0.5
+    assert rounds == 1
+
+
+def test_the_search_goes_on_until_an_entry_is_good_or_the_rounds_are_over(scene: Scene) -> None:
+    hopeless = [replace(ONTO_LARGE, cost=0.01 * i) for i in range(3)]
+    one_by_one = planner(scene, candidates=1, rounds=5)
+    assert one_by_one.choose([*hopeless, ONTO_SMALL], scene.poses(), LEAN, 1)[1] == 4
+    choice, rounds = planner(scene, candidates=1, rounds=2).choose(hopeless, scene.poses(), LEAN, 1)
+    assert rounds == 2
+    assert choice.X_WN is ONTO_LARGE.X_WN
+
+
+def test_where_nothing_is_in_the_way_it_comes_down_straight(scene: Scene) -> None:
+    free = Candidate(Pose(np.array([0.5, -0.07, 0.09])), (), 0.0)
+    choice, rounds = planner(scene).choose([free], scene.poses(), LEAN, failures=1)
+    np.testing.assert_array_equal(choice.over, 0.0)
+    assert rounds == 1
+
+
+def test_beside_two_facing_obstacles_there_is_no_side() -> None:
+    poses = {"a": Pose(np.array([0.45, 0.0, 0.06])), "b": Pose(np.array([0.55, 0.0, 0.06]))}
+    between = Candidate(Pose(np.array([0.5, 0.0, 0.09])), ("a", "b"), 0.0)
+    np.testing.assert_array_equal(beside(between, poses).over, 0.0)

@@ -1,0 +1,66 @@
+"""Rehearsed entries: what can be pushed aside, what cannot, and what is tipped over."""
+
+import numpy as np
+import pytest
+
+from pack_core.cells.packing import packing_cell
+from pack_core.rotations import Pose
+from pack_core.scene.entry import Entry, plan_entry
+from pack_core.scene.objects import Box
+from pack_core.scene.scene import Scene
+from pack_planner.placement.rehearsal import DOWN_BELOW, REST, Rehearsal
+
+PLACE = Pose(np.array([0.5, 0.0, 0.09]))
+TOWARDS_Y = np.array([0.0, 1.0])
+
+
+def block_at(y: float, width: float = 0.06) -> Scene:
+    """A block 12 cm tall, beside or below the place."""
+    block = Box(name="block", shape="box", size=(0.09, width, 0.12), mass=0.3)
+    empty = packing_cell().scene.model_copy(update={"objects": [block]})
+    return empty.with_poses({"block": Pose(np.array([0.5, y, 0.06]))})
+
+
+def entry(scene: Scene, over: np.ndarray, lean: float = 0.4) -> Entry:
+    return plan_entry(scene, PLACE, ("block",), scene.poses(), lean, over)
+
+
+def rehearse(scene: Scene, *entries: Entry, threads: int = 1) -> tuple[list[bool], list[float]]:
+    rehearsal = Rehearsal(scene.description(), packing_cell(), threads)
+    seen = rehearsal.run(scene.poses(), [PLACE] * len(entries), entries)
+    return seen.is_success.tolist(), seen.lags.tolist()
+
+
+def test_into_free_space_it_comes_down_without_a_lag() -> None:
+    scene = packing_cell().scene.model_copy(update={"objects": []})
+    (success,), (lag,) = rehearse(scene, Entry())
+    assert success
+    assert abs(lag) < 0.01
+
+
+def test_flat_on_top_of_a_block_it_stands_and_beside_it_comes_down() -> None:
+    scene = block_at(0.02)
+    (flat, leaning), lags = rehearse(scene, entry(scene, np.zeros(2)), entry(scene, TOWARDS_Y))
+    assert not flat
+    assert leaning
+    assert lags[0] > REST * (0.12 - DOWN_BELOW) > lags[1]
+
+
+def test_leaning_away_from_the_block_it_lands_on_it() -> None:
+    scene = block_at(0.02)
+    (over, away), _ = rehearse(scene, entry(scene, TOWARDS_Y), entry(scene, -TOWARDS_Y))
+    assert over
+    assert not away
+
+
+def test_what_fills_the_width_of_the_container_is_in_the_way() -> None:
+    scene = block_at(0.0, width=0.21)
+    (success,), _ = rehearse(scene, entry(scene, TOWARDS_Y))
+    assert not success
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_the_same_on_any_number_of_threads(threads: int) -> None:
+    scene = block_at(0.02)
+    entries = [entry(scene, np.array([np.cos(a), np.sin(a)])) for a in range(5)]
+    assert rehearse(scene, *entries) == rehearse(scene, *entries, threads=threads)
