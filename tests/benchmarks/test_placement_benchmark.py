@@ -1,29 +1,47 @@
 """How long a placement and a blocked scene take."""
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
+from pack_bringup.lockstep import LockstepConfig
 from pack_core.cells.packing import packing_cell
 from pack_core.paths import config_path
 from pack_core.rotations import Pose
 from pack_core.scene.scene_file import load_scene
 from pack_core.scene.state import ObjectState, SceneState
+from pack_planner.placement.approach import ApproachConfig
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
+from pack_planner.placement.placement_result import Placement
 from pack_sim.packing.scene_generator import generate_scene
 
 pytestmark = pytest.mark.benchmark
 
 
-def test_placement_takes_at_most_300_ms(benchmark: BenchmarkFixture) -> None:
+def planning(crowded: float) -> Callable[[], Placement]:
+    """Plans in the example scene; with `crowded` 0 after rehearsals."""
     scene = load_scene(config_path("scenarios", "example.yaml"))
     poses = scene.poses() | {scene.new_object.name: Pose(np.array([0.5, 0.0, 0.5]))}
     state = SceneState(0.0, {name: ObjectState(X_WO) for name, X_WO in poses.items()})
-    planner = PlacementPlanner(scene, packing_cell(), PlacementConfig())
-    benchmark.pedantic(lambda: planner.plan(state, np.random.default_rng(0)), rounds=10, warmup_rounds=1)
-    assert benchmark.stats.stats.median < 0.3
+    config = PlacementConfig(approach=ApproachConfig(crowded=crowded))
+    planner = PlacementPlanner(scene, packing_cell(), config)
+    return lambda: planner.plan(state, np.random.default_rng(0), lean=0.6)
+
+
+def test_a_placement_takes_no_longer_than_lockstep_says(benchmark: BenchmarkFixture) -> None:
+    benchmark.pedantic(planning(crowded=1.0), rounds=10, warmup_rounds=1)
+    assert benchmark.stats.stats.median < LockstepConfig().placement_latency
+
+
+def test_rehearsals_take_no_longer_than_lockstep_says(benchmark: BenchmarkFixture) -> None:
+    plan, config = planning(crowded=0.0), LockstepConfig()
+    rounds = plan().rounds
+    benchmark.pedantic(plan, rounds=10)
+    assert rounds > 0
+    assert benchmark.stats.stats.median < config.placement_latency + rounds * config.rehearsal_latency
 
 
 def test_a_blocked_scene_takes_at_most_2_s(benchmark: BenchmarkFixture) -> None:
