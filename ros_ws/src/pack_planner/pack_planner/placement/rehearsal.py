@@ -25,7 +25,7 @@ from pack_core.scene.scene import Scene
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 UP = np.array([0.0, 0.0, 1.0])
 TIMESTEP = 0.01
-SPEED = 0.25
+SPEED = 0.15
 """At which the object is lowered [m/s]."""
 CLEARANCE = 0.01
 """Between its lower end and the obstacles' tops at the start [m]."""
