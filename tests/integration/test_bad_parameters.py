@@ -7,8 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from integration.harness import Graph
 from pack_bringup.executables import find_executable
 from pack_core.paths import config_path
+from pack_core.ros.params import unknown_parameters
+from pack_planner.placement.planner_node import PlannerNode
 
 EXAMPLE = config_path("scenarios", "example.yaml")
 
@@ -52,3 +55,14 @@ def test_a_bad_scene_file_is_named_with_its_key_and_what_is_allowed(tmp_path: Pa
     line = last_words("pack_sim", "sim_node", f"scene:={path}")
     for part in ("error: ", str(path), "objects.0", "height", "tall", "number"):
         assert part in line
+
+
+def test_an_unknown_parameter_is_reported_with_what_may_have_been_meant(graph: Graph) -> None:
+    node = graph.start(PlannerNode, smaples=3)
+    graph.wait_until(lambda: node.health.counts["unknown parameter"])
+    assert unknown_parameters(node) == ["'smaples'; did you mean 'samples'?"]
+
+
+def test_what_is_known_is_not_reported(graph: Graph) -> None:
+    node = graph.start(PlannerNode, samples=3)
+    assert unknown_parameters(node) == []

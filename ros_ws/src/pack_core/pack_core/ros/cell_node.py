@@ -21,6 +21,7 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.health import Health
 from pack_core.ros.lifeline import Lifeline
+from pack_core.ros.params import unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
 
 ASSERTION_PERIOD = 0.02
@@ -60,6 +61,9 @@ class CellNode(Node):
         self._alive = self.create_publisher(Empty, alive_topic(self.get_name()), ALIVE_QOS)
         self._heart = threading.Thread(target=self._beat, name="alive", daemon=True)
         self._heart.start()
+        for said in unknown_parameters(self):
+            self.health.count("unknown parameter", said)
+            self.get_logger().warning(f"ignored: unknown parameter {said}")
 
     def _beat(self) -> None:
         with suppress(InvalidHandle, RuntimeError):  # the context may end first

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from types import UnionType
 from typing import Any, TypeVar, get_args
 
@@ -24,6 +25,18 @@ def read_parameters(node: Node, cls: type[C]) -> C:
         ConfigError: a parameter has a value that is not allowed.
     """
     return validate_config(cls, _declare(node, cls, ""), f"parameters of node '{node.get_name()}'")
+
+
+def unknown_parameters(node: Node) -> list[str]:
+    """What was given to the node and means nothing to it, each in words, once all parameters are declared."""
+    given: dict[str, Any] = node._parameter_overrides  # rclpy has no public name for it
+    known = [name for name in node.get_parameters_by_prefix("") if name not in given]
+    said = []
+    for name in given:
+        if not node.has_parameter(name):
+            nearest = get_close_matches(name, known, n=1)
+            said.append(f"'{name}'" + (f"; did you mean '{nearest[0]}'?" if nearest else ""))
+    return said
 
 
 def _declare(node: Node, cls: type[BaseModel], prefix: str) -> dict[str, Any]:

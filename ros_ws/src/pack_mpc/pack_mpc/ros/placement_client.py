@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+from geometry_msgs.msg import Vector3
 from pack_interfaces.srv import PlanPlacement
 from rclpy.task import Future
 
@@ -9,7 +11,10 @@ from pack_core.errors import MessageError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite, from_pose, to_point, to_scene
+from pack_core.rotations import Array
 from pack_mpc.session import Observation, PackingSession
+
+UNIT_TOLERANCE = 1e-3
 
 
 class PlacementClient:
@@ -51,8 +56,21 @@ class PlacementClient:
             task.refuse(time, response.message)
             return
         try:
-            X_WN, over = from_pose(response.pose), finite([response.over.x, response.over.y], "over")
+            X_WN, over = from_pose(response.pose), from_over(response.over)
         except MessageError as error:
             task.refuse(time, str(error))
             return
         task.place(X_WN, tuple(response.collisions), over, seen.scene)
+
+
+def from_over(over: Vector3) -> Array:
+    """The horizontal direction in which the object leans `(2,)`.
+
+    Raises:
+        MessageError: it is neither a unit vector nor zero.
+    """
+    direction = finite([over.x, over.y], "over")
+    length = float(np.linalg.norm(direction))
+    if length > 0.0 and abs(length - 1.0) > UNIT_TOLERANCE:
+        raise MessageError(f"over has a length of {length:.3f}; allowed: 1, or 0 for no side")
+    return direction

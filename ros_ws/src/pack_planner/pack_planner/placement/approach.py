@@ -24,7 +24,7 @@ from pack_planner.placement.rehearsal import Rehearsal
 
 OFF = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
 GOOD = 0.5
-"""Price below which the search ends: the entry succeeds, and so do most that are off."""
+"""Price below which the search ends: the entry succeeds, and so do three of four that are off."""
 
 
 class ApproachConfig(Config):
