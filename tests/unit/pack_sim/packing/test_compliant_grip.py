@@ -11,7 +11,7 @@ from pack_core.scene.model import Held
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import Setpoints
 from pack_core.scene.tip import TIP_JOINTS
-from pack_sim.packing.governor import GovernorConfig
+from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.mismatch import MismatchConfig
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 

@@ -6,7 +6,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from pack_sim.packing.governor import DAMPING, ContactGovernor, GovernorConfig
+from pack_sim.packing.governor import DAMPING, ContactGovernor
+from pack_sim.packing.governor_config import GovernorConfig
 
 CONFIG = GovernorConfig()
 STEP = 0.001

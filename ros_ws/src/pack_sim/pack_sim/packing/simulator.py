@@ -16,7 +16,8 @@ from pack_core.scene.model import Arm, Held, body_pose, build_model, held_pose, 
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, ObjectState, SceneState, Setpoints
 from pack_core.scene.tip import TIP_JOINTS, tip_coordinates
-from pack_sim.packing.governor import ContactGovernor, GovernorConfig
+from pack_sim.packing.governor import ContactGovernor
+from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.joint_controller import JointController
 from pack_sim.packing.mismatch import MismatchConfig, actual, believed, joint_friction
 from pack_sim.packing.mocap import Mocap, MocapConfig
