@@ -33,6 +33,10 @@ def test_the_demo_puts_the_blocks_in_place_and_leaves_everything_behind(demo: tu
     assert (measures.disturbances, measures.unclear) == (0, 0)
 
 
+def test_the_nodes_know_every_parameter_that_they_are_given(demo: tuple[Path, str]) -> None:
+    assert "unknown parameter" not in (demo[0] / "nodes.log").read_text()
+
+
 def test_evaluating_the_bag_again_gives_the_same_measures(demo: tuple[Path, str], tmp_path: Path) -> None:
     process = pack("evaluate", demo[0], "--no-video", "--json", tmp_path / "m.json", "--output", tmp_path)
     output_of(process)

@@ -54,6 +54,10 @@ def test_the_demo_packs_the_object_and_leaves_everything_behind(demo: tuple[Path
     assert imageio_ffmpeg.count_frames_and_secs(folder / "run.mp4")[1] > run.end - run.start
 
 
+def test_the_nodes_know_every_parameter_that_they_are_given(demo: tuple[Path, str]) -> None:
+    assert "unknown parameter" not in (demo[0] / "nodes.log").read_text()
+
+
 def test_the_scene_that_was_recorded_is_the_one_that_was_run(demo: tuple[Path, str]) -> None:
     given, recorded = load_scene(EASY_SCENE), load_scene(demo[0] / "scene.yaml")
     assert recorded.description() == given.description()

@@ -42,6 +42,10 @@ def test_the_demo_builds_the_pallet_and_leaves_everything_behind(demo: tuple[Pat
     assert [box.outcome for box in run.boxes] == ["placed"]
 
 
+def test_the_nodes_know_every_parameter_that_they_are_given(demo: tuple[Path, str]) -> None:
+    assert "unknown parameter" not in (demo[0] / "nodes.log").read_text()
+
+
 def test_evaluating_the_bag_again_gives_measures_within_their_targets(
     demo: tuple[Path, str], tmp_path: Path
 ) -> None:
