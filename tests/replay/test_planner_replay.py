@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pack_bringup.packing.presets import Preset, load_preset
 from pack_bringup.packing.replay.planner import replay_planner, requests
 from pack_core.evaluation.arrays import ESTIMATE
 from replay.sample import COUNTS, SEED, sample, sample_run
@@ -16,6 +17,20 @@ def test_the_core_chooses_the_placement_that_the_node_chose() -> None:
 
 def test_another_seed_gives_another_placement() -> None:
     assert not replay_planner(sample(), seed=SEED + 1).agrees
+
+
+def test_a_preset_that_changes_the_planner_gives_another_placement() -> None:
+    assert replay_planner(sample(), seed=SEED, preset=load_preset("ideal")).agrees
+    assert not replay_planner(sample(), seed=SEED, preset=Preset(planner={"samples": 20})).agrees
+
+
+def test_what_is_done_before_the_first_answer_is_no_placement() -> None:
+    run = sample_run()
+    waiting = run.iterations.placements.copy()
+    waiting[: len(waiting) // 4] = 0.0
+    (request,) = requests(replace(run, iterations=replace(run.iterations, placements=waiting)))
+    assert request.sent == run.start
+    assert request.tried.size == 0
 
 
 def test_a_second_placement_is_asked_for_where_the_first_stalled() -> None:

@@ -32,6 +32,9 @@ def replay(
         int | None, typer.Option(min=0, help="Of the goal, for the planner. Default: what run.yaml says.")
     ] = None,
     method: Annotated[str, typer.Option(help="Of the goal, for the planner.")] = "pack_it_in",
+    preset: Annotated[
+        str, typer.Option(help="Of the run, for the planner: a file of config/presets.")
+    ] = "ideal",
 ) -> None:
     """Feed what a node received in a recording to its core, and compare the answers with those recorded.
 
@@ -41,6 +44,7 @@ def replay(
     - `pack replay bags/packing_20260101_120000_seed0 --node perception`
     - `pack replay bags/samples/packing --node planner --seed 5`
     """
+    from pack_bringup.packing.presets import load_preset
     from pack_bringup.packing.replay.perception import replay_perception
     from pack_bringup.packing.replay.planner import replay_planner
     from pack_core.evaluation.bag import read_bag
@@ -50,7 +54,8 @@ def replay(
     if node is Node.PERCEPTION:
         found = replay_perception(recorded)
     else:
-        found = replay_planner(recorded, seed=_seed_of(bag) if seed is None else seed, method=chosen)
+        given = _seed_of(bag) if seed is None else seed
+        found = replay_planner(recorded, seed=given, method=chosen, preset=load_preset(preset))
     show(found)
     raise typer.Exit(0 if found.agrees else 1)
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_bringup.node_parameters import load_parameters, parameters_of
+from pack_bringup.node_parameters import parameters_of
+from pack_bringup.packing.presets import Preset
 from pack_bringup.packing.replay.comparison import Replay, Row, check_frames
-from pack_core.cells.packing import packing_cell
 from pack_core.evaluation.arrays import DESCRIPTION, ESTIMATE, to_run
 from pack_core.evaluation.bag import Bag
 from pack_core.evaluation.run import Run
@@ -44,13 +44,16 @@ class Request:
     collisions: tuple[str, ...]
 
 
-def replay_planner(bag: Bag, *, seed: int, method: Method = Method.PACK_IT_IN) -> Replay:
-    """Plan again, with the parameters of config/nodes/planner.yaml, each placement of the goal.
+def replay_planner(
+    bag: Bag, *, seed: int, method: Method = Method.PACK_IT_IN, preset: Preset | None = None
+) -> Replay:
+    """Plan again, with the nodes' parameters under a preset, each placement of the goal.
 
     Args:
         bag: the recording.
         seed: of the goal.
         method: of the goal.
+        preset: of the run; None: config/nodes as it is.
 
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
@@ -59,18 +62,24 @@ def replay_planner(bag: Bag, *, seed: int, method: Method = Method.PACK_IT_IN) -
     min_rate = float(parameters_of("perception")[0]["min_rate"])
     count = check_frames(bag, ESTIMATE, [scene.time for scene in scenes], min_rate)
     scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
-    planner = PlacementPlanner(scene, packing_cell(), load_parameters("planner", PlacementConfig))
+    given = preset or Preset()
+    planner = PlacementPlanner(scene, given.packing_cell(), given.parameters("planner", PlacementConfig))
+    session = given.parameters("mpc", SessionConfig)
     rows = tuple(
-        _compare(planner, request, _near(scenes, request.sent), seed, method)
+        _compare(planner, session, request, _near(scenes, request.sent), seed, method)
         for request in requests(to_run(bag))
     )
     return Replay("planner", {ESTIMATE: count}, rows)
 
 
 def requests(run: Run) -> Iterator[Request]:
-    """The placements of a goal in their order: the first asked for at its start, the others at a stall."""
+    """The placements of a goal in their order: the first asked for at its start, the others at a stall.
+
+    Iterations before the first answer go above the container's middle and pursue no placement.
+    """
     done = run.iterations
-    firsts = [int(i) for i in np.unique(done.placements, return_index=True)[1]] if done.times.size else []
+    numbers, starts = np.unique(done.placements, return_index=True)
+    firsts = [int(i) for i in starts[numbers > 0]]
     for n, first in enumerate(firsts):
         sent = run.start if n == 0 else _stalled(run, firsts[n - 1], first)
         yield Request(sent, done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first])
@@ -88,10 +97,10 @@ def _near(scenes: list[SceneState], time: float) -> list[SceneState]:
 
 
 def _compare(
-    planner: PlacementPlanner, request: Request, scenes: list[SceneState], seed: int, method: Method
-) -> Row:
+    planner: PlacementPlanner, session: SessionConfig, request: Request, scenes: list[SceneState],
+    seed: int, method: Method,
+) -> Row:  # fmt: skip
     """The nearest placement among those that the scenes give; stops at the one that was recorded."""
-    session = load_parameters("mpc", SessionConfig)
     radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
     best, planned = float("inf"), 0
     for scene in scenes:
