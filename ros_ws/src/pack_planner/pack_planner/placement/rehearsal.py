@@ -6,12 +6,9 @@ place is led down at a fixed speed, leaning and aside as the entry says.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import mujoco
-import mujoco.rollout
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
@@ -19,10 +16,10 @@ from scipy.spatial.transform import Rotation
 from pack_core.cells.packing import PackingCell
 from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_core.scene.entry import Entry
-from pack_core.scene.model import Arm, Held, build_model, set_object_poses
+from pack_core.scene.model import Held
 from pack_core.scene.scene import Scene
+from pack_planner.placement.batch_physics import BatchPhysics
 
-STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 UP = np.array([0.0, 0.0, 1.0])
 TIMESTEP = 0.01
 SPEED = 0.15
@@ -58,11 +55,7 @@ class Rehearsal:
     def __init__(self, scene: Scene, cell: PackingCell, threads: int) -> None:
         """Build the model; `threads` 0 uses all cores."""
         self._scene = scene
-        self._model = build_model(scene, cell, timestep=TIMESTEP, arm=Arm.ABSENT, held=Held.STEERED)
-        n = threads or len(os.sched_getaffinity(0))
-        self._datas = [mujoco.MjData(self._model) for _ in range(n)]
-        self._rollout = mujoco.rollout.Rollout(nthread=n)
-        self._size = mujoco.mj_stateSize(self._model, STATE)
+        self._physics = BatchPhysics(scene, cell, timestep=TIMESTEP, held=Held.STEERED, threads=threads)
 
     def run(self, poses: Mapping[str, Pose], goals: Sequence[Pose], entries: Sequence[Entry]) -> Rehearsed:
         """Lower the object to each goal X_WN by its entry, the others standing at `poses` to begin with."""
@@ -70,7 +63,7 @@ class Rehearsal:
         steps = max(map(len, paths)) + round(REST / TIMESTEP)
         controls = np.stack([np.pad(path, ((0, steps - len(path)), (0, 0)), mode="edge") for path in paths])
         starts = np.stack([self._start(poses, path[0]) for path in paths])
-        states, _ = self._rollout.rollout(self._model, self._datas, starts, controls)
+        states = self._physics.roll_out(starts, steps, controls)
         new = self._scene.new_object
         heights = self._of(new.name, states)[..., 2]
         is_down = heights[:, -1] - new.half_extents[2] < DOWN_BELOW
@@ -100,15 +93,10 @@ class Rehearsal:
 
     def _start(self, poses: Mapping[str, Pose], control: Array) -> Array:
         """The state `(nstate,)` at rest with the new object where it is led to at first."""
-        data = self._datas[0]
-        mujoco.mj_resetData(self._model, data)
         q_WN = Rotation.from_rotvec(control[3:]).as_quat(scalar_first=True)
-        set_object_poses(self._model, data, {**poses, self._scene.new_object.name: Pose(control[:3], q_WN)})
-        state = np.empty(self._size)
-        mujoco.mj_getState(self._model, data, state, STATE)
-        return state
+        return self._physics.state({**poses, self._scene.new_object.name: Pose(control[:3], q_WN)})
 
     def _of(self, name: str, states: Array) -> Array:
         """Poses of an object `(..., 7)` in states `(..., nstate)`."""
-        first = 1 + self._model.joint(name).qposadr[0]
+        first = self._physics.column(name)
         return states[..., first : first + 7]
