@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from pack_core.scene.rollouts import SleepingRollouts
 from pack_mpc.plant import PackingPlant
-from pack_mpc.rollouts import SleepingRollouts
 
 STEPS = 60
 
@@ -20,16 +20,16 @@ def test_neither_threads_nor_what_ran_before_matter(
     plant: PackingPlant, joints, state, controls: np.ndarray, threads: int
 ) -> None:
     x0 = plant.state(joints, state)
-    expected, _ = SleepingRollouts(plant.model, 1).run(x0, controls)
+    expected, _ = SleepingRollouts(plant.model, 1).run(np.tile(x0, (4, 1)), controls)
     rollouts = SleepingRollouts(plant.model, threads)
-    rollouts.run(x0, controls[:1])
-    again, _ = rollouts.run(x0, controls[::-1])
+    rollouts.run(x0[None], controls[:1])
+    again, _ = rollouts.run(np.tile(x0, (4, 1)), controls[::-1])
     np.testing.assert_array_equal(again[::-1], expected)
 
 
 def test_objects_at_rest_end_where_they_would_end_awake(plant: PackingPlant, joints, state) -> None:
     x0 = plant.state(joints, state)
-    asleep, _ = SleepingRollouts(plant.model, 1).run(x0, np.zeros((1, STEPS, 7)))
+    asleep, _ = SleepingRollouts(plant.model, 1).run(x0[None], np.zeros((1, STEPS, 7)))
     data = mujoco.MjData(plant.model)
     mujoco.mj_setState(plant.model, data, x0, mujoco.mjtState.mjSTATE_FULLPHYSICS)
     for _ in range(STEPS):

@@ -74,11 +74,15 @@ def test_a_time_out_in_fine_tune_is_a_success_and_one_before_is_not(task: Packin
     assert not early.outcome.success
 
 
-def test_a_stall_retreats_and_asks_for_another_placement(task: PackingTask) -> None:
+def test_a_stall_retreats_and_asks_for_another_placement_once_it_moves_nothing_any_more(
+    task: PackingTask,
+) -> None:
     placed(task).update(11.0, Pose(task.machine.target.p_WN))
     task.update(11.1, at(0.12))
     assert task.update(14.0, at(0.12))
     assert task.machine.stage is Stage.PRE_PACK
+    assert not task.needs_placement
+    task.update(14.5, at(0.18))
     assert task.needs_placement
     np.testing.assert_allclose(task.avoid[0], PLACE.p)
 
@@ -91,6 +95,17 @@ def test_after_a_stall_the_object_waits_over_the_container_for_its_placement(tas
     assert task.machine.stage is Stage.PRE_PACK
     placed(task).update(15.1, Pose(task.machine.target.p_WN))
     assert task.machine.stage is Stage.INSERT
+
+
+def test_what_stands_still_or_failed_before_may_be_pushed_more_firmly(task: PackingTask) -> None:
+    placed(task).update(11.0, Pose(task.machine.target.p_WN))
+    task.update(11.1, at(0.12))
+    patience = TaskConfig().patience
+    assert task.firmness(11.1) == 0.0
+    assert task.firmness(11.1 + patience) == pytest.approx(1.0)
+    task.update(11.2, at(0.11))
+    assert task.firmness(11.2) == 0.0
+    assert placed(task).firmness(11.3) == 1.0
 
 
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:

@@ -58,15 +58,13 @@ class PackingController:
         self._optimizer = _make_optimizer(scene, cell, config)
         self._predictor = Predictor(scene, cell)
         self._in_flight: Setpoints | None = None
-        self._failures = 0
 
     def use(self, optimizer: Optimizer) -> None:
         """Plan with this optimizer instead of the configured one, to compare with it."""
         self._optimizer = optimizer
 
-    def change_cost(self, failures: int = 0) -> None:
-        """The stage or the target has changed, after so many attempts that failed."""
-        self._failures = failures
+    def change_cost(self) -> None:
+        """The stage or the target has changed."""
         self._optimizer.change_cost()
 
     def plan(
@@ -77,6 +75,7 @@ class PackingController:
         target: Target,
         stage_age: float,
         latency: float,
+        firmness: float = 0.0,
     ) -> Plan:
         """One iteration.
 
@@ -87,13 +86,14 @@ class PackingController:
             target: where the held object shall go.
             stage_age: time since the stage began [s].
             latency: time until the plan will be in force [s]; the state is predicted over it.
+            firmness: how often the force's weight is relieved.
         """
         started = wall_clock.perf_counter()
         plant = self._optimizer.plant
         x0 = self._predictor.predict(plant.state(joints, scene), self._in_flight, latency)
         scale = max(0.0, 1.0 - stage_age / self._weights.obstacle_decay)
         residuals = Residuals(plant, self._weights, target)
-        weights = self._weights.of(stage).with_force(self._weights.force_relief**self._failures)
+        weights = self._weights.of(stage).with_force(self._weights.force_relief**firmness)
         cost = PackingCost(residuals, weights, self._weights.torque, scale)
         solution = self._optimizer.improve(x0, cost, stage, target)
         self._in_flight = solution.setpoints.until(self._config.published)

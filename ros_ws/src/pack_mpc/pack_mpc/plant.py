@@ -12,10 +12,10 @@ from pack_core.cells.packing import PackingCell
 from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array
 from pack_core.scene.model import Arm, Held, build_model
+from pack_core.scene.rollouts import SleepingRollouts
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import JointSample, SceneState
 from pack_mpc.ilqr import Linearization
-from pack_mpc.rollouts import SleepingRollouts
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 EPSILON = 1e-6
@@ -101,9 +101,9 @@ class PackingPlant:
         """
         batch, steps, _ = us.shape
         controls = np.concatenate([us, us[:, -1:]], axis=1)
-        states, ys = self._sleeping.run(x0, controls)
-        x0s = np.broadcast_to(x0, (batch, 1, self.nx))
-        return np.concatenate([x0s, states[:, :steps]], axis=1), ys
+        x0s = np.broadcast_to(x0, (batch, self.nx))
+        states, ys = self._sleeping.run(x0s, controls)
+        return np.concatenate([x0s[:, None], states[:, :steps]], axis=1), ys
 
     def linearize(self, xs: Array, us: Array, columns: np.ndarray, keypoints: np.ndarray) -> Linearization:
         """Forward differences at the key-points, interpolated between them.

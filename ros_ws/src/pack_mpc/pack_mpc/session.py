@@ -114,12 +114,18 @@ class PackingSession:
         if not seen.is_held:
             task.finish(ExitReason.DETACHED, time, "the pump lost the object")
         if task.update(time, X_WN):
-            self.controller.change_cost(max(len(task.tried) - 1, 0))
+            self.controller.change_cost()
         machine = task.machine
         if task.outcome is not None or machine is None:
             return None
         plan = self.controller.plan(
-            seen.joints, seen.scene, machine.stage, machine.target, time - machine.stage_start, latency
+            seen.joints,
+            seen.scene,
+            machine.stage,
+            machine.target,
+            time - machine.stage_start,
+            latency,
+            task.firmness(time),
         )
         self.iterations_ms.append(plan.iteration_ms)
         return plan

@@ -25,6 +25,9 @@ class StageConfig(Config):
     pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
     insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
     placed_distance: PositiveFloat = Field(default=0.015, description="placed, from the packing pose [m]")
+    lead_speed: float = Field(
+        default=0.1, description="at which what stands still is led on along its entry [m/s]"
+    )
     stall_time: PositiveFloat = Field(default=2.0, description="INSERT or FINE-TUNE without progress [s]")
     stall_progress: PositiveFloat = Field(default=0.004, description="what counts as progress [m]")
 
@@ -56,7 +59,7 @@ class StageMachine:
         self.is_stalled = False
         self._yaw = nearest_heading(scene.new_object, yaw_of(placement.X_WN.q), yaw_of(X_WN.q))
         self._least, self._progress = np.inf, time
-        self._X_WN = X_WN
+        self._X_WN, self._time = X_WN, time
 
     @property
     def target(self) -> Target:
@@ -66,7 +69,7 @@ class StageMachine:
             return Target(p_WN, self._yaw)
         bottom, half_height = self._bottom, float(self._scene.new_object.half_extents[2])
         entry = self.placement.entry
-        axis, aside = entry.at(bottom)
+        axis, aside = entry.at(max(bottom - self._config.lead_speed * self.waited(self._time), 0.0))
         p_WN[:2] += half_height * axis + aside
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._rim + self._config.clearance
@@ -98,10 +101,11 @@ class StageMachine:
         Returns:
             Whether the stage changed.
         """
-        before, self._X_WN, p_WN = self.stage, X_WN, X_WN.p
+        before, p_WN = self.stage, X_WN.p
+        self._X_WN, self._time = X_WN, time
         if self.stage is Stage.PRE_PACK:
             is_near = np.linalg.norm(p_WN - self.target.p_WN) < self._config.pre_pack_distance
-            if is_near and self._bottom >= self._rim and may_insert:
+            if is_near and self.is_out and may_insert:
                 self._enter(Stage.INSERT, time)
         elif self.stage is Stage.INSERT:
             if self._is_on_base(p_WN):
@@ -111,6 +115,15 @@ class StageMachine:
         else:
             self._watch_progress(time, self.distance(p_WN))
         return self.stage is not before
+
+    @property
+    def is_out(self) -> bool:
+        """Whether the object is above all the others."""
+        return self._bottom >= self._rim
+
+    def waited(self, time: float) -> float:
+        """Time without progress [s]; none in PRE-PACK."""
+        return 0.0 if self.stage is Stage.PRE_PACK else time - self._progress
 
     def _enter(self, stage: Stage, time: float) -> None:
         self.stage, self.stage_start = stage, time

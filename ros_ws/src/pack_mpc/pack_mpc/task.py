@@ -31,6 +31,9 @@ class TaskConfig(Config):
         default=float("inf"), description="external force that ends the goal [N]"
     )
     avoid_radius: PositiveFloat = Field(default=0.02, description="new placements keep off those tried [m]")
+    patience: PositiveFloat = Field(
+        default=0.5, description="time without progress that permits as much as a failed attempt [s]"
+    )
     placement_tries: PositiveInt = Field(default=3, description="refusals in a row before giving up")
     stages: StageConfig = StageConfig()
 
@@ -68,7 +71,7 @@ class PackingTask:
         self.lean = lean
         self.machine: StageMachine | None = None
         self.tried: list[Pose] = []
-        self.needs_placement = True
+        self._has_placement = False
         self.outcome: Outcome | None = None
         self._has_succeeded = False
         self._refusals = 0
@@ -79,6 +82,11 @@ class PackingTask:
     def elapsed(self, time: float) -> float:
         """Time since the goal was accepted [s]."""
         return time - self._start
+
+    @property
+    def needs_placement(self) -> bool:
+        """Whether to plan one now: not while the object still moves others on its way out."""
+        return not self._has_placement and (self.machine is None or self.machine.is_out)
 
     @property
     def avoid(self) -> list[Array]:
@@ -94,7 +102,7 @@ class PackingTask:
         placement = Placement(X_WN, collisions, entry)
         self._follow(placement, scene.time, scene.objects[self._scene.new_object.name].X_WO)
         self.tried.append(X_WN)
-        self.needs_placement, self._refusals = False, 0
+        self._has_placement, self._refusals = True, 0
 
     def refuse(self, time: float, reason: str) -> None:
         """There is no placement now; after some tries in a row the goal ends."""
@@ -106,6 +114,11 @@ class PackingTask:
     def avoid_radius(self) -> float:
         """How far new placements keep off those tried [m]."""
         return self._config.avoid_radius
+
+    def firmness(self, time: float) -> float:
+        """How often the force's weight is relieved: once an attempt that failed, and while it stands still."""
+        waited = self.machine.waited(time) if self.machine else 0.0
+        return max(len(self.tried) - 1, 0) + waited / self._config.patience
 
     def feel(self, time: float, forces: Array) -> None:
         """Note the magnitudes of the external force since the last call `(n,)` [N], at the rate of /wrench.
@@ -125,7 +138,7 @@ class PackingTask:
             Whether the stage changed.
         """
         machine = self.machine or self._follow(self._middle(X_WN), time, X_WN)
-        changed = machine.update(time, X_WN, may_insert=not self.needs_placement)
+        changed = machine.update(time, X_WN, may_insert=self._has_placement)
         self.distance = machine.distance(X_WN.p)
         self._has_succeeded |= machine.stage is Stage.FINE_TUNE
         if machine.is_placed(X_WN.p):
@@ -152,7 +165,7 @@ class PackingTask:
     def _retreat(self, machine: StageMachine, time: float, X_WN: Pose) -> bool:
         """Go back above the container and ask for another placement."""
         self._follow(machine.placement, time, X_WN)
-        self.needs_placement = True
+        self._has_placement = False
         return True
 
     def _middle(self, X_WN: Pose) -> Placement:

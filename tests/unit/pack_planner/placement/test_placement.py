@@ -12,6 +12,7 @@ from pack_core.scene.free_space import footprint
 from pack_core.scene.objects import Box
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import ObjectState, SceneState
+from pack_planner.placement.approach import ApproachConfig
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
 from pack_planner.placement.placement_result import Placement, PlacementStatus
 
@@ -38,8 +39,9 @@ def test_the_placement_stands_upright_on_the_base(example: Scene, state_of: Stat
     assert placement.X_WO.p[2] == pytest.approx(example.new_object.half_extents[2], abs=0.005)
 
 
-def test_the_chosen_sample_is_the_cheapest_feasible_one(example: Scene, state_of: StateOf) -> None:
-    placement = plan(example, state_of(example))
+def test_without_rehearsals_the_cheapest_feasible_sample_is_chosen(example: Scene, state_of: StateOf) -> None:
+    algorithm_1 = QUICK.model_copy(update={"approach": ApproachConfig(likely=1, rounds=0)})
+    placement = plan(example, state_of(example), algorithm_1)
     assert placement.cost == placement.samples.costs[placement.samples.is_feasible].min()
 
 

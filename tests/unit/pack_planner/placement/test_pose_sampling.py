@@ -8,7 +8,7 @@ from pack_core.rotations import Pose, from_yaw, yaw_of
 from pack_core.scene.free_space import base_height, footprint, is_inside
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Container
-from pack_planner.placement.pose_sampling import sample_poses
+from pack_planner.placement.pose_sampling import sample_near, sample_poses
 
 CONTAINER = Container(size=(0.27, 0.22), height=0.12)
 SQUARE = Box(name="square", shape="box", size=(0.065, 0.065, 0.18), mass=0.5)
@@ -54,3 +54,21 @@ def test_items_wider_or_taller_than_the_container_takes_are_refused(
 ) -> None:
     with pytest.raises(PackError, match=message):
         poses_of(Box(name="giant", shape="box", size=size, mass=0.5))
+
+
+@pytest.mark.parametrize("item", [SQUARE, LONG, CAN], ids=lambda item: item.name)
+def test_poses_near_one_stand_between_the_walls_even_in_a_corner(item: Box | Cylinder) -> None:
+    corner = Pose(np.array([*CONTAINER.upper, item.half_extents[2]]))
+    for row in sample_near(corner, item, CONTAINER, 200, (0.02, 0.01), np.random.default_rng(5)):
+        X_WO = Pose(row[:3], row[3:])
+        assert base_height(item, X_WO) == pytest.approx(0.0, abs=1e-12)
+        assert is_inside(footprint(item, X_WO), CONTAINER, 1e-9)
+
+
+def test_poses_near_one_scatter_as_far_as_they_are_told() -> None:
+    middle = Pose(np.array([*CONTAINER.centre, 0.09]), from_yaw(0.3))
+    rows = sample_near(middle, SQUARE, CONTAINER, 4000, (0.006, 0.1), np.random.default_rng(5))
+    yaws = [yaw_of(q) for q in rows[:, 3:]]
+    np.testing.assert_allclose(rows[:, :2].mean(axis=0), middle.p[:2], atol=5e-4)
+    np.testing.assert_allclose([*rows[:, :2].std(axis=0), np.std(yaws)], [0.006, 0.006, 0.1], rtol=0.06)
+    assert np.mean(yaws) == pytest.approx(0.3, abs=0.01)

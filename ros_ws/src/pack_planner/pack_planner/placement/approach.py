@@ -2,40 +2,53 @@
 
 Algorithm 1 judges where the new object ends, not how it comes there: on its way it may land on what it was
 to push aside. Here its best placements are entered in rehearsal, leaning towards several sides, and those
-that go well once more a few millimetres off.
+that go well once more a few millimetres off; then variations of the best so far beside further placements.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
 
 from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.rotations import Array, Pose
 from pack_core.scene.entry import Entry, plan_entry, side_of
-from pack_core.scene.free_space import footprint
 from pack_core.scene.scene import Scene
 from pack_planner.placement.placement_result import Candidate
 from pack_planner.placement.rehearsal import Rehearsal
 
 OFF = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-GOOD = 0.5
-"""Price below which the search ends: the entry succeeds, and so do three of four that are off."""
+RESISTANCE = 10.0
+"""Price of lag [1 / (m s)]: an entry without resistance lags 0.01 to 0.02 m s, one that just succeeds 0.06."""
+GOOD, FAIR = 0.45, 0.8
+"""Prices below which the search ends, at once or when a round brought no better one."""
+HOPELESS = 2.0
+"""Price from which on an entry fails; variations of it are not worth a rehearsal."""
+TURNS = np.deg2rad([-20.0, 0.0, 20.0])
+"""Of the side to which a variation leans."""
+Vary = Callable[[Candidate], list[Candidate]]
+"""Placements near one."""
 
 
 class ApproachConfig(Config):
     """Parameters of the rehearsals."""
 
-    crowded: NonNegativeFloat = Field(
-        0.5, description="covered share of the base from which on the first placement is rehearsed, too"
+    likely: PositiveInt = Field(
+        3, description="placements rehearsed before, over their obstacles; 1 and no rounds: Algorithm 1 alone"
     )
-    rounds: PositiveInt = Field(4, description="of candidates, until one is good")
+    rounds: NonNegativeInt = Field(8, description="of rehearsals, until an entry is good")
     candidates: PositiveInt = Field(5, description="placements a round, the cheapest first")
-    spacing: PositiveFloat = Field(0.015, description="between candidates, seen from above [m]")
+    fresh: PositiveInt = Field(3, description="placements a round beside variations of the best so far")
+    spacing: PositiveFloat = Field(0.01, description="between candidates, seen from above [m]")
+    variations: PositiveInt = Field(6, description="of the best placement so far, in each further round")
+    deviation: tuple[PositiveFloat, PositiveFloat] = Field(
+        (0.006, 0.1), description="of variations, standard: position [m] and yaw [rad]"
+    )
     sides: PositiveInt = Field(8, description="to which the object may lean")
     finalists: PositiveInt = Field(6, description="entries a round that are rehearsed again, off their way")
     error: NonNegativeFloat = Field(0.006, description="how far off [m]")
@@ -43,7 +56,7 @@ class ApproachConfig(Config):
     @property
     def tried(self) -> int:
         """How many placements are rehearsed at most."""
-        return self.rounds * self.candidates
+        return max(self.likely, self.rounds * self.candidates)
 
 
 class ApproachPlanner:
@@ -54,36 +67,41 @@ class ApproachPlanner:
         self._rehearsal = Rehearsal(scene, cell, threads)
 
     def choose(
-        self, candidates: Sequence[Candidate], poses: Mapping[str, Pose], lean: float, failures: int
+        self, candidates: Sequence[Candidate], vary: Vary, poses: Mapping[str, Pose], lean: float
     ) -> tuple[Candidate, int]:
         """Choose a candidate and the side to which the object leans.
 
         Args:
             candidates: the cheapest first, at least one.
+            vary: samples feasible placements near one.
             poses: X_WO of what stands in the container.
             lean: tilt at the entry [rad].
-            failures: placements that failed before.
 
         Returns:
             The choice, and how many rounds of rehearsals it took.
         """
-        if not failures and self._covered(candidates[0], poses) < self._config.crowded:
-            return beside(candidates[0], poses), 0
-        best, lowest, rounds = beside(candidates[0], poses), np.inf, 0
-        n = self._config.candidates
-        for first in range(0, len(candidates), n):
-            if rounds == self._config.rounds or lowest < GOOD:
+        likely = [beside(candidate, poses) for candidate in candidates[: self._config.likely]]
+        best, lowest = self._cheapest(likely, poses, lean)
+        fresh, rounds, enough = iter(candidates), 0, GOOD
+        while rounds < self._config.rounds and lowest >= enough:
+            options = self._round(fresh, best if lowest < HOPELESS else None, vary, poses)
+            if not options:
                 break
-            options = [
-                option
-                for candidate in candidates[first : first + n]
-                for option in self._options(candidate, poses)
-            ]
             option, price = self._cheapest(options, poses, lean)
-            rounds += 1
+            rounds, enough = rounds + 1, GOOD if price < lowest else FAIR
             if price < lowest:
                 best, lowest = option, price
         return best, rounds
+
+    def _round(
+        self, fresh: Iterator[Candidate], best: Candidate | None, vary: Vary, poses: Mapping[str, Pose]
+    ) -> list[Candidate]:
+        """What is rehearsed next: the next candidates to every side, and variations of the best."""
+        n = self._config.candidates if best is None else self._config.fresh
+        options = [option for candidate in islice(fresh, n) for option in self._options(candidate, poses)]
+        if best is not None:
+            options += [replace(near, over=_turned(best.over, turn)) for near in vary(best) for turn in TURNS]
+        return options
 
     def _options(self, candidate: Candidate, poses: Mapping[str, Pose]) -> list[Candidate]:
         """The candidate with every side to rehearse."""
@@ -96,7 +114,7 @@ class ApproachPlanner:
     def _cheapest(
         self, options: Sequence[Candidate], poses: Mapping[str, Pose], lean: float
     ) -> tuple[Candidate, float]:
-        """The best of a round and its price: Eq. 6 [m], lag [m s] and the share of failures, summed."""
+        """The best of a round and its price: Eq. 6 [m], that of lag and the share of failures, summed."""
         entries = [plan_entry(self._scene, o.X_WN, o.collisions, poses, lean, o.over) for o in options]
         prices = np.array([option.cost for option in options])
         prices += self._rehearse(options, entries, np.zeros((1, 3)), poses)[0]
@@ -113,16 +131,15 @@ class ApproachPlanner:
         """What entering costs `(m, n)` when all is off by `shifts` `(m, 3)` [m]: the lag, 1 for a failure."""
         goals = [Pose(option.X_WN.p + shift, option.X_WN.q) for shift in shifts for option in options]
         seen = self._rehearsal.run(poses, goals, [*entries] * len(shifts))
-        return np.asarray(seen.lags + ~seen.is_success).reshape(len(shifts), -1)
-
-    def _covered(self, candidate: Candidate, poses: Mapping[str, Pose]) -> float:
-        """Share of the container's base under the objects, the new one included."""
-        scene = self._scene
-        standing = [footprint(scene.model_of(name), poses[name]) for name in scene.names]
-        area = sum(outline.area for outline in (*standing, footprint(scene.new_object, candidate.X_WN)))
-        return float(area / np.prod(scene.container.size))
+        return np.asarray(RESISTANCE * seen.lags + ~seen.is_success).reshape(len(shifts), -1)
 
 
 def beside(candidate: Candidate, poses: Mapping[str, Pose]) -> Candidate:
     """The candidate leaning over its obstacles, unrehearsed."""
     return replace(candidate, over=side_of(candidate.X_WN, candidate.collisions, poses))
+
+
+def _turned(over: Array, angle: float) -> Array:
+    """The horizontal vector `(2,)`, turned [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]]) @ over

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 
 import mujoco
-import mujoco.rollout
 import numpy as np
 
 from pack_core.cells.packing import PackingCell
 from pack_core.rotations import Array, Pose
 from pack_core.scene.model import Arm, Held, build_model, penetrations, set_object_poses
+from pack_core.scene.rollouts import SleepingRollouts
 from pack_core.scene.scene import Scene
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -22,28 +22,30 @@ class BatchPhysics:
     def __init__(self, scene: Scene, cell: PackingCell, *, timestep: float, held: Held, threads: int) -> None:
         """Build the model; `threads` 0 uses all cores."""
         self._model = build_model(scene, cell, timestep=timestep, arm=Arm.ABSENT, held=held)
-        n = threads or len(os.sched_getaffinity(0))
-        self._datas = [mujoco.MjData(self._model) for _ in range(n)]
-        self._rollout = mujoco.rollout.Rollout(nthread=n)
+        self._data = mujoco.MjData(self._model)
+        self._rollouts = SleepingRollouts(self._model, threads or len(os.sched_getaffinity(0)))
         self._size = mujoco.mj_stateSize(self._model, STATE)
 
     def state(self, poses: dict[str, Pose]) -> Array:
         """The state `(nstate,)` with the objects at rest at X_WO."""
-        data = self._datas[0]
+        data = self._data
         mujoco.mj_resetData(self._model, data)
         set_object_poses(self._model, data, poses)
         state = np.empty(self._size)
         mujoco.mj_getState(self._model, data, state, STATE)
         return state
 
-    def roll_out(self, states: Array, steps: int, controls: Array | None = None) -> Array:
-        """The states `(n, steps, nstate)` that follow from `(n, nstate)`, under controls `(n, steps, nu)`."""
-        path, _ = self._rollout.rollout(self._model, self._datas, states, controls, nstep=steps)
-        return np.asarray(path)
+    def roll_out(self, states: Array, controls: Array) -> Array:
+        """The states `(n, T, nstate)` that follow from `(n, nstate)` under controls `(n, T, nu)`."""
+        return self._rollouts.run(states, controls)[0]
+
+    def rest(self, states: Array, steps: int) -> Array:
+        """The states `(n, steps, nstate)` that follow from `(n, nstate)` by themselves."""
+        return self.roll_out(states, np.zeros((len(states), steps, self._model.nu)))
 
     def penetrations(self, state: Array) -> dict[tuple[str, str], float]:
         """Deepest penetration [m] of every pair of geoms that touch."""
-        data = self._datas[0]
+        data = self._data
         mujoco.mj_setState(self._model, data, state, STATE)
         return penetrations(self._model, data)
 

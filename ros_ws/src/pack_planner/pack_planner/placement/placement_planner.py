@@ -11,7 +11,8 @@ Contact". Two readings of it:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import Literal, cast, get_args
 
 import numpy as np
@@ -28,7 +29,7 @@ from pack_core.scene.state import SceneState
 from pack_planner.placement.approach import ApproachConfig, ApproachPlanner, beside
 from pack_planner.placement.feasibility import judge
 from pack_planner.placement.placement_result import Candidate, Placement, PlacementStatus, Samples
-from pack_planner.placement.pose_sampling import sample_poses
+from pack_planner.placement.pose_sampling import sample_near, sample_poses
 from pack_planner.placement.ranking import cheapest_elsewhere, spread_out
 from pack_planner.placement.settling import Settling
 
@@ -107,8 +108,9 @@ class PlacementPlanner:
         ranked = feasible[cheapest_elsewhere(costs, settled, avoid, avoid_radius)]
         approach = self._config.approach
         spread = spread_out(ranked, samples.settled, approach.spacing, approach.tried)
-        candidates = [self._candidate(now, samples.settled[k], samples.costs[k]) for k in spread]
-        return _success(*self._approach.choose(candidates, poses, lean, len(avoid)), samples)
+        candidates = self._candidates(now, samples, spread)
+        vary = partial(self._near, now, rng)
+        return _success(*self._approach.choose(candidates, vary, poses, lean), samples)
 
     def _checked(self, state: SceneState) -> dict[str, Pose]:
         poses, known = state.poses(), self._settling.names
@@ -140,6 +142,16 @@ class PlacementPlanner:
         """K of Eq. 6 [m]: depth beyond that of resting contact, summed over touching pairs."""
         depths = np.array(list(self._settling.penetrations(state).values()))
         return float(np.maximum(depths - self._config.resting_penetration, 0.0).sum())
+
+    def _near(self, now: Array, rng: np.random.Generator, candidate: Candidate) -> list[Candidate]:
+        """Feasible placements near a candidate."""
+        new, container, approach = self._scene.new_object, self._scene.container, self._config.approach
+        sampled = sample_near(candidate.X_WN, new, container, approach.variations, approach.deviation, rng)
+        samples, _ = self._evaluate(now, sampled)
+        return self._candidates(now, samples, np.flatnonzero(samples.is_feasible))
+
+    def _candidates(self, now: Array, samples: Samples, chosen: Iterable[int]) -> list[Candidate]:
+        return [self._candidate(now, samples.settled[k], samples.costs[k]) for k in chosen]
 
     def _candidate(self, now: Array, pose: Array, cost: float) -> Candidate:
         teleported = self._settling.teleport(now, pose[None])[0]

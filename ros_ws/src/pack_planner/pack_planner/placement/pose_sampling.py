@@ -1,10 +1,10 @@
-"""Random upright poses on the container's base: SamplePose of Algorithm 1."""
+"""Random upright poses on the container's base: SamplePose of Algorithm 1, and poses near one."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.scene.fit import fitting_yaws, half_spans
 from pack_core.scene.objects import Box, Cylinder
 from pack_core.scene.scene import Container
@@ -33,8 +33,37 @@ def sample_poses(
     """
     yaws = rng.choice(fitting_yaws(item, container, yaw), n)
     room = 0.5 * np.array(container.size) - half_spans(item, yaws)
-    poses = np.zeros((n, 7))
-    poses[:, :2] = np.array(container.centre) + room * rng.uniform(-1.0, 1.0, (n, 2))
+    return _standing(item, container, room * rng.uniform(-1.0, 1.0, (n, 2)), yaws)
+
+
+def sample_near(
+    X_WN: Pose,
+    item: Box | Cylinder,
+    container: Container,
+    n: int,
+    deviation: tuple[float, float],
+    rng: np.random.Generator,
+) -> Array:
+    """Upright poses `(n, 7)` scattered about X_WN and kept between the walls.
+
+    Args:
+        X_WN: where the object stands.
+        item: the object.
+        container: where it is to stand.
+        n: how many.
+        deviation: standard, of the position [m] and of the yaw [rad].
+        rng: the source of randomness.
+    """
+    yaws = yaw_of(X_WN.q) + deviation[1] * rng.normal(size=n)
+    room = np.maximum(0.5 * np.array(container.size) - half_spans(item, yaws), 0.0)
+    offsets = X_WN.p[:2] - container.centre + deviation[0] * rng.normal(size=(n, 2))
+    return _standing(item, container, np.clip(offsets, -room, room), yaws)
+
+
+def _standing(item: Box | Cylinder, container: Container, offsets: Array, yaws: Array) -> Array:
+    """Poses `(n, 7)` on the base, at offsets `(n, 2)` [m] from its middle."""
+    poses = np.zeros((len(yaws), 7))
+    poses[:, :2] = np.array(container.centre) + offsets
     poses[:, 2] = item.half_extents[2]
     poses[:, 3], poses[:, 6] = np.cos(yaws / 2), np.sin(yaws / 2)
     return poses

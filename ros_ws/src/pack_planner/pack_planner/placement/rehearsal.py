@@ -63,7 +63,7 @@ class Rehearsal:
         steps = max(map(len, paths)) + round(REST / TIMESTEP)
         controls = np.stack([np.pad(path, ((0, steps - len(path)), (0, 0)), mode="edge") for path in paths])
         starts = np.stack([self._start(poses, path[0]) for path in paths])
-        states = self._physics.roll_out(starts, steps, controls)
+        states = self._physics.roll_out(starts, controls)
         new = self._scene.new_object
         heights = self._of(new.name, states)[..., 2]
         is_down = heights[:, -1] - new.half_extents[2] < DOWN_BELOW

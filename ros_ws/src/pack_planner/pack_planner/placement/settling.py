@@ -34,7 +34,7 @@ class Settling:
 
     def settle(self, states: Array, steps: int) -> Array:
         """States `(n, nstate)` after so many steps; the same for any number of threads."""
-        return np.array(self._physics.roll_out(states, steps)[:, -1])
+        return np.array(self._physics.rest(states, steps)[:, -1])
 
     def poses(self, states: Array) -> Array:
         """X_WO of every object `(n, objects, 7)`."""
