@@ -116,7 +116,7 @@ class PackingTask:
         return self._config.avoid_radius
 
     def firmness(self, time: float) -> float:
-        """How often the force's weight is relieved: once an attempt that failed, and while it stands still."""
+        """How often the force's weight is relieved: once a failed attempt, and while nothing moves on."""
         waited = self.machine.waited(time) if self.machine else 0.0
         return max(len(self.tried) - 1, 0) + waited / self._config.patience
 

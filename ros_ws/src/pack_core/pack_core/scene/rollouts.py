@@ -32,7 +32,7 @@ class SleepingRollouts:
         self._pool = ThreadPoolExecutor(threads, "rollout", self._prepare)
 
     def run(self, x0s: Array, controls: Array) -> tuple[Array, Array]:
-        """States `(B, T, nx)` and outputs `(B, T, ny)` after each control `(B, T, nu)`, from `x0s` `(B, nx)`."""
+        """States `(B, T, nx)` and outputs `(B, T, ny)` after each control `(B, T, nu)`, from `(B, nx)`."""
         parts = list(self._pool.map(self._roll_out, x0s, controls))
         return np.concatenate([xs for xs, _ in parts]), np.concatenate([ys for _, ys in parts])
 

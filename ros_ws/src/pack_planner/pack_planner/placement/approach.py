@@ -24,7 +24,7 @@ from pack_planner.placement.rehearsal import Rehearsal
 
 OFF = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
 RESISTANCE = 10.0
-"""Price of lag [1 / (m s)]: an entry without resistance lags 0.01 to 0.02 m s, one that just succeeds 0.06."""
+"""Price of lag [1 / (m s)]: an entry without resistance lags 0.015 m s, one that just succeeds 0.06."""
 GOOD, FAIR = 0.45, 0.8
 """Prices below which the search ends, at once or when a round brought no better one."""
 HOPELESS = 2.0
