@@ -33,18 +33,22 @@ def test_what_is_done_before_the_first_answer_is_no_placement() -> None:
     assert request.tried.size == 0
 
 
-def test_a_second_placement_is_asked_for_where_the_first_stalled() -> None:
-    """Of the sample's one placement, two are made: the second from the last third on."""
+def test_a_second_placement_is_asked_for_once_the_object_is_out_after_a_stall() -> None:
+    """Of the sample's one placement, two are made; in the last quarter the object is above the others."""
     run = sample_run()
     done, n = run.iterations, run.iterations.times.size
     stages = ["PRE_PACK"] * (n // 3) + ["INSERT"] * (n // 3) + ["PRE_PACK"] * (n - 2 * (n // 3))
-    new = n - n // 6
+    out, new = n - n // 4, n - n // 6
     placements = np.where(np.arange(n) < new, 1.0, 2.0)
     p_WT = np.where(placements[:, None] == 2.0, done.p_WT + 0.03, done.p_WT)
     stalled = replace(done, stages=tuple(stages), placements=placements, p_WT=p_WT)
-    first, second = requests(replace(run, iterations=stalled))
+    held = run.estimate[run.held]
+    bottoms = np.where(held.times < done.times[out] - 1e-3, run.scene.rim - 0.01, run.scene.rim + 0.01)
+    raised = replace(held, p=np.column_stack([held.p[:, :2], bottoms + run.scene.new_object.half_extents[2]]))
+    moved = replace(run, iterations=stalled, estimate=run.estimate | {run.held: raised})
+    first, second = requests(moved)
     assert first.sent == run.start
     assert first.tried.size == 0
-    assert second.sent == done.times[2 * (n // 3)]
+    assert done.times[out] <= second.sent <= done.times[out + 2]
     np.testing.assert_array_equal(second.tried, [done.p_WT[0]])
     np.testing.assert_array_equal(second.p_WT, p_WT[new])

@@ -72,8 +72,8 @@ class StageMachine:
         axis, aside = entry.at(max(bottom - self._config.lead_speed * self.waited(self._time), 0.0))
         p_WN[:2] += half_height * axis + aside
         if self.stage is Stage.PRE_PACK:
-            p_WN[2] += self._rim + self._config.clearance
-            return self._straight_up(p_WN[2]) if bottom < self._rim else Target(p_WN, self._yaw, axis)
+            p_WN[2] += self._scene.rim + self._config.clearance
+            return self._straight_up(p_WN[2]) if bottom < self._scene.rim else Target(p_WN, self._yaw, axis)
         lands = entry.may_land(self._scene.container.height, bottom)
         return Target(p_WN, self._yaw, axis, entry.over, self.placement.collisions, lands)
 
@@ -119,7 +119,7 @@ class StageMachine:
     @property
     def is_out(self) -> bool:
         """Whether the object is above all the others."""
-        return self._bottom >= self._rim
+        return self._bottom >= self._scene.rim
 
     def waited(self, time: float) -> float:
         """Time without progress [s]; none in PRE-PACK."""
@@ -151,12 +151,6 @@ class StageMachine:
     def _bottom(self) -> float:
         """Height of the held object's lower end [m]."""
         return float(self._X_WN.p[2]) - float(self._scene.new_object.half_extents[2])
-
-    @property
-    def _rim(self) -> float:
-        """Height of the walls and of the tallest object [m]: above it the way is free."""
-        tops = (2.0 * float(item.half_extents[2]) for item in self._scene.objects)
-        return max((self._scene.container.height, *tops))
 
 
 def nearest_heading(item: Box | Cylinder, yaw: float, heading: float) -> float:

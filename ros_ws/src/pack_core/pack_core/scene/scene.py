@@ -58,6 +58,11 @@ class Scene(Config):
         """Names of the objects in the container, in the file's order."""
         return [item.name for item in self.objects]
 
+    @property
+    def rim(self) -> float:
+        """Height of the walls and of the tallest object [m]: above it the way is free."""
+        return max((self.container.height, *(2.0 * float(item.half_extents[2]) for item in self.objects)))
+
     def model_of(self, name: str) -> Box | Cylinder:
         """The object called `name`.
 

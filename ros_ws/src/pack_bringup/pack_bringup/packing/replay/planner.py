@@ -73,7 +73,7 @@ def replay_planner(
 
 
 def requests(run: Run) -> Iterator[Request]:
-    """The placements of a goal in their order: the first asked for at its start, the others at a stall.
+    """The placements of a goal in their order: the first asked for at its start, the others once it is out.
 
     Iterations before the first answer go above the container's middle and pursue no placement.
     """
@@ -81,15 +81,17 @@ def requests(run: Run) -> Iterator[Request]:
     numbers, starts = np.unique(done.placements, return_index=True)
     firsts = [int(i) for i in starts[numbers > 0]]
     for n, first in enumerate(firsts):
-        sent = run.start if n == 0 else _stalled(run, firsts[n - 1], first)
+        sent = run.start if n == 0 else _out(run, firsts[n - 1], first)
         yield Request(sent, done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first])
 
 
-def _stalled(run: Run, start: int, end: int) -> float:
-    """When the placement of the iterations from `start` to `end` was given up: back in PRE_PACK [s]."""
-    stages = run.iterations.stages
-    back = [i for i in range(start + 1, end) if stages[i] == "PRE_PACK" and stages[i - 1] == "INSERT"]
-    return float(run.iterations.times[back[-1] if back else end - 1])
+def _out(run: Run, start: int, end: int) -> float:
+    """When the iterations from `start` to `end` had given their placement up and the object was out [s]."""
+    done, scene = run.iterations, run.scene
+    back = [i for i in range(start + 1, end) if done.stages[i - 1 : i + 1] == ("INSERT", "PRE_PACK")]
+    bottoms = run.estimate[run.held].at(done.times).p[:, 2] - scene.new_object.half_extents[2]
+    out = [i for i in range(back[-1] if back else end, end) if bottoms[i] >= scene.rim]
+    return float(done.times[min(out[0] + 1, end) if out else end - 1])
 
 
 def _near(scenes: list[SceneState], time: float) -> list[SceneState]:
