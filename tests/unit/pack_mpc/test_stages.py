@@ -5,7 +5,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from pack_core.rotations import Pose, from_yaw, rotate
-from pack_core.scene.entry import Entry
 from pack_core.scene.scene import Scene
 from pack_mpc.placement import Placement
 from pack_mpc.stages import StageConfig, StageMachine, nearest_heading
@@ -77,18 +76,6 @@ def test_fine_tune_that_comes_no_nearer_stalls(machine: StageMachine) -> None:
     assert not machine.is_stalled
     machine.update(2.3 + 2 * StageConfig().stall_time, Pose(blocked))
     assert machine.is_stalled
-
-
-def test_what_stands_still_is_led_on_along_its_entry(scene: Scene) -> None:
-    entry = Entry(np.array([1.0, 0.0]), 0.4, np.array([-0.02, 0.0]), (0.13,))
-    machine = StageMachine(scene, StageConfig(lead_speed=0.1), Placement(Pose(PLACE), (), entry), 0.0, START)
-    machine.update(1.0, Pose(machine.target.p_WN))
-    stuck = Pose(PLACE + np.array([0.0, 0.0, 0.1]))
-    for waited in (0.0, 0.5):
-        machine.update(1.1 + waited, stuck)
-        axis, aside = entry.at(0.1 - 0.1 * waited)
-        np.testing.assert_allclose(machine.target.axis, axis)
-        np.testing.assert_allclose(machine.target.p_WN[:2], PLACE[:2] + 0.09 * axis + aside)
 
 
 def test_the_way_back_is_straight_up_until_it_is_out(scene: Scene) -> None:

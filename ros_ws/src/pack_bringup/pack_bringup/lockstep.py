@@ -37,7 +37,7 @@ class LockstepConfig(Config):
         default=0.048, description="an optimizer iteration takes [s of simulated time]"
     )
     placement_latency: NonNegativeFloat = Field(
-        default=0.35, description="Algorithm 1 takes [s of simulated time]"
+        default=0.3, description="Algorithm 1 takes [s of simulated time]"
     )
     rehearsal_latency: NonNegativeFloat = Field(
         default=0.2, description="and so much each round of rehearsals [s of simulated time]"
@@ -161,7 +161,8 @@ class Lockstep:
             if answer.X_WO is None:
                 task.refuse(time, answer.reason)
             else:
-                task.place(answer.X_WO, answer.collisions, answer.over, seen.scene)
+                is_rehearsed = answer.rounds > 0
+                task.place(answer.X_WO, answer.collisions, answer.over, seen.scene, is_rehearsed)
 
     def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> Placement:
         return self._planner.plan(

@@ -93,7 +93,8 @@ class PackingController:
         x0 = self._predictor.predict(plant.state(joints, scene), self._in_flight, latency)
         scale = max(0.0, 1.0 - stage_age / self._weights.obstacle_decay)
         residuals = Residuals(plant, self._weights, target)
-        weights = self._weights.of(stage).with_force(self._weights.force_relief**firmness)
+        sideways = self._weights.precision if target.is_rehearsed else 1.0
+        weights = self._weights.of(stage).scaled(self._weights.force_relief**firmness, sideways)
         cost = PackingCost(residuals, weights, self._weights.torque, scale)
         solution = self._optimizer.improve(x0, cost, stage, target)
         self._in_flight = solution.setpoints.until(self._config.published)

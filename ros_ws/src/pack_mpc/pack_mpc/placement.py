@@ -10,8 +10,16 @@ from pack_core.scene.entry import Entry
 
 @dataclass(frozen=True)
 class Placement:
-    """A packing pose X_WN for the held object N, the objects that it overlaps, and the way down to it."""
+    """Where the held object N shall go, and how.
+
+    Attributes:
+        X_WN: the packing pose.
+        collisions: objects that it overlaps.
+        entry: the way down to it.
+        is_rehearsed: whether that way was tried in simulation: it is followed closely then.
+    """
 
     X_WN: Pose
     collisions: tuple[str, ...] = ()
     entry: Entry = field(default_factory=Entry)
+    is_rehearsed: bool = False

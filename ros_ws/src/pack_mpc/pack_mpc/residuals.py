@@ -28,6 +28,7 @@ class Target:
         over: horizontal direction `(2,)` to the obstacles, zero without a clear side.
         collisions: the collision list.
         may_land: whether the object may come down on top of another one, or of a wall, on its way.
+        is_rehearsed: whether it is on an entry that was rehearsed.
     """
 
     p_WN: Array
@@ -36,6 +37,7 @@ class Target:
     over: Array = field(default_factory=lambda: np.zeros(2))
     collisions: tuple[str, ...] = ()
     may_land: bool = False
+    is_rehearsed: bool = False
 
 
 class Residuals:

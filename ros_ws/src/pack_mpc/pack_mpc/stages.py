@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.rotations import Array, Pose, rotate, yaw_of
@@ -25,8 +25,8 @@ class StageConfig(Config):
     pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
     insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
     placed_distance: PositiveFloat = Field(default=0.015, description="placed, from the packing pose [m]")
-    lead_speed: float = Field(
-        default=0.1, description="at which what stands still is led on along its entry [m/s]"
+    lead_speed: NonNegativeFloat = Field(
+        default=0.1, description="at which a rehearsed entry is led on while it halts [m/s]"
     )
     stall_time: PositiveFloat = Field(default=2.0, description="INSERT or FINE-TUNE without progress [s]")
     stall_progress: PositiveFloat = Field(default=0.004, description="what counts as progress [m]")
@@ -69,13 +69,20 @@ class StageMachine:
             return Target(p_WN, self._yaw)
         bottom, half_height = self._bottom, float(self._scene.new_object.half_extents[2])
         entry = self.placement.entry
-        axis, aside = entry.at(max(bottom - self._config.lead_speed * self.waited(self._time), 0.0))
+        axis, aside = entry.at(self._led(bottom))
         p_WN[:2] += half_height * axis + aside
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._scene.rim + self._config.clearance
             return self._straight_up(p_WN[2]) if bottom < self._scene.rim else Target(p_WN, self._yaw, axis)
         lands = entry.may_land(self._scene.container.height, bottom)
-        return Target(p_WN, self._yaw, axis, entry.over, self.placement.collisions, lands)
+        return Target(
+            p_WN, self._yaw, axis, entry.over, self.placement.collisions, lands, self.placement.is_rehearsed
+        )
+
+    def _led(self, bottom: float) -> float:
+        """Height on the entry that is wanted with the lower end at `bottom` [m]: a rehearsal goes on, too."""
+        lead = self._config.lead_speed * self.waited(self._time) if self.placement.is_rehearsed else 0.0
+        return max(bottom - lead, 0.0)
 
     def _straight_up(self, height: float) -> Target:
         """Out from among the others, wedged as it may be: as it is, but at this height [m]."""

@@ -32,7 +32,7 @@ class TaskConfig(Config):
     )
     avoid_radius: PositiveFloat = Field(default=0.02, description="new placements keep off those tried [m]")
     patience: PositiveFloat = Field(
-        default=0.5, description="time without progress that permits as much as a failed attempt [s]"
+        default=0.5, description="halt of a rehearsed entry that permits as much as a failed attempt [s]"
     )
     placement_tries: PositiveInt = Field(default=3, description="refusals in a row before giving up")
     stages: StageConfig = StageConfig()
@@ -93,13 +93,20 @@ class PackingTask:
         """Where placements have been tried `(3,)` [m]."""
         return [X_WN.p for X_WN in self.tried]
 
-    def place(self, X_WN: Pose, collisions: tuple[str, ...], over: Array, scene: SceneState) -> None:
+    def place(
+        self,
+        X_WN: Pose,
+        collisions: tuple[str, ...],
+        over: Array,
+        scene: SceneState,
+        is_rehearsed: bool = False,
+    ) -> None:
         """Go for the packing pose X_WN and its collision list, leaning `over` `(2,)` at the entry.
 
         The objects are as they are in `scene`.
         """
         entry = plan_entry(self._scene, X_WN, collisions, scene.poses(), self.lean, over)
-        placement = Placement(X_WN, collisions, entry)
+        placement = Placement(X_WN, collisions, entry, is_rehearsed)
         self._follow(placement, scene.time, scene.objects[self._scene.new_object.name].X_WO)
         self.tried.append(X_WN)
         self._has_placement, self._refusals = True, 0
@@ -116,9 +123,11 @@ class PackingTask:
         return self._config.avoid_radius
 
     def firmness(self, time: float) -> float:
-        """How often the force's weight is relieved: once a failed attempt, and while nothing moves on."""
-        waited = self.machine.waited(time) if self.machine else 0.0
-        return max(len(self.tried) - 1, 0) + waited / self._config.patience
+        """How often the force's weight is relieved: once a failed attempt, and in halts of a rehearsed entry."""
+        failures, machine = max(len(self.tried) - 1, 0), self.machine
+        if machine is None or not machine.placement.is_rehearsed:
+            return float(failures)
+        return failures + machine.waited(time) / self._config.patience
 
     def feel(self, time: float, forces: Array) -> None:
         """Note the magnitudes of the external force since the last call `(n,)` [N], at the rate of /wrench.

@@ -38,13 +38,17 @@ class StageWeights(Config):
     running: Weights
     terminal: Weights
 
-    def with_force(self, share: float) -> StageWeights:
-        """The same weights with a share of the force's."""
-        running, terminal = (
-            weights.model_copy(update={"force": share * weights.force})
-            for weights in (self.running, self.terminal)
-        )
+    def scaled(self, force: float, sideways: float) -> StageWeights:
+        """The same weights with the force's and the horizontal position's times these."""
+        running, terminal = (_scaled(weights, force, sideways) for weights in (self.running, self.terminal))
         return StageWeights(running=running, terminal=terminal)
+
+
+def _scaled(weights: Weights, force: float, sideways: float) -> Weights:
+    x, y, z = weights.position
+    return weights.model_copy(
+        update={"force": force * weights.force, "position": (sideways * x, sideways * y, z)}
+    )
 
 
 class WeightSet(Config):
@@ -55,6 +59,7 @@ class WeightSet(Config):
         force_dead_band: force that costs nothing [N].
         force_relief: what is left of the force's weight after each attempt that failed: what does not
             yield to a light push may yield to a firm one.
+        precision: factor on the weights of the horizontal position along an entry that was rehearsed.
         obstacle_decay: Z of Eq. 3 as a time [s].
         torque: cost of squared torque.
         lean: tilt of the held object over its obstacles at the entry [rad].
@@ -66,6 +71,7 @@ class WeightSet(Config):
     upright: Literal["angle", "axis"]
     force_dead_band: NonNegativeFloat
     force_relief: float = Field(default=1.0, gt=0, le=1)
+    precision: PositiveFloat = 1.0
     obstacle_decay: PositiveFloat
     torque: PositiveFloat
     lean: NonNegativeFloat

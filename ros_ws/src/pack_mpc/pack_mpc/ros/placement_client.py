@@ -60,7 +60,7 @@ class PlacementClient:
         except MessageError as error:
             task.refuse(time, str(error))
             return
-        task.place(X_WN, tuple(response.collisions), over, seen.scene)
+        task.place(X_WN, tuple(response.collisions), over, seen.scene, response.is_rehearsed)
 
 
 def from_over(over: Vector3) -> Array:

@@ -18,6 +18,7 @@ from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.rotations import Array, Pose
 from pack_core.scene.entry import Entry, plan_entry, side_of
+from pack_core.scene.free_space import footprint
 from pack_core.scene.scene import Scene
 from pack_planner.placement.placement_result import Candidate
 from pack_planner.placement.rehearsal import Rehearsal
@@ -38,6 +39,9 @@ Vary = Callable[[Candidate], list[Candidate]]
 class ApproachConfig(Config):
     """Parameters of the rehearsals."""
 
+    crowded: NonNegativeFloat = Field(
+        0.5, description="covered share of the base from which on the first placement is rehearsed, too"
+    )
     likely: PositiveInt = Field(
         3, description="placements rehearsed before, over their obstacles; 1 and no rounds: Algorithm 1 alone"
     )
@@ -67,7 +71,12 @@ class ApproachPlanner:
         self._rehearsal = Rehearsal(scene, cell, threads)
 
     def choose(
-        self, candidates: Sequence[Candidate], vary: Vary, poses: Mapping[str, Pose], lean: float
+        self,
+        candidates: Sequence[Candidate],
+        vary: Vary,
+        poses: Mapping[str, Pose],
+        lean: float,
+        failures: int,
     ) -> tuple[Candidate, int]:
         """Choose a candidate and the side to which the object leans.
 
@@ -76,14 +85,17 @@ class ApproachPlanner:
             vary: samples feasible placements near one.
             poses: X_WO of what stands in the container.
             lean: tilt at the entry [rad].
+            failures: placements that failed before.
 
         Returns:
-            The choice, and how many rounds of rehearsals it took.
+            The choice, and how many rounds of rehearsals it took, that of the likely ones included.
         """
+        if not failures and self._covered(candidates[0], poses) < self._config.crowded:
+            return beside(candidates[0], poses), 0
         likely = [beside(candidate, poses) for candidate in candidates[: self._config.likely]]
         best, lowest = self._cheapest(likely, poses, lean)
-        fresh, rounds, enough = iter(candidates), 0, GOOD
-        while rounds < self._config.rounds and lowest >= enough:
+        fresh, rounds, enough = iter(candidates), 1, GOOD
+        while rounds <= self._config.rounds and lowest >= enough:
             options = self._round(fresh, best if lowest < HOPELESS else None, vary, poses)
             if not options:
                 break
@@ -132,6 +144,13 @@ class ApproachPlanner:
         goals = [Pose(option.X_WN.p + shift, option.X_WN.q) for shift in shifts for option in options]
         seen = self._rehearsal.run(poses, goals, [*entries] * len(shifts))
         return np.asarray(RESISTANCE * seen.lags + ~seen.is_success).reshape(len(shifts), -1)
+
+    def _covered(self, candidate: Candidate, poses: Mapping[str, Pose]) -> float:
+        """Share of the container's base under the objects, the new one included."""
+        scene = self._scene
+        standing = [footprint(scene.model_of(name), poses[name]) for name in scene.names]
+        area = sum(outline.area for outline in (*standing, footprint(scene.new_object, candidate.X_WN)))
+        return float(area / np.prod(scene.container.size))
 
 
 def beside(candidate: Candidate, poses: Mapping[str, Pose]) -> Candidate:

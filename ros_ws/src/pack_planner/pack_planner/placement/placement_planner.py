@@ -110,7 +110,7 @@ class PlacementPlanner:
         spread = spread_out(ranked, samples.settled, approach.spacing, approach.tried)
         candidates = self._candidates(now, samples, spread)
         vary = partial(self._near, now, rng)
-        return _success(*self._approach.choose(candidates, vary, poses, lean), samples)
+        return _success(*self._approach.choose(candidates, vary, poses, lean, len(avoid)), samples)
 
     def _checked(self, state: SceneState) -> dict[str, Pose]:
         poses, known = state.poses(), self._settling.names
