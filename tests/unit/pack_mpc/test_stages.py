@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from pack_core.rotations import Pose, from_yaw, rotate
+from pack_core.scene.entry import Entry
 from pack_core.scene.scene import Scene
 from pack_mpc.placement import Placement
 from pack_mpc.stages import StageConfig, StageMachine, nearest_heading
@@ -76,6 +77,21 @@ def test_fine_tune_that_comes_no_nearer_stalls(machine: StageMachine) -> None:
     assert not machine.is_stalled
     machine.update(2.3 + 2 * StageConfig().stall_time, Pose(blocked))
     assert machine.is_stalled
+
+
+@pytest.mark.parametrize("is_rehearsed", [True, False])
+def test_a_rehearsed_entry_that_halts_is_led_on(scene: Scene, is_rehearsed: bool) -> None:
+    entry = Entry(np.array([1.0, 0.0]), 0.4, np.array([-0.02, 0.0]), (0.13,))
+    placement = Placement(Pose(PLACE), (), entry, is_rehearsed)
+    machine = StageMachine(scene, StageConfig(lead_speed=0.1), placement, 0.0, START)
+    machine.update(1.0, Pose(machine.target.p_WN))
+    stuck = Pose(PLACE + np.array([0.0, 0.0, 0.1]))
+    for waited in (0.0, 0.5):
+        machine.update(1.1 + waited, stuck)
+        axis, aside = entry.at(0.1 - 0.1 * waited * is_rehearsed)
+        np.testing.assert_allclose(machine.target.axis, axis)
+        np.testing.assert_allclose(machine.target.p_WN[:2], PLACE[:2] + 0.09 * axis + aside)
+        assert machine.target.is_rehearsed is is_rehearsed
 
 
 def test_the_way_back_is_straight_up_until_it_is_out(scene: Scene) -> None:

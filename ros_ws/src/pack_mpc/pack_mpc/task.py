@@ -123,7 +123,7 @@ class PackingTask:
         return self._config.avoid_radius
 
     def firmness(self, time: float) -> float:
-        """How often the force's weight is relieved: once a failed attempt, and in halts of a rehearsed entry."""
+        """How often the force's weight is relieved: once a failure, and while a rehearsed entry halts."""
         failures, machine = max(len(self.tried) - 1, 0), self.machine
         if machine is None or not machine.placement.is_rehearsed:
             return float(failures)
