@@ -13,7 +13,7 @@ from pack_core.paths import config_path
 from pack_core.rotations import Pose
 from pack_core.scene.scene_file import load_scene
 from pack_core.scene.state import ObjectState, SceneState
-from pack_planner.placement.approach import ApproachConfig
+from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
 from pack_planner.placement.placement_result import Placement
 from pack_sim.packing.scene_generator import generate_scene

@@ -9,7 +9,8 @@ from pack_core.cells.packing import packing_cell
 from pack_core.rotations import Pose
 from pack_core.scene.objects import Box
 from pack_core.scene.scene import Scene
-from pack_planner.placement.approach import ApproachConfig, ApproachPlanner, beside
+from pack_planner.placement.approach import ApproachPlanner, beside
+from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_result import Candidate
 
 LEAN = 0.4

@@ -12,7 +12,7 @@ from pack_core.scene.free_space import footprint
 from pack_core.scene.objects import Box
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import ObjectState, SceneState
-from pack_planner.placement.approach import ApproachConfig
+from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
 from pack_planner.placement.placement_result import Placement, PlacementStatus
 

@@ -26,7 +26,8 @@ from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.scene.fit import fitting_yaws
 from pack_core.scene.scene import Scene
 from pack_core.scene.state import SceneState
-from pack_planner.placement.approach import ApproachConfig, ApproachPlanner, beside
+from pack_planner.placement.approach import ApproachPlanner, beside
+from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.feasibility import judge
 from pack_planner.placement.placement_result import Candidate, Placement, PlacementStatus, Samples
 from pack_planner.placement.pose_sampling import sample_near, sample_poses
