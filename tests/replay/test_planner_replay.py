@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from pack_bringup.packing.presets import Preset, load_preset
 from pack_bringup.packing.replay.planner import replay_planner, requests
@@ -33,11 +34,12 @@ def test_what_is_done_before_the_first_answer_is_no_placement() -> None:
     assert request.tried.size == 0
 
 
-def test_a_second_placement_is_asked_for_once_the_object_is_out_after_a_stall() -> None:
+@pytest.mark.parametrize("stalled_in", ["INSERT", "FINE_TUNE"])
+def test_a_second_placement_is_asked_for_once_the_object_is_out_after_a_stall(stalled_in: str) -> None:
     """Of the sample's one placement, two are made; in the last quarter the object is above the others."""
     run = sample_run()
     done, n = run.iterations, run.iterations.times.size
-    stages = ["PRE_PACK"] * (n // 3) + ["INSERT"] * (n // 3) + ["PRE_PACK"] * (n - 2 * (n // 3))
+    stages = ["PRE_PACK"] * (n // 3) + [stalled_in] * (n // 3) + ["PRE_PACK"] * (n - 2 * (n // 3))
     out, new = n - n // 4, n - n // 6
     placements = np.where(np.arange(n) < new, 1.0, 2.0)
     p_WT = np.where(placements[:, None] == 2.0, done.p_WT + 0.03, done.p_WT)

@@ -100,17 +100,20 @@ def test_after_a_stall_the_object_waits_over_the_container_for_its_placement(tas
 def test_after_a_failure_the_object_is_pushed_more_firmly(task: PackingTask) -> None:
     for failures in (0, 1, 2):
         placed(task).update(11.0, Pose(task.machine.target.p_WN))
-        assert task.firmness(15.0) == failures
+        task.update(11.1, at(0.12))
+        task.update(12.0, at(0.12))
+        assert task.firmness == failures
 
 
 def test_a_rehearsed_entry_that_halts_is_pushed_ever_more_firmly(task: PackingTask) -> None:
     task.place(PLACE, ("tea_box",), OVER, scene_at(START), is_rehearsed=True)
     task.update(11.0, Pose(task.machine.target.p_WN))
     task.update(11.1, at(0.12))
-    assert task.firmness(11.1) == 0.0
-    assert task.firmness(11.1 + TaskConfig().patience) == pytest.approx(1.0)
-    task.update(11.2, at(0.11))
-    assert task.firmness(11.2) == 0.0
+    assert task.firmness == 0.0
+    task.update(11.1 + TaskConfig().patience, at(0.12))
+    assert task.firmness == pytest.approx(1.0)
+    task.update(12.0, at(0.11))
+    assert task.firmness == 0.0
 
 
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:

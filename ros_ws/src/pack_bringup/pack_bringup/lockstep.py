@@ -161,8 +161,9 @@ class Lockstep:
             if answer.X_WO is None:
                 task.refuse(time, answer.reason)
             else:
-                is_rehearsed = answer.rounds > 0
-                task.place(answer.X_WO, answer.collisions, answer.over, seen.scene, is_rehearsed)
+                task.place(
+                    answer.X_WO, answer.collisions, answer.over, seen.scene, answer.is_rehearsed
+                )  # fmt: skip
 
     def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> Placement:
         return self._planner.plan(

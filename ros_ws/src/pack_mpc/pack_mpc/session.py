@@ -119,14 +119,9 @@ class PackingSession:
         if task.outcome is not None or machine is None:
             return None
         plan = self.controller.plan(
-            seen.joints,
-            seen.scene,
-            machine.stage,
-            machine.target,
-            time - machine.stage_start,
-            latency,
-            task.firmness(time),
-        )
+            seen.joints, seen.scene, machine.stage, machine.target, time - machine.stage_start, latency,
+            task.firmness,
+        )  # fmt: skip
         self.iterations_ms.append(plan.iteration_ms)
         return plan
 

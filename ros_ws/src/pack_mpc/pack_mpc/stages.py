@@ -81,7 +81,7 @@ class StageMachine:
 
     def _led(self, bottom: float) -> float:
         """Height on the entry that is wanted with the lower end at `bottom` [m]: a rehearsal goes on, too."""
-        lead = self._config.lead_speed * self.waited(self._time) if self.placement.is_rehearsed else 0.0
+        lead = self._config.lead_speed * self.halt if self.placement.is_rehearsed else 0.0
         return max(bottom - lead, 0.0)
 
     def _straight_up(self, height: float) -> Target:
@@ -128,9 +128,10 @@ class StageMachine:
         """Whether the object is above all the others."""
         return self._bottom >= self._scene.rim
 
-    def waited(self, time: float) -> float:
+    @property
+    def halt(self) -> float:
         """Time without progress [s]; none in PRE-PACK."""
-        return 0.0 if self.stage is Stage.PRE_PACK else time - self._progress
+        return 0.0 if self.stage is Stage.PRE_PACK else self._time - self._progress
 
     def _enter(self, stage: Stage, time: float) -> None:
         self.stage, self.stage_start = stage, time

@@ -122,12 +122,13 @@ class PackingTask:
         """How far new placements keep off those tried [m]."""
         return self._config.avoid_radius
 
-    def firmness(self, time: float) -> float:
+    @property
+    def firmness(self) -> float:
         """How often the force's weight is relieved: once a failure, and while a rehearsed entry halts."""
         failures, machine = max(len(self.tried) - 1, 0), self.machine
         if machine is None or not machine.placement.is_rehearsed:
             return float(failures)
-        return failures + machine.waited(time) / self._config.patience
+        return failures + machine.halt / self._config.patience
 
     def feel(self, time: float, forces: Array) -> None:
         """Note the magnitudes of the external force since the last call `(n,)` [N], at the rate of /wrench.

@@ -40,8 +40,9 @@ def test_the_placement_stands_upright_on_the_base(example: Scene, state_of: Stat
 
 
 def test_without_rehearsals_the_cheapest_feasible_sample_is_chosen(example: Scene, state_of: StateOf) -> None:
-    algorithm_1 = QUICK.model_copy(update={"approach": ApproachConfig(likely=1, rounds=0)})
+    algorithm_1 = QUICK.model_copy(update={"approach": ApproachConfig(crowded=0.0, rounds=0)})
     placement = plan(example, state_of(example), algorithm_1)
+    assert not placement.is_rehearsed
     assert placement.cost == placement.samples.costs[placement.samples.is_feasible].min()
 
 

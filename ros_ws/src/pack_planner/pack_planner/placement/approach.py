@@ -62,7 +62,8 @@ class ApproachPlanner:
         Returns:
             The choice, and how many rounds of rehearsals it took, that of the likely ones included.
         """
-        if not failures and self._covered(candidates[0], poses) < self._config.crowded:
+        is_roomy = not failures and self._covered(candidates[0], poses) < self._config.crowded
+        if is_roomy or not self._config.rounds:
             return beside(candidates[0], poses), 0
         likely = [beside(candidate, poses) for candidate in candidates[: self._config.likely]]
         best, lowest = self._cheapest(likely, poses, lean)

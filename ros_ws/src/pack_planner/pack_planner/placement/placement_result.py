@@ -75,3 +75,8 @@ class Placement:
     cost: float
     rounds: int
     samples: Samples
+
+    @property
+    def is_rehearsed(self) -> bool:
+        """Whether the way down was tried in simulation."""
+        return self.rounds > 0

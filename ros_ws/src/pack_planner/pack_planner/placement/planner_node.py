@@ -100,7 +100,7 @@ def _fill(response: PlanPlacement.Response, placement: Placement) -> None:
     response.status, response.message = int(placement.status), placement.reason
     response.collisions, response.cost = list(placement.collisions), placement.cost
     response.over.x, response.over.y = placement.over.tolist()
-    response.is_rehearsed = placement.rounds > 0
+    response.is_rehearsed = placement.is_rehearsed
     response.samples = _to_samples(placement.samples)
     if placement.X_WO is not None:
         response.pose = to_pose(placement.X_WO)

@@ -88,7 +88,8 @@ def requests(run: Run) -> Iterator[Request]:
 def _out(run: Run, start: int, end: int) -> float:
     """When the iterations from `start` to `end` had given their placement up and the object was out [s]."""
     done, scene = run.iterations, run.scene
-    back = [i for i in range(start + 1, end) if done.stages[i - 1 : i + 1] == ("INSERT", "PRE_PACK")]
+    above = [stage == "PRE_PACK" for stage in done.stages]
+    back = [i for i in range(start + 1, end) if above[i] and not above[i - 1]]
     bottoms = run.estimate[run.held].at(done.times).p[:, 2] - scene.new_object.half_extents[2]
     out = [i for i in range(back[-1] if back else end, end) if bottoms[i] >= scene.rim]
     return float(done.times[min(out[0] + 1, end) if out else end - 1])
