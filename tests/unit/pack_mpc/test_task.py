@@ -116,6 +116,16 @@ def test_a_rehearsed_entry_that_halts_is_pushed_ever_more_firmly(task: PackingTa
     assert task.firmness == 0.0
 
 
+def test_an_object_that_halts_short_of_its_place_is_pushed_ever_more_firmly(task: PackingTask) -> None:
+    short = Pose(PLACE.p + [0.02, 0.0, 0.0])
+    placed(task).update(11.0, Pose(task.machine.target.p_WN))
+    task.update(11.1, short)
+    assert task.machine.stage is Stage.FINE_TUNE
+    task.update(11.1, short)
+    task.update(11.1 + TaskConfig().patience, short)
+    assert task.firmness == pytest.approx(1.0)
+
+
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
     task.feel(10.5, np.full(50, 39.0))
     task.feel(10.6, np.array([60.0]))

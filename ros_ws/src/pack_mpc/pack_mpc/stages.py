@@ -118,7 +118,7 @@ class StageMachine:
             if self._is_on_base(p_WN):
                 self._enter(Stage.FINE_TUNE, time)
             self._watch_progress(time, float(p_WN[2]))
-            self.is_stalled |= self._is_outside(p_WN)
+            self.is_stalled |= self._is_outside()
         else:
             self._watch_progress(time, self.distance(p_WN))
         return self.stage is not before
@@ -141,9 +141,10 @@ class StageMachine:
         height = float(p_WN[2]) - float(self.placement.X_WN.p[2])
         return self._is_between_walls(p_WN) and height < self._config.insert_height
 
-    def _is_outside(self, p_WN: Array) -> bool:
-        """It has come down beside the container: there is no way in from there."""
-        return self._bottom < self._scene.container.height and not self._is_between_walls(p_WN)
+    def _is_outside(self) -> bool:
+        """Its lower end has come down beside the container: there is no way in from there."""
+        lower_end = self._X_WN.p - float(self._scene.new_object.half_extents[2]) * rotate(self._X_WN.q, UP)
+        return self._bottom < self._scene.container.height and not self._is_between_walls(lower_end)
 
     def _is_between_walls(self, p_WN: Array) -> bool:
         container = self._scene.container

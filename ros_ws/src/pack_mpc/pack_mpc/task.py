@@ -32,7 +32,7 @@ class TaskConfig(Config):
     )
     avoid_radius: PositiveFloat = Field(default=0.02, description="new placements keep off those tried [m]")
     patience: PositiveFloat = Field(
-        default=0.5, description="halt of a rehearsed entry that permits as much as a failed attempt [s]"
+        default=0.5, description="halt that permits as much force as a failed attempt [s]"
     )
     placement_tries: PositiveInt = Field(default=3, description="refusals in a row before giving up")
     stages: StageConfig = StageConfig()
@@ -124,9 +124,12 @@ class PackingTask:
 
     @property
     def firmness(self) -> float:
-        """How often the force's weight is relieved: once a failure, and while a rehearsed entry halts."""
+        """How often the force's weight is relieved: once a failure, and while the object halts.
+
+        An entry that was not rehearsed stays gentle: it halts where others are in its way.
+        """
         failures, machine = max(len(self.tried) - 1, 0), self.machine
-        if machine is None or not machine.placement.is_rehearsed:
+        if machine is None or not (machine.placement.is_rehearsed or machine.stage is Stage.FINE_TUNE):
             return float(failures)
         return failures + machine.halt / self._config.patience
 

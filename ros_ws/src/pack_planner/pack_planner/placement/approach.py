@@ -68,7 +68,7 @@ class ApproachPlanner:
         likely = [beside(candidate, poses) for candidate in candidates[: self._config.likely]]
         best, lowest = self._cheapest(likely, poses, lean)
         fresh, rounds, enough = iter(candidates), 1, GOOD
-        while rounds <= self._config.rounds and lowest >= enough:
+        while rounds <= self._most(lowest) and lowest >= enough:
             options = self._round(fresh, best if lowest < HOPELESS else None, vary, poses)
             if not options:
                 break
@@ -78,6 +78,10 @@ class ApproachPlanner:
                 best, lowest = option, price
         return best, rounds
 
+    def _most(self, lowest: float) -> int:
+        """Rounds at most: half of them have shown whether there is any way in."""
+        return self._config.rounds // 2 if lowest >= HOPELESS else self._config.rounds
+
     def _round(
         self, fresh: Iterator[Candidate], best: Candidate | None, vary: Vary, poses: Mapping[str, Pose]
     ) -> list[Candidate]:
@@ -85,7 +89,8 @@ class ApproachPlanner:
         n = self._config.candidates if best is None else self._config.fresh
         options = [option for candidate in islice(fresh, n) for option in self._options(candidate, poses)]
         if best is not None:
-            options += [replace(near, over=_turned(best.over, turn)) for near in vary(best) for turn in TURNS]
+            turns = TURNS if best.over.any() else [0.0]
+            options += [replace(near, over=_turned(best.over, turn)) for near in vary(best) for turn in turns]
         return options
 
     def _options(self, candidate: Candidate, poses: Mapping[str, Pose]) -> list[Candidate]:

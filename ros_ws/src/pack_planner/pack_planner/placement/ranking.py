@@ -25,11 +25,24 @@ def cheapest_elsewhere(
 
 
 def spread_out(ranked: npt.NDArray[np.int_], poses: Array, spacing: float, n: int) -> list[int]:
-    """The first `n` of `ranked` whose poses `(S, 7)` keep `spacing` [m] from one another, seen from above."""
+    """`n` of `ranked`, or all if there are fewer, in layers.
+
+    The first layer are those of the poses `(S, 7)` that keep `spacing` [m] from better ones of it, seen from
+    above; the next layer are those of the rest that do so among themselves, and so on.
+    """
     chosen: list[int] = []
-    for k in ranked.tolist():
-        if len(chosen) == n:
-            break
-        if all(np.linalg.norm(poses[k, :2] - poses[other, :2]) > spacing for other in chosen):
-            chosen.append(k)
-    return chosen
+    rest = ranked.tolist()
+    while rest and len(chosen) < n:
+        layer, rest = _layer(rest, poses[:, :2], spacing)
+        chosen += layer
+    return chosen[:n]
+
+
+def _layer(ranked: Sequence[int], points: Array, spacing: float) -> tuple[list[int], list[int]]:
+    """Those that keep `spacing` from better ones, and the rest."""
+    layer: list[int] = []
+    rest: list[int] = []
+    for k in ranked:
+        is_near = len(layer) and np.linalg.norm(points[layer] - points[k], axis=1).min() <= spacing
+        (rest if is_near else layer).append(k)
+    return layer, rest
