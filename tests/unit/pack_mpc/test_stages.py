@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pack_core.rotations import Pose, from_yaw, rotate
+from pack_core.rotations import Pose, exp, from_yaw, rotate
 from pack_core.scene.entry import Entry
 from pack_core.scene.scene import Scene
 from pack_mpc.placement import Placement
@@ -47,6 +47,17 @@ def test_an_object_that_comes_down_beside_the_container_has_no_way_in(
     machine.update(1.1, Pose(beside + np.array([0.0, 0.0, 0.01])))
     assert not machine.is_stalled
     machine.update(1.2, Pose(beside - np.array([0.0, 0.0, 0.01])))
+    assert machine.is_stalled
+
+
+def test_one_that_leans_over_a_wall_with_its_lower_end_inside_is_not_outside(
+    machine: StageMachine, scene: Scene
+) -> None:
+    machine.update(1.0, Pose(machine.target.p_WN))
+    over_wall = np.array([0.5, scene.container.upper[1] + 0.01, PLACE[2] + scene.container.height - 0.01])
+    machine.update(1.1, Pose(over_wall, exp([-0.5, 0.0, 0.0])))
+    assert not machine.is_stalled
+    machine.update(1.2, Pose(over_wall))
     assert machine.is_stalled
 
 

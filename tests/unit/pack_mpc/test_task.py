@@ -117,7 +117,7 @@ def test_a_rehearsed_entry_that_halts_is_pushed_ever_more_firmly(task: PackingTa
 
 
 def test_an_object_that_halts_short_of_its_place_is_pushed_ever_more_firmly(task: PackingTask) -> None:
-    short = Pose(PLACE.p + [0.02, 0.0, 0.0])
+    short = Pose(PLACE.p + np.array([0.02, 0.0, 0.0]))
     placed(task).update(11.0, Pose(task.machine.target.p_WN))
     task.update(11.1, short)
     assert task.machine.stage is Stage.FINE_TUNE

@@ -66,9 +66,9 @@ def test_one_that_can_be_entered_is_chosen_before_a_cheaper_one(scene: Scene) ->
     assert choice.over[1] > 0.5
 
 
-def test_the_search_goes_on_until_the_rounds_or_the_placements_are_over(scene: Scene) -> None:
+def test_a_hopeless_search_ends_with_half_the_rounds_or_with_the_placements(scene: Scene) -> None:
     hopeless = [replace(ONTO_LARGE, cost=0.01 * i) for i in range(4)]
-    for rounds, expected in [(2, 3), (9, 5)]:
+    for rounds, expected in [(4, 3), (9, 5)]:
         one_by_one = planner(scene, candidates=1, likely=1, rounds=rounds)
         choice, taken = one_by_one.choose(hopeless, alone, scene.poses(), LEAN, failures=0)
         assert taken == expected
@@ -81,6 +81,12 @@ def test_variations_of_what_can_be_entered_are_rehearsed_too(scene: Scene) -> No
     choice, rounds = planner(scene).choose([costly], lambda _: [further], scene.poses(), LEAN, failures=0)
     assert choice.X_WN is further.X_WN
     assert rounds == 2
+
+
+def test_where_there_is_hope_all_rounds_are_taken(scene: Scene) -> None:
+    costly = [replace(ONTO_SMALL, cost=1.1 - 0.01 * i) for i in range(9)]
+    one_by_one = planner(scene, candidates=1, fresh=1, likely=1, rounds=3)
+    assert one_by_one.choose(costly, alone, scene.poses(), LEAN, failures=0)[1] == 4
 
 
 def test_variations_of_what_is_hopeless_are_not(scene: Scene) -> None:
