@@ -69,6 +69,19 @@ def test_the_driver_feels_which_way_the_held_object_is_pushed(
     np.testing.assert_allclose(felt[-1], force, atol=0.5)
 
 
+def test_a_run_that_is_observed_takes_the_same_course() -> None:
+    runs = []
+    for is_observed in (False, True):
+        simulator = build(governor=GovernorConfig())
+        push(simulator, np.array([8.0, 3.0, -5.0]))
+        for _ in range(300):
+            simulator.step()
+            if is_observed:
+                simulator.truth()
+        runs.append(simulator.data.qpos.copy())
+    np.testing.assert_array_equal(*runs)
+
+
 def test_the_planners_model_has_no_springs() -> None:
     assert build(packing_cell())._held is Held.RIGID
 

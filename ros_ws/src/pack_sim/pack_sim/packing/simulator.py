@@ -141,9 +141,12 @@ class Simulator:
         return self._wrench_sensor.read(R_WN.T @ self._weight - force, -torque)
 
     def truth(self) -> SceneState:
-        """True poses and twists of all objects, the new one included."""
-        mujoco.mj_kinematics(self.model, self.data)
-        return SceneState(self.time, {name: self._object_state(name) for name in self._names})
+        """True poses and twists of all objects, the new one included; the run goes on as if unobserved."""
+        model, seen = self.model, self._seen
+        seen.qpos[:], seen.qvel[:] = self.data.qpos, self.data.qvel
+        for forward in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):
+            forward(model, seen)
+        return SceneState(self.time, {name: _object_state(model, seen, name) for name in self._names})
 
     def release(self, reason: str = "asked to open") -> None:
         """Open the pump; the object falls or stays where it stands."""
@@ -183,6 +186,7 @@ class Simulator:
         self._q = np.array([self.model.joint(name).qposadr[0] for name in JOINTS])
         self._v = np.array([self.model.joint(name).dofadr[0] for name in JOINTS])
         self._payload = PayloadCompensation(self.model, self.description)
+        self._seen = mujoco.MjData(self.model)
 
     def _mass_matrix(self) -> Array:
         """The arm's `(7, 7)`, with what it holds [kg m^2]."""
@@ -227,8 +231,8 @@ class Simulator:
     def _cup_load(self) -> tuple[Array, Array]:
         return self.data.sensordata[:3].copy(), self.data.sensordata[3:6].copy()
 
-    def _object_state(self, name: str) -> ObjectState:
-        twist = np.empty(6)
-        body = self.model.body(name).id
-        mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_XBODY, body, twist, 0)
-        return ObjectState(body_pose(self.data, name), twist[3:].copy(), twist[:3].copy())
+
+def _object_state(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> ObjectState:
+    twist = np.empty(6)
+    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, model.body(name).id, twist, 0)
+    return ObjectState(body_pose(data, name), twist[3:].copy(), twist[:3].copy())
