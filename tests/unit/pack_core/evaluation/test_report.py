@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from pack_core.evaluation.evaluate import evaluate
+from pack_core.evaluation.evaluate import PackingEvaluator
 from unit.pack_core.evaluation.messages import OUTCOME, GoalWriter
 
 
@@ -13,7 +13,7 @@ def text(tmp_path_factory: pytest.TempPathFactory) -> str:
     writer.write_goal(1.0, OUTCOME)
     writer.close()
     (folder / "run.yaml").write_text("cell: packing\nseed: 7\nconfiguration: {nodes/sim.yaml: {rate: 42}}\n")
-    return evaluate(folder, folder / "out", with_video=False).report.read_text()
+    return PackingEvaluator().evaluate(folder, folder / "out", with_video=False).report.read_text()
 
 
 def test_a_report_needs_nothing_beside_it(text: str) -> None:

@@ -10,11 +10,10 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
-
 from pack_bringup.blocks.benchmark import PlanJob
 from pack_bringup.run_record import describe_run
 from pack_core.cells.blocks import BlocksCell
+from pack_core.evaluation.html import render
 from pack_core.evaluation.study.tables import TextTable
 from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
 from pack_core.rearrangement.plan_record import from_record
@@ -54,9 +53,8 @@ def report_benchmark(
     record = describe_run("blocks", None, command, datetime.now())
     versions = ", ".join(f"{name} {number}" for name, number in record.versions.items())
     about = {"command": command, "commit": record.commit, "versions": versions, "results": results.name}
-    environment = Environment(autoescape=True, undefined=StrictUndefined)
-    text = environment.from_string(TEMPLATE.read_text()).render(
-        tables=(table, trial_table(lines, table.head[1:])), about=about,
+    text = render(
+        TEMPLATE, tables=(table, trial_table(lines, table.head[1:])), about=about,
         pictures=draw_plans(jobs, lines, cell, pictures),
     )  # fmt: skip
     path = results.with_suffix(".html")

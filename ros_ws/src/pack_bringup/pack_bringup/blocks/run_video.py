@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import numpy as np
 from pack_bringup.blocks.recorded_run import BlocksRun
 from pack_bringup.blocks.run_view import RunView
 from pack_core.cells.blocks import BlocksCell
+from pack_core.evaluation.evaluation import Progress
 
 WIDTH, HEIGHT = 960, 540
 FPS = 25
@@ -22,8 +22,6 @@ SPEED = 4.0
 ROWS, COLUMNS = 2, 3
 """Of the strip."""
 STRIP_SIZE = (640, 480)
-
-Progress = Callable[[float], None]
 
 
 def write_video(run: BlocksRun, cell: BlocksCell, path: Path, progress: Progress = lambda _: None) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,9 +14,7 @@ from rich.table import Table
 from pack_bringup.cli.studies import report_studies
 
 if TYPE_CHECKING:
-    from pack_bringup.blocks.evaluation import BlocksEvaluation
-    from pack_core.evaluation.evaluate import Evaluation
-    from pack_core.evaluation.palletizing.evaluate import PalletEvaluation
+    from pack_core.evaluation.evaluation import Evaluation, Evaluator
 
 app = typer.Typer()
 bag_app = typer.Typer(no_args_is_help=True, help="Look into recordings.")
@@ -76,27 +73,14 @@ def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool
     """Report a run and return its measures."""
     from pack_core.evaluation.video import write_gif
 
-    found = run_evaluation(bag, folder, with_video=video or gif)
+    evaluator = evaluator_of(bag)
+    found = run_evaluation(evaluator, bag, folder, with_video=video or gif)
     show(found)
     if gif and found.video:
         write_gif(found.video, found.video.with_suffix(".gif"))
     if still:
-        _draw(found, folder / "run.png")
+        evaluator.still(found.run, folder / "run.png")
     return found.to_json()
-
-
-def _draw(found: Evaluation | PalletEvaluation | BlocksEvaluation, path: Path) -> None:
-    """One large picture; of a pallet there is none but its plots."""
-    from pack_bringup.blocks.evaluation import BlocksEvaluation
-    from pack_bringup.blocks.run_video import write_strip
-    from pack_core.cells.blocks import blocks_cell
-    from pack_core.evaluation.evaluate import Evaluation
-    from pack_core.evaluation.video import write_still
-
-    if isinstance(found, Evaluation):
-        write_still(found.run, path)
-    elif isinstance(found, BlocksEvaluation):
-        write_strip(found.run, blocks_cell(), path)
 
 
 def evaluate_many(recordings: list[Path], folder: Path, pictures: int) -> dict[str, Any]:
@@ -157,37 +141,41 @@ def copy(
     typer.echo(f"{copied.messages} messages{note} in {target}")
 
 
-def run_evaluation(
-    bag: Path, output: Path, *, with_video: bool
-) -> Evaluation | PalletEvaluation | BlocksEvaluation:
-    """Evaluate as the cell wants it, which run.yaml names, with a progress bar for the video."""
-    from pack_bringup.blocks.evaluation import evaluate_blocks
-    from pack_core.evaluation.evaluate import evaluate as evaluate_goal
-    from pack_core.evaluation.palletizing.evaluate import evaluate_order
-    from pack_core.evaluation.report import load_record
+def evaluator_of(bag: Path) -> Evaluator[Any, Any]:
+    """As the recording's cell wants it, which run.yaml names."""
+    from pack_bringup.blocks.evaluation import BlocksEvaluator
+    from pack_core.evaluation.evaluate import PackingEvaluator
+    from pack_core.evaluation.palletizing.evaluate import PalletEvaluator
+    from pack_core.evaluation.record import load_record
 
-    record = load_record(bag) or load_record(bag.parent)
-    by_cell: dict[str, Callable[..., Evaluation | PalletEvaluation | BlocksEvaluation]] = {
-        "palletizing": evaluate_order, "blocks": evaluate_blocks,
-    }  # fmt: skip
-    evaluate_bag = by_cell.get(str(record.get("cell")), evaluate_goal)
+    by_cell: dict[str, type[Evaluator[Any, Any]]] = {
+        "palletizing": PalletEvaluator,
+        "blocks": BlocksEvaluator,
+    }
+    return by_cell.get(str(load_record(bag).get("cell")), PackingEvaluator)()
+
+
+def run_evaluation(
+    evaluator: Evaluator[Any, Any], bag: Path, output: Path, *, with_video: bool
+) -> Evaluation[Any, Any]:
+    """Evaluate with a progress bar for the video."""
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, transient=True) as bar:
         task = bar.add_task("evaluating", total=1.0)
-        return evaluate_bag(
+        return evaluator.evaluate(
             bag, output, with_video=with_video,
             progress=lambda done: bar.update(task, completed=done, description="rendering"),
         )  # fmt: skip
 
 
-def show(found: Evaluation | PalletEvaluation | BlocksEvaluation) -> None:
+def show(found: Evaluation[Any, Any]) -> None:
     """Print the table of the measures, and where the report is."""
     table = Table("measure", "value", "what it is")
     for row in found.rows:
         table.add_row(row.name, row.value, row.meaning)
     console = Console()
     console.print(table)
-    if found.is_cut:
+    if found.run.is_cut:
         console.print("[yellow]the recording was cut off; all in front of the cut was evaluated[/]")
     console.print(f"report: {found.report}", soft_wrap=True)
     if found.video:

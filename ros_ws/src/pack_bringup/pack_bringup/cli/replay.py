@@ -79,9 +79,9 @@ def _seed_of(bag: Path) -> int:
         BagError: there is none.
     """
     from pack_core.errors import BagError
-    from pack_core.evaluation.report import load_record
+    from pack_core.evaluation.record import load_record
 
-    seed = (load_record(bag) or load_record(bag.parent)).get("seed")
+    seed = load_record(bag).get("seed")
     if seed is None:
         raise BagError(f"no run.yaml beside {bag} says the goal's seed; give --seed")
     return int(seed)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from PIL import Image
 
 from pack_core.errors import PackError
 from pack_core.evaluation.drawing import draw, drawing_processes
+from pack_core.evaluation.evaluation import Progress
 from pack_core.evaluation.run import Run
 from pack_core.evaluation.view import View, ViewConfig
 from pack_core.rotations import Array
@@ -24,8 +24,6 @@ LEAD_IN, LEAD_OUT = 0.4, 1.0
 """Shown before the goal is accepted and after it ended [s]."""
 STILL_SCALE = 2
 """Stills are drawn so much larger and scaled down, for smooth edges."""
-
-Progress = Callable[[float], None]
 
 
 def write_video(

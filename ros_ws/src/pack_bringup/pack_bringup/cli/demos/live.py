@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
-from pack_bringup.cli.evaluate import run_evaluation, show
+from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
 from pack_bringup.demo import LOG, Job, Progress, run_demo
 
 
@@ -32,7 +32,7 @@ def run_live(job: Job, *, video: bool) -> NoReturn:
         raise typer.Exit(130) from None
     reason = getattr(result, "exit_reason", "success" if result.success else "failure")
     typer.echo(f"goal ended: {reason}, {result.message}")
-    show(run_evaluation(job.folder, job.folder, with_video=video))
+    show(run_evaluation(evaluator_of(job.folder), job.folder, job.folder, with_video=video))
     typer.echo(f"log:    {job.folder / LOG}")
     raise typer.Exit(0 if result.success else 1)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import mujoco
 import numpy as np
 
 from pack_core.cells.palletizing import palletizing_cell
+from pack_core.evaluation.evaluation import Progress
 from pack_core.evaluation.palletizing.pallet_run import PalletRun
 from pack_core.scene.palletizing.box_body import BoxBody
 from pack_core.scene.palletizing.view import CellView
@@ -20,8 +20,6 @@ FPS = 25
 """Frames a second of the video."""
 SPEED = 4.0
 """Simulated seconds a second of the video: an order takes minutes."""
-
-Progress = Callable[[float], None]
 
 
 def write_video(run: PalletRun, path: Path, progress: Progress = lambda _: None) -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import Environment, StrictUndefined
-
+from pack_core.evaluation.html import embedded, render
 from pack_core.evaluation.study.failures import FailurePicture
 from pack_core.evaluation.study.figures import write_figures
 from pack_core.evaluation.study.tables import tables
@@ -35,12 +33,11 @@ def write_study_report(
 ) -> Path:
     """Write `report.html` and its figures into `folder` and return the report's path."""
     folder.mkdir(parents=True, exist_ok=True)
-    figures = [_embed(path) for path in write_figures(studies, folder / FIGURES)]
+    figures = [embedded(path) for path in write_figures(studies, folder / FIGURES)]
     shown = {id(item.trial): item for item in pictures}
     failures = [_failure(trial, shown.get(id(trial))) for study in studies for trial in study.failures]
-    environment = Environment(autoescape=True, undefined=StrictUndefined)
-    text = environment.from_string(TEMPLATE.read_text()).render(
-        title=title, tables=tables(studies), figures=figures, failures=failures,
+    text = render(
+        TEMPLATE, title=title, tables=tables(studies), figures=figures, failures=failures,
         about=[(study.name, study.about) for study in studies if study.about],
     )  # fmt: skip
     path = folder / REPORT
@@ -50,10 +47,6 @@ def write_study_report(
 
 def _failure(trial: Trial, shown: FailurePicture | None) -> Failure:
     m = trial.measures
-    picture = _embed(shown.picture) if shown else ""
-    video = _embed(shown.video) if shown and shown.video else ""
+    picture = embedded(shown.picture) if shown else ""
+    video = embedded(shown.video) if shown and shown.video else ""
     return Failure(trial.name, m.exit_reason.value, trial.message, m.placements, picture, video)
-
-
-def _embed(path: Path) -> str:
-    return b64encode(path.read_bytes()).decode()
