@@ -23,6 +23,11 @@ from pack_core.rotations import Array
 TRUTH, JOINTS, JAW = "/sim/truth", "/joint_states", "/gripper/state"
 POSES, STATUS, RESULT = "/block_poses", "/rearrange/status", "/rearrange/result"
 TOPICS = (TRUTH, JOINTS, JAW, POSES, STATUS, RESULT)
+FIELDS = (
+    "success", "exit_reason", "message", "execution_time", "picks", "pushes", "plans", "failed_grasps",
+    "refusals", "deviations", "disturbances",
+)  # fmt: skip
+"""Of the action's result."""
 PUSH = 2
 """BlockAction's kind of a push."""
 
@@ -79,7 +84,7 @@ def load_blocks_run(path: Path) -> BlocksRun:
         path: a run's folder, or its bag's.
 
     Raises:
-        BagError: the recording is missing, broken, or holds no rearrangement.
+        BagError: the recording is missing, broken, of another version, or holds no rearrangement.
         ConfigError: there is no problem file beside it.
     """
     bag = read_bag(path, TOPICS)
@@ -88,12 +93,28 @@ def load_blocks_run(path: Path) -> BlocksRun:
     folder = path if (path / PROBLEM_FILE).is_file() else path.parent
     truth, joints, jaw = bag.of(TRUTH), bag.of(JOINTS), bag.of(JAW)
     return BlocksRun(
-        problem=load_problem(folder / PROBLEM_FILE), result=json.loads(bag.of(RESULT)[-1].data),
+        problem=load_problem(folder / PROBLEM_FILE), result=read_result(bag.of(RESULT)[-1].data, bag.path),
         plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(POSES)),
         times=_times(truth), truth=_tracks(truth), joint_times=_times(joints),
         joints=np.array([message.position for message in joints]), jaw_times=_times(jaw),
         openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut,
     )  # fmt: skip
+
+
+def read_result(text: str, path: Path) -> dict[str, Any]:
+    """The fields of the action's result.
+
+    Args:
+        text: JSON.
+        path: of the bag, for the error.
+
+    Raises:
+        BagError: a field is missing.
+    """
+    result: dict[str, Any] = json.loads(text)
+    if missing := [name for name in FIELDS if name not in result]:
+        raise BagError(f"{path}: the result lacks {', '.join(missing)}; another version recorded it")
+    return result
 
 
 def planar(row: Array) -> PlanarPose:
