@@ -8,6 +8,7 @@ import numpy as np
 from pack_core.cells.palletizing import PalletizingCell
 from pack_core.scene.palletizing.cardboard import FACE_PIXELS, cardboard_faces
 from pack_core.scene.palletizing.wood import wood_picture
+from pack_core.scene.room import Light, add_lights, add_sky, add_tiles
 
 CARDBOARDS = 8
 """How many different printings there are."""
@@ -26,28 +27,18 @@ def add_surroundings(spec: mujoco.MjSpec, cell: PalletizingCell) -> None:
     _add_materials(spec)
     spec.geom("floor").material = "concrete"
     _add_marks(spec, cell)
-    for position, direction, bright, shadow in (
-        ((-3.5, -1.0, 5.0), (0.35, 0.35, -1.0), 0.46, True),
-        ((1.5, 4.0, 4.0), (-0.5, -0.5, -1.0), 0.16, False),
-    ):
-        spec.worldbody.add_light(
-            pos=position, dir=direction, castshadow=shadow, diffuse=(bright,) * 3, specular=(0.1,) * 3,
-            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        )  # fmt: skip
+    lights = (
+        Light((-3.5, -1.0, 5.0), (0.35, 0.35, -1.0), 0.46, True),
+        Light((1.5, 4.0, 4.0), (-0.5, -0.5, -1.0), 0.16, False),
+    )
+    add_lights(spec, lights, specular=0.1)
 
 
 def _add_materials(spec: mujoco.MjSpec) -> None:
-    spec.add_texture(
-        name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=(0.94, 0.95, 0.97), rgb2=(0.66, 0.72, 0.79), width=256, height=256,
-    )  # fmt: skip
-    spec.add_texture(
-        name="concrete", type=mujoco.mjtTexture.mjTEXTURE_2D, builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
-        mark=mujoco.mjtMark.mjMARK_EDGE, markrgb=(0.70, 0.71, 0.72), rgb1=(0.80, 0.81, 0.82),
-        rgb2=(0.80, 0.81, 0.82), width=512, height=512,
-    )  # fmt: skip
-    floor = spec.add_material(name="concrete", texrepeat=(0.5, 0.5), texuniform=True, reflectance=0.02)
-    floor.textures[RGB] = "concrete"
+    add_sky(spec, (0.94, 0.95, 0.97), (0.66, 0.72, 0.79))
+    add_tiles(
+        spec, "concrete", (0.80, 0.81, 0.82), (0.70, 0.71, 0.72), pixels=512, repeat=0.5, reflectance=0.02
+    )
     _add_picture(spec, "wood", wood_picture(np.random.default_rng(1)))
     for i in range(CARDBOARDS):
         _add_cardboard(spec, f"cardboard_{i}", np.random.default_rng(i))
