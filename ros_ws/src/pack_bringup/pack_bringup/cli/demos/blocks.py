@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from pack_bringup.cli.demos.live import command_line, run_live
+from pack_bringup.cli.demos.options import Output, RealTimeFactor, Video
 from pack_bringup.run_record import default_folder
 from pack_core.errors import ConfigError
 
@@ -21,18 +22,9 @@ def demo(
         Path | None, typer.Option(metavar="FILE", help="An own problem, not a generated one.")
     ] = None,
     method: Annotated[str, typer.Option(help="beam or pirs. Default: the node's.")] = "",
-    real_time_factor: Annotated[
-        float | None,
-        typer.Option(
-            min=0.0,
-            help="Simulated seconds a second; 0: as fast as it can. Default: config/nodes/blocks/sim.yaml.",
-        ),
-    ] = None,
-    video: Annotated[bool, typer.Option(help="Render the run as MP4.")] = True,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="DIR", help="The run's folder; one below bags/ if not given."),
-    ] = None,
+    real_time_factor: RealTimeFactor = None,
+    video: Video = True,
+    output: Output = None,
 ) -> None:
     """Rearrange blocks into a dense grid: six nodes, one goal, and a report at the end.
 

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from pack_bringup.cli.demos.live import command_line, run_live
+from pack_bringup.cli.demos.options import Output, RealTimeFactor, Video
 from pack_bringup.run_record import default_folder
 
 
@@ -31,18 +32,9 @@ def demo(
         Method, typer.Option(help="The paper's method, or one of its baselines.")
     ] = Method.PACK_IT_IN,
     preset: Annotated[str, typer.Option(help="Conditions: a file of config/presets (docs/presets.md).")] = "",
-    real_time_factor: Annotated[
-        float | None,
-        typer.Option(
-            min=0.0,
-            help="Simulated seconds a second; 0: as fast as it can. Default: config/nodes/sim.yaml.",
-        ),
-    ] = None,
-    video: Annotated[bool, typer.Option(help="Render the run as MP4.")] = True,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="DIR", help="The run's folder; one below bags/ if not given."),
-    ] = None,
+    real_time_factor: RealTimeFactor = None,
+    video: Video = True,
+    output: Output = None,
 ) -> None:
     """Pack one object: five nodes, one goal, and a report at the end.
 
