@@ -6,7 +6,19 @@ import sys
 
 import typer
 
-from pack_bringup.cli import benchmark, demo, evaluate, executables, play, replay, run, states, up, wiring
+from pack_bringup.cli import (
+    bag,
+    benchmark,
+    demo,
+    evaluate,
+    executables,
+    play,
+    replay,
+    run,
+    states,
+    up,
+    wiring,
+)
 from pack_core.errors import PackError
 
 app = typer.Typer(
@@ -25,7 +37,7 @@ app = typer.Typer(
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, benchmark, replay, play, up, run, executables, wiring, states):
+for command in (demo, evaluate, bag, benchmark, replay, play, up, run, executables, wiring, states):
     app.add_typer(command.app)
 
 

@@ -1,0 +1,59 @@
+"""`pack bag`: look into recordings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+app = typer.Typer()
+bag_app = typer.Typer(no_args_is_help=True, help="Look into recordings.")
+app.add_typer(bag_app, name="bag")
+
+BagPath = Annotated[
+    Path, typer.Argument(metavar="BAG", help="A run's folder, a bag's folder or an .mcap file.")
+]
+
+
+@bag_app.command()
+def info(bag: BagPath) -> None:
+    """List what a bag holds, also one that was cut off.
+
+    - `pack bag info bags/packing_20260101_120000_seed0`
+    """
+    from pack_core import stamps
+    from pack_core.evaluation.bag import read_bag
+
+    found = read_bag(bag)
+    times = [item.time_ns for item in found.messages]
+    table = Table("topic", "messages", title=str(found.path))
+    for topic, count in found.counts().items():
+        table.add_row(topic, str(count))
+    Console().print(table)
+    typer.echo(f"{stamps.to_seconds(max(times, default=0)):.3f} s of simulated time, {len(times)} messages")
+    if found.is_cut:
+        typer.echo("the recording was cut off; all in front of the cut was read")
+
+
+@bag_app.command()
+def copy(
+    bag: BagPath,
+    target: Annotated[Path, typer.Argument(help="The new bag's folder.")],
+    start: Annotated[float, typer.Option("--from", help="Simulated time [s].")] = 0.0,
+    end: Annotated[float, typer.Option("--to", help="Simulated time [s].")] = float("inf"),
+    topics: Annotated[
+        list[str] | None, typer.Option("--topic", help="This topic only; may be repeated.")
+    ] = None,
+) -> None:
+    """Copy a bag or a stretch of it, compressed; a bag that was cut off becomes a finished one.
+
+    - `pack bag copy bags/packing_20260101_120000_seed0 short --from 2 --to 5`
+    """
+    from pack_bringup.bag_copy import copy_bag
+
+    copied = copy_bag(bag, target, start=start, end=end, topics=topics)
+    note = " of a recording that was cut off" if copied.was_cut else ""
+    typer.echo(f"{copied.messages} messages{note} in {target}")
