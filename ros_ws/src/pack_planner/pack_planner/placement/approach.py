@@ -80,7 +80,8 @@ class ApproachPlanner:
 
     def _most(self, lowest: float) -> int:
         """Rounds at most: half of them have shown whether there is any way in."""
-        return self._config.rounds // 2 if lowest >= HOPELESS else self._config.rounds
+        most = self._config.rounds
+        return (most + 1) // 2 if lowest >= HOPELESS else most
 
     def _round(
         self, fresh: Iterator[Candidate], best: Candidate | None, vary: Vary, poses: Mapping[str, Pose]

@@ -14,7 +14,9 @@ class ApproachConfig(Config):
         0.5, description="covered share of the base from which on the first placement is rehearsed, too"
     )
     likely: PositiveInt = Field(3, description="placements rehearsed before, over their obstacles")
-    rounds: NonNegativeInt = Field(8, description="of rehearsals, until an entry is good; 0: none at all")
+    rounds: NonNegativeInt = Field(
+        8, description="of rehearsals, until an entry is good; half of them while all fail; 0: none at all"
+    )
     candidates: PositiveInt = Field(5, description="placements a round, the cheapest first")
     fresh: PositiveInt = Field(3, description="placements a round beside variations of the best so far")
     spacing: PositiveFloat = Field(0.01, description="between candidates, seen from above [m]")
