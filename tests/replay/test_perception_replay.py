@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pack_bringup.packing.presets import Preset
 from pack_bringup.packing.replay.perception import MARKERS, TOPICS, estimate_again, replay_perception
 from pack_core.errors import BagError
 from pack_core.evaluation.arrays import JOINTS
@@ -14,7 +15,7 @@ from replay.sample import COUNTS, sample, sample_run
 @pytest.fixture(scope="module")
 def estimated() -> dict[str, Track]:
     """The estimate after every marker frame, by object."""
-    return estimate_again(sample())
+    return estimate_again(sample(), Preset())
 
 
 def without(topic: str, keep: int) -> Bag:
@@ -46,6 +47,11 @@ def test_the_replayed_estimate_stays_close_to_the_truth(estimated: dict[str, Tra
         errors = track.distance_to(sample_run().truth[name].at(track.times).p)
         assert np.max(errors) < 5e-3, name
         assert np.mean(errors) < 1e-3, name
+
+
+def test_under_another_preset_the_core_estimates_something_else() -> None:
+    lazy = Preset(perception={"correction": {"pose_gain": 1e-4, "twist_gain": 0.0}})
+    assert not replay_perception(sample(), lazy).agrees
 
 
 @pytest.mark.parametrize("topic", TOPICS[1:])

@@ -48,6 +48,8 @@ class RecorderConfig(Config):
     """The run's folder; empty: bags/<cell>_<date>_seed<seed>."""
     cell: str = "packing"
     seed: int | None = None
+    preset: str = ""
+    """The conditions' name, for run.yaml."""
     command: str = ""
     """The command line that started the run, for run.yaml."""
 
@@ -76,7 +78,7 @@ class RecorderNode(CellNode):
         self.folder = Path(config.path) if config.path else default_folder(config.cell, config.seed, now)
         topics = recorded(config.cell)
         self.recorder = Recorder(self.folder / BAG_FOLDER, map(_topic, topics), message_types())
-        describe_run(config.cell, config.seed, config.command, now).save(self.folder)
+        describe_run(config.cell, config.seed, config.command, now, config.preset).save(self.folder)
         self._time_ns = 0
         self._description: Scene | None = None
         group = TakenByHand()

@@ -26,6 +26,7 @@ class RunRecord(Config):
     cell: str
     started: datetime
     seed: int | None = None
+    preset: str = ""
     command: str = ""
     commit: str
     versions: dict[str, str]
@@ -37,10 +38,11 @@ class RunRecord(Config):
         (folder / FILE).write_text(text)
 
 
-def describe_run(cell: str, seed: int | None, command: str, now: datetime) -> RunRecord:
+def describe_run(cell: str, seed: int | None, command: str, now: datetime, preset: str = "") -> RunRecord:
     """The record of a run that starts `now`, with the configuration as it is on disk."""
     return RunRecord(
-        cell=cell, started=now, seed=seed, command=command, commit=_commit(), versions=_versions(),
+        cell=cell, started=now, seed=seed, preset=preset, command=command, commit=_commit(),
+        versions=_versions(),
         configuration={str(path.relative_to(config_path())): _load(path) for path in _config_files(cell)},
     )  # fmt: skip
 

@@ -31,6 +31,10 @@ def test_nested_keys_become_dotted_parameters_with_their_values() -> None:
     assert value_of(preset_overrides("packing", "ideal"), "mpc", "task.force_stop") == float("inf")
 
 
+def test_the_recorder_notes_the_presets_name() -> None:
+    assert value_of(preset_overrides("packing", "hardware"), "recorder", "preset") == "hardware"
+
+
 def test_values_are_single_lines_for_the_command_line() -> None:
     for parameters in preset_overrides("packing", "hardware").values():
         assert not [text for text in parameters.values() if "\n" in text]

@@ -33,8 +33,8 @@ def replay(
     ] = None,
     method: Annotated[str, typer.Option(help="Of the goal, for the planner.")] = "pack_it_in",
     preset: Annotated[
-        str, typer.Option(help="Of the run, for the planner: a file of config/presets.")
-    ] = "ideal",
+        str, typer.Option(help="Of the run: a file of config/presets. Default: what run.yaml says, or ideal.")
+    ] = "",
 ) -> None:
     """Feed what a node received in a recording to its core, and compare the answers with those recorded.
 
@@ -48,14 +48,16 @@ def replay(
     from pack_bringup.packing.replay.perception import replay_perception
     from pack_bringup.packing.replay.planner import replay_planner
     from pack_core.evaluation.bag import read_bag
+    from pack_core.evaluation.record import load_record
     from pack_mpc.session import Method
 
     recorded, chosen = read_bag(bag), Method.of(method)
+    conditions = load_preset(preset or str(load_record(bag).get("preset") or "ideal"))
     if node is Node.PERCEPTION:
-        found = replay_perception(recorded)
+        found = replay_perception(recorded, conditions)
     else:
         given = _seed_of(bag) if seed is None else seed
-        found = replay_planner(recorded, seed=given, method=chosen, preset=load_preset(preset))
+        found = replay_planner(recorded, seed=given, method=chosen, preset=conditions)
     show(found)
     raise typer.Exit(0 if found.agrees else 1)
 

@@ -13,6 +13,8 @@ from pack_core.errors import ConfigError
 
 CELL = "packing"
 NODES = ("sim", "perception", "planner", "mpc")
+RECORDER = "recorder"
+"""Notes the preset's name in run.yaml."""
 
 
 def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
@@ -29,7 +31,8 @@ def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
     preset.packing_cell()
     lockstep_config(preset)
     facts = {"cell": _text(_text(preset.cell))} if preset.cell else {}
-    return {node: {**facts, **_parameters(getattr(preset, node))} for node in NODES}
+    nodes = {node: {**facts, **_parameters(getattr(preset, node))} for node in NODES}
+    return {**nodes, RECORDER: {"preset": _text(name)}}
 
 
 def _parameters(section: Mapping[str, Any], prefix: str = "") -> dict[str, str]:

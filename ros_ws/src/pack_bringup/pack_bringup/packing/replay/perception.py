@@ -6,9 +6,8 @@ from collections import deque
 
 import numpy as np
 
-from pack_bringup.node_parameters import load_parameters
+from pack_bringup.packing.presets import Preset
 from pack_bringup.packing.replay.comparison import Replay, Row, check_frames
-from pack_core.cells.packing import packing_cell
 from pack_core.evaluation.arrays import DESCRIPTION, JOINTS, to_run
 from pack_core.evaluation.bag import Bag
 from pack_core.evaluation.track import Track, to_tracks
@@ -24,8 +23,12 @@ LIMIT_MM = 1.0
 """Of the 95th percentile: node and core take steps on joint samples of their own, which contact magnifies."""
 
 
-def replay_perception(bag: Bag) -> Replay:
-    """Estimate again, with the parameters of config/nodes/perception.yaml, and compare within the goal.
+def replay_perception(bag: Bag, preset: Preset | None = None) -> Replay:
+    """Estimate again, with the node's parameters under a preset, and compare within the goal.
+
+    Args:
+        bag: the recording.
+        preset: of the run; None: config/nodes as it is.
 
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
@@ -35,7 +38,7 @@ def replay_perception(bag: Bag) -> Replay:
     counts = {
         topic: check_frames(bag, topic, times) for topic, times in ((JOINTS, joints), (MARKERS, frames))
     }
-    run, estimated = to_run(bag), estimate_again(bag)
+    run, estimated = to_run(bag), estimate_again(bag, preset or Preset())
     rows = tuple(
         _compare(name, track.between(run.start, run.end), estimated.get(name))
         for name, track in run.estimate.items()
@@ -43,10 +46,11 @@ def replay_perception(bag: Bag) -> Replay:
     return Replay("perception", counts, rows)
 
 
-def estimate_again(bag: Bag) -> dict[str, Track]:
+def estimate_again(bag: Bag, preset: Preset) -> dict[str, Track]:
     """The estimate after every marker frame by object, the messages fed in as they were recorded."""
     scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
-    estimator = PhysicsEstimator(scene, packing_cell(), load_parameters("perception", EstimatorConfig))
+    config = preset.parameters("perception", EstimatorConfig)
+    estimator = PhysicsEstimator(scene, preset.packing_cell(), config)
     waiting: deque[MarkerFrame] = deque()
     states: list[SceneState] = []
     for item in bag.messages:
