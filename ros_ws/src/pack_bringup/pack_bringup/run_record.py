@@ -12,9 +12,9 @@ import yaml
 
 from pack_bringup.graph import load_graph
 from pack_core.config import Config
+from pack_core.evaluation.record import RECORD
 from pack_core.paths import bags_path, config_path, project_root
 
-FILE = "run.yaml"
 SCENE_FILE = "scene.yaml"
 BAG_FOLDER = "bag"
 PACKAGES = ("mujoco", "numpy", "scipy", "numba", "rosbags", "ros-jazzy-rclpy", "ros-jazzy-rmw-fastrtps-cpp")
@@ -35,7 +35,7 @@ class RunRecord(Config):
     def save(self, folder: Path) -> None:
         """Write `run.yaml` into the run's folder."""
         text = yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False, allow_unicode=True, width=110)
-        (folder / FILE).write_text(text)
+        (folder / RECORD).write_text(text)
 
 
 def describe_run(cell: str, seed: int | None, command: str, now: datetime, preset: str = "") -> RunRecord:

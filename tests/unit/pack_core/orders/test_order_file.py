@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -134,15 +133,17 @@ JSON = st.recursive(
 def test_whatever_a_box_holds_nothing_but_an_order_error_escapes(key: str, value: object) -> None:
     order = example()
     order["boxes"][0][key] = value
-    _parse_or_refuse(order)
+    assert has_boxes_or_is_refused(order)
 
 
 @settings(deadline=None)
 @given(key=st.sampled_from(sorted(example())), value=JSON)
 def test_whatever_an_order_holds_nothing_but_an_order_error_escapes(key: str, value: object) -> None:
-    _parse_or_refuse({**example(), key: value})
+    assert has_boxes_or_is_refused({**example(), key: value})
 
 
-def _parse_or_refuse(data: object) -> None:
-    with suppress(OrderError):
-        assert parse_order(json.dumps(data), "an.json").boxes
+def has_boxes_or_is_refused(data: object) -> bool:
+    try:
+        return bool(parse_order(json.dumps(data), "an.json").boxes)
+    except OrderError:
+        return True

@@ -49,8 +49,7 @@ class Evaluation(Generic[RunT, MeasuresT]):
 
     def to_json(self) -> dict[str, Any]:
         """The measures as plain values, NaN as None."""
-        values = {name: _plain(value) for name, value in asdict(self.measures).items()}
-        return {**values, "is_cut": self.run.is_cut}
+        return {**_plain(asdict(self.measures)), "is_cut": self.run.is_cut}
 
 
 class Evaluator(ABC, Generic[RunT, MeasuresT]):
@@ -114,4 +113,8 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
 def _plain(value: Any) -> Any:
     if isinstance(value, Enum):
         return value.value
+    if isinstance(value, dict):
+        return {name: _plain(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
     return None if value != value else value

@@ -7,12 +7,28 @@ from typing import Any
 
 import yaml
 
+from pack_core.errors import BagError
+
 RECORD = "run.yaml"
 
 
 def load_record(recording: Path) -> dict[str, Any]:
-    """What run.yaml holds in the run's folder or, of a bag, beside it; empty where there is none."""
+    """What run.yaml holds in the run's folder or, of a bag, beside it; empty where there is none.
+
+    Raises:
+        BagError: the file is broken.
+    """
     for folder in (recording, recording.parent):
         if (folder / RECORD).is_file():
-            return dict(yaml.safe_load((folder / RECORD).read_text()))
+            return _read(folder / RECORD)
     return {}
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        found = yaml.safe_load(path.read_text())
+    except yaml.YAMLError:
+        found = None
+    if not isinstance(found, dict):
+        raise BagError(f"{path} is broken: it should be YAML, a key a line; was it cut off?")
+    return found

@@ -80,7 +80,7 @@ def add_table(
 
 
 def add_lights(spec: mujoco.MjSpec, lights: Sequence[Light], *, specular: float) -> None:
-    """Add lights."""
+    """Add lights, all with the same specular part."""
     for light in lights:
         spec.worldbody.add_light(
             pos=light.position, dir=light.direction, castshadow=light.shadow, diffuse=(light.bright,) * 3,
