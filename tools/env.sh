@@ -21,5 +21,4 @@ source "$PACKCELL_ROOT/.venv/local_setup.bash"
 source "$PACKCELL_ROOT/ros_ws/install/local_setup.bash"
 
 export RMW_IMPLEMENTATION="${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}"
-export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
 export MUJOCO_GL="${MUJOCO_GL:-egl}"

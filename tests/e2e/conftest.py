@@ -12,9 +12,8 @@ from integration.harness import Graph
 
 
 @pytest.fixture
-def cell(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Cell]:
+def cell(tmp_path: Path) -> Iterator[Cell]:
     """The packing cell with the easy scene, all nodes up."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     graph = Graph()
     with Cell(graph, tmp_path / "run") as cell:
         yield cell

@@ -22,7 +22,7 @@ def pack(*arguments: str | Path) -> subprocess.Popen[str]:
     environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
     return subprocess.Popen(
         [*PACK, *map(str, arguments)], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        env={**environment, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"},
+        env=environment,
     )  # fmt: skip
 
 

@@ -10,9 +10,8 @@ from integration.harness import Graph
 
 
 @pytest.fixture
-def graph(monkeypatch: pytest.MonkeyPatch) -> Iterator[Graph]:
-    """An empty graph on a domain of its own, on this machine only."""
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def graph() -> Iterator[Graph]:
+    """An empty graph on a domain of its own."""
     graph = Graph()
     yield graph
     graph.close()

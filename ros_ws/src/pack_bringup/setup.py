@@ -11,6 +11,8 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
+        (f"share/{package}/hook", ["hook/loopback.dsv"]),
+        (f"share/{package}/network", ["network/loopback.xml"]),
         (
             f"share/{package}/launch",
             [f"launch/{cell}.launch.py" for cell in ("packing", "palletizing", "blocks")],

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.progress import BarColumn, Progress, TextColumn
+
+from pack_bringup.cli.network_option import Network, environment_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -39,6 +42,7 @@ def play(
     domain: Annotated[
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
     ] = None,
+    network: Network = "",
 ) -> None:
     """Publish a recording, so that nodes run against it as they do against the simulator.
 
@@ -53,6 +57,7 @@ def play(
     from pack_bringup.ros.bag_player import BagPlayer
     from pack_core.ros.contracts.table import wiring_of
 
+    os.environ.update(environment_of(network))
     wiring = wiring_of(cell)
     chosen = topics if node is None else [*(topics or []), *heard_by(node, wiring)]
     playback = load_playback(bag, chosen, start=start, end=end)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from pack_bringup.cli.network_option import Network, environment_of
 from pack_bringup.executables import find_executable
 
 app = typer.Typer()
@@ -19,13 +20,16 @@ def run(
     package: Annotated[str, typer.Argument(help="A package, e.g. `pack_sim`.")],
     executable: Annotated[str, typer.Argument(help="One of its executables, e.g. `sim_node`.")],
     arguments: Annotated[list[str] | None, typer.Argument(help="Passed on as they are.")] = None,
+    network: Network = "",
 ) -> None:
     """Start one executable of a package, found as `ros2 run` finds it.
 
     - `pack run pack_sim sim_node`
     - `pack run pack_sim sim_node --ros-args -p real_time_factor:=0.5`
     - `pack run pack_mpc mpc_node --ros-args --params-file config/nodes/mpc.yaml`
+    - `pack run --network eth0 pack_mpc mpc_node`, for a cell that is spread over several machines
     """
     path = str(find_executable(package, executable))
     rest = arguments or []
-    os.execv(path, [path, *(rest[1:] if rest[:1] == ["--"] else rest)])
+    passed_on = rest[1:] if rest[:1] == ["--"] else rest
+    os.execve(path, [path, *passed_on], os.environ | environment_of(network))

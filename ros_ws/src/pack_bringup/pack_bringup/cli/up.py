@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from pack_bringup.cli.network_option import Network, environment_of
 from pack_bringup.graph import load_graph, parse_overrides
 from pack_bringup.processes import ProcessGroup
 from pack_core.config import merged
@@ -28,6 +29,7 @@ def up(
     domain: Annotated[
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
     ] = None,
+    network: Network = "",
 ) -> None:
     """Start the nodes of a cell, each a process of its own, until Ctrl-C.
 
@@ -37,6 +39,7 @@ def up(
     - `pack up packing --set sim.seed=3 --set sim.real_time_factor=0.5`
     - `pack up packing --preset hardware`
     - `pack up packing --only sim --only perception --domain 7`
+    - `pack up packing --network eth0`, for nodes on other machines
     """
     from pack_bringup.packing.graph_preset import preset_overrides
 
@@ -45,7 +48,8 @@ def up(
     names = [node.name for node in graph.nodes]
     conditions = {name: given for name, given in preset_overrides(cell, preset).items() if name in names}
     commands = graph.commands(merged(conditions, parse_overrides(settings or [])))
-    environment = {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
+    environment = environment_of(network)
+    environment |= {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
     died: dict[str, int] = {}
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _as_ctrl_c)

@@ -1,0 +1,25 @@
+"""The option `--network` of commands that join a live graph."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+Network = Annotated[
+    str,
+    typer.Option(
+        metavar="INTERFACE",
+        help="Talk to other machines over this network interface, too. Default: this machine alone.",
+    ),
+]
+
+
+def environment_of(network: str) -> dict[str, str]:
+    """Environment variables for `--network`, after saying what it opens; none if it was not given."""
+    from pack_bringup.network import network_environment, network_warning
+
+    if not network:
+        return {}
+    typer.secho(network_warning(network), fg=typer.colors.YELLOW, err=True)
+    return network_environment(network)
