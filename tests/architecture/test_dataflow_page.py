@@ -2,7 +2,7 @@
 
 import pytest
 
-from pack_bringup.graph import load_graph
+from pack_bringup.graph.graph import load_graph
 from pack_bringup.wiring import wiring_page
 from pack_core.paths import project_root
 from pack_core.ros.contracts.table import WIRING, wiring_of

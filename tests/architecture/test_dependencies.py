@@ -1,4 +1,7 @@
-"""Dependencies run one way: interfaces <- core <- leaves <- bringup, and package.xml says so."""
+"""Dependencies run one way, floor by floor, and package.xml says so.
+
+interfaces <- core <- leaves and evaluation <- lockstep <- bring-up
+"""
 
 import ast
 from xml.etree import ElementTree
@@ -11,7 +14,21 @@ from pack_core.paths import project_root
 SOURCES = project_root() / "ros_ws" / "src"
 PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/package.xml"))
 PYTHON_PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/setup.py"))
-BASE = {"pack_interfaces", "pack_core"}
+CELLS = {"packing", "palletizing", "blocks"}
+FLOORS = (
+    {"pack_interfaces"},
+    {"pack_core"},
+    {
+        "pack_sim", "pack_perception", "pack_planner", "pack_mpc", "pack_motion", "pallet_fsm", "block_fsm",
+        "pack_evaluation",
+    },
+    {"pack_lockstep"},
+    {"pack_bringup"},
+)  # fmt: skip
+"""Packages of one floor never import each other."""
+OF_ALL_CELLS = ("pack_evaluation", "pack_lockstep", "pack_bringup", "pack_core", "pack_sim")
+"""Packages that serve all cells."""
+DRAWING = {"matplotlib", "jinja2", "imageio_ffmpeg", "PIL"}
 
 
 def imported_packages(package: str) -> set[str]:
@@ -32,9 +49,60 @@ def declared_dependencies(package: str) -> set[str]:
 
 
 def allowed(package: str) -> set[str]:
-    if package == "pack_core":
-        return {"pack_interfaces"}
-    return set(PACKAGES) if package == "pack_bringup" else BASE
+    floor = next(k for k, packages in enumerate(FLOORS) if package in packages)
+    return set().union(*FLOORS[:floor])
+
+
+def cells_in(module: str) -> set[str]:
+    """The cells that a module's dotted name belongs to."""
+    return CELLS & set(module.split("."))
+
+
+def module_imports() -> list[tuple[str, str]]:
+    """Every pair of modules of this workspace of which the first imports the second."""
+    pairs = []
+    for package in PYTHON_PACKAGES:
+        for path in (SOURCES / package / package).rglob("*.py"):
+            name = ".".join(path.relative_to(SOURCES / package).with_suffix("").parts)
+            for node in ast.walk(ast.parse(path.read_text())):
+                if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] in PACKAGES:
+                    pairs.append((name, str(node.module)))
+    return pairs
+
+
+def test_every_package_stands_on_one_floor() -> None:
+    assert sorted(package for floor in FLOORS for package in floor) == PACKAGES
+
+
+def test_cells_never_import_each_other() -> None:
+    crossing = [
+        (one, other)
+        for one, other in module_imports()
+        if cells_in(one) and cells_in(other) and cells_in(one).isdisjoint(cells_in(other))
+    ]
+    assert crossing == []
+
+
+def test_robots_and_kinematics_import_no_cell() -> None:
+    shared = ("pack_core.robots", "pack_core.kinematics", "pack_core.motion")
+    assert [pair for pair in module_imports() if pair[0].startswith(shared) and cells_in(pair[1])] == []
+
+
+@pytest.mark.parametrize("package", OF_ALL_CELLS)
+def test_shared_files_of_a_package_import_no_cell(package: str) -> None:
+    """But where the cells are registered."""
+    shared = [pair for pair in module_imports() if pair[0].startswith(package) and not cells_in(pair[0])]
+    assert [pair for pair in shared if cells_in(pair[1]) and not is_register(pair[0])] == []
+
+
+def is_register(module: str) -> bool:
+    named = {"pack_core.ros.contracts.table", "pack_bringup.recording.recorder_node"}
+    return module in named or module.startswith("pack_bringup.cli")
+
+
+@pytest.mark.parametrize("package", sorted(FLOORS[1] | FLOORS[2] - {"pack_evaluation"}))
+def test_no_node_needs_what_draws_plots_and_reports(package: str) -> None:
+    assert imported_packages(package) & DRAWING == set()
 
 
 @pytest.mark.parametrize("package", PYTHON_PACKAGES)

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pack_bringup.executables import executables_of
-from pack_bringup.graph import load_graph
+from pack_bringup.graph.executables import executables_of
+from pack_bringup.graph.graph import load_graph
 from pack_core.paths import config_path, project_root
 
 SOURCES = project_root() / "ros_ws" / "src"

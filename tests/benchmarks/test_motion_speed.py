@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
+from pack_core.joints import JointSample
 from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.target import MotionTarget
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Pose, from_rpy
-from pack_core.scene.state import JointSample
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set

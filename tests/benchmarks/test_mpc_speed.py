@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from pack_bringup.lockstep import Lockstep, LockstepConfig, Step, lockstep_config
-from pack_core.cells.packing import PackingCell, packing_cell
+from pack_core.packing.cell import PackingCell, packing_cell
+from pack_lockstep.packing.lockstep import Lockstep, LockstepConfig, Step, lockstep_config
 from pack_mpc.session import Method
 from pack_sim.packing.scene_generator import generate_scene
 

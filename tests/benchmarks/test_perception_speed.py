@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 from unit.pack_perception.mocap.pushing import CONTACT, Moment, pushing_run, standing_scene

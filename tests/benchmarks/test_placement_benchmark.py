@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from pack_bringup.lockstep import LockstepConfig
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene_file import load_scene
 from pack_core.paths import config_path
 from pack_core.rotations import Pose
-from pack_core.scene.scene_file import load_scene
-from pack_core.scene.state import ObjectState, SceneState
+from pack_core.states import ObjectState, SceneState
+from pack_lockstep.packing.lockstep import LockstepConfig
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
 from pack_planner.placement.placement_result import Placement
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.benchmark
 
 def planning(crowded: float) -> Callable[[], Placement]:
     """Plans in the example scene; with `crowded` 0 after rehearsals."""
-    scene = load_scene(config_path("scenarios", "example.yaml"))
+    scene = load_scene(config_path("scenarios", "packing", "example.yaml"))
     poses = scene.poses() | {scene.new_object.name: Pose(np.array([0.5, 0.0, 0.5]))}
     state = SceneState(0.0, {name: ObjectState(X_WO) for name, X_WO in poses.items()})
     config = PlacementConfig(approach=ApproachConfig(crowded=crowded))

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from pack_core.rearrangement.plan import PlanStatus
-from pack_core.rearrangement.problem import Block, Problem
+from pack_core.blocks.plan import PlanStatus
+from pack_core.blocks.problem import Block, Problem
+from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.planner import plan, warm_up
-from pack_planner.rearrangement.verifier import verify
 
 pytestmark = pytest.mark.benchmark
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pack_core.rearrangement.planar import turn_between
+from pack_core.blocks.planar import turn_between
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
 from pack_sim.blocks.overhead_camera import OverheadCamera
 from unit.pack_perception.tags.scenes import CELL, photograph, strewn

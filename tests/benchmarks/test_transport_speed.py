@@ -66,7 +66,6 @@ def test_pictures_travel_as_fast_as_with_the_middleware_defaults() -> None:
         ours, theirs = median_delay(OURS, 81 + k), median_delay(MIDDLEWARE_DEFAULTS, 91 + k)
         ratios.append(ours / theirs)
         delays.append(ours)
-    print(
-        f"4K picture: {1e3 * statistics.median(delays):.1f} ms, {statistics.median(ratios):.2f} of the default"
-    )
-    assert statistics.median(ratios) < 1.25
+    ratio = statistics.median(ratios)
+    sys.stdout.write(f"4K picture: {1e3 * statistics.median(delays):.1f} ms, {ratio:.2f} of the default\n")
+    assert ratio < 1.25

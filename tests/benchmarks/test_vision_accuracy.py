@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from pack_core.box_detection import DetectionStatus
+from pack_core.palletizing.box_detection import DetectionStatus
 from pack_core.rotations import Array
 from unit.pack_perception.boxes.spawns import LIGHTS, NOMINAL, Dims, Light, Stage, errors, order_boxes, spawns
 

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
-from pack_bringup.domains import DOMAINS, is_free
+from pack_bringup.graph.domains import DOMAINS, is_free
 from pack_core.ros.contracts.contract import Contract
 
 N = TypeVar("N", bound=Node)

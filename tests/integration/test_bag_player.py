@@ -13,16 +13,17 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from integration.harness import Graph
 from pack_bringup.cli.play import heard_by
-from pack_bringup.playback import Playback, load_playback
-from pack_bringup.ros.bag_player import BagPlayer
+from pack_bringup.recording.playback import Playback, load_playback
+from pack_bringup.recording.ros.bag_player import BagPlayer
 from pack_core.errors import BagError, ConfigError
-from pack_core.evaluation.arrays import load_run
-from pack_core.evaluation.track import to_tracks
 from pack_core.paths import bags_path
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import wiring_of
-from pack_core.ros.conversions import from_scene, from_stamp
+from pack_core.ros.conversions import from_stamp
+from pack_core.ros.scene_messages import from_scene
+from pack_evaluation.packing.from_bag import load_run
+from pack_evaluation.track import to_tracks
 from pack_perception.mocap.perception_node import PerceptionNode
 
 SAMPLE = bags_path() / "samples" / "packing"

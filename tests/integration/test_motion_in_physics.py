@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from pack_core.cells.palletizing import palletizing_cell
-from pack_core.joint_reference import JointReference
+from pack_core.joints import JointReference
 from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array, Pose, angle_between, from_rpy
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController

@@ -8,15 +8,16 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from integration.harness import Graph
-from pack_bringup.recorder_node import RecorderNode
-from pack_core.evaluation.raw_bag import read_raw_bag
+from pack_bringup.recording.recorder_node import RecorderNode
+from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import recorded
-from pack_core.ros.conversions import to_scene, to_stamp
+from pack_core.ros.conversions import to_stamp
+from pack_core.ros.scene_messages import to_scene
 from pack_core.rotations import Pose
-from pack_core.scene.scene_file import load_scene
-from pack_core.scene.state import ObjectState, SceneState
+from pack_core.states import ObjectState, SceneState
+from pack_evaluation.raw_bag import read_raw_bag
 
 
 @pytest.fixture
@@ -58,13 +59,13 @@ def test_the_run_is_described_beside_the_bag(graph: Graph, recorder: RecorderNod
     record = yaml.safe_load((tmp_path / "run" / "run.yaml").read_text())
     assert (record["seed"], record["command"], record["cell"]) == (5, "pack demo", "packing")
     assert record["versions"]["mujoco"]
-    assert {"cells/packing.yaml", "nodes/recorder.yaml"} <= set(record["configuration"])
+    assert {"cells/packing.yaml", "nodes/packing/recorder.yaml"} <= set(record["configuration"])
 
 
 def test_description_and_first_truth_make_a_scene_file_to_run_again(
     graph: Graph, recorder: RecorderNode, tmp_path: Path
 ) -> None:
-    scene = load_scene(Path(__file__).parents[2] / "config" / "scenarios" / "example.yaml")
+    scene = load_scene(Path(__file__).parents[2] / "config" / "scenarios" / "packing" / "example.yaml")
     poses = {**scene.poses(), scene.new_object.name: Pose([0.5, 0.0, 0.4])}
     truth = SceneState(0.1, {name: ObjectState(X_WO) for name, X_WO in poses.items()})
     graph.probe.send(contracts.DESCRIPTION, String(data=scene.description().to_yaml()))

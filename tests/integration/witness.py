@@ -9,7 +9,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from pack_interfaces.action import PackObject
 
 from integration.harness import Graph
-from integration.sim_rig import joint_samples, newest_joints, speeds
+from integration.packing.sim_rig import joint_samples, newest_joints, speeds
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 

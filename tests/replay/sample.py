@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from pack_core.evaluation.arrays import to_run
-from pack_core.evaluation.bag import Bag, read_bag
-from pack_core.evaluation.run import Run
+from pack_core.packing.scene import Scene
 from pack_core.paths import bags_path
 from pack_core.ros.contracts import packing as contracts
-from pack_core.scene.scene import Scene
+from pack_evaluation.bag import Bag, read_bag
+from pack_evaluation.packing.from_bag import to_run
+from pack_evaluation.packing.run import Run
 
 COUNTS = {"/joint_states": 2732, "/mocap/markers": 655, "/scene": 709, "/mpc/status": 86}
 """Messages that the sample holds; scores count for nothing if frames are missing."""

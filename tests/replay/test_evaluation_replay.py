@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from pack_core.evaluation.arrays import load_run
-from pack_core.evaluation.criteria import Criteria, judge
-from pack_core.evaluation.metrics import goal_force, measure
-from pack_core.exit_reason import ExitReason
+from pack_core.packing.exit_reason import ExitReason
+from pack_evaluation.packing.criteria import Criteria, judge
+from pack_evaluation.packing.from_bag import load_run
+from pack_evaluation.packing.metrics import goal_force, measure
 from replay.sample import COUNTS, sample, sample_path
 
 

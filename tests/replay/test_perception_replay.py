@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_bringup.packing.presets import Preset
-from pack_bringup.packing.replay.perception import MARKERS, TOPICS, estimate_again, replay_perception
 from pack_core.errors import BagError
-from pack_core.evaluation.arrays import JOINTS
-from pack_core.evaluation.bag import Bag
-from pack_core.evaluation.track import Track
+from pack_evaluation.bag import Bag
+from pack_evaluation.packing.from_bag import JOINTS
+from pack_evaluation.track import Track
+from pack_lockstep.packing.presets import Preset
+from pack_lockstep.packing.replay.perception import MARKERS, TOPICS, estimate_again, replay_perception
 from replay.sample import COUNTS, sample, sample_run
 
 

@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_bringup.packing.presets import Preset, load_preset
-from pack_bringup.packing.replay.planner import replay_planner, requests
-from pack_core.evaluation.arrays import ESTIMATE
+from pack_evaluation.packing.from_bag import ESTIMATE
+from pack_lockstep.packing.presets import Preset, load_preset
+from pack_lockstep.packing.replay.planner import replay_planner, requests
 from replay.sample import COUNTS, SEED, sample, sample_run
 
 

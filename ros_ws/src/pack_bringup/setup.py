@@ -7,7 +7,6 @@ setup(
     version="0.1.0",
     license="Apache-2.0",
     packages=find_packages(),
-    package_data={"pack_bringup.blocks": ["*.j2"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
@@ -22,7 +21,7 @@ setup(
         "console_scripts": [
             "goal_node = pack_bringup.packing.goal_node:main",
             "order_node = pack_bringup.palletizing.order_node:main",
-            "recorder_node = pack_bringup.recorder_node:main",
+            "recorder_node = pack_bringup.recording.recorder_node:main",
             "pack = pack_bringup.cli.main:main",
         ]
     },

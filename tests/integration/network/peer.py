@@ -10,7 +10,7 @@ import time
 import rclpy
 from std_msgs.msg import String
 
-from pack_bringup.network import network_environment
+from pack_bringup.graph.network import network_environment
 
 NOT_HEARD = 3
 name, seconds = sys.argv[1], float(sys.argv[2])

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from integration.harness import Graph
-from pack_bringup.network import DISCOVERY_VARIABLE, PROFILE_VARIABLE, network_warning
+from pack_bringup.graph.network import DISCOVERY_VARIABLE, PROFILE_VARIABLE, network_warning
 from pack_core.errors import PackError
 
 PEER = Path(__file__).with_name("peer.py")

@@ -12,15 +12,15 @@ from block_fsm.outcome import Outcome
 from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, NoPicture, PlanFor, Request
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
-from pack_core.block_sighting import BlockSighting
-from pack_core.cells.blocks import blocks_cell
-from pack_core.jaw import JawState, JawStatus
+from pack_core.blocks.block_sighting import BlockSighting
+from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.deed import is_refused
+from pack_core.blocks.jaw import JawState, JawStatus
+from pack_core.blocks.plan import Action, PickPlace, Plan, PlanStatus, Push
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import Line, PoseMove
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.rearrangement.deed import is_refused
-from pack_core.rearrangement.plan import Action, PickPlace, Plan, PlanStatus, Push
-from pack_core.rearrangement.planar import PlanarPose
-from pack_core.rearrangement.problem import Problem
 from pack_core.rotations import Pose, yaw_of
 
 SIDE = 0.0508

@@ -6,11 +6,11 @@ import pytest
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.outcome import ExitReason
 from block_fsm.requests import MoveArm, MoveJaw, NoPicture, PlanFor
-from pack_core.block_sighting import BlockSighting
+from pack_core.blocks.block_sighting import BlockSighting
+from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import Line
-from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
-from pack_core.rearrangement.planar import PlanarPose
-from pack_core.rearrangement.problem import Problem
 from unit.block_fsm.table import Table, directly, staged
 
 GOALS = {"a": PlanarPose(0.65, 0.0, 0.0), "b": PlanarPose(0.70, 0.0, 0.0)}

@@ -5,10 +5,10 @@ from hypothesis import strategies as st
 
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.plan import PickPlace, Push
+from pack_core.blocks.planar import PlanarPose, wrapped
 from pack_core.motion.moves import Line
-from pack_core.rearrangement.gripper import GripperFootprint
-from pack_core.rearrangement.plan import PickPlace, Push
-from pack_core.rearrangement.planar import PlanarPose, wrapped
 from pack_core.rotations import rotate, yaw_of
 from unit.block_fsm.table import SIDE, TOOL_AT_LOOK
 

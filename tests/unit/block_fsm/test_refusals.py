@@ -6,11 +6,11 @@ import pytest
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.outcome import ExitReason
 from block_fsm.requests import MoveArm, PlanFor
+from pack_core.blocks.deed import DeedKind
+from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import PoseMove
-from pack_core.rearrangement.deed import DeedKind
-from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
-from pack_core.rearrangement.planar import PlanarPose
-from pack_core.rearrangement.problem import Problem
 from pack_core.rotations import yaw_of
 from unit.block_fsm.table import Table, directly, staged
 

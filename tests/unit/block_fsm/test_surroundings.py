@@ -4,8 +4,8 @@ from hypothesis import strategies as st
 from shapely import Polygon, affinity, box
 
 from block_fsm.surroundings import TOUCHING, Surroundings
-from pack_core.cells.blocks import blocks_cell
-from pack_core.rearrangement.planar import PlanarPose
+from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.planar import PlanarPose
 
 SIDE = 0.0508
 SURROUNDINGS = Surroundings(blocks_cell(), SIDE)

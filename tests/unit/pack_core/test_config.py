@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from pydantic import PositiveFloat, ValidationError
 
-from pack_core.cells.packing import PackingCell, packing_cell
 from pack_core.config import Config, load_config, merged, parse_config
 from pack_core.errors import ConfigError
+from pack_core.packing.cell import PackingCell, packing_cell
 from pack_core.paths import config_path
 
 

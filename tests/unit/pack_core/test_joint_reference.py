@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pack_core.joint_reference import JointReference
+from pack_core.joints import JointReference
 
 PERIOD = 0.004
 

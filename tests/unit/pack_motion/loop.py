@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pack_core.joints import JointSample
 from pack_core.motion.target import Acceptance, MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose, from_rpy
-from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set

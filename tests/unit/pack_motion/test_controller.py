@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from pack_core.errors import PackError
+from pack_core.joints import JointSample
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove
 from pack_core.motion.target import MotionState, MotionTarget, Tolerance
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
-from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
 from pack_motion.rmpflow.box_distance import box_distance
 from unit.pack_motion.loop import PERIOD, Loop, pose

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from pack_core.joints import JointSample
 from pack_core.motion.moves import Line, Path, PoseMove
 from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
-from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
 from pack_motion.controller import MotionController
 from pack_motion.interruption import RISES, rising

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.joints import JointSample
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, from_yaw
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, ObjectState, SceneState
+from pack_core.states import ObjectState, SceneState
 from pack_mpc.plant import PackingPlant
 
 SPOTS = {

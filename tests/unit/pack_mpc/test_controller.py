@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import SceneState
+from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, PackingController
 from pack_mpc.residuals import Target
 from pack_mpc.weights import Stage, load_weights

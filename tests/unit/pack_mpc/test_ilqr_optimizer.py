@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import TORQUE_LIMITS
-from pack_core.scene.scene import Scene
 from pack_mpc.cost import PackingCost
 from pack_mpc.ilqr import cheapest
 from pack_mpc.ilqr_optimizer import IlqrOptimizer, IlqrOptimizerConfig

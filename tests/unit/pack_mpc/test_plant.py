@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
-from pack_core.scene.model import HELD_POSITION
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.model import HELD_POSITION
 from pack_mpc.plant import STATE, PackingPlant
 
 

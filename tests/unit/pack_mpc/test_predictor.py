@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import Setpoints
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene import Scene
 from pack_mpc.plant import PackingPlant
 from pack_mpc.predictor import Predictor
 from pack_sim.packing.simulator import Simulator, SimulatorConfig

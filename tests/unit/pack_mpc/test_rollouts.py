@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.scene.rollouts import SleepingRollouts
+from pack_core.packing.rollouts import SleepingRollouts
 from pack_mpc.plant import PackingPlant
 
 STEPS = 60

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.joints import JointSample
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, SceneState
+from pack_core.states import SceneState
 from pack_mpc.cost import PackingCost
 from pack_mpc.residuals import Residuals, Target
 from pack_mpc.sgn_optimizer import SgnConfig, SgnOptimizer

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
-from pack_core.scene.model import HELD_POSITION, Arm
-from pack_core.scene.scene import Scene
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.model import HELD_POSITION, Arm
+from pack_core.packing.scene import Scene
 from pack_mpc.plant import PackingPlant
 from pack_mpc.spline import Basis, Servo
 

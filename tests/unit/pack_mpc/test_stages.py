@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from pack_core.packing.entry import Entry
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, exp, from_yaw, rotate
-from pack_core.scene.entry import Entry
-from pack_core.scene.scene import Scene
 from pack_mpc.placement import Placement
 from pack_mpc.stages import StageConfig, StageMachine, nearest_heading
 from pack_mpc.weights import Stage

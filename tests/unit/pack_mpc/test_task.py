@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pack_core.exit_reason import ExitReason
+from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import ObjectState, SceneState
+from pack_core.states import ObjectState, SceneState
 from pack_mpc.task import PackingTask, TaskConfig
 from pack_mpc.weights import Stage
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pack_core.errors import MessageError
-from pack_core.joint_reference import JointReference
+from pack_core.joints import JointReference
 from pack_core.robots.ur10e import LIMITS
 from pack_sim.gentle_stop import RAMP
 from pack_sim.reference_follower import ReferenceFollower

@@ -5,14 +5,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pack_core.box_detection import BoxDetection, DetectionStatus
-from pack_core.cells.palletizing import PalletizingCell, palletizing_cell
-from pack_core.grip import ASKED, GripState
 from pack_core.motion.moves import Path, Transfer
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
-from pack_core.orders.layout_plan import Insertion, LayoutPlan, LayoutStatus, PlannedBox
-from pack_core.orders.order import Order
-from pack_core.orders.order_file import load_order
+from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
+from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
+from pack_core.palletizing.grip import ASKED, GripState
+from pack_core.palletizing.orders.layout_plan import Insertion, LayoutPlan, LayoutStatus, PlannedBox
+from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
 from pack_core.rotations import Pose, angle_between, from_yaw
 from pallet_fsm.palletizer import Palletizer

@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import pytest
 
-from pack_core.cells.palletizing import palletizing_cell
+from pack_core.palletizing.cell import palletizing_cell
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ports import StopArm

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.palletizing import palletizing_cell
-from pack_core.orders.handling import Handling
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.orders.handling import Handling
 from pack_core.rotations import Pose, from_yaw, rotate, to_matrix
 from pallet_fsm.orientations import CUBE, box_orientations
 from pallet_fsm.tool_poses import PoseConfig, grasps, placements, stands

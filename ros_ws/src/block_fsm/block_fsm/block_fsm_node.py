@@ -25,17 +25,17 @@ from block_fsm.ros.errands import Errand
 from block_fsm.ros.messages import to_feedback, to_result, to_status
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
-from pack_core.cells.blocks import blocks_cell
+from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.model import TOOL, arm_model
+from pack_core.blocks.problem_file import parse_problem
 from pack_core.errors import PackError
 from pack_core.kinematics.model_chain import chain_from_model
-from pack_core.rearrangement.problem_file import parse_problem
 from pack_core.robots.ur10e import JOINTS
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.scene.blocks.model import TOOL, arm_model
-from pack_core.silence import Silence
+from pack_core.ros.silence import Silence
 
 CHECK_PERIOD = 0.2
 """Between two looks at silent peers [s of wall clock]."""

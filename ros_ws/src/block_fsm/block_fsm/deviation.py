@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from block_fsm.executor_config import ToleranceConfig
-from pack_core.rearrangement.plan import Action, PickPlace, Push
-from pack_core.rearrangement.planar import PlanarPose, wrapped
+from pack_core.blocks.plan import Action, PickPlace, Push
+from pack_core.blocks.planar import PlanarPose, wrapped
 
 Poses = Mapping[str, PlanarPose]
 

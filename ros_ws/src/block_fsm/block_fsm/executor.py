@@ -19,8 +19,8 @@ from block_fsm.phase import Phase
 from block_fsm.requests import Answer, PlanFor, Request
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
+from pack_core.blocks.plan import Action, PickPlace, Plan, Push
 from pack_core.errors import PackError
-from pack_core.rearrangement.plan import Action, PickPlace, Plan, Push
 
 
 class Executor:

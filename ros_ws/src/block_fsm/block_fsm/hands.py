@@ -16,14 +16,14 @@ from block_fsm.phase import Phase
 from block_fsm.requests import Look, MoveArm, MoveJaw, NoPicture, Request
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
-from pack_core.block_sighting import BlockSighting
-from pack_core.jaw import JawCommand, JawState, JawStatus
+from pack_core.blocks.block_sighting import BlockSighting
+from pack_core.blocks.deed import Deed, deeds_of
+from pack_core.blocks.jaw import JawCommand, JawState, JawStatus
+from pack_core.blocks.plan import Action, PickPlace, Push
+from pack_core.blocks.planar import PlanarPose
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.motion.world import CarriedBox
-from pack_core.rearrangement.deed import Deed, deeds_of
-from pack_core.rearrangement.plan import Action, PickPlace, Push
-from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rotations import Pose
 
 Asking = Generator[Request, Any, None]

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from block_fsm.executor_config import ExecutorConfig
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.plan import PickPlace, Push
+from pack_core.blocks.planar import QUARTER, PlanarPose, wrapped
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove
-from pack_core.rearrangement.gripper import GripperFootprint
-from pack_core.rearrangement.plan import PickPlace, Push
-from pack_core.rearrangement.planar import QUARTER, PlanarPose, wrapped
 from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
 
 POINTING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])

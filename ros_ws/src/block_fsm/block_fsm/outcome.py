@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from pack_core.rearrangement.deed import Deed
+from pack_core.blocks.deed import Deed
 
 
 class ExitReason(Enum):

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pack_core.block_sighting import BlockSighting
-from pack_core.jaw import JawCommand, JawState
+from pack_core.blocks.block_sighting import BlockSighting
+from pack_core.blocks.jaw import JawCommand, JawState
+from pack_core.blocks.plan import Plan
+from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionStatus, MotionTarget, Tolerance
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.rearrangement.plan import Plan
-from pack_core.rearrangement.problem import Problem
 
 REACHED = Tolerance(position=0.0005, orientation_deg=0.1)
 

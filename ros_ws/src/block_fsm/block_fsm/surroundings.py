@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pack_core.cells.blocks import BlocksCell
+from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.planar import PlanarPose
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rotations import Array, Pose
 
 TABLE = "table"

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pack_core.rearrangement.deed import Deed
-from pack_core.rearrangement.gripper import GripperFootprint
-from pack_core.rearrangement.planar import PlanarPose, turn_between
-from pack_core.rearrangement.problem import Block, Point, Problem
+from pack_core.blocks.deed import Deed
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.planar import PlanarPose, turn_between
+from pack_core.blocks.problem import Block, Point, Problem
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from launch_ros.actions import Node
 
 from launch import LaunchDescription
-from pack_bringup.graph import load_graph
+from pack_bringup.graph.graph import load_graph
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from pack_bringup.domains import choose_domain
-from pack_bringup.graph import load_graph
-from pack_bringup.processes import ProcessGroup
+from pack_bringup.graph.domains import choose_domain
+from pack_bringup.graph.graph import load_graph
+from pack_bringup.graph.processes import ProcessGroup
 from pack_core.errors import PackError
 
 if TYPE_CHECKING:

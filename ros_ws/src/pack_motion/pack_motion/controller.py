@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pack_core.errors import PackError
+from pack_core.joints import JointSample, JointSetpoint
 from pack_core.motion.moves import JointMove, Mode, Path
-from pack_core.motion.target import Acceptance, JointSetpoint, MotionState, MotionStatus, MotionTarget
+from pack_core.motion.target import Acceptance, MotionState, MotionStatus, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array
-from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
 from pack_motion.interruption import left_of, rising, standing_plan
 from pack_motion.progress import Progress

@@ -12,17 +12,16 @@ from sensor_msgs.msg import JointState
 
 from pack_core.config import Config
 from pack_core.errors import MessageError
+from pack_core.joints import JointSample
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionTarget
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.contracts.contract import NEWEST
-from pack_core.ros.conversions import from_joint_state
-from pack_core.ros.joint_messages import to_trajectory
+from pack_core.ros.joint_messages import from_joint_state, to_trajectory
 from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.scene.state import JointSample
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController, PreparedTarget
 from pack_motion.planning_thread import PlanningThread

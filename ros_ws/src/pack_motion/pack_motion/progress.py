@@ -6,9 +6,9 @@ from collections import deque
 
 import numpy as np
 
+from pack_core.joints import JointSample
 from pack_core.motion.target import Tolerance
 from pack_core.rotations import Array, Pose, angle_between
-from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
 from pack_motion.reference.trajectory import JointState
 

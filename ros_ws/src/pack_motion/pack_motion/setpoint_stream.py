@@ -6,10 +6,9 @@ from collections import deque
 
 import numpy as np
 
-from pack_core.joint_reference import JointReference
-from pack_core.motion.target import JointSetpoint, MotionTarget
+from pack_core.joints import JointReference, JointSample, JointSetpoint
+from pack_core.motion.target import MotionTarget
 from pack_core.rotations import Array
-from pack_core.scene.state import JointSample
 from pack_motion.controller import MotionController
 
 MEMORY = 256

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pack_core.joints import JointSample
 from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.target import MotionTarget
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Pose
-from pack_core.scene.state import JointSample
 from pack_motion.arm.arm import Arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import MotionSet

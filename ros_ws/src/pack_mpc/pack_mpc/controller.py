@@ -8,10 +8,11 @@ from typing import Literal
 
 from pydantic import Field, PositiveFloat
 
-from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, SceneState, Setpoints
+from pack_core.joints import JointSample, Setpoints
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.scene import Scene
+from pack_core.states import SceneState
 from pack_mpc.cost import PackingCost
 from pack_mpc.ilqr_optimizer import IlqrOptimizer, IlqrOptimizerConfig
 from pack_mpc.predictor import Predictor

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
-from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import HELD_POSITION
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
 from pack_core.rotations import Array
-from pack_core.scene.model import HELD_POSITION
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import Setpoints
 from pack_mpc.cost import PackingCost
 from pack_mpc.explorers import ExplorerConfig, explore
 from pack_mpc.ilqr import IlqrConfig, Iteration, Trajectory, cheapest, iterate

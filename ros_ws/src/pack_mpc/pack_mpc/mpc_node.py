@@ -17,15 +17,16 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
-from pack_core.exit_reason import ExitReason
+from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.scene import Scene
+from pack_core.robots import panda
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import to_setpoints
-from pack_core.ros.packing_cell import read_packing_cell
+from pack_core.ros.joint_messages import to_setpoints
+from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.scene.scene import Scene
-from pack_core.silence import Silence
+from pack_core.ros.silence import Silence
 from pack_mpc.controller import Plan
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
@@ -176,7 +177,7 @@ class MpcNode(CellNode):
         with self._sending:
             is_wanted = self._session is session and not self._silence
             if is_wanted:
-                self._setpoints.publish(to_setpoints(plan.setpoints))
+                self._setpoints.publish(to_setpoints(plan.setpoints, panda.JOINTS))
         return is_wanted
 
     def _end(self, session: PackingSession) -> None:
@@ -190,7 +191,7 @@ class MpcNode(CellNode):
 
     def _hold(self) -> None:
         if self._mailbox.joints is not None:
-            self._setpoints.publish(to_setpoints(hold(self._mailbox.joints)))
+            self._setpoints.publish(to_setpoints(hold(self._mailbox.joints), panda.JOINTS))
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
         with self._sending:

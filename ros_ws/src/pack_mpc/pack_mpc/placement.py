@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from pack_core.packing.entry import Entry
 from pack_core.rotations import Pose
-from pack_core.scene.entry import Entry
 
 
 @dataclass(frozen=True)

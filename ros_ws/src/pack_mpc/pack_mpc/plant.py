@@ -8,13 +8,14 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
-from pack_core.cells.packing import PackingCell
+from pack_core.joints import JointSample
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.rollouts import SleepingRollouts
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array
-from pack_core.scene.model import Arm, Held, build_model
-from pack_core.scene.rollouts import SleepingRollouts
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, SceneState
+from pack_core.states import SceneState
 from pack_mpc.ilqr import Linearization
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS

@@ -5,11 +5,11 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.cells.packing import PackingCell
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import Arm
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
-from pack_core.scene.model import Arm
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import Setpoints
 from pack_mpc.plant import STATE, PackingPlant
 
 TIMESTEP = 0.006

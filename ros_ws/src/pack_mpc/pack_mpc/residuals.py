@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pack_core.packing.model import HELD_POSITION, HELD_X_AXIS, HELD_Z_AXIS, TIP_FORCE
 from pack_core.robots.panda import LOWER, UPPER
 from pack_core.rotations import Array
-from pack_core.scene.model import HELD_POSITION, HELD_X_AXIS, HELD_Z_AXIS, TIP_FORCE
 from pack_mpc.ilqr import Linearization
 from pack_mpc.plant import PackingPlant
 from pack_mpc.weights import Weights, WeightSet

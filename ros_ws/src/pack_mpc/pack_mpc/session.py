@@ -8,13 +8,14 @@ from typing import Literal
 
 import numpy as np
 
-from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.errors import ConfigError
-from pack_core.exit_reason import ExitReason
+from pack_core.joints import JointSample, Setpoints
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, SceneState, Setpoints
+from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, PackingController, Plan
 from pack_mpc.task import PackingTask, TaskConfig
 from pack_mpc.weights import load_weights

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
 
-from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import HELD_POSITION, Arm
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
-from pack_core.scene.model import HELD_POSITION, Arm
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import Setpoints
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
 from pack_mpc.residuals import Target

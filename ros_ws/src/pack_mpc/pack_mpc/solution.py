@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from pack_core.joints import Setpoints
 from pack_core.rotations import Array
-from pack_core.scene.state import Setpoints
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
 from pack_mpc.residuals import Target

@@ -6,9 +6,9 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
+from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, rotate, yaw_of
-from pack_core.scene.objects import Box, Cylinder
-from pack_core.scene.scene import Scene
 from pack_mpc.placement import Placement
 from pack_mpc.residuals import Target
 from pack_mpc.weights import Stage

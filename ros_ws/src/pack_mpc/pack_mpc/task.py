@@ -9,11 +9,11 @@ from pydantic import Field, PositiveFloat, PositiveInt
 from scipy.signal import lfilter
 
 from pack_core.config import Config
-from pack_core.exit_reason import ExitReason
+from pack_core.packing.entry import plan_entry
+from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pack_core.scene.entry import plan_entry
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import SceneState
+from pack_core.states import SceneState
 from pack_mpc.placement import Placement
 from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.joint_reference import JointReference
+from pack_core.joints import JointReference
 from pack_core.robots.joint_limits import JointLimits
 from pack_core.rotations import Array
 from pack_sim.gentle_stop import Desired, GentleStop

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, PositiveFloat
 
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.config import Config
 from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
-from pack_core.orders.handling import Handling
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.handling import Handling
 from pack_core.rotations import Array, Pose
 from pallet_fsm.goals import Goals, Leg, raised
 from pallet_fsm.profile import Part

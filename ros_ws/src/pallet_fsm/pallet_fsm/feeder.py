@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pydantic import NonNegativeFloat, PositiveFloat
 
-from pack_core.box_detection import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.config import Config
+from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
 from pallet_fsm.ports import Command, Look, Observation, SpawnBox
 from pallet_fsm.work_item import WorkItem
 

@@ -13,16 +13,16 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from pack_core.cells.palletizing import palletizing_cell
 from pack_core.errors import ConfigError, PackError
-from pack_core.orders.layout_plan import LayoutPlan, LayoutStatus
-from pack_core.orders.order import Order
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
+from pack_core.palletizing.orders.order import Order
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.layout_messages import from_layout
+from pack_core.ros.palletizing.layout_messages import from_layout
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.silence import Silence
+from pack_core.ros.silence import Silence
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.profile import profile_of

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.motion.moves import Move
+from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Array, Pose
 from pallet_fsm.orientations import by_turning
 from pallet_fsm.states import State

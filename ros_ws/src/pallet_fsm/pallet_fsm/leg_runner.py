@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pack_core.cells.palletizing import PalletizingCell
+from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Array
 from pallet_fsm.blended_moves import BlendedMoves
 from pallet_fsm.mover import Mover

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.motion.world import Obstacle
-from pack_core.orders.layout_plan import LayoutPlan
-from pack_core.orders.order import Order
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.layout_plan import LayoutPlan
+from pack_core.palletizing.orders.order import Order
 from pack_core.rotations import Pose
 from pallet_fsm.report import BoxOutcome, BoxReport
 from pallet_fsm.surroundings import furniture, neighbours, standing_box

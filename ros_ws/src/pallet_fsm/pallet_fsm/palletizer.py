@@ -5,12 +5,12 @@ It owns no clock and calls nobody: a step takes what is seen and returns command
 
 from __future__ import annotations
 
-from pack_core.box_detection import DetectionStatus
-from pack_core.cells.palletizing import PalletizingCell
-from pack_core.grip import ASKED
-from pack_core.orders.handling import Handling
-from pack_core.orders.layout_plan import LayoutPlan
-from pack_core.orders.order import Order
+from pack_core.palletizing.box_detection import DetectionStatus
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.grip import ASKED
+from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.orders.layout_plan import LayoutPlan
+from pack_core.palletizing.orders.order import Order
 from pallet_fsm.feeder import Feeder
 from pallet_fsm.hand import Hand
 from pallet_fsm.leg_runner import LegRunner

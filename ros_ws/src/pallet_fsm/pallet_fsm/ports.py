@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pack_core.box_detection import BoxDetection, ExpectedBox
-from pack_core.grip import GripState
 from pack_core.motion.target import MotionStatus, MotionTarget
+from pack_core.palletizing.box_detection import BoxDetection, ExpectedBox
+from pack_core.palletizing.grip import GripState
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pack_core.cells.palletizing import PalletizingCell, Table
 from pack_core.motion.world import Obstacle
-from pack_core.orders.order import OrderBox
-from pack_core.orders.placed_box import PlacedBox
+from pack_core.palletizing.cell import PalletizingCell, Table
+from pack_core.palletizing.orders.order import OrderBox
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array, Pose
 
 PICKING_TABLE = "picking_table"

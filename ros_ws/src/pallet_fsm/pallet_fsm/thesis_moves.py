@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, PositiveFloat
 
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.config import Config
 from pack_core.motion.moves import UP, Line, Mode, Path, PoseMove
+from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Array, Pose
 from pallet_fsm.goals import Goals, Leg, raised
 from pallet_fsm.states import ROWS, State

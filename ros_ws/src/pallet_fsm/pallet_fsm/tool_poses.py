@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.config import Config
 from pack_core.motion.moves import DOWN
-from pack_core.orders.order import OrderBox
-from pack_core.orders.placed_box import PlacedBox
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.order import OrderBox
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array, Pose, angle_between, from_yaw, multiply, to_matrix
 from pallet_fsm.orientations import box_orientations, points_along
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pack_core.motion.world import CarriedBox
-from pack_core.orders.handling import Handling
-from pack_core.orders.layout_plan import PlannedBox
-from pack_core.orders.order import OrderBox
+from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.orders.layout_plan import PlannedBox
+from pack_core.palletizing.orders.order import OrderBox
 from pack_core.rotations import Array, Pose
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.states import State

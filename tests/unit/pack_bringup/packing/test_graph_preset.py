@@ -6,9 +6,9 @@ import pytest
 import yaml
 
 from pack_bringup.packing.graph_preset import NODES, preset_overrides
-from pack_bringup.packing.presets import load_preset
-from pack_core.cells.packing import packing_cell
 from pack_core.errors import ConfigError
+from pack_core.packing.cell import packing_cell
+from pack_lockstep.packing.presets import load_preset
 
 
 def value_of(overrides: dict[str, dict[str, str]], node: str, parameter: str) -> object:

@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.cells.palletizing import palletizing_cell
 from pack_core.errors import PackError
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import LIMITS
-from pack_core.scene.palletizing.box_body import BoxBody
-from pack_core.scene.palletizing.model import build_model
 
 A, B = BoxBody("a", (0.4, 0.3, 0.2), 8.0), BoxBody("b", (0.6, 0.4, 0.25), 12.0)
 

@@ -2,12 +2,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.cells.blocks import blocks_cell
-from pack_core.rearrangement.gripper import GripperFootprint
+from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.model import arm_model
 from pack_core.robots import robotiq_2f85
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS, thickness_at
 from pack_core.rotations import Array
-from pack_core.scene.blocks.model import arm_model
 from pack_motion.arm.arm import Arm
 
 OPENING = 0.0588

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from pack_core.box_detection import BoxDetection, ExpectedBox
 from pack_core.camera import PinholeCamera
-from pack_core.cells.palletizing import palletizing_cell
-from pack_core.orders.order_file import load_order
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.box_detection import BoxDetection, ExpectedBox
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.orders.order_file import load_order
+from pack_core.palletizing.view import CellView, Picture
 from pack_core.paths import config_path
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pack_core.scene.palletizing.box_body import BoxBody
-from pack_core.scene.palletizing.view import CellView, Picture
 from pack_perception.boxes.box_vision import BoxVision, Sighting, VisionConfig
 from pack_perception.boxes.segmentation import SegmentationConfig
 

@@ -9,12 +9,14 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.cells.packing import packing_cell
+from pack_core.joints import JointSample, Setpoints
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.model import UPSIDE_DOWN
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array, Pose, conjugate, from_yaw, log, multiply
-from pack_core.scene.model import UPSIDE_DOWN
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, MarkerFrame, SceneState, Setpoints
+from pack_core.states import SceneState
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 POSITIONS = {

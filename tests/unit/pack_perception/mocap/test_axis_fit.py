@@ -8,9 +8,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.objects import TOP_MARKERS, Box, Cylinder
 from pack_core.rotations import Array, Pose, angle_between, exp, from_yaw, log, multiply, rotate
-from pack_core.scene.objects import TOP_MARKERS, Box, Cylinder
 from pack_perception.mocap.alignment import Mask
 from pack_perception.mocap.axis_fit import AxisFitConfig, Z, fit_with_axis
 from pack_perception.mocap.rigid_body_fit import Refusal

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.model import held_pose
 from pack_core.rotations import Pose, exp, multiply
-from pack_core.scene.model import held_pose
 from pack_perception.mocap.grip_tracker import GripConfig, GripTracker
 
 CONFIG = GripConfig()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
-from pack_core.scene.model import Held
-from pack_core.scene.state import JointSample
+from pack_core.joints import JointSample
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.model import Held
 from pack_perception.mocap.guided_cell import GuidedCell
 from unit.pack_perception.mocap.pushing import standing_scene
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
 from pack_core.errors import MessageError
-from pack_core.scene.state import MarkerFrame
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.markers import MarkerFrame
 from pack_perception.mocap.marker_table import MarkerTable
 
 SCENE = packing_cell().scene

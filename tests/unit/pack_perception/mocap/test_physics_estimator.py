@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.scene import Scene
 from pack_core.rotations import angle_between
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import MarkerFrame, SceneState, Source
+from pack_core.states import SceneState, Source
 from pack_perception.mocap.estimator_report import Correction
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 from pack_perception.mocap.rigid_body_fit import Refusal

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
 from pack_core.rotations import Array, Pose, angle_between, exp
 from pack_perception.mocap.alignment import Mask
 from pack_perception.mocap.rigid_body_fit import FitConfig, Refusal, fit_rigid_bodies

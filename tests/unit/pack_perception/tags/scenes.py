@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pack_core.cells.blocks import blocks_cell
-from pack_core.rearrangement.planar import PlanarPose
+from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.planar import PlanarPose
 from pack_sim.blocks.overhead_camera import OverheadCamera, Picture
 from pack_sim.blocks.simulator import BlocksSimulator
 

@@ -1,22 +1,19 @@
-"""The whole of it: places, sequence and directions of real orders, refusals in words, pictures."""
+"""The whole of it: places, sequence and directions of real orders, refusals in words."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pack_core.errors import PackError
-from pack_core.orders.layout_plan import LayoutStatus
-from pack_core.orders.order import Order
-from pack_core.orders.order_file import load_order
-from pack_core.orders.placed_box import PlacedBox
+from pack_core.palletizing.orders.layers import layers_of
+from pack_core.palletizing.orders.layout_plan import LayoutStatus
+from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order_file import load_order
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.paths import config_path
-from pack_planner.layout.layers import layers_of
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 from pack_planner.layout.pallet_separator import SeparatorConfig
-from pack_planner.layout.pictures import write_pictures
 from unit.pack_planner.layout.blocks import block
 
 PLANNER = LayoutPlanner(LayoutConfig())
@@ -87,10 +84,3 @@ def test_the_same_order_gets_the_same_plan() -> None:
 def test_layers_are_boxes_with_their_bases_at_one_height() -> None:
     boxes = [block("top", 0, 0, z=0.2), block("a", 0, 0), block("b", 0.3, 0.0, z=0.0004)]
     assert [[item.id for item in layer] for layer in layers_of(boxes)] == [["a", "b"], ["top"]]
-
-
-def test_pictures_are_written_for_the_layout_and_every_insertion(tmp_path: Path) -> None:
-    plan = PLANNER.plan(order(9))
-    paths = write_pictures(order(9), plan, tmp_path)
-    assert len(paths) == 1 + len(plan.boxes)
-    assert all(path.read_bytes().startswith(b"\x89PNG") and path.stat().st_size > 5000 for path in paths)

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pack_core.orders.order_file import load_order
-from pack_core.orders.placed_box import PlacedBox
-from pack_core.orders.support import SupportConfig, unstable_boxes
+from pack_core.palletizing.orders.order_file import load_order
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
 from pack_core.paths import config_path
 from pack_core.rotations import Array
 from pack_planner.layout.pallet_separator import (

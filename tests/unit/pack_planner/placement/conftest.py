@@ -5,12 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene import Scene
+from pack_core.packing.scene_file import load_scene
 from pack_core.paths import config_path
 from pack_core.rotations import Pose
-from pack_core.scene.scene import Scene
-from pack_core.scene.scene_file import load_scene
-from pack_core.scene.state import ObjectState, SceneState
+from pack_core.states import ObjectState, SceneState
 
 HELD = Pose(np.array([0.5, 0.0, 0.5]))
 
@@ -18,7 +18,7 @@ HELD = Pose(np.array([0.5, 0.0, 0.5]))
 @pytest.fixture
 def example() -> Scene:
     """The blocked example scene."""
-    return load_scene(config_path("scenarios", "example.yaml"))
+    return load_scene(config_path("scenarios", "packing", "example.yaml"))
 
 
 @pytest.fixture

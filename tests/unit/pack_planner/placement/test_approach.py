@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.objects import Box
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
-from pack_core.scene.objects import Box
-from pack_core.scene.scene import Scene
 from pack_planner.placement.approach import ApproachPlanner, beside
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_result import Candidate

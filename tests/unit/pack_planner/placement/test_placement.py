@@ -5,13 +5,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
 from pack_core.errors import PackError
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.free_space import footprint
+from pack_core.packing.objects import Box
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
-from pack_core.scene.free_space import footprint
-from pack_core.scene.objects import Box
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import ObjectState, SceneState
+from pack_core.states import ObjectState, SceneState
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
 from pack_planner.placement.placement_result import Placement, PlacementStatus

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from pack_core.errors import PackError
+from pack_core.packing.free_space import base_height, footprint, is_inside
+from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.scene import Container
 from pack_core.rotations import Pose, from_yaw, yaw_of
-from pack_core.scene.free_space import base_height, footprint, is_inside
-from pack_core.scene.objects import Box, Cylinder
-from pack_core.scene.scene import Container
 from pack_planner.placement.pose_sampling import sample_near, sample_poses
 
 CONTAINER = Container(size=(0.27, 0.22), height=0.12)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.entry import Entry, plan_entry
+from pack_core.packing.objects import Box
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
-from pack_core.scene.entry import Entry, plan_entry
-from pack_core.scene.objects import Box
-from pack_core.scene.scene import Scene
 from pack_planner.placement.rehearsal import DOWN_BELOW, REST, Rehearsal
 
 PLACE = Pose(np.array([0.5, 0.0, 0.09]))

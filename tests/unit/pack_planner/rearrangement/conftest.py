@@ -1,16 +1,12 @@
 """Problems to plan."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import pytest
 
-from pack_core.rearrangement.planar import PlanarPose
-from pack_core.rearrangement.problem import Block, Problem
-from pack_planner.rearrangement.instances import square_workspace
+from pack_core.blocks.problem import Problem
 from pack_planner.rearrangement.planner import warm_up
-
-Make = Callable[..., Problem]
-Rows = Mapping[str, tuple[float, ...]]
+from unit.problems import make_problem
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -20,22 +16,9 @@ def compiled() -> None:
 
 
 @pytest.fixture
-def make() -> Make:
-    """A problem from poses x, y [mm] and yaw [rad] by id."""
-
-    def make(starts: Rows, goals: Rows | None = None, size: float = 0.6, **fields: object) -> Problem:
-        return Problem(
-            blocks=tuple(Block(name, pose(row)) for name, row in starts.items()),
-            goals={name: pose(row) for name, row in (goals or starts).items()},
-            workspace=square_workspace(size), **fields,
-        )  # fmt: skip
-
-    return make
-
-
-def pose(row: tuple[float, ...]) -> PlanarPose:
-    x, y, *yaw = row
-    return PlanarPose(1e-3 * x, 1e-3 * y, *yaw)
+def make() -> Callable[..., Problem]:
+    """Makes problems from a few numbers."""
+    return make_problem
 
 
 @pytest.fixture

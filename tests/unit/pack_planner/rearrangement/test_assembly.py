@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pack_core.rearrangement.problem import Block, Problem
+from pack_core.blocks.problem import Block, Problem
 from pack_planner.rearrangement.assembly import NEVER, PLANES, Method, assembly_planes, pushes
 from pack_planner.rearrangement.instances import goal_grid, square_workspace
 from pack_planner.rearrangement.task import Task

@@ -2,12 +2,12 @@
 
 import pytest
 
-from pack_core.rearrangement.plan import PlanStatus
+from pack_core.blocks.plan import PlanStatus
+from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.certificates import find_certificate, unreachable
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.planner import plan
 from pack_planner.rearrangement.task import Task
-from pack_planner.rearrangement.verifier import verify
 
 SIDE = 50.8
 FAR = {"a": (200, 200), "b": (200, 100), "c": (200, 0), "d": (200, -100)}

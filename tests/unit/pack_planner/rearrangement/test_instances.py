@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from shapely import Polygon
 
+from pack_core.blocks.problem import CUBE_SIDE
 from pack_core.errors import PackError
-from pack_core.rearrangement.problem import CUBE_SIDE
 from pack_planner.rearrangement.footprints import rows_of
 from pack_planner.rearrangement.instances import START_GAP, goal_grid, make_instance, workspace_side
 from pack_planner.rearrangement.validation import find_fault

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pack_core.rearrangement.problem import Block
+from pack_core.blocks.problem import Block
 from pack_planner.rearrangement.beam.beam_planner import BeamConfig
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound

@@ -7,16 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pack_core.rearrangement.plan import Plan
-from pack_core.rearrangement.planar import QUARTER, PlanarPose
-from pack_core.rearrangement.problem import Block, Problem
+from pack_core.blocks.plan import Plan
+from pack_core.blocks.planar import QUARTER, PlanarPose
+from pack_core.blocks.problem import Block, Problem
+from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.beam.beam_planner import BeamConfig
 from pack_planner.rearrangement.certificates import find_certificate
 from pack_planner.rearrangement.instances import goal_grid, make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound, sharper_bound
 from pack_planner.rearrangement.planner import METHODS, RearrangementConfig, plan
 from pack_planner.rearrangement.task import Task
-from pack_planner.rearrangement.verifier import verify
 
 QUICK = RearrangementConfig(beam=BeamConfig(widths=(8, 32), rounds=2))
 LOOKS = 1000

@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pack_core.blocks.deed import DeedKind, deeds_of
+from pack_core.blocks.plan import PickPlace, PlanStatus, Push
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Block, Problem
 from pack_core.errors import PackError
-from pack_core.rearrangement.deed import DeedKind, deeds_of
-from pack_core.rearrangement.plan import PickPlace, PlanStatus, Push
-from pack_core.rearrangement.planar import PlanarPose
-from pack_core.rearrangement.problem import Block, Problem
+from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.beam.beam_planner import BeamConfig
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.planner import METHODS, RearrangementConfig, plan
-from pack_planner.rearrangement.verifier import verify
 
 Clocks = Callable[[], Callable[[], float]]
 SHORT = RearrangementConfig(beam=BeamConfig(rounds=4))

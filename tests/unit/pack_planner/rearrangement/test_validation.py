@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from pack_core.rearrangement.plan import PlanStatus
-from pack_core.rearrangement.planar import PlanarPose
-from pack_core.rearrangement.problem import Block, Problem
+from pack_core.blocks.plan import PlanStatus
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Block, Problem
 from pack_planner.rearrangement.instances import square_workspace
 from pack_planner.rearrangement.planner import plan
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from pack_core.cells.blocks import BlocksCell
-from pack_core.joint_reference import JointReference
+from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.model import TOOL, arm_model
+from pack_core.joints import JointReference
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.kinematics.parallel_axes import ParallelAxes
 from pack_core.robots.ur10e import JOINTS, LIMITS
 from pack_core.rotations import Pose, conjugate, exp, from_yaw, log, multiply
-from pack_core.scene.blocks.model import TOOL, arm_model
 from pack_sim.blocks.simulator import BlocksSimulator
 
 ROW = 0.004

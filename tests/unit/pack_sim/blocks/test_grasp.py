@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.blocks import blocks_cell
-from pack_core.jaw import JawCommand, JawStatus
-from pack_core.rearrangement.planar import PlanarPose
+from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.jaw import JawCommand, JawStatus
+from pack_core.blocks.planar import PlanarPose
 from pack_core.rotations import Pose, angle_between
 from pack_sim.blocks.simulator import BlocksSimulator
 from unit.pack_sim.blocks.arm import TestArm, tool_down

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import PackingCell, Suction, Tip, packing_cell
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import PackingCell, Suction, Tip, packing_cell
+from pack_core.packing.model import Held
+from pack_core.packing.scene import Scene
+from pack_core.packing.tip import TIP_JOINTS
 from pack_core.rotations import Array, Pose, angle_between
-from pack_core.scene.model import Held
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import Setpoints
-from pack_core.scene.tip import TIP_JOINTS
 from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.mismatch import MismatchConfig
 from pack_sim.packing.simulator import Simulator, SimulatorConfig

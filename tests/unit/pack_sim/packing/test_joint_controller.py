@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
 from pack_core.errors import MessageError
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import packing_cell
 from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
-from pack_core.scene.state import Setpoints
 from pack_sim.packing.joint_controller import BRAKE_TIME, JointController
 
 HOME = np.array(packing_cell().robot.home)

@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError
-from pack_core.scene.model import Arm, Held, build_model
-from pack_core.scene.scene import Scene
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.scene import Scene
 from pack_sim.packing.mismatch import MismatchConfig, actual, believed, joint_friction
 
 SCENE = packing_cell().scene

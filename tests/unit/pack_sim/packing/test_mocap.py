@@ -6,13 +6,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import PackingCell, packing_cell
+from pack_core.bodies import body_pose, set_object_poses
+from pack_core.packing.cell import PackingCell, packing_cell
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.objects import Cylinder
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array, Pose
-from pack_core.scene.model import Arm, Held, body_pose, build_model, set_object_poses
-from pack_core.scene.objects import Cylinder
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import MarkerFrame
 from pack_sim.packing.mocap import Mocap, MocapConfig
 
 CELL = packing_cell()

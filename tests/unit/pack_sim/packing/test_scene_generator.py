@@ -6,13 +6,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import packing_cell
+from pack_core.bodies import body_pose, penetrations, set_object_poses
 from pack_core.errors import PackError
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.fit import symmetry
+from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.scene import Scene
+from pack_core.packing.scene_file import parse_scene
 from pack_core.rotations import Pose, from_yaw, rotate
-from pack_core.scene.fit import symmetry
-from pack_core.scene.model import Arm, Held, body_pose, build_model, penetrations, set_object_poses
-from pack_core.scene.scene import Scene
-from pack_core.scene.scene_file import parse_scene
 from pack_sim.packing.scene_generator import generate_scene
 
 SEEDS = range(4)

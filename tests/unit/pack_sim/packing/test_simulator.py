@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.packing import PackingCell, Suction, packing_cell
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import PackingCell, Suction, packing_cell
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, angle_between
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import Setpoints
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 SPOTS = {

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import ruckig
 
-from pack_core.cells.palletizing import PalletizingCell, palletizing_cell
-from pack_core.joint_reference import JointReference
+from pack_core.joints import JointReference
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.kinematics.spherical_wrist import SphericalWrist
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
+from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import JERK_LIMITS, LIMITS
 from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Array, Pose, from_yaw, multiply
-from pack_core.scene.palletizing.box_body import BoxBody
-from pack_core.scene.palletizing.model import build_model
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 
 PERIOD = 0.004

@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 import pytest
 
-from pack_core.cells.palletizing import palletizing_cell
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array, Pose, from_yaw
-from pack_core.scene.palletizing.box_body import BoxBody
-from pack_core.scene.palletizing.view import Picture
 from pack_sim.camera_thread import CameraThread
 from pack_sim.palletizing.overhead_camera import OverheadCamera, OverheadCameraConfig, camera_of
 from pack_sim.palletizing.snapshot import Snapshot

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.palletizing import palletizing_cell
 from pack_core.errors import ConfigError
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import angle_between
 from pack_sim.palletizing.real_arm import GearTrain, true_base
 from unit.pack_sim.palletizing.rig import OVER_TABLE, Rig

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from pack_core.cells.palletizing import palletizing_cell
 from pack_core.errors import MessageError, PackError
-from pack_core.joint_reference import JointReference
+from pack_core.joints import JointReference
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Pose, yaw_of
-from pack_core.scene.palletizing.box_body import BoxBody
 from pack_sim.gentle_stop import RAMP
 from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig

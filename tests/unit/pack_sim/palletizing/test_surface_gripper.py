@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from pack_core.cells.palletizing import PalletizingCell, palletizing_cell
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.rotations import Pose
-from pack_core.scene.palletizing.box_body import BoxBody
 from unit.pack_sim.palletizing.rig import Rig, above
 
 BOX = BoxBody("box", (0.4, 0.3, 0.25), 16.6)

@@ -8,10 +8,10 @@ from pack_interfaces.msg import BlockSighting as BlockSightingMsg
 from pack_interfaces.msg import JawState as JawStateMsg
 from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 
-from pack_core.block_sighting import BlockSighting
-from pack_core.jaw import JawState
+from pack_core.blocks.block_sighting import BlockSighting
+from pack_core.blocks.jaw import JawState
 from pack_core.motion.target import MotionStatus
-from pack_core.ros.block_messages import from_jaw_state, from_sighting
+from pack_core.ros.blocks.block_messages import from_jaw_state, from_sighting
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion

@@ -14,12 +14,12 @@ from std_srvs.srv import Trigger
 
 from block_fsm.requests import Answer, MoveArm, MoveJaw, NoPicture, PlanFor
 from block_fsm.ros.cell_state import CellState
+from pack_core.blocks.jaw import JawStatus
+from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
 from pack_core.errors import PackError
-from pack_core.jaw import JawStatus
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.rearrangement.plan import Diagnosis, Plan, PlanStatus
+from pack_core.ros.blocks.rearrangement_messages import from_response, to_request
 from pack_core.ros.motion_messages import to_target
-from pack_core.ros.rearrangement_messages import from_response, to_request
 
 ENDED = (MotionState.REACHED, MotionState.STUCK, MotionState.REFUSED)
 

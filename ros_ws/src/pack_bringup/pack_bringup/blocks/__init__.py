@@ -1,1 +1,1 @@
-"""The blocks cell as a whole."""
+"""The blocks cell brought up: its job."""

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pack_bringup.demo import Progress, recorder_parameters
+from pack_evaluation.blocks.from_bag import PROBLEM_FILE
 
 if TYPE_CHECKING:
     from pack_core.ros.contracts.contract import Contract
-
-PROBLEM_FILE = "problem.yaml"
 
 
 @dataclass(frozen=True)

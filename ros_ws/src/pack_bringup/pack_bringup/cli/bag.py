@@ -25,7 +25,7 @@ def info(bag: BagPath) -> None:
     - `pack bag info bags/packing_20260101_120000_seed0`
     """
     from pack_core import stamps
-    from pack_core.evaluation.bag import read_bag
+    from pack_evaluation.bag import read_bag
 
     found = read_bag(bag)
     times = [item.time_ns for item in found.messages]
@@ -52,7 +52,7 @@ def copy(
 
     - `pack bag copy bags/packing_20260101_120000_seed0 short --from 2 --to 5`
     """
-    from pack_bringup.bag_copy import copy_bag
+    from pack_bringup.recording.bag_copy import copy_bag
 
     copied = copy_bag(bag, target, start=start, end=end, topics=topics)
     note = " of a recording that was cut off" if copied.was_cut else ""

@@ -14,7 +14,7 @@ from rich.table import Table
 from pack_bringup.cli.studies import report_studies
 
 if TYPE_CHECKING:
-    from pack_core.evaluation.evaluation import Evaluation, Evaluator
+    from pack_evaluation.evaluator import Evaluation, Evaluator
 
 app = typer.Typer()
 
@@ -50,8 +50,8 @@ def evaluate(
     - `pack evaluate bags/packing_* --json summary.json`
     - `pack evaluate bags/benchmarks/*`
     """
-    from pack_bringup.packing.benchmark import BenchmarkFolder
     from pack_core.paths import bags_path
+    from pack_lockstep.packing.benchmark import BenchmarkFolder
 
     first = recordings[0]
     if len(recordings) > 1 or BenchmarkFolder(first).exists:
@@ -65,7 +65,7 @@ def evaluate(
 
 def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool) -> dict[str, Any]:
     """Report a run and return its measures."""
-    from pack_core.evaluation.video import write_gif
+    from pack_evaluation.packing.video import write_gif
 
     evaluator = evaluator_of(bag)
     found = run_evaluation(evaluator, bag, folder, with_video=video or gif)
@@ -79,9 +79,9 @@ def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool
 
 def evaluate_many(recordings: list[Path], folder: Path, pictures: int) -> dict[str, Any]:
     """Report studies and return their summaries by name."""
-    from pack_bringup.packing.studies import gather
     from pack_core.errors import BagError
-    from pack_core.evaluation.study.summary import summarize
+    from pack_evaluation.packing.study.summary import summarize
+    from pack_lockstep.packing.studies import gather
 
     with Progress(TextColumn("reading"), BarColumn(), MofNCompleteColumn(), transient=True) as bar:
         task = bar.add_task("reading", total=len(recordings))
@@ -96,10 +96,10 @@ def evaluate_many(recordings: list[Path], folder: Path, pictures: int) -> dict[s
 
 def evaluator_of(bag: Path) -> Evaluator[Any, Any]:
     """As the recording's cell wants it, which run.yaml names."""
-    from pack_bringup.blocks.evaluation import BlocksEvaluator
-    from pack_core.evaluation.evaluate import PackingEvaluator
-    from pack_core.evaluation.palletizing.evaluate import PalletEvaluator
-    from pack_core.evaluation.record import load_record
+    from pack_evaluation.blocks.evaluator import BlocksEvaluator
+    from pack_evaluation.packing.evaluator import PackingEvaluator
+    from pack_evaluation.palletizing.evaluator import PalletEvaluator
+    from pack_evaluation.record import load_record
 
     by_cell: dict[str, type[Evaluator[Any, Any]]] = {
         "palletizing": PalletEvaluator,

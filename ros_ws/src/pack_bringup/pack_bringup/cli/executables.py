@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.executables import executables_of, packages_with_executables
+from pack_bringup.graph.executables import executables_of, packages_with_executables
 
 app = typer.Typer()
 

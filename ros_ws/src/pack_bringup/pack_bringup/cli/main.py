@@ -12,6 +12,7 @@ from pack_bringup.cli import (
     demo,
     evaluate,
     executables,
+    layout,
     play,
     replay,
     run,
@@ -37,7 +38,7 @@ app = typer.Typer(
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, bag, benchmark, replay, play, up, run, executables, wiring, states):
+for command in (demo, evaluate, bag, benchmark, replay, play, up, run, executables, layout, wiring, states):
     app.add_typer(command.app)
 
 

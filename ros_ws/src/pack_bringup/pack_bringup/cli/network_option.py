@@ -17,7 +17,7 @@ Network = Annotated[
 
 def environment_of(network: str) -> dict[str, str]:
     """Environment variables for `--network`, after saying what it opens; none if it was not given."""
-    from pack_bringup.network import network_environment, network_warning
+    from pack_bringup.graph.network import network_environment, network_warning
 
     if not network:
         return {}

@@ -15,8 +15,8 @@ from pack_bringup.cli.network_option import Network, environment_of
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from pack_bringup.playback import Playback
-    from pack_bringup.ros.bag_player import BagPlayer
+    from pack_bringup.recording.playback import Playback
+    from pack_bringup.recording.ros.bag_player import BagPlayer
     from pack_core.ros.contracts.contract import Contract
 
 app = typer.Typer()
@@ -53,8 +53,8 @@ def play(
       in another terminal and the same ROS_DOMAIN_ID
     - `pack play bags/packing_20260101_120000_seed0 --rate 0.3 --topics /scene --topics /sim/truth`
     """
-    from pack_bringup.playback import load_playback
-    from pack_bringup.ros.bag_player import BagPlayer
+    from pack_bringup.recording.playback import load_playback
+    from pack_bringup.recording.ros.bag_player import BagPlayer
     from pack_core.ros.contracts.table import wiring_of
 
     os.environ.update(environment_of(network))

@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from pack_bringup.packing.replay.comparison import Replay
+    from pack_lockstep.packing.replay.comparison import Replay
 
 app = typer.Typer()
 
@@ -44,11 +44,11 @@ def replay(
     - `pack replay bags/packing_20260101_120000_seed0 --node perception`
     - `pack replay bags/samples/packing --node planner --seed 5`
     """
-    from pack_bringup.packing.presets import load_preset
-    from pack_bringup.packing.replay.perception import replay_perception
-    from pack_bringup.packing.replay.planner import replay_planner
-    from pack_core.evaluation.bag import read_bag
-    from pack_core.evaluation.record import load_record
+    from pack_evaluation.bag import read_bag
+    from pack_evaluation.record import load_record
+    from pack_lockstep.packing.presets import load_preset
+    from pack_lockstep.packing.replay.perception import replay_perception
+    from pack_lockstep.packing.replay.planner import replay_planner
     from pack_mpc.session import Method
 
     recorded, chosen = read_bag(bag), Method.of(method)
@@ -81,7 +81,7 @@ def _seed_of(bag: Path) -> int:
         BagError: there is none.
     """
     from pack_core.errors import BagError
-    from pack_core.evaluation.record import load_record
+    from pack_evaluation.record import load_record
 
     seed = load_record(bag).get("seed")
     if seed is None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pack_bringup.cli.network_option import Network, environment_of
-from pack_bringup.executables import find_executable
+from pack_bringup.graph.executables import find_executable
 
 app = typer.Typer()
 
@@ -26,7 +26,7 @@ def run(
 
     - `pack run pack_sim sim_node`
     - `pack run pack_sim sim_node --ros-args -p real_time_factor:=0.5`
-    - `pack run pack_mpc mpc_node --ros-args --params-file config/nodes/mpc.yaml`
+    - `pack run pack_mpc mpc_node --ros-args --params-file config/nodes/packing/mpc.yaml`
     - `pack run --network eth0 pack_mpc mpc_node`, for a cell that is spread over several machines
     """
     path = str(find_executable(package, executable))

@@ -12,8 +12,8 @@ from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from pack_bringup.packing.studies import Source
-    from pack_core.evaluation.study.failures import FailurePicture
+    from pack_evaluation.packing.study.failures import FailurePicture
+    from pack_lockstep.packing.studies import Source
 
 
 def report_studies(
@@ -28,8 +28,8 @@ def report_studies(
         pictures: failures of each study whose end is drawn.
         videos: failures of each study that are rendered whole.
     """
-    from pack_core.evaluation.study.report import write_study_report
-    from pack_core.evaluation.study.tables import tables
+    from pack_evaluation.packing.study.report import write_study_report
+    from pack_evaluation.packing.study.tables import tables
 
     console, studies = Console(), [source.study for source in sources]
     for found in tables(studies):
@@ -49,7 +49,7 @@ def _draw_failures(
 ) -> list[FailurePicture]:
     """Pictures of failures; none where there is no OpenGL to draw with."""
     from pack_core.errors import PackError
-    from pack_core.evaluation.study.failures import show_failures
+    from pack_evaluation.packing.study.failures import show_failures
 
     shown: list[FailurePicture] = []
     for i, source in enumerate(sources):

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from pack_bringup.cli.network_option import Network, environment_of
-from pack_bringup.graph import load_graph, parse_overrides
-from pack_bringup.processes import ProcessGroup
+from pack_bringup.graph.graph import load_graph, parse_overrides
+from pack_bringup.graph.processes import ProcessGroup
 from pack_core.config import merged
 
 app = typer.Typer()

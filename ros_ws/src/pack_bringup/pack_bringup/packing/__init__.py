@@ -1,1 +1,1 @@
-"""The packing cell without ROS: presets, the log of a run, many scenes."""
+"""The packing cell brought up: its job, its goal, its presets as parameters."""

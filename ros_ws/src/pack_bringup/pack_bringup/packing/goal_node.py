@@ -9,7 +9,7 @@ from pack_interfaces.action import PackObject
 from pydantic import Field, NonNegativeFloat
 from rclpy.executors import ExternalShutdownException
 
-from pack_bringup.graph import load_graph
+from pack_bringup.graph.graph import load_graph
 from pack_bringup.ros.goal_client import GoalClient, follow_goal
 from pack_core.config import Config
 from pack_core.errors import PackError

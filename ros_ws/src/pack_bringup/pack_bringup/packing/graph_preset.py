@@ -7,9 +7,9 @@ from typing import Any
 
 import yaml
 
-from pack_bringup.lockstep import lockstep_config
-from pack_bringup.packing.presets import load_preset
 from pack_core.errors import ConfigError
+from pack_lockstep.packing.lockstep import lockstep_config
+from pack_lockstep.packing.presets import load_preset
 
 CELL = "packing"
 NODES = ("sim", "perception", "planner", "mpc")

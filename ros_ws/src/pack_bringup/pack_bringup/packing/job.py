@@ -24,7 +24,7 @@ class PackingJob:
         seed: of the generated scene, the sensors' noise and the placement planner.
         scene: a scene file; None: a generated scene.
         method: pack_it_in, uninformed_pose or uninformed_physics.
-        real_time_factor: None: that of config/nodes/sim.yaml.
+        real_time_factor: None: that of config/nodes/packing/sim.yaml.
         command: the command line, for run.yaml.
         preset: of config/presets; empty: the configuration files as they are.
     """

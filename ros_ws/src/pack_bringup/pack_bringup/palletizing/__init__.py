@@ -1,1 +1,1 @@
-"""The palletizing cell composed in one process, its benchmark, and its job."""
+"""The palletizing cell brought up: its job and its order."""

@@ -7,7 +7,7 @@ from enum import Enum
 
 from pack_core.motion.moves import Move
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Pose
 
 
 @dataclass(frozen=True)
@@ -99,13 +99,3 @@ class MotionStatus:
     reached_steps: int
     reason: str
     X_WT: Pose
-
-
-@dataclass(frozen=True)
-class JointSetpoint:
-    """What the driver shall follow at `time` [s]: `q` [rad], `v` [rad/s], `a` [rad/s^2], each `(n,)`."""
-
-    time: float
-    q: Array
-    v: Array
-    a: Array

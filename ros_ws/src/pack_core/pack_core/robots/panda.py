@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from pack_core.cells.packing import Pump
+from pack_core.robots.pump import Pump
 
 JOINTS = tuple(f"panda_joint{i}" for i in range(1, 8))
 LOWER = np.array([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973])

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+from pydantic import PositiveFloat
 
-from pack_core.cells.palletizing import GripperTool
+from pack_core.config import Config
 from pack_core.robots.kr210 import ARM_CONTACT
 from pack_core.robots.kr210_shapes import DARK, STEEL
 
@@ -15,6 +16,16 @@ FOAM = (0.10, 0.25, 0.55, 1.0)
 CYLINDER, BOX = mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_BOX
 TOOL = "tool"
 PAD = "pad"
+
+
+class GripperTool(Config):
+    """The surface gripper under the flange: a mast with a square pad [m, kg]."""
+
+    length: PositiveFloat
+    mass: PositiveFloat
+    mast_radius: PositiveFloat
+    plate_radius: PositiveFloat
+    pad_size: PositiveFloat
 
 
 def add_surface_gripper(flange: mujoco.MjsBody, tool: GripperTool, *, look: bool) -> mujoco.MjsBody:

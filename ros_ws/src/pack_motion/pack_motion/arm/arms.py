@@ -8,12 +8,12 @@ from functools import cache
 import mujoco
 import numpy as np
 
-from pack_core.cells.blocks import blocks_cell
-from pack_core.cells.palletizing import palletizing_cell
+from pack_core.blocks.cell import blocks_cell
 from pack_core.errors import ConfigError
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.kinematics.parallel_axes import ParallelAxes
 from pack_core.kinematics.spherical_wrist import SphericalWrist
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots import kr210, robotiq_2f85, ur10e
 from pack_core.robots.surface_gripper import add_surface_gripper
 from pack_motion.arm.arm import Arm

@@ -12,11 +12,15 @@ from pack_interfaces.msg import SceneState as SceneMessage
 from sensor_msgs.msg import JointState
 
 from pack_core.errors import MessageError
+from pack_core.joints import JointSample
+from pack_core.packing.scene import Scene
+from pack_core.robots import panda
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import finite, from_joint_state, from_scene
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, SceneState
+from pack_core.ros.conversions import finite
+from pack_core.ros.joint_messages import from_joint_state
+from pack_core.ros.scene_messages import from_scene
+from pack_core.states import SceneState
 from pack_mpc.session import Observation
 
 SCENE_AGE = 0.1
@@ -74,7 +78,7 @@ class Mailbox:
         return Observation(joints, scene, forces, self._is_held)
 
     def _on_joints(self, message: JointState) -> None:
-        self.joints = from_joint_state(message)
+        self.joints = from_joint_state(message, panda.JOINTS)
         self.on_joints()
 
     def _on_scene(self, message: SceneMessage) -> None:

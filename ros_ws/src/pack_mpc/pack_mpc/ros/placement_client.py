@@ -10,7 +10,8 @@ from rclpy.task import Future
 from pack_core.errors import MessageError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import finite, from_pose, to_point, to_scene
+from pack_core.ros.conversions import finite, from_pose, to_point
+from pack_core.ros.scene_messages import to_scene
 from pack_core.rotations import Array
 from pack_mpc.session import Observation, PackingSession
 

@@ -9,15 +9,15 @@ from pack_interfaces.msg import ExpectedBox as ExpectedBoxMsg
 from pydantic import Field
 from sensor_msgs.msg import CameraInfo, Image
 
-from pack_core.box_detection import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.camera import PinholeCamera
-from pack_core.cells.palletizing import palletizing_cell
 from pack_core.errors import MessageError
+from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.ros.camera_messages import from_camera_info, from_image
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import from_stamp
-from pack_core.ros.detection_messages import from_expected_box, to_detection
+from pack_core.ros.palletizing.detection_messages import from_expected_box, to_detection
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_perception.boxes.box_vision import BoxVision, Sighting, VisionConfig

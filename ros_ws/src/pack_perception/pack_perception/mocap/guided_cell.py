@@ -6,12 +6,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.cells.packing import PackingCell
+from pack_core.bodies import body_pose
+from pack_core.joints import JointSample
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array, Pose, conjugate, exp, multiply, rotate
-from pack_core.scene.model import Arm, Held, body_pose, build_model
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample
 
 Rows = npt.NDArray[np.int_]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pack_core.errors import MessageError
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import MarkerFrame
 from pack_perception.mocap.alignment import Mask
 
 

@@ -10,14 +10,19 @@ from pydantic import Field, PositiveFloat
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.scene import Scene
+from pack_core.robots import panda
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_joint_state, from_markers, from_stamp, to_scene
-from pack_core.ros.packing_cell import read_packing_cell
+from pack_core.ros.conversions import from_stamp
+from pack_core.ros.joint_messages import from_joint_state
+from pack_core.ros.packing.cell_parameter import read_packing_cell
+from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import MarkerFrame, SceneState, Source
+from pack_core.ros.scene_messages import to_scene
+from pack_core.states import SceneState, Source
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 from pack_perception.mocap.rigid_body_fit import Refusal
 
@@ -61,7 +66,7 @@ class PerceptionNode(CellNode):
         estimator = self._estimator
         if estimator is None or not estimator.wants(from_stamp(message.header.stamp)):
             return
-        advance = estimator.advance(from_joint_state(message))
+        advance = estimator.advance(from_joint_state(message, panda.JOINTS))
         if advance.is_restart:
             self._start_over()
             self.get_logger().info("time or the arm jumped: starting over")

@@ -10,13 +10,15 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, PositiveFloat
 
-from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
+from pack_core.joints import JointSample
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.model import Held, held_pose
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import VELOCITY_LIMITS
 from pack_core.rotations import Array, Pose
-from pack_core.scene.model import Held, held_pose
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, MarkerFrame, ObjectState, SceneState, Source
+from pack_core.states import ObjectState, SceneState, Source
 from pack_perception.mocap.alignment import Mask
 from pack_perception.mocap.axis_fit import AxisFitConfig
 from pack_perception.mocap.correction_law import CorrectionConfig, corrections, is_put_anew, pose_errors

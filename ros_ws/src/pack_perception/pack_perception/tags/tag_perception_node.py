@@ -7,9 +7,9 @@ from typing import Any
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import String
 
+from pack_core.blocks.cell import blocks_cell
 from pack_core.camera import PinholeCamera
-from pack_core.cells.blocks import blocks_cell
-from pack_core.ros.block_messages import from_tags, to_sighting
+from pack_core.ros.blocks.block_messages import from_tags, to_sighting
 from pack_core.ros.camera_messages import from_camera_info, from_image
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts

@@ -14,13 +14,13 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, PositiveFloat
 
-from pack_core.block_sighting import BlockSighting
+from pack_core.blocks.block_sighting import BlockSighting
+from pack_core.blocks.cell import Block
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.tag_texture import FAMILY
 from pack_core.camera import PinholeCamera
-from pack_core.cells.blocks import Block
 from pack_core.config import Config
-from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rotations import Array
-from pack_core.scene.blocks.tag_texture import FAMILY
 
 CORNERS = np.array([[-0.5, 0.5], [0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
 """Of a tag in its own frame, x right and y up, in the order in which the detector names them."""

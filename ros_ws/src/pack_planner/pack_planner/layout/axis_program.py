@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from pack_core.orders.placed_box import TOUCH
+from pack_core.palletizing.orders.placed_box import TOUCH
 from pack_core.rotations import Array
 
 Relation = tuple[int, int]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pack_core.orders.placed_box import PlacedBox
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
 
 

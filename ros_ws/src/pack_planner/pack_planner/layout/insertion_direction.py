@@ -15,8 +15,8 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.errors import PackError
-from pack_core.orders.layout_plan import Insertion
-from pack_core.orders.placed_box import TOUCH, PlacedBox
+from pack_core.palletizing.orders.layout_plan import Insertion
+from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
 from pack_core.rotations import Array
 from pack_planner.layout.ray import ray_to_rectangle
 

@@ -3,28 +3,17 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 
 from pack_interfaces.srv import PlanLayout
-from pydantic import Field
 
 from pack_core.errors import OrderError, PackError
-from pack_core.orders.layout_plan import LayoutPlan
-from pack_core.orders.order import Order
-from pack_core.orders.order_file import parse_order
+from pack_core.palletizing.orders.order_file import parse_order
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.layout_messages import fill_layout
+from pack_core.ros.palletizing.layout_messages import fill_layout
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
-from pack_planner.layout.pictures import write_pictures
-
-
-class LayoutNodeConfig(LayoutConfig):
-    """Parameters of the node `layout`."""
-
-    pictures: str = Field("", description="folder for pictures of every layout; empty: none")
 
 
 class LayoutNode(CellNode):
@@ -32,7 +21,7 @@ class LayoutNode(CellNode):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__("layout", **kwargs)
-        self._config = read_parameters(self, LayoutNodeConfig)
+        self._config = read_parameters(self, LayoutConfig)
         self._planner = LayoutPlanner(self._config)
         self.create_service(PlanLayout, contracts.PLAN_LAYOUT.name, self._serve)
 
@@ -48,18 +37,7 @@ class LayoutNode(CellNode):
         fill_layout(response, plan)
         response.planning_time = time.monotonic() - started
         self.health.values["planning time [s]"] = f"{response.planning_time:.3f}"
-        self._draw(order, plan)
         return response
-
-    def _draw(self, order: Order, plan: LayoutPlan) -> None:
-        if not self._config.pictures or not plan.boxes:
-            return
-        try:
-            write_pictures(order, plan, Path(self._config.pictures))
-        except OSError as error:
-            self.health.faults["pictures"] = (
-                f"parameter pictures is '{self._config.pictures}': {error.strerror}"
-            )
 
 
 def _first_line(error: PackError) -> str:

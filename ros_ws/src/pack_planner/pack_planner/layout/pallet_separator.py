@@ -16,8 +16,8 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
-from pack_core.orders.order import Pallet
-from pack_core.orders.placed_box import PlacedBox
+from pack_core.palletizing.orders.order import Pallet
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
 from pack_planner.layout.axis_program import AxisProgram, Relation
 from pack_planner.layout.choices import Search

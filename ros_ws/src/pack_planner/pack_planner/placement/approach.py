@@ -13,11 +13,11 @@ from itertools import islice
 
 import numpy as np
 
-from pack_core.cells.packing import PackingCell
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.entry import Entry, plan_entry, side_of
+from pack_core.packing.free_space import footprint
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
-from pack_core.scene.entry import Entry, plan_entry, side_of
-from pack_core.scene.free_space import footprint
-from pack_core.scene.scene import Scene
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_result import Candidate
 from pack_planner.placement.rehearsal import Rehearsal

@@ -7,11 +7,12 @@ import os
 import mujoco
 import numpy as np
 
-from pack_core.cells.packing import PackingCell
+from pack_core.bodies import penetrations, set_object_poses
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.rollouts import SleepingRollouts
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
-from pack_core.scene.model import Arm, Held, build_model, penetrations, set_object_poses
-from pack_core.scene.rollouts import SleepingRollouts
-from pack_core.scene.scene import Scene
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.packing.fit import half_spans
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, rotate
-from pack_core.scene.fit import half_spans
-from pack_core.scene.scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
 FORWARD = np.array([1.0, 0.0, 0.0])

@@ -7,9 +7,9 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from pack_core.packing.objects import Box, Cylinder
 from pack_core.ros.conversions import WORLD, to_point, to_pose, to_stamp
 from pack_core.rotations import Array
-from pack_core.scene.objects import Box, Cylinder
 from pack_planner.placement.placement_result import Placement, Samples
 
 INFEASIBLE = ColorRGBA(r=0.4, g=0.4, b=0.4, a=0.35)

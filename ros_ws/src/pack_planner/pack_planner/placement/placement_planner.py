@@ -19,13 +19,13 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
 
-from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
 from pack_core.errors import PackError
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.fit import fitting_yaws
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, yaw_of
-from pack_core.scene.fit import fitting_yaws
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import SceneState
+from pack_core.states import SceneState
 from pack_planner.placement.approach import ApproachPlanner, beside
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.feasibility import judge

@@ -11,14 +11,15 @@ from pack_interfaces.srv import PlanPlacement
 from std_msgs.msg import String
 
 from pack_core.errors import MessageError, PackError
+from pack_core.packing.scene import Scene
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import finite, from_scene, to_pose
-from pack_core.ros.packing_cell import read_packing_cell
+from pack_core.ros.conversions import finite, to_pose
+from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
+from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Pose
-from pack_core.scene.scene import Scene
 from pack_planner.placement.placement_markers import to_visual_markers
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
 from pack_planner.placement.placement_result import Placement, Samples

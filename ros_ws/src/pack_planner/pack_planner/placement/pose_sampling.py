@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from pack_core.packing.fit import fitting_yaws, half_spans
+from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.scene import Container
 from pack_core.rotations import Array, Pose, yaw_of
-from pack_core.scene.fit import fitting_yaws, half_spans
-from pack_core.scene.objects import Box, Cylinder
-from pack_core.scene.scene import Container
 
 
 def sample_poses(

@@ -13,11 +13,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-from pack_core.cells.packing import PackingCell
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.entry import Entry
+from pack_core.packing.model import Held
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, rotate, yaw_of
-from pack_core.scene.entry import Entry
-from pack_core.scene.model import Held
-from pack_core.scene.scene import Scene
 from pack_planner.placement.batch_physics import BatchPhysics
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.cells.packing import PackingCell
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import Held
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
-from pack_core.scene.model import Held
-from pack_core.scene.scene import Scene
 from pack_planner.placement.batch_physics import BatchPhysics
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.rearrangement.plan import PickPlace
-from pack_core.rearrangement.planar import QUARTER, PlanarPose, turn_between, wrapped
-from pack_core.rearrangement.problem import Problem
+from pack_core.blocks.plan import PickPlace
+from pack_core.blocks.planar import QUARTER, PlanarPose, turn_between, wrapped
+from pack_core.blocks.problem import Problem
 from pack_core.rotations import Array
 
 FITTING = 1e-6

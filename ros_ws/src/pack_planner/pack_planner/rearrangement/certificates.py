@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.rearrangement.plan import Diagnosis
-from pack_core.rearrangement.planar import QUARTER
+from pack_core.blocks.plan import Diagnosis
+from pack_core.blocks.planar import QUARTER
 from pack_planner.rearrangement.collisions import hits
 from pack_planner.rearrangement.footprints import fingers, squares, sweeps
 from pack_planner.rearrangement.goal_ways import sets_of_others

@@ -12,8 +12,8 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.rearrangement.gripper import GripperFootprint
-from pack_core.rearrangement.planar import QUARTER, PlanarPose
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.planar import QUARTER, PlanarPose
 from pack_core.rotations import Array
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_core.rearrangement.gripper import GripperFootprint
-from pack_core.rearrangement.planar import QUARTER
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.planar import QUARTER
 from pack_core.rotations import Array
 from pack_planner.rearrangement.assembly import Method
 from pack_planner.rearrangement.collisions import Words, hits

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import CUBE_SIDE, Block, Point, Problem
 from pack_core.errors import PackError
-from pack_core.rearrangement.planar import PlanarPose
-from pack_core.rearrangement.problem import CUBE_SIDE, Block, Point, Problem
 from pack_core.rotations import Array
 from pack_planner.rearrangement.collisions import hits
 from pack_planner.rearrangement.footprints import squares

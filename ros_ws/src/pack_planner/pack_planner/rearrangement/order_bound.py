@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from pack_core.rearrangement.planar import QUARTER
+from pack_core.blocks.planar import QUARTER
 from pack_core.rotations import Array
 from pack_planner.rearrangement.collisions import Words, hits
 from pack_planner.rearrangement.footprints import fingers, placings, squares, sweeps

@@ -8,11 +8,11 @@ from typing import Literal, get_args
 import numpy as np
 from pydantic import Field
 
+from pack_core.blocks.deed import is_refused
+from pack_core.blocks.plan import Action, Diagnosis, Plan, PlanStatus
+from pack_core.blocks.problem import Problem
 from pack_core.config import Config
 from pack_core.errors import PackError
-from pack_core.rearrangement.deed import is_refused
-from pack_core.rearrangement.plan import Action, Diagnosis, Plan, PlanStatus
-from pack_core.rearrangement.problem import Problem
 from pack_planner.rearrangement.beam.beam_planner import BeamConfig, plan_by_beam
 from pack_planner.rearrangement.beam.spots import MAX_BLOCKS
 from pack_planner.rearrangement.certificates import find_certificate

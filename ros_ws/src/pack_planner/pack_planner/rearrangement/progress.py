@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pack_core.rearrangement.plan import PlanStatistics
+from pack_core.blocks.plan import PlanStatistics
 
 Clock = Callable[[], float]
 

@@ -8,12 +8,12 @@ from typing import Literal
 from pack_interfaces.srv import PlanRearrangement
 from pydantic import Field, PositiveFloat
 
+from pack_core.blocks.plan import Plan
 from pack_core.errors import PackError
-from pack_core.rearrangement.plan import Plan
+from pack_core.ros.blocks.rearrangement_messages import fill_plan, from_request
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.params import read_parameters
-from pack_core.ros.rearrangement_messages import fill_plan, from_request
 from pack_core.ros.run import run_node
 from pack_planner.rearrangement.planner import RearrangementConfig, plan, warm_up
 

@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.rearrangement.gripper import GripperFootprint
-from pack_core.rearrangement.planar import QUARTER, PlanarPose, turn_between
-from pack_core.rearrangement.problem import Problem
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.planar import QUARTER, PlanarPose, turn_between
+from pack_core.blocks.problem import Problem
 from pack_core.rotations import Array
 from pack_planner.rearrangement.footprints import rows_of
 from pack_planner.rearrangement.goal_ways import GoalWays

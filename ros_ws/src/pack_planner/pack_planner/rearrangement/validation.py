@@ -7,9 +7,9 @@ from itertools import combinations
 
 import numpy as np
 
-from pack_core.rearrangement.plan import Diagnosis
-from pack_core.rearrangement.planar import PlanarPose
-from pack_core.rearrangement.problem import Problem
+from pack_core.blocks.plan import Diagnosis
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Problem
 from pack_planner.rearrangement.collisions import hits
 from pack_planner.rearrangement.footprints import rows_of, squares
 from pack_planner.rearrangement.workspace import are_inside, corners_of, edges, is_convex

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.rearrangement.problem import Point
+from pack_core.blocks.problem import Point
 from pack_core.rotations import Array
 
 SLACK = 1e-9

@@ -11,14 +11,14 @@ from pydantic import Field
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from pack_core import jaw
-from pack_core.cells.blocks import blocks_cell
+from pack_core.blocks import jaw
+from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.problem import Problem
+from pack_core.blocks.problem_file import load_problem, parse_problem
 from pack_core.errors import PackError
 from pack_core.paths import config_path
-from pack_core.rearrangement.problem import Problem
-from pack_core.rearrangement.problem_file import load_problem, parse_problem
 from pack_core.robots.ur10e import LIMITS
-from pack_core.ros.block_messages import to_tags
+from pack_core.ros.blocks.block_messages import to_tags
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
 from pack_core.ros.joint_messages import from_trajectory
@@ -34,7 +34,7 @@ class BlocksSimNodeConfig(BlocksSimulatorConfig, Pacing):
     """Parameters of the node `sim` of the blocks cell."""
 
     problem: str = Field(
-        default="", description="a problem file; empty: config/scenarios/blocks_example.yaml"
+        default="", description="a problem file; empty: config/scenarios/blocks/example.yaml"
     )
     shadows: bool = Field(default=False, description="in the camera's pictures; they take twice as long")
 
@@ -49,7 +49,7 @@ class BlocksSimNode(PhysicsNode):
         self._publisher = BlocksPublisher(self)
         self._tags = self.advertise(contracts.TAGS)
         self._camera = CameraPublisher(self, self._cell, self._config.timestep, shadows=self._config.shadows)
-        path = self._config.problem or config_path("scenarios", "blocks_example.yaml")
+        path = self._config.problem or config_path("scenarios", "blocks", "example.yaml")
         self._simulator = self._build(load_problem(Path(path)), 0.0)
         services = (
             (contracts.JAW_COMMAND, self._command_jaw),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from pack_core.blocks.jaw import JawCommand, JawState, JawStatus
 from pack_core.errors import MessageError
-from pack_core.jaw import JawCommand, JawState, JawStatus
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS, MAX_FORCE, STROKE
 
 PRESSING = 0.8

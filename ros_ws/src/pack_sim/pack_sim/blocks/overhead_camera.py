@@ -11,10 +11,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.cells.blocks import BlocksCell
+from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.model import CAMERA, build_model
 from pack_core.errors import PackError
 from pack_core.rotations import Array
-from pack_core.scene.blocks.model import CAMERA, build_model
 
 Picture = npt.NDArray[np.uint8]
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION

@@ -8,17 +8,17 @@ import mujoco
 import numpy as np
 from pydantic import Field, PositiveFloat
 
-from pack_core.cells.blocks import BlocksCell
+from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.jaw import JawState
+from pack_core.blocks.model import TOOL, arm_model, block_name, build_model
+from pack_core.blocks.planar import PlanarPose
+from pack_core.bodies import body_pose, set_object_poses
 from pack_core.config import Config
-from pack_core.jaw import JawState
-from pack_core.joint_reference import JointReference
-from pack_core.rearrangement.planar import PlanarPose
+from pack_core.joints import JointReference, JointSample
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS, LIMITS
 from pack_core.rotations import Array, Pose
-from pack_core.scene.blocks.model import TOOL, arm_model, block_name, build_model
-from pack_core.scene.model import body_pose, set_object_poses
-from pack_core.scene.state import JointSample, ObjectState, SceneState
+from pack_core.states import ObjectState, SceneState
 from pack_sim.blocks.jaw import Jaw
 from pack_sim.joint_servo import JointServo
 from pack_sim.reference_follower import ReferenceFollower

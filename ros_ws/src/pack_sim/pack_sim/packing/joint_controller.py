@@ -10,11 +10,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pack_core.cells.packing import Robot
 from pack_core.errors import MessageError
+from pack_core.joints import Setpoints
+from pack_core.robots.arm_drive import Robot
 from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
 from pack_core.rotations import Array
-from pack_core.scene.state import Setpoints
 from pack_sim.packing.governor import ContactGovernor
 
 SLACK = 1e-6

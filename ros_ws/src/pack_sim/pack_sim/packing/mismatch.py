@@ -8,10 +8,10 @@ import numpy as np
 from pydantic import AfterValidator, Field, NonNegativeFloat
 
 from pack_core.config import Config
+from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.scene import Scene
 from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array
-from pack_core.scene.objects import Box, Cylinder
-from pack_core.scene.scene import Scene
 
 
 def _rising(bounds: tuple[float, float]) -> tuple[float, float]:

@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
-from pack_core.cells.packing import PackingCell
 from pack_core.config import Config
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.objects import TOP_MARKERS
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
-from pack_core.scene.objects import TOP_MARKERS
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import MarkerFrame
 
 Counts = npt.NDArray[np.int_]
 GRAZE = 0.001

@@ -5,8 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.scene.model import held_pose
-from pack_core.scene.scene import Scene
+from pack_core.packing.model import held_pose
+from pack_core.packing.scene import Scene
 
 
 class PayloadCompensation:

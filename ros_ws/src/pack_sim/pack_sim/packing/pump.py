@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pack_core.cells.packing import Suction
+from pack_core.packing.cell import Suction
 from pack_core.rotations import Array
 
 FILTER_TIME = 0.005

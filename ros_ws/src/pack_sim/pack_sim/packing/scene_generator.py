@@ -11,12 +11,13 @@ import mujoco
 import numpy as np
 import shapely
 
-from pack_core.cells.packing import PackingCell
+from pack_core.bodies import body_pose, set_object_poses
 from pack_core.errors import PackError
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.free_space import base_height, footprint, free_places, is_blocked, is_inside
+from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, rotate
-from pack_core.scene.free_space import base_height, footprint, free_places, is_blocked, is_inside
-from pack_core.scene.model import Arm, Held, body_pose, build_model, set_object_poses
-from pack_core.scene.scene import Scene
 
 MAX_ATTEMPTS = 500
 TIMESTEP = 0.004

@@ -11,13 +11,13 @@ from pydantic import Field
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
+from pack_core.packing.scene import Scene
+from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_setpoints
-from pack_core.ros.packing_cell import read_packing_cell
+from pack_core.ros.joint_messages import from_setpoints
+from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.scene.scene import Scene
-from pack_core.scene.scene_file import load_scene, parse_scene
 from pack_sim.packing.ros.sensor_publisher import BLOCK, SensorPublisher
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.simulator import Simulator, SimulatorConfig

@@ -8,14 +8,16 @@ import mujoco
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.cells.packing import PackingCell
+from pack_core.bodies import body_pose, set_object_poses
 from pack_core.config import Config
+from pack_core.joints import JointSample, Setpoints
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import Arm, Held, build_model, held_pose
+from pack_core.packing.scene import Scene
+from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
 from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array, Pose, angle_between, conjugate, rotate
-from pack_core.scene.model import Arm, Held, body_pose, build_model, held_pose, set_object_poses
-from pack_core.scene.scene import Scene
-from pack_core.scene.state import JointSample, ObjectState, SceneState, Setpoints
-from pack_core.scene.tip import TIP_JOINTS, tip_coordinates
+from pack_core.states import ObjectState, SceneState
 from pack_sim.packing.governor import ContactGovernor
 from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.joint_controller import JointController

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.cells.palletizing import PalletizingCell
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Pose, from_yaw
-from pack_core.scene.palletizing.box_body import BoxBody
 
 
 def arrival_pose(cell: PalletizingCell, box: BoxBody, seed: int) -> Pose:

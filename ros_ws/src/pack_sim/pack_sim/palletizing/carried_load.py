@@ -5,11 +5,11 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.cells.palletizing import PalletizingCell
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import PalletizingCell
 from pack_core.robots.kr210 import add_kr210
 from pack_core.robots.surface_gripper import add_surface_gripper
 from pack_core.rotations import Array, Pose
-from pack_core.scene.palletizing.box_body import BoxBody
 
 LOAD = "load"
 

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.cells.palletizing import Contact
+from pack_core.palletizing.cell import Contact
 from pack_core.robots.kr210 import ARM_BITS
 
 STEEP = np.cos(np.deg2rad(45.0))

@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 
 from pack_core.errors import PackError
-from pack_core.grip import GripLoad
+from pack_core.palletizing.grip import GripLoad
+from pack_core.palletizing.model import body_pose
 from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Array
-from pack_core.scene.palletizing.model import body_pose
 
 PAD_BIT = 4
 """Of conaffinity: what the pad touches."""

@@ -8,10 +8,10 @@ from typing import Self
 from pydantic import Field
 
 from pack_core.camera import PinholeCamera
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.config import Config
 from pack_core.errors import PackError
-from pack_core.scene.palletizing.view import CellView, Picture
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.view import CellView, Picture
 from pack_sim.palletizing.snapshot import Snapshot
 
 

@@ -10,15 +10,15 @@ from pydantic import Field
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from pack_core.cells.palletizing import palletizing_cell
 from pack_core.errors import PackError
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.joint_messages import from_trajectory
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.scene.palletizing.box_body import BoxBody
 from pack_sim.palletizing.overhead_camera import OverheadCameraConfig
 from pack_sim.palletizing.ros.camera_publisher import CameraPublisher
 from pack_sim.palletizing.ros.cell_publisher import BLOCK, CellPublisher

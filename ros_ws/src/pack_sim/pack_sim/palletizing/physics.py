@@ -5,12 +5,12 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.errors import PackError
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import LIMITS, gear_joint
 from pack_core.rotations import Array, Pose
-from pack_core.scene.palletizing.box_body import BoxBody
-from pack_core.scene.palletizing.model import build_model
 
 OVERLAP = 0.001
 """Overlap with something else at which a box cannot arrive [m]."""

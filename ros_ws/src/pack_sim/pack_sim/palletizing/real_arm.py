@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.cells.palletizing import PalletizingCell
+from pack_core.palletizing.cell import PalletizingCell
 from pack_core.robots.gears import Gears
 from pack_core.robots.kr210 import ARMATURE
 from pack_core.rotations import Array, Pose, exp

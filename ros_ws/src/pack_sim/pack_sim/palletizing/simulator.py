@@ -6,15 +6,15 @@ import mujoco
 import numpy as np
 from pydantic import Field, PositiveFloat
 
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.config import Config
-from pack_core.joint_reference import JointReference
+from pack_core.joints import JointReference, JointSample
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.model import body_pose
 from pack_core.robots.kr210 import LIMITS
 from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Array, Pose
-from pack_core.scene.palletizing.box_body import BoxBody
-from pack_core.scene.palletizing.model import body_pose
-from pack_core.scene.state import JointSample, ObjectState, SceneState
+from pack_core.states import ObjectState, SceneState
 from pack_sim.joint_servo import JointServo
 from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.carried_load import CarriedLoad

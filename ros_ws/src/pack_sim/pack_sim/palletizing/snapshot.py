@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from pack_core.palletizing.box_body import BoxBody
 from pack_core.rotations import Array, Pose
-from pack_core.scene.palletizing.box_body import BoxBody
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import mujoco
 
-from pack_core.cells.palletizing import GripLimits, GripperTool
-from pack_core.grip import ASKED, GripLoad, GripState
+from pack_core.palletizing.cell import GripLimits
+from pack_core.palletizing.grip import ASKED, GripLoad, GripState
+from pack_core.robots.surface_gripper import GripperTool
 from pack_sim.palletizing.grip_weld import attach, detach, is_awake, measure
 from pack_sim.palletizing.pad_rays import face_ahead
 

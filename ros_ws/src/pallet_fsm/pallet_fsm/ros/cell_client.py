@@ -16,8 +16,8 @@ from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.conversions import from_stamp
-from pack_core.ros.detection_messages import to_expected_box
 from pack_core.ros.motion_messages import to_target
+from pack_core.ros.palletizing.detection_messages import to_expected_box
 from pallet_fsm.ports import (
     CloseGripper,
     Command,

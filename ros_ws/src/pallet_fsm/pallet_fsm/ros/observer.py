@@ -8,16 +8,16 @@ from pack_interfaces.msg import BoxDetection as BoxDetectionMsg
 from pack_interfaces.msg import GripperState
 from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 
-from pack_core.box_detection import BoxDetection
-from pack_core.grip import GripState
 from pack_core.motion.target import MotionStatus
+from pack_core.palletizing.box_detection import BoxDetection
+from pack_core.palletizing.grip import GripState
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import from_stamp
-from pack_core.ros.detection_messages import from_detection
-from pack_core.ros.gripper_messages import from_gripper_state
 from pack_core.ros.motion_messages import from_status
+from pack_core.ros.palletizing.detection_messages import from_detection
+from pack_core.ros.palletizing.gripper_messages import from_gripper_state
 from pallet_fsm.ports import Observation
 
 

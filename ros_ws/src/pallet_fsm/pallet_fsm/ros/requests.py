@@ -6,10 +6,10 @@ from pathlib import Path
 
 from pack_interfaces.action import Palletize
 
-from pack_core.cells.palletizing import PalletizingCell
 from pack_core.errors import OrderError
-from pack_core.orders.order import Order
-from pack_core.orders.order_file import load_order, parse_order
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order_file import load_order, parse_order
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.profile import profile_of
 

@@ -16,7 +16,7 @@ from pack_bringup.cli.benchmarks.progress import TrialProgress
 from pack_bringup.cli.demos.live import command_line
 
 if TYPE_CHECKING:
-    from pack_core.evaluation.study.tables import TextTable
+    from pack_evaluation.table import TextTable
 
 
 def benchmark(
@@ -65,16 +65,16 @@ def benchmark(
 
     - `pack benchmark blocks --blocks 9 --method beam --method pirs` compares both planners
     - `pack benchmark blocks --blocks 16 --density 0.2 --instances 100 --json summary.json`
-    - `pack benchmark blocks --problem config/scenarios/blocks_example.yaml` plans an own instance
+    - `pack benchmark blocks --problem config/scenarios/blocks/example.yaml` plans an own instance
     - `pack benchmark blocks --blocks 4 --instances 100 --execute` has the arm do it
     """
-    from pack_bringup.benchmarking.pools import open_pool
-    from pack_bringup.blocks.benchmark import PlanJob, Setup, kept_lines, run_jobs
-    from pack_bringup.blocks.benchmark_instances import wanted_instances
-    from pack_bringup.blocks.benchmark_report import report_benchmark
-    from pack_bringup.blocks.benchmark_summary import comparison, summarize
-    from pack_bringup.blocks.settings import default_output, lockstep_config
-    from pack_core.cells.blocks import blocks_cell
+    from pack_core.blocks.cell import blocks_cell
+    from pack_lockstep.benchmarking.pools import open_pool
+    from pack_lockstep.blocks.benchmark import PlanJob, Setup, kept_lines, run_jobs
+    from pack_lockstep.blocks.benchmark_instances import wanted_instances
+    from pack_lockstep.blocks.benchmark_report import report_benchmark
+    from pack_lockstep.blocks.benchmark_summary import comparison, summarize
+    from pack_lockstep.blocks.settings import default_output, lockstep_config
     from pack_planner.rearrangement.planner import checked_method
 
     methods = list(dict.fromkeys(checked_method(name) for name in method or ["beam"]))

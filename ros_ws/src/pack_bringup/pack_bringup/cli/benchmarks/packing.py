@@ -12,7 +12,7 @@ from pack_bringup.cli.benchmarks.progress import TrialProgress
 from pack_bringup.cli.studies import report_studies
 
 if TYPE_CHECKING:
-    from pack_core.evaluation.study.trial import Trial
+    from pack_evaluation.packing.study.trial import Trial
 
 
 def benchmark(
@@ -63,12 +63,12 @@ def benchmark(
     - `pack benchmark packing --scenes 50 --seed 1000 --container 0.24x0.19`
     - `pack evaluate bags/benchmarks/*` puts the results of several benchmarks side by side
     """
-    from pack_bringup.benchmarking.pools import cores, open_pool
-    from pack_bringup.packing.benchmark import BenchmarkFolder, measure_scenes
-    from pack_bringup.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
-    from pack_bringup.packing.studies import Source
     from pack_core.config import validate_config
-    from pack_core.evaluation.study.summary import summarize
+    from pack_evaluation.packing.study.summary import summarize
+    from pack_lockstep.benchmarking.pools import cores, open_pool
+    from pack_lockstep.packing.benchmark import BenchmarkFolder, measure_scenes
+    from pack_lockstep.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
+    from pack_lockstep.packing.studies import Source
 
     options = {
         "method": method, "optimizer": optimizer, "weights": weights, "preset": preset,

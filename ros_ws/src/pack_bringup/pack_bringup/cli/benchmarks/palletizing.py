@@ -13,7 +13,7 @@ from rich.table import Table
 from pack_bringup.cli.benchmarks.progress import TrialProgress
 
 if TYPE_CHECKING:
-    from pack_core.evaluation.palletizing.summary import OrderTrial
+    from pack_evaluation.palletizing.summary import OrderTrial
 
 SPREADS = {
     "tracking_position_mm": "tracking, position [mm]",
@@ -59,11 +59,11 @@ def benchmark(
     - `pack benchmark palletizing --orders config/orders --json summary.json`
     - `pack benchmark palletizing --profile thesis --no-vision`
     """
-    from pack_bringup.benchmarking.pools import open_pool
-    from pack_bringup.palletizing.benchmark import kept_trials, order_jobs, run_orders
-    from pack_bringup.palletizing.settings import default_output, set_up
-    from pack_core.evaluation.palletizing.summary import summarize_orders
     from pack_core.paths import config_path
+    from pack_evaluation.palletizing.summary import summarize_orders
+    from pack_lockstep.benchmarking.pools import open_pool
+    from pack_lockstep.palletizing.benchmark import kept_trials, order_jobs, run_orders
+    from pack_lockstep.palletizing.settings import default_output, set_up
 
     setup = set_up(profile=profile, motion=motion, preset=preset, vision=vision)
     wanted = order_jobs(orders or config_path("orders"), seeds, setup.cell)

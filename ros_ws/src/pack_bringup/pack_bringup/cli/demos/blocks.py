@@ -10,7 +10,7 @@ import typer
 
 from pack_bringup.cli.demos.live import command_line, run_live
 from pack_bringup.cli.demos.options import Output, RealTimeFactor, Video
-from pack_bringup.run_record import default_folder
+from pack_bringup.recording.run_record import default_folder
 from pack_core.errors import ConfigError
 
 
@@ -32,7 +32,7 @@ def demo(
     configuration and the nodes' log. The exit code is 0 only if every block is at its goal.
 
     - `pack demo blocks --blocks 4 --seed 3`
-    - `pack demo blocks --problem config/scenarios/blocks_example.yaml --method pirs`
+    - `pack demo blocks --problem config/scenarios/blocks/example.yaml --method pirs`
     """
     from pack_bringup.blocks.job import BlocksJob
 
@@ -42,7 +42,7 @@ def demo(
 
 
 def _text_of(path: Path) -> str:
-    from pack_core.rearrangement.problem_file import parse_problem
+    from pack_core.blocks.problem_file import parse_problem
 
     if not path.is_file():
         raise ConfigError(f"{path}: no such file")
@@ -52,8 +52,8 @@ def _text_of(path: Path) -> str:
 
 
 def _generated(blocks: int, density: float, seed: int) -> str:
-    from pack_core.cells.blocks import blocks_cell
-    from pack_core.rearrangement.problem_file import problem_text
+    from pack_core.blocks.cell import blocks_cell
+    from pack_core.blocks.problem_file import problem_text
     from pack_planner.rearrangement.instances import make_instance
 
     return problem_text(make_instance(blocks, density, seed, centre=blocks_cell().workspace.centre))

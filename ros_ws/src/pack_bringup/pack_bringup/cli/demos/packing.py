@@ -11,7 +11,7 @@ import typer
 
 from pack_bringup.cli.demos.live import command_line, run_live
 from pack_bringup.cli.demos.options import Output, RealTimeFactor, Video
-from pack_bringup.run_record import default_folder
+from pack_bringup.recording.run_record import default_folder
 
 
 class Method(Enum):
@@ -45,7 +45,7 @@ def demo(
     - `pack demo packing --seed 3`
     - `pack demo packing --method uninformed_pose --no-video`
     - `pack demo packing --preset hardware`
-    - `pack demo packing --scene config/scenarios/example.yaml --real-time-factor 0.3`
+    - `pack demo packing --scene config/scenarios/packing/example.yaml --real-time-factor 0.3`
     """
     from pack_bringup.packing.job import PackingJob
 
@@ -57,6 +57,6 @@ def demo(
 
 
 def _check_scene(path: Path) -> None:
-    from pack_core.scene.scene_file import load_scene
+    from pack_core.packing.scene_file import load_scene
 
     load_scene(path)

@@ -10,7 +10,7 @@ import typer
 
 from pack_bringup.cli.demos.live import command_line, run_live
 from pack_bringup.cli.demos.options import Output, RealTimeFactor, Video
-from pack_bringup.run_record import default_folder
+from pack_bringup.recording.run_record import default_folder
 from pack_core.paths import config_path
 
 
@@ -45,8 +45,8 @@ def demo(
 
 def _check(order: Path, profile: str) -> None:
     """Refuse what no node needs to be asked about."""
-    from pack_core.cells.palletizing import palletizing_cell
-    from pack_core.orders.order_file import load_order
+    from pack_core.palletizing.cell import palletizing_cell
+    from pack_core.palletizing.orders.order_file import load_order
     from pallet_fsm.profile import profile_of
 
     load_order(order, palletizing_cell())

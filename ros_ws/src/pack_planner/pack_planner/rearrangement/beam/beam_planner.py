@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, NonNegativeFloat, PositiveInt
 
+from pack_core.blocks.plan import Action
 from pack_core.config import Config
-from pack_core.rearrangement.plan import Action
 from pack_planner.rearrangement.beam.pushing import Ints
 from pack_planner.rearrangement.beam.reconstruction import to_actions
 from pack_planner.rearrangement.beam.search import Beam, root_state, run_round

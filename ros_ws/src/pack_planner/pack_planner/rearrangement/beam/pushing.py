@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.rearrangement.deed import DeedKind
-from pack_core.rearrangement.planar import QUARTER, wrapped
+from pack_core.blocks.deed import DeedKind
+from pack_core.blocks.planar import QUARTER, wrapped
 from pack_core.rotations import Array
 from pack_planner.rearrangement.beam.refusals import bar_grasps, bar_pushes
 from pack_planner.rearrangement.beam.spots import POOL, STRAIGHT

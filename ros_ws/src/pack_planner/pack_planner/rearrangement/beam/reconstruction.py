@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from pack_core.rearrangement.plan import Action, Push
-from pack_core.rearrangement.planar import PlanarPose
+from pack_core.blocks.plan import Action, Push
+from pack_core.blocks.planar import PlanarPose
 from pack_core.rotations import Array
 from pack_planner.rearrangement.beam.history import Move
 from pack_planner.rearrangement.beam.spots import GOAL, STRAIGHT

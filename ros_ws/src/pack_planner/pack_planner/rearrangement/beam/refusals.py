@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.rearrangement.deed import DeedKind
-from pack_core.rearrangement.planar import QUARTER
+from pack_core.blocks.deed import DeedKind
+from pack_core.blocks.planar import QUARTER
 from pack_core.rotations import Array
 from pack_planner.rearrangement.collisions import Words
 from pack_planner.rearrangement.task import Task

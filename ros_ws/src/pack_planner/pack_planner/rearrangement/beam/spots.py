@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.rearrangement.planar import QUARTER, wrapped
+from pack_core.blocks.planar import QUARTER, wrapped
 from pack_core.rotations import Array
 from pack_planner.rearrangement.collisions import hits
 from pack_planner.rearrangement.footprints import squares

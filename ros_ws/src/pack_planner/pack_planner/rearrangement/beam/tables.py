@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.rearrangement.deed import DeedKind
-from pack_core.rearrangement.planar import QUARTER, wrapped
+from pack_core.blocks.deed import DeedKind
+from pack_core.blocks.planar import QUARTER, wrapped
 from pack_core.rotations import Array
 from pack_planner.rearrangement.assembly import MAX_GOALS, Method, assembly_planes
 from pack_planner.rearrangement.beam.bits import MEMO_BITS

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from pack_core.rearrangement.gripper import GripperFootprint
+from pack_core.blocks.gripper import GripperFootprint
 from pack_core.rotations import Array
 from pack_planner.rearrangement.collisions import overlap
 

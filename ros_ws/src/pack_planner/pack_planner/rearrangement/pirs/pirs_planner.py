@@ -24,9 +24,9 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
 
+from pack_core.blocks.plan import Action, Push
+from pack_core.blocks.planar import PlanarPose
 from pack_core.config import Config
-from pack_core.rearrangement.plan import Action, Push
-from pack_core.rearrangement.planar import PlanarPose
 from pack_core.rotations import Array
 from pack_planner.rearrangement.carrying import carried
 from pack_planner.rearrangement.footprints import squares

@@ -5,11 +5,13 @@ from __future__ import annotations
 from rosgraph_msgs.msg import Clock
 
 from pack_core.robots.ur10e import JOINTS
-from pack_core.ros.block_messages import to_jaw_state
+from pack_core.ros.blocks.block_messages import to_jaw_state
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion, shared
-from pack_core.ros.conversions import to_joint_state, to_scene, to_stamp
+from pack_core.ros.conversions import to_stamp
+from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.scene_messages import to_scene
 from pack_sim.blocks.simulator import BlocksSimulator
 
 BLOCK = 4

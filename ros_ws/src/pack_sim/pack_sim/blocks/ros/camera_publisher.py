@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pack_core.cells.blocks import BlocksCell
+from pack_core.blocks.cell import BlocksCell
 from pack_core.ros.camera_messages import to_camera_info, to_image
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts

@@ -5,10 +5,14 @@ from __future__ import annotations
 from pack_interfaces.msg import GripperState
 from rosgraph_msgs.msg import Clock
 
+from pack_core.robots import panda
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import to_joint_state, to_markers, to_scene, to_stamp, to_wrench
+from pack_core.ros.conversions import to_stamp, to_wrench
+from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.packing.marker_messages import to_markers
+from pack_core.ros.scene_messages import to_scene
 from pack_sim.packing.simulator import Simulator
 
 BLOCK = 4
@@ -34,7 +38,7 @@ class SensorPublisher:
         for i in range(BLOCK):
             simulator.step()
             if i % 2:
-                self._joints.publish(to_joint_state(simulator.joints()))
+                self._joints.publish(to_joint_state(simulator.joints(), panda.JOINTS))
         self._clock.publish(Clock(clock=to_stamp(simulator.time)))
         self._wrench.publish(to_wrench(simulator.time, *simulator.external_wrench(), "tip"))
         for frame in simulator.mocap.due(simulator.time):

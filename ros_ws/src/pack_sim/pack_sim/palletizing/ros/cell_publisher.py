@@ -9,13 +9,15 @@ from pack_interfaces.msg import UnwantedContact
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
+from pack_core.palletizing.box_body import BoxBody
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import to_joint_state, to_scene, to_stamp
-from pack_core.ros.gripper_messages import to_gripper_state
-from pack_core.scene.palletizing.box_body import BoxBody
+from pack_core.ros.conversions import to_stamp
+from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.palletizing.gripper_messages import to_gripper_state
+from pack_core.ros.scene_messages import to_scene
 from pack_sim.palletizing.simulator import PalletSimulator
 
 BLOCK = 2

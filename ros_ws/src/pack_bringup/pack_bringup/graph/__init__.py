@@ -1,0 +1,1 @@
+"""Graphs of nodes: their files, processes, ROS domains and network."""

@@ -1,0 +1,111 @@
+"""Graph files: which nodes make up a cell, and the command that starts each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Self
+
+from pydantic import model_validator
+
+from pack_bringup.graph.executables import find_executable
+from pack_core.config import Config, load_config
+from pack_core.errors import ConfigError, PackError
+from pack_core.paths import config_path
+
+
+class NodeEntry(Config):
+    """One node of a graph file; `parameters` is a file below config/ in the ROS 2 parameter format."""
+
+    name: str
+    package: str
+    executable: str
+    parameters: str
+    use_sim_time: bool = True
+
+    @property
+    def parameters_path(self) -> Path:
+        """The node's parameter file."""
+        return config_path(*Path(self.parameters).parts)
+
+    def command(self, overrides: Mapping[str, str] | None = None) -> list[str]:
+        """The argument list that starts this node as a process of its own.
+
+        Args:
+            overrides: parameters that go before the file's, by name, as YAML text.
+
+        Raises:
+            PackError: the executable is not installed, or the parameter file does not exist.
+        """
+        if not self.parameters_path.is_file():
+            raise ConfigError(f"node '{self.name}': no parameter file {self.parameters_path}")
+        parameters = {"use_sim_time": str(self.use_sim_time).lower(), **(overrides or {})}
+        command = [str(find_executable(self.package, self.executable)), "--ros-args"]
+        command += ["-r", f"__node:={self.name}", "--params-file", str(self.parameters_path)]
+        for name, value in parameters.items():
+            command += ["-p", f"{name}:={value}"]
+        return command
+
+
+class Graph(Config):
+    """The nodes of a cell, in flow order."""
+
+    nodes: tuple[NodeEntry, ...]
+
+    @model_validator(mode="after")
+    def _names_are_unique(self) -> Self:
+        names = [node.name for node in self.nodes]
+        if repeated := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"each node name once, but these are repeated: {', '.join(repeated)}")
+        return self
+
+    def only(self, names: Iterable[str]) -> Graph:
+        """This graph with no nodes but `names`, still in flow order."""
+        wanted = list(names)
+        self._check_names(wanted)
+        return Graph(nodes=tuple(node for node in self.nodes if node.name in wanted))
+
+    def commands(self, overrides: Mapping[str, Mapping[str, str]] | None = None) -> dict[str, list[str]]:
+        """The command of each node, by node name.
+
+        Args:
+            overrides: by node name, the parameters that go before the files', as YAML text.
+        """
+        given = overrides or {}
+        self._check_names(given)
+        return {node.name: node.command(given.get(node.name)) for node in self.nodes}
+
+    def _check_names(self, names: Iterable[str]) -> None:
+        known = [node.name for node in self.nodes]
+        for name in names:
+            if name not in known:
+                raise PackError(f"the graph has no node '{name}'; it has: {', '.join(known)}")
+
+
+def load_graph(cell: str) -> Graph:
+    """The graph of `config/graphs/<cell>.yaml`.
+
+    Raises:
+        ConfigError: there is no such cell, or its file is not a valid graph.
+    """
+    path = config_path("graphs", f"{cell}.yaml")
+    if not path.is_file():
+        known = sorted(file.stem for file in path.parent.glob("*.yaml"))
+        raise ConfigError(f"no cell '{cell}'; cells in {path.parent}: {', '.join(known)}")
+    return load_config(Graph, path)
+
+
+def parse_overrides(settings: Iterable[str]) -> dict[str, dict[str, str]]:
+    """Turn `node.parameter=value` settings into overrides by node name.
+
+    Raises:
+        PackError: a setting is not of that form.
+    """
+    overrides: dict[str, dict[str, str]] = {}
+    for setting in settings:
+        target, equals, value = setting.partition("=")
+        node, dot, parameter = target.partition(".")
+        if not (node and dot and parameter and equals):
+            raise PackError(f"'{setting}' is not a setting; write node.parameter=value, e.g. sim.seed=3")
+        overrides.setdefault(node, {})[parameter] = value
+    return overrides

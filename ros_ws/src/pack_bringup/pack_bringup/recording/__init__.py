@@ -1,0 +1,1 @@
+"""Recordings: written, copied and played."""

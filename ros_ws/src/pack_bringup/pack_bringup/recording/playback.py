@@ -1,0 +1,115 @@
+"""A recording as a stream of events in the order of simulated time, without ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rosbags.interfaces import QosDurability
+from rosbags.typesys.store import Typestore
+
+from pack_core import stamps
+from pack_core.errors import BagError
+from pack_evaluation.raw_bag import RawMessage, Topic, read_raw_bag
+
+CLOCK = "/clock"
+TICK = 4_000_000
+"""Between two ticks of a clock that is played [ns], as the simulator has it."""
+
+
+@dataclass(frozen=True)
+class Playback:
+    """What will be played.
+
+    Attributes:
+        path: the bag's folder or file.
+        topics: by name.
+        types: definitions of their messages, as recorded.
+        early: latched messages from before the first of the others, such as the cell's description.
+        messages: the others in order of time.
+        is_cut: whether the recording was cut off.
+    """
+
+    path: Path
+    topics: dict[str, Topic]
+    types: Typestore
+    early: tuple[RawMessage, ...]
+    messages: tuple[RawMessage, ...]
+    is_cut: bool
+
+    @property
+    def start_ns(self) -> int:
+        """Simulated time of the first message [ns]."""
+        return self.messages[0].time_ns
+
+    @property
+    def end_ns(self) -> int:
+        """Simulated time of the last message [ns]."""
+        return self.messages[-1].time_ns
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last message [s of simulated time]."""
+        return stamps.to_seconds(self.end_ns - self.start_ns)
+
+    def events(self, *, clock: bool) -> Iterator[RawMessage | int]:
+        """Messages, and ticks of the clock as their time [ns] where it is wanted, in order of time.
+
+        A tick comes before the messages of its time.
+        """
+        tick = self.start_ns
+        for message in self.messages:
+            while clock and tick <= message.time_ns:
+                yield tick
+                tick += TICK
+            yield message
+
+
+def load_playback(
+    path: Path, topics: Collection[str] | None = None, *, start: float = 0.0, end: float = float("inf")
+) -> Playback:
+    """Read what is to be played from a run's folder, a bag's folder or an MCAP file.
+
+    Args:
+        path: the recording.
+        topics: those wanted; all but /clock if None.
+        start: what was recorded before is left out, but for latched topics [s of simulated time].
+        end: what was recorded after is left out [s of simulated time].
+
+    Raises:
+        BagError: the bag is missing or broken, lacks a topic, or has nothing to play.
+    """
+    raw = read_raw_bag(path)
+    wanted = set(raw.topics) - {CLOCK} if topics is None else set(topics)
+    if CLOCK in wanted:
+        raise BagError(f"{CLOCK} is not played from the recording; --clock sends one that keeps to --rate")
+    if missing := sorted(wanted - set(raw.topics)):
+        there = ", ".join(sorted(set(raw.topics) - {CLOCK}))
+        raise BagError(f"{raw.path} has no topic {', '.join(missing)}; it has {there}")
+    chosen = {name: raw.topics[name] for name in sorted(wanted)}
+    within = [
+        item for item in raw.messages if item.topic in chosen and stamps.to_seconds(item.time_ns) <= end
+    ]
+    first_ns = _first(within, chosen, start)
+    if first_ns is None:
+        raise BagError(f"{raw.path} has no message to play on {', '.join(chosen)} from {start} s to {end} s")
+    early = tuple(m for m in within if m.time_ns < first_ns and _is_latched(chosen[m.topic]))
+    rest = tuple(m for m in within if m.time_ns >= first_ns)
+    return Playback(raw.path, chosen, raw.types, early, rest, raw.is_cut)
+
+
+def _first(messages: Sequence[RawMessage], topics: Mapping[str, Topic], start: float) -> int | None:
+    """When the first message from `start` [s] on was recorded that is not latched [ns]."""
+    return next(
+        (
+            m.time_ns
+            for m in messages
+            if stamps.to_seconds(m.time_ns) >= start and not _is_latched(topics[m.topic])
+        ),
+        None,
+    )
+
+
+def _is_latched(topic: Topic) -> bool:
+    return any(qos.durability is QosDurability.TRANSIENT_LOCAL for qos in topic.offered_qos)

@@ -1,0 +1,119 @@
+"""Writes a run to an MCAP bag from one thread of its own; a kill loses at most one flush period."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import Counter
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty, Full, Queue
+from threading import Thread
+from typing import cast
+
+from rosbags.interfaces import Connection
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2.errors import WriterError
+from rosbags.rosbag2.storage_mcap import McapWriter
+from rosbags.typesys.store import Typestore
+
+from pack_core.errors import BagError
+from pack_evaluation.raw_bag import Topic
+
+FLUSH_PERIOD = 0.5
+"""Wall clock [s] between two moments at which all that was received is in the file."""
+QUEUE_SIZE = 100_000
+"""Messages that may wait for a slow disk before new ones are dropped and counted."""
+STORAGE_ERRORS = (OSError, WriterError)
+
+
+class Recorder:
+    """An open bag (rosbag2 format 9, MCAP) that takes serialised messages and never blocks.
+
+    Once the disk is full or fails, `fault` says so and all further messages are dropped; what was
+    flushed before stays readable.
+    """
+
+    def __init__(self, path: Path, topics: Iterable[Topic], types: Typestore) -> None:
+        """Create the bag folder `path`.
+
+        Raises:
+            BagError: the folder exists already or cannot be written.
+        """
+        self.path = path
+        self.fault = ""
+        self.dropped = 0
+        self.written: Counter[str] = Counter()
+        self._queue: Queue[tuple[str, int, bytes] | None] = Queue(QUEUE_SIZE)
+        self._writer, self._connections = _open(path, topics, types)
+        self._thread = Thread(target=self._run, name="bag writer", daemon=True)
+        self._thread.start()
+
+    def write(self, topic: str, time_ns: int, data: bytes) -> None:
+        """Hand over a message, stamped with simulated time; `data` is its CDR form."""
+        if self.fault:
+            self.dropped += 1
+            return
+        try:
+            self._queue.put_nowait((topic, time_ns, data))
+        except Full:
+            self.dropped += 1
+
+    def close(self) -> None:
+        """Write what is waiting, then the index and metadata.yaml."""
+        if self._thread.is_alive():
+            self._queue.put(None)
+            self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            self._consume()
+            self._writer.close()
+        except STORAGE_ERRORS as error:
+            self.fault = f"recording to {self.path} stopped: {error}; what was written before is readable"
+            with suppress(OSError):
+                self._writer.abort()
+            self._discard()
+
+    def _consume(self) -> None:
+        next_flush = time.monotonic() + FLUSH_PERIOD
+        while True:
+            if (wait := next_flush - time.monotonic()) <= 0.0:
+                self._flush()
+                next_flush = time.monotonic() + FLUSH_PERIOD
+                continue
+            with suppress(Empty):
+                item = self._queue.get(timeout=wait)
+                if item is None:
+                    return
+                topic, time_ns, data = item
+                self._writer.write(self._connections[topic], time_ns, data)
+                self.written[topic] += 1
+
+    def _flush(self) -> None:
+        """Close the chunk at hand, so that a reader finds it whole, and see it to the disk."""
+        storage = cast(McapWriter, self._writer.storage)
+        if storage.chunk.msgs:
+            storage.close_chunk()
+            storage.bio.flush()
+            os.fdatasync(storage.bio.fileno())
+
+    def _discard(self) -> None:
+        """Take messages until the end without keeping them, so that nobody waits for room."""
+        while self._queue.get() is not None:
+            self.dropped += 1
+
+
+def _open(path: Path, topics: Iterable[Topic], types: Typestore) -> tuple[Writer, dict[str, Connection]]:
+    try:
+        writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
+        writer.open()
+        return writer, {
+            topic.name: writer.add_connection(
+                topic.name, topic.type, typestore=types, offered_qos_profiles=topic.offered_qos
+            )
+            for topic in topics
+        }
+    except STORAGE_ERRORS as error:
+        raise BagError(f"cannot record to {path}: {error}; give another `path`") from error

@@ -1,0 +1,1 @@
+"""What recording needs of ROS beside its node."""

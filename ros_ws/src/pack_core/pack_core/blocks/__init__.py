@@ -1,0 +1,1 @@
+"""The blocks cell: physical facts, problems and plans, and its MuJoCo model."""

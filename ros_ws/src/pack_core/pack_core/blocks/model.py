@@ -1,0 +1,137 @@
+"""MuJoCo model of the blocks cell: arm, gripper, table, blocks and the overhead camera."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.surroundings import add_surroundings
+from pack_core.blocks.tag_texture import cube_faces
+from pack_core.robots.robotiq_2f85 import PADS, TIPS, add_robotiq_2f85
+from pack_core.robots.ur10e import add_motors, add_ur10e
+
+CAMERA = "overhead"
+TOOL = "tool"
+ROBOT, THINGS = 1, 2
+"""Bits of contact: the robot touches things and never itself, things touch one another."""
+ROTATION = (0.01, 0.0005)
+"""Torsional and rolling friction [m]."""
+
+
+def block_name(block: str) -> str:
+    """Name of a block's body, free joint and geom, from its id."""
+    return f"block {block}"
+
+
+def build_model(
+    cell: BlocksCell, tags: Mapping[str, int], *, timestep: float, look: bool = False
+) -> mujoco.MjModel:
+    """Compile the cell.
+
+    Args:
+        cell: its physical facts.
+        tags: the number of every block's tag, by the block's id.
+        timestep: of the integrator [s].
+        look: add tags, table top, room and lights, for pictures.
+
+    Returns:
+        The model; blocks are bodies with free joints, see `block_name`; the tool's frame is body `tool`.
+    """
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    _set_solver(spec, cell, timestep)
+    _add_table(spec, cell, look)
+    for block, tag in tags.items():
+        _add_block(spec, cell, block, tag if look else None)
+    flange = add_ur10e(spec, cell.robot.base.to_pose(), contype=ROBOT, conaffinity=0)
+    add_motors(spec)
+    friction = cell.gripper.pad_friction
+    add_robotiq_2f85(flange, spec, pad_friction=friction, contype=ROBOT, conaffinity=0)
+    _add_camera(spec, cell)
+    if look:
+        add_surroundings(spec, cell)
+    _set_contacts(spec, cell)
+    for block in tags:
+        _add_grips(spec, cell, block_name(block))
+    return spec.compile()
+
+
+def arm_model(cell: BlocksCell) -> mujoco.MjModel:
+    """The arm and its gripper alone, for kinematics."""
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    flange = add_ur10e(spec, cell.robot.base.to_pose(), contype=0, conaffinity=0)
+    add_robotiq_2f85(flange, spec, pad_friction=1.0, contype=0, conaffinity=0)
+    return spec.compile()
+
+
+def _set_solver(spec: mujoco.MjSpec, cell: BlocksCell, timestep: float) -> None:
+    option, contact = spec.option, cell.contact
+    option.timestep = timestep
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = contact.impratio
+    option.noslip_iterations = contact.noslip_iterations
+
+
+def _set_contacts(spec: mujoco.MjSpec, cell: BlocksCell) -> None:
+    for geom in spec.geoms:
+        geom.solref, geom.solimp = cell.contact.solref, cell.contact.solimp
+
+
+def _add_grips(spec: mujoco.MjSpec, cell: BlocksCell, block: str) -> None:
+    """The fingers on a block: soft where they press, so that they settle, and stiff where they stick."""
+    gripper, contact = cell.gripper, cell.contact
+    for geoms, friction in ((PADS, gripper.pad_friction), (TIPS, gripper.tip_friction)):
+        for geom in geoms:
+            spec.add_pair(
+                geomname1=geom, geomname2=block, condim=6,
+                friction=(friction, friction, ROTATION[0], ROTATION[1], ROTATION[1]),
+                solref=contact.finger_solref, solreffriction=contact.solref, solimp=contact.solimp,
+            )  # fmt: skip
+
+
+def _add_table(spec: mujoco.MjSpec, cell: BlocksCell, look: bool) -> None:
+    table = cell.table
+    half = 0.5 * np.array(table.size)
+    spec.worldbody.add_geom(
+        name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, pos=(*table.centre, 0), size=(*half, 0.1),
+        friction=(table.friction, *ROTATION), condim=4, contype=THINGS, conaffinity=ROBOT | THINGS,
+        rgba=(0.75, 0.68, 0.58, 0.0 if look else 1.0),
+    )  # fmt: skip
+
+
+def _add_block(spec: mujoco.MjSpec, cell: BlocksCell, block: str, tag: int | None) -> None:
+    name, facts = block_name(block), cell.block
+    body = spec.worldbody.add_body(name=name, pos=(0, 0, facts.half))
+    body.add_freejoint(name=name)
+    geom = body.add_geom(
+        name=name, type=mujoco.mjtGeom.mjGEOM_BOX, size=(facts.half,) * 3, mass=facts.mass, condim=4,
+        friction=(facts.friction, *ROTATION), contype=THINGS, conaffinity=ROBOT | THINGS,
+        rgba=(0.78, 0.64, 0.45, 1) if tag is None else (1, 1, 1, 1),
+    )  # fmt: skip
+    if tag is not None:
+        geom.material = _add_tag(spec, cell, tag, f"tag of {block}")
+
+
+def _add_tag(spec: mujoco.MjSpec, cell: BlocksCell, tag: int, name: str) -> str:
+    faces = cube_faces(tag, cell.block.tag_edge, cell.block.edge)
+    texture = spec.add_texture(
+        name=name, type=mujoco.mjtTexture.mjTEXTURE_CUBE, width=faces.shape[1], height=faces.shape[0],
+        nchannel=3,
+    )  # fmt: skip
+    texture.data = faces.tobytes()
+    material = spec.add_material(name=name, specular=0.0, shininess=0.0)
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+    return name
+
+
+def _add_camera(spec: mujoco.MjSpec, cell: BlocksCell) -> None:
+    """Looks down; MuJoCo's cameras look along -z with +y up, so that it needs no rotation."""
+    camera = cell.camera
+    spec.worldbody.add_camera(name=CAMERA, pos=camera.position, fovy=camera.fovy_deg)
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = camera.width, camera.height

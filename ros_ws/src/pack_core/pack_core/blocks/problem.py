@@ -1,0 +1,70 @@
+"""A rearrangement problem: where the blocks stand, and where they are to stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from pydantic import Field, NonNegativeFloat
+
+from pack_core.blocks.deed import Deed
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.planar import PlanarPose
+from pack_core.config import Config
+
+CUBE_SIDE = 0.0508
+"""Of a 2-inch cube [m]."""
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Block:
+    """A cube on the table."""
+
+    id: str
+    pose: PlanarPose
+
+
+class Tolerance(Config):
+    """What counts as being in place; a measured pose is never exact."""
+
+    position: NonNegativeFloat = Field(0.002, description="from the goal [m]")
+    angle_deg: NonNegativeFloat = Field(2.0, description="from the goal's yaw")
+    push_line: NonNegativeFloat = Field(0.001, description="beside the line of a push into the goal [m]")
+    overlap: NonNegativeFloat = Field(0.001, description="depth that two blocks may overlap as measured [m]")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Blocks to be rearranged.
+
+    Attributes:
+        blocks: ids and measured poses.
+        goals: pose of every block at the end, by id.
+        workspace: corners [m] of a convex polygon in which blocks may be put down.
+        side: of every cube [m].
+        symmetry: after how many equal turns a block looks alike: 1, 2 or 4 (any face may be in front).
+        gripper: its room on the table.
+        tolerance: what counts as in place.
+        starts_may_be_outside: blocks may stand outside the workspace to begin with.
+        refused: what the arm cannot do; a plan does without.
+    """
+
+    blocks: tuple[Block, ...]
+    goals: Mapping[str, PlanarPose]
+    workspace: tuple[Point, ...]
+    side: float = CUBE_SIDE
+    symmetry: int = 1
+    gripper: GripperFootprint = field(default_factory=GripperFootprint)
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    starts_may_be_outside: bool = False
+    refused: tuple[Deed, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "goals", MappingProxyType(dict(self.goals)))
+
+    @property
+    def starts(self) -> dict[str, PlanarPose]:
+        """Measured pose of every block by id."""
+        return {block.id: block.pose for block in self.blocks}

@@ -1,0 +1,93 @@
+"""Problem files: where blocks stand and where they are to stand, in millimetres and degrees.
+
+See docs/blocks.md and config/scenarios/blocks/example.yaml.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import yaml
+from pydantic import Field, FiniteFloat, model_validator
+
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Block, Problem
+from pack_core.config import Config, parse_config
+from pack_core.errors import ConfigError
+
+Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+"""x [mm], y [mm], yaw [deg]."""
+DIGITS = 6
+
+
+class BlockEntry(Config):
+    """One block; its tag's number is its place in the file, from 0 on."""
+
+    id: str = Field(pattern=r"^[A-Za-z0-9_]+$")
+    start: Place
+    goal: Place
+
+
+class ProblemFile(Config):
+    """The file."""
+
+    workspace: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=3)]
+    """Corners [mm] of the convex polygon in which blocks may be put down."""
+    symmetry: Annotated[int, Field(ge=1, le=4)] = 1
+    blocks: Annotated[list[BlockEntry], Field(min_length=1, max_length=100)]
+
+    @model_validator(mode="after")
+    def _ids_differ(self) -> ProblemFile:
+        ids = [block.id for block in self.blocks]
+        if doubled := sorted({name for name in ids if ids.count(name) > 1}):
+            raise ValueError(f"blocks share an id: {', '.join(doubled)}; allowed: every block its own")
+        return self
+
+
+def load_problem(path: Path) -> Problem:
+    """Read a problem file.
+
+    Raises:
+        ConfigError: there is none, or a key or value is missing or not allowed.
+    """
+    if not path.is_file():
+        raise ConfigError(f"{path}: no such file")
+    return parse_problem(path.read_text(), str(path))
+
+
+def parse_problem(text: str, source: str) -> Problem:
+    """Read a problem file's text; `source` names it in errors."""
+    file = parse_config(ProblemFile, text, source)
+    return Problem(
+        blocks=tuple(Block(block.id, _pose(block.start)) for block in file.blocks),
+        goals={block.id: _pose(block.goal) for block in file.blocks},
+        workspace=tuple((x / 1000, y / 1000) for x, y in file.workspace),
+        symmetry=file.symmetry, starts_may_be_outside=True,
+    )  # fmt: skip
+
+
+def problem_text(problem: Problem) -> str:
+    """The file's text of a problem."""
+    blocks = [
+        {"id": block.id, "start": _place(block.pose), "goal": _place(problem.goals[block.id])}
+        for block in problem.blocks
+    ]
+    corners = [_rounded(1000 * np.array(corner)) for corner in problem.workspace]
+    data = {"workspace": corners, "symmetry": problem.symmetry, "blocks": blocks}
+    return yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=100)
+
+
+def _pose(place: Place) -> PlanarPose:
+    x, y, yaw_deg = place
+    return PlanarPose(x / 1000, y / 1000, float(np.deg2rad(yaw_deg)))
+
+
+def _place(pose: PlanarPose) -> list[float]:
+    return _rounded([1000 * pose.x, 1000 * pose.y, np.rad2deg(pose.yaw)])
+
+
+def _rounded(values: Sequence[float] | np.ndarray) -> list[float]:
+    return [round(float(value), DIGITS) for value in values]

@@ -1,1 +1,0 @@
-"""What runs of the palletizing cell are measured by."""

@@ -1,0 +1,108 @@
+"""Joints of an arm: as measured, and where they shall be, now or over a horizon."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.rotations import Array
+
+
+@dataclass(frozen=True)
+class JointReference:
+    """Rows of a reference for n joints.
+
+    Attributes:
+        time: of the first row [s].
+        offsets: of each row from `time` `(T,)` [s], rising from 0.
+        q: `(T, n)` [rad].
+        v: `(T, n)` [rad/s].
+        a: `(T, n)` [rad/s^2].
+    """
+
+    time: float
+    offsets: Array
+    q: Array
+    v: Array
+    a: Array
+
+    @property
+    def end(self) -> float:
+        """Time of the last row [s]."""
+        return self.time + float(self.offsets[-1])
+
+    def at(self, time: float) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration `(n,)` at `time` [s], held beyond the ends.
+
+        Between rows the position is the cubic that has the rows' positions and velocities (Hermite),
+        the velocity its derivative; the acceleration is interpolated.
+        """
+        offset, offsets = time - self.time, self.offsets
+        last = len(offsets) - 1
+        i = min(max(int(np.searchsorted(offsets, offset, side="right")) - 1, 0), last)
+        h = float(offsets[i + 1] - offsets[i]) if i < last else 0.0
+        s = min(max((offset - float(offsets[i])) / h, 0.0), 1.0) if h > 0.0 else 0.0
+        if s == 0.0:
+            return self.q[i].copy(), self.v[i].copy(), self.a[i].copy()
+        q_0, q_1, v_0, v_1 = self.q[i], self.q[i + 1], self.v[i], self.v[i + 1]
+        b = s * s * (3.0 - 2.0 * s)
+        q = q_0 + b * (q_1 - q_0) + h * s * (1.0 - s) * ((1.0 - s) * v_0 - s * v_1)
+        v = (6.0 * s * (1.0 - s) / h) * (q_1 - q_0)
+        v += (1.0 - s) * (1.0 - 3.0 * s) * v_0 + s * (3.0 * s - 2.0) * v_1
+        return q, v, (1.0 - s) * self.a[i] + s * self.a[i + 1]
+
+
+@dataclass(frozen=True)
+class JointSetpoint:
+    """What the driver shall follow at `time` [s]: `q` [rad], `v` [rad/s], `a` [rad/s^2], each `(n,)`."""
+
+    time: float
+    q: Array
+    v: Array
+    a: Array
+
+
+@dataclass(frozen=True)
+class JointSample:
+    """Measured joints at `time` [s]: `q` [rad], `v` [rad/s], `tau` [N m], each `(7,)`."""
+
+    time: float
+    q: Array
+    v: Array
+    tau: Array
+
+
+@dataclass(frozen=True)
+class Setpoints:
+    """Joint references over a horizon.
+
+    Attributes:
+        time: of the first row [s].
+        offsets: of each row from `time` `(T,)` [s], rising from 0.
+        q: `(T, 7)` [rad].
+        v: `(T, 7)` [rad/s].
+        tau: feed-forward torque `(T, 7)` [N m].
+    """
+
+    time: float
+    offsets: Array
+    q: Array
+    v: Array
+    tau: Array
+
+    def at(self, time: float) -> tuple[Array, Array, Array]:
+        """Position, velocity and torque `(7,)` at `time` [s]: interpolated, and held beyond the ends."""
+        offset, offsets = time - self.time, self.offsets
+        last = len(offsets) - 1
+        i = min(max(int(np.searchsorted(offsets, offset, side="right")) - 1, 0), last)
+        j = min(i + 1, last)
+        span = offsets[j] - offsets[i]
+        s = min(max((offset - offsets[i]) / span, 0.0), 1.0) if span > 0 else 0.0
+        q, v, tau = ((1 - s) * rows[i] + s * rows[j] for rows in (self.q, self.v, self.tau))
+        return q, v, tau
+
+    def until(self, offset: float) -> Setpoints:
+        """The rows up to `offset` [s] from the first."""
+        n = int(np.searchsorted(self.offsets, offset, side="right"))
+        return Setpoints(self.time, self.offsets[:n], self.q[:n], self.v[:n], self.tau[:n])

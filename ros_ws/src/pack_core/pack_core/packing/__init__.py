@@ -1,0 +1,1 @@
+"""The packing cell: physical facts, scenes, objects, and its MuJoCo models."""

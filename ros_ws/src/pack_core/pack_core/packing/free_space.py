@@ -1,0 +1,96 @@
+"""Where the new object would stand upright in the container without touching anything.
+
+Everything is seen from above: bodies are their convex footprints, and the places of the new object's
+centre that are taken by a body are the Minkowski sum of both footprints. A body counts with its whole
+footprint, whatever its height, since the new object reaches down to the base.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from pack_core.packing.fit import symmetry
+from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.scene import Container, Scene
+from pack_core.rotations import Array, Pose, from_yaw
+
+CORNERS = 64
+"""Corners of the polygon inscribed in a circle: it is short of the circle by 0.12 % of its radius."""
+YAW_STEP = np.deg2rad(1.0)
+SMALLEST_AREA = 1e-10
+"""Areas of free places below this are rounding [m^2]."""
+
+
+def footprint(item: Box | Cylinder, X_WO: Pose) -> shapely.Polygon:
+    """The object's outline as seen from above [m]."""
+    return shapely.MultiPoint(X_WO.apply(_outline(item))[:, :2]).convex_hull
+
+
+def outlines(scene: Scene) -> list[shapely.Polygon]:
+    """The outlines of the objects in the container."""
+    return [footprint(scene.model_of(name), X_WO) for name, X_WO in scene.poses().items()]
+
+
+def base_height(item: Box | Cylinder, X_WO: Pose) -> float:
+    """Height of the object's lowest point over the table [m]."""
+    return float(X_WO.apply(_outline(item))[:, 2].min())
+
+
+def free_places(
+    item: Box | Cylinder, yaw: float, container: Container, taken: list[shapely.Polygon], margin: float = 0.0
+) -> shapely.Geometry:
+    """Places of an upright object's centre at which it is between the walls and touches nothing.
+
+    Args:
+        item: the object.
+        yaw: of the object [rad].
+        container: whose walls count.
+        taken: outlines of what is in the container.
+        margin: how far the object's own outline is moved inwards [m].
+    """
+    outline = footprint(item, Pose(np.zeros(3), from_yaw(yaw))).buffer(-margin, join_style="mitre")
+    reach = np.array(outline.bounds).reshape(2, 2)
+    lower, upper = container.lower - reach[0], container.upper - reach[1]
+    if np.any(lower > upper):
+        return shapely.Polygon()
+    return shapely.box(*lower, *upper).difference(shapely.union_all(_minkowski_sums(taken, outline)))
+
+
+def is_blocked(scene: Scene) -> bool:
+    """No collision-free placement exists, for any yaw of the upright new object.
+
+    Yaws are tried every degree with an outline that is smaller by as much as half a step can move it,
+    so that a place which is free between two of them would be found.
+    """
+    item, taken = scene.new_object, outlines(scene)
+    yaws = np.arange(0.0, max(symmetry(item), YAW_STEP), YAW_STEP)
+    margin = 0.0 if isinstance(item, Cylinder) else float(np.hypot(*item.half_extents[:2])) * YAW_STEP / 2
+    return all(free_places(item, yaw, scene.container, taken, margin).area < SMALLEST_AREA for yaw in yaws)
+
+
+def fill(scene: Scene) -> float:
+    """Share of the container's base that the objects in it cover."""
+    return float(shapely.union_all(outlines(scene)).area / np.prod(scene.container.size))
+
+
+def is_inside(outline: shapely.Polygon, container: Container, tolerance: float = 0.0) -> bool:
+    """The outline lies between the walls."""
+    return bool(shapely.box(*container.lower, *container.upper).buffer(tolerance).covers(outline))
+
+
+def _outline(item: Box | Cylinder) -> Array:
+    """Points `(n, 3)` in the object's frame whose convex hull is the object."""
+    x, y, z = item.half_extents
+    if isinstance(item, Box):
+        return np.array([[sx * x, sy * y, sz * z] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)])
+    angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
+    rim = np.stack([x * np.cos(angles), x * np.sin(angles)], axis=1)
+    return np.concatenate([np.insert(rim, 2, side * z, axis=1) for side in (-1, 1)])
+
+
+def _minkowski_sums(taken: list[shapely.Polygon], outline: shapely.Polygon) -> list[shapely.Polygon]:
+    """Places of the centre at which `outline` meets each one of `taken`, all convex."""
+    corners = shapely.get_coordinates(outline)[None]
+    sums = [shapely.get_coordinates(other)[:, None] - corners for other in taken]
+    return [shapely.MultiPoint(places.reshape(-1, 2)).convex_hull for places in sums]

@@ -1,0 +1,173 @@
+"""MuJoCo models of the packing cell: one description, one builder, four roles."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import mujoco
+import numpy as np
+
+from pack_core.packing.cell import PackingCell, Tip
+from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.scene import Container, Scene
+from pack_core.packing.steering import add_steering
+from pack_core.packing.surroundings import add_surroundings
+from pack_core.packing.tip import add_tip
+from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
+from pack_core.robots.panda import add_panda
+from pack_core.rotations import Pose
+
+TIP_FORCE = "tip_force"
+TIP_TORQUE = "tip_torque"
+HELD_POSITION = "held_position"
+HELD_X_AXIS = "held_x_axis"
+HELD_Z_AXIS = "held_z_axis"
+WALLS = ("wall_left", "wall_right", "wall_near", "wall_far")
+UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
+
+
+class Arm(Enum):
+    """How the arm takes part in a model."""
+
+    ABSENT = "absent"
+    DRIVEN = "driven"
+    """Torque actuators on every joint."""
+    SERVO = "servo"
+    """The driver's position and velocity servos on every joint (Eq. 4 without feed-forward)."""
+    GUIDED = "guided"
+    """Heavy joints without actuators, for a caller that sets their positions and velocities."""
+
+
+class Held(Enum):
+    """How the new object takes part in a model."""
+
+    RIGID = "rigid"
+    """Fixed to the cup."""
+    COMPLIANT = "compliant"
+    """On the springs of the cup, its weight not compensated; for who simulates the truth."""
+    FREE = "free"
+    """A body of its own."""
+    STEERED = "steered"
+    """A body of its own without weight, on springs to a place that a caller moves."""
+    ABSENT = "absent"
+
+
+def build_model(
+    scene: Scene, cell: PackingCell, *, timestep: float, arm: Arm, held: Held, surroundings: bool = False
+) -> mujoco.MjModel:
+    """Compile a model of the cell.
+
+    Args:
+        scene: the container and the objects; poses may be absent.
+        cell: the cell's physical facts.
+        timestep: step of the integrator [s].
+        arm: how the arm takes part; an object that is held needs one.
+        held: how the new object takes part; `Held.COMPLIANT` needs a cell with a `tip`.
+        surroundings: add floor, table, lights and materials, for pictures.
+
+    Returns:
+        The model. Bodies carry the objects' names, free joints too; the cup is body `tool`, the
+        sensors `tip_force` and `tip_torque` are the load on the cup in the frame of site `tip`;
+        `held_position`, `held_x_axis` and `held_z_axis` say where the held object is in the world.
+
+    Raises:
+        ConfigError: the held object cannot be held so.
+    """
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    _set_solver(spec, timestep)
+    _add_table(spec, scene.friction, surroundings)
+    _add_container(spec, scene.container, scene.friction)
+    for item in scene.objects:
+        _add_object(spec.worldbody.add_body(name=item.name), item, scene, free=True)
+    tool = None if arm is Arm.ABSENT else add_panda(spec, cell.pump)
+    _add_new_object(spec, tool, scene, held, cell.tip)
+    if arm is Arm.DRIVEN:
+        add_motors(spec)
+    elif arm is Arm.SERVO:
+        add_servos(spec, cell.robot)
+    elif arm is Arm.GUIDED:
+        make_heavy(spec)
+    if surroundings:
+        add_surroundings(spec, scene.container)
+    return spec.compile()
+
+
+def held_pose(scene: Scene) -> Pose:
+    """X_TN: the held new object N, hanging upright from the cup T by the middle of its top."""
+    return Pose(np.array([0.0, 0.0, scene.new_object.half_extents[2]]), np.array(UPSIDE_DOWN))
+
+
+def _set_solver(spec: mujoco.MjSpec, timestep: float) -> None:
+    option = spec.option
+    option.timestep = timestep
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+
+
+def _add_table(spec: mujoco.MjSpec, friction: float, surroundings: bool) -> None:
+    spec.worldbody.add_geom(
+        name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(1.0, 0.8, 0.1), condim=3,
+        friction=(friction, 0.005, 0.0001),
+        rgba=(0.5, 0.5, 0.5, 0.0 if surroundings else 1.0),
+    )  # fmt: skip
+
+
+def _add_container(spec: mujoco.MjSpec, container: Container, friction: float) -> None:
+    (w, l), h, t = 0.5 * np.array(container.size), 0.5 * container.height, 0.5 * container.wall
+    x, y = container.centre
+    sides = {
+        "wall_left": ((x, y + l + t), (w + 2 * t, t)), "wall_right": ((x, y - l - t), (w + 2 * t, t)),
+        "wall_near": ((x - w - t, y), (t, l)), "wall_far": ((x + w + t, y), (t, l)),
+    }  # fmt: skip
+    for name, ((px, py), (sx, sy)) in sides.items():
+        spec.worldbody.add_geom(
+            name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=(px, py, h), size=(sx, sy, h),
+            friction=(friction, 0.005, 0.0001), condim=3, rgba=(0.25, 0.42, 0.62, 1.0),
+        )  # fmt: skip
+
+
+def _add_new_object(
+    spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: Held, tip: Tip | None
+) -> None:
+    item = scene.new_object
+    if held in (Held.FREE, Held.STEERED):
+        is_steered = held is Held.STEERED
+        body = spec.worldbody.add_body(name=item.name, gravcomp=is_steered)
+        _add_object(body, item, scene, free=True)
+        if is_steered:
+            add_steering(spec, body)
+    elif held is not Held.ABSENT and tool is not None:
+        X_TN, is_rigid = held_pose(scene), held is Held.RIGID
+        body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)
+        _add_object(body, item, scene, free=False)
+        if not is_rigid:
+            add_tip(body, tip, item.half_extents[2])
+        body.add_site(name="tip", pos=(0, 0, item.half_extents[2]))
+        _add_sensors(spec, item.name)
+
+
+def _add_sensors(spec: mujoco.MjSpec, held: str) -> None:
+    sensor, site, body = mujoco.mjtSensor, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_XBODY
+    for name, kind, on, target in (
+        (TIP_FORCE, sensor.mjSENS_FORCE, site, "tip"), (TIP_TORQUE, sensor.mjSENS_TORQUE, site, "tip"),
+        (HELD_POSITION, sensor.mjSENS_FRAMEPOS, body, held),
+        (HELD_X_AXIS, sensor.mjSENS_FRAMEXAXIS, body, held),
+        (HELD_Z_AXIS, sensor.mjSENS_FRAMEZAXIS, body, held),
+    ):  # fmt: skip
+        spec.add_sensor(name=name, type=kind, objtype=on, objname=target)
+
+
+def _add_object(body: mujoco.MjsBody, item: Box | Cylinder, scene: Scene, *, free: bool) -> None:
+    if free:
+        body.add_freejoint(name=item.name)
+    is_box = isinstance(item, Box)
+    x, _, z = item.half_extents
+    friction = scene.friction if item.friction is None else item.friction
+    body.add_geom(
+        name=item.name,
+        type=mujoco.mjtGeom.mjGEOM_BOX if is_box else mujoco.mjtGeom.mjGEOM_CYLINDER,
+        size=item.half_extents if is_box else (x, z, 0),
+        mass=item.mass, friction=(friction, 0.005, 0.0001), condim=3, rgba=(*item.colour, 1.0),
+    )  # fmt: skip

@@ -1,0 +1,110 @@
+"""A scene: the container, what stands in it, and the new object that is to be packed."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import yaml
+from pydantic import Field, model_validator
+
+from pack_core.config import Config, parse_config
+from pack_core.errors import ConfigError
+from pack_core.packing.objects import Box, Cylinder, Friction, ObjectModel
+from pack_core.pose_config import PoseConfig
+from pack_core.rotations import Array, Pose
+
+RESERVED = {"world", "table", "tool", "tip"}
+RESERVED_PREFIXES = ("wall_", "panda_", "pump_", "tip_")
+
+
+class Container(Config):
+    """An open box with its base on the table (z = 0), edges along the world axes."""
+
+    centre: tuple[float, float] = (0.5, 0.0)
+    size: tuple[Annotated[float, Field(gt=0.05, lt=0.8)], Annotated[float, Field(gt=0.05, lt=0.8)]]
+    height: Annotated[float, Field(gt=0.02, lt=0.5)]
+    wall: Annotated[float, Field(gt=0.001, lt=0.05)] = 0.008
+
+    @property
+    def lower(self) -> Array:
+        """Inner corner `(2,)` with the smallest x and y [m]."""
+        return np.array(self.centre) - 0.5 * np.array(self.size)
+
+    @property
+    def upper(self) -> Array:
+        """Inner corner `(2,)` with the largest x and y [m]."""
+        return np.array(self.centre) + 0.5 * np.array(self.size)
+
+
+class Scene(Config):
+    """All that a scene file holds. Objects without a pose make it a description of the cell."""
+
+    container: Container
+    friction: Friction
+    objects: Annotated[list[ObjectModel], Field(max_length=40)]
+    new_object: ObjectModel
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> Scene:
+        names = [item.name for item in (*self.objects, self.new_object)]
+        if doubled := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"objects share a name: {', '.join(doubled)}; allowed: every object its own")
+        if taken := sorted(name for name in names if name in RESERVED or name.startswith(RESERVED_PREFIXES)):
+            raise ValueError(f"names that the cell itself uses: {', '.join(taken)}; allowed: others")
+        return self
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the objects in the container, in the file's order."""
+        return [item.name for item in self.objects]
+
+    @property
+    def rim(self) -> float:
+        """Height of the walls and of the tallest object [m]: above it the way is free."""
+        return max((self.container.height, *(2.0 * float(item.half_extents[2]) for item in self.objects)))
+
+    def model_of(self, name: str) -> Box | Cylinder:
+        """The object called `name`.
+
+        Raises:
+            ConfigError: there is none.
+        """
+        for item in (*self.objects, self.new_object):
+            if item.name == name:
+                return item
+        raise ConfigError(f"no object '{name}' in the scene; it has {[*self.names, self.new_object.name]}")
+
+    def poses(self) -> dict[str, Pose]:
+        """X_WO of every object in the container.
+
+        Raises:
+            ConfigError: the scene is a description, without poses.
+        """
+        missing = [item.name for item in self.objects if item.pose is None]
+        if missing:
+            raise ConfigError(
+                f"key 'pose' is missing in {', '.join(missing)}; give `pose: position: [x, y, z]`"
+            )
+        return {item.name: item.pose.to_pose() for item in self.objects if item.pose}
+
+    def with_poses(self, poses: dict[str, Pose]) -> Scene:
+        """The same scene with its objects elsewhere."""
+        moved = [
+            item.model_copy(update={"pose": PoseConfig.from_pose(poses[item.name])}) for item in self.objects
+        ]
+        return self.model_copy(update={"objects": moved})
+
+    def description(self) -> Scene:
+        """What every node may know: shapes, sizes and masses, but not where the objects are."""
+        bare = [item.model_copy(update={"pose": None}) for item in self.objects]
+        return self.model_copy(update={"objects": bare})
+
+    def to_yaml(self) -> str:
+        """The scene file's text."""
+        return yaml.safe_dump(self.model_dump(mode="json", exclude_none=True), sort_keys=False)
+
+    @classmethod
+    def from_yaml(cls, text: str, source: str = "scene") -> Scene:
+        """Read a scene file's text; `source` names it in errors."""
+        return parse_config(cls, text, source)

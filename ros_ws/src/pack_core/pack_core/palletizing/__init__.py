@@ -1,0 +1,1 @@
+"""The palletizing cell: physical facts, grips, and its MuJoCo models."""

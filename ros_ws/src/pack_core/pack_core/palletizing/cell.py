@@ -1,0 +1,176 @@
+"""Physical facts of the palletizing cell: `config/cells/palletizing.yaml`."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
+
+from pack_core.camera import PinholeCamera, focal_length
+from pack_core.config import Config, load_config, validate_config
+from pack_core.paths import config_path
+from pack_core.robots.gears import Gears
+from pack_core.robots.servo import Servo
+from pack_core.robots.surface_gripper import GripperTool
+from pack_core.rotations import Pose
+
+Joints = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
+Point = tuple[float, float, float]
+Pair = tuple[float, float]
+Size = tuple[PositiveFloat, PositiveFloat]
+
+
+class Arm(Config):
+    """Where the KR 210 stands, and where it starts."""
+
+    base: Point
+    """Its base [m], on a pedestal of this height."""
+    home: Joints
+
+    @property
+    def X_WB(self) -> Pose:
+        """The base in the world."""
+        return Pose(np.array(self.base))
+
+
+class GripLimits(Config):
+    """When the surface gripper takes hold and when it lets go."""
+
+    max_grip_distance: PositiveFloat
+    """How far a face may be from the pad along its axis [m]."""
+    coaxial_force: PositiveFloat
+    """Pull along the pad's axis [N]; pressing is no load."""
+    shear_force: PositiveFloat
+    moment: PositiveFloat
+    """About the middle of the pad's face, all axes together [N m]."""
+    tolerated_steps: PositiveInt
+    """Steps in a row, of the physics, above a limit before it lets go."""
+    retry_interval: NonNegativeFloat
+    """How long closing goes on trying [s]; 0: once."""
+    carrying_acceleration: NonNegativeFloat
+    """At which boxes are carried, at most and in any direction; orders are checked with it [m/s^2]."""
+
+
+class Table(Config):
+    """A table with a level rectangular top."""
+
+    centre: Pair
+    size: Size
+    height: PositiveFloat
+
+
+class Pallet(Config):
+    """A pallet on the floor; its frame P has its origin at a corner of the deck, x along the length."""
+
+    corner: Pair
+    size: Size
+    deck_height: PositiveFloat
+
+    @property
+    def X_WP(self) -> Pose:
+        """The pallet's frame in the world."""
+        return Pose(np.array([*self.corner, self.deck_height]))
+
+
+class Camera(Config):
+    """The overhead camera, which looks straight down at the middle of the picking table."""
+
+    height: PositiveFloat
+    """Above the table's top [m]."""
+    fovy_deg: Annotated[float, Field(gt=0, lt=120)]
+    width: PositiveInt
+    rows: PositiveInt
+
+
+class Spawn(Config):
+    """How far from the middle of the picking table, and how turned, a box arrives: uniform, +-."""
+
+    offset: NonNegativeFloat
+    yaw_deg: NonNegativeFloat
+
+
+class Contact(Config):
+    """How boxes, tables and pallet touch."""
+
+    friction: PositiveFloat
+    solref: Pair
+    solimp: Point
+    noslip_iterations: Annotated[int, Field(ge=0)]
+    sleep_speed: NonNegativeFloat
+    """Boxes that are slower for 10 steps rest until something touches them [m/s, rad/s]; 0: never."""
+    watch_force: PositiveFloat
+    """Unwanted contacts above it are recorded [N]."""
+    landing_speed: PositiveFloat
+    """What a carried box may come down on something with before it counts as a collision [m/s]."""
+
+
+class Calibration(Config):
+    """How far the arm stands from where everyone believes it; the direction is drawn from the seed."""
+
+    position: NonNegativeFloat
+    """[m]"""
+    orientation_deg: NonNegativeFloat
+    """About the middle between tables and pallet."""
+
+
+class Preset(Config):
+    """How the real arm differs from the ideal one."""
+
+    gears: Gears | None
+    """None: rigid."""
+    calibration: Calibration
+
+
+class PalletizingCell(Config):
+    """The palletizing cell."""
+
+    arm: Arm
+    tool: GripperTool
+    grip: GripLimits
+    picking_table: Table
+    reorientation_table: Table
+    pallet: Pallet
+    camera: Camera
+    spawn: Spawn
+    servo: Servo
+    contact: Contact
+    presets: dict[str, Preset]
+    preset: str = "rigid"
+    """Which of the presets the arm is."""
+
+    @model_validator(mode="after")
+    def _parts_fit(self) -> Self:
+        if len(self.servo.inertia) != 6:
+            raise ValueError(f"servo.inertia has {len(self.servo.inertia)} values; allowed: 6")
+        if self.tool.mast_radius * 2 > self.tool.pad_size:
+            raise ValueError(f"mast of radius {self.tool.mast_radius} m is wider than the pad")
+        return self
+
+    @model_validator(mode="after")
+    def _preset_exists(self) -> Self:
+        if self.preset not in self.presets:
+            raise ValueError(f"preset is '{self.preset}'; there are: {', '.join(self.presets)}")
+        return self
+
+    @property
+    def imperfections(self) -> Preset:
+        """How the real arm differs from the ideal one."""
+        return self.presets[self.preset]
+
+    @property
+    def overhead_camera(self) -> PinholeCamera:
+        """The overhead camera; image up is +y of the world."""
+        x, y = self.picking_table.centre
+        p_WC = np.array([x, y, self.picking_table.height + self.camera.height])
+        f = focal_length(self.camera.fovy_deg, self.camera.rows)
+        return PinholeCamera.looking_down(p_WC, f, self.camera.width, self.camera.rows)
+
+
+@cache
+def palletizing_cell(preset: str = "rigid") -> PalletizingCell:
+    """The palletizing cell as configured, with one of its presets of the arm."""
+    path = config_path("cells", "palletizing.yaml")
+    cell = load_config(PalletizingCell, path)
+    return validate_config(PalletizingCell, {**cell.model_dump(), "preset": preset}, str(path))

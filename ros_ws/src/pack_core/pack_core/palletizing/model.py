@@ -1,0 +1,110 @@
+"""The MuJoCo model of the palletizing cell, with the boxes that are in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import Contact, PalletizingCell
+from pack_core.palletizing.furniture import add_furniture
+from pack_core.palletizing.look import add_surroundings
+from pack_core.robots.gears import Gears
+from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
+from pack_core.robots.surface_gripper import TOOL, add_surface_gripper
+from pack_core.rotations import Pose
+
+GRIP_SOLREF = (0.01, 1.0)
+GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+"""Compliance of the grip: a box of 15 kg sags by 0.06 mm."""
+
+
+def build_model(
+    cell: PalletizingCell,
+    boxes: Sequence[BoxBody] = (),
+    *,
+    timestep: float = 0.002,
+    look: bool = False,
+    X_WB: Pose | None = None,
+    gears: Gears | None = None,
+) -> mujoco.MjModel:
+    """Compile the cell.
+
+    Args:
+        cell: the cell's physical facts.
+        boxes: in the order of their coming; the model with one more box has the same first coordinates.
+        timestep: step of the integrator [s].
+        look: shapes, textures and lights for pictures.
+        X_WB: where the arm really stands; by default where everyone believes it.
+        gears: gears that give way; by default rigid ones.
+
+    Returns:
+        The model. Arm joints and their motors carry the names of `LIMITS`, the tool is body `tool`; every
+        box is a body, a free joint, a geom and an inactive weld to the tool, all of its name.
+    """
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    _set_solver(spec, cell.contact, timestep)
+    add_furniture(spec, cell, look=look)
+    flange = add_kr210(spec, X_WB or cell.arm.X_WB, look=look, gears=gears)
+    add_surface_gripper(flange, cell.tool, look=look)
+    _add_motors(spec)
+    for box in boxes:
+        add_box(spec, box)
+    _set_contacts(spec, cell.contact)
+    if look:
+        add_surroundings(spec, cell)
+    return spec.compile()
+
+
+def add_box(spec: mujoco.MjSpec, box: BoxBody) -> None:
+    """Add a free box and the weld that holds it to the tool once it is gripped."""
+    body = spec.worldbody.add_body(name=box.name)
+    body.add_freejoint(name=box.name)
+    body.add_geom(
+        name=box.name, type=mujoco.mjtGeom.mjGEOM_BOX, size=box.half_extents, mass=box.mass,
+        contype=1, conaffinity=1 | ARM_BITS, condim=3, rgba=(0.72, 0.55, 0.36, 1.0),
+    )  # fmt: skip
+    spec.add_equality(
+        name=box.name, type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY, name1=TOOL,
+        name2=box.name, active=False, solref=GRIP_SOLREF, solimp=GRIP_SOLIMP,
+    )  # fmt: skip
+
+
+def body_pose(data: mujoco.MjData, name: str) -> Pose:
+    """X_WB of a body after forward kinematics."""
+    body = data.body(name)
+    return Pose(body.xpos, body.xquat)
+
+
+def _add_motors(spec: mujoco.MjSpec) -> None:
+    """A torque actuator on every joint, with the published limit; controls are torques `(6,)` [N m]."""
+    for name, limit in zip(LIMITS.names, LIMITS.effort, strict=True):
+        spec.add_actuator(
+            name=name,
+            target=name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            ctrllimited=True,
+            ctrlrange=(-limit, limit),
+        ).set_to_motor()
+
+
+def _set_solver(spec: mujoco.MjSpec, contact: Contact, timestep: float) -> None:
+    option = spec.option
+    option.timestep = timestep
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # MuJoCo 4.0.0 may diverge with the sparse one (#3767)
+    option.impratio = 10.0
+    option.noslip_iterations = contact.noslip_iterations
+    if contact.sleep_speed > 0.0:
+        option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
+        option.sleep_tolerance = contact.sleep_speed
+
+
+def _set_contacts(spec: mujoco.MjSpec, contact: Contact) -> None:
+    for geom in spec.geoms:
+        geom.friction = (contact.friction, 0.005, 0.0001)
+        geom.solref, geom.solimp = contact.solref, (*contact.solimp, 0.5, 2.0)

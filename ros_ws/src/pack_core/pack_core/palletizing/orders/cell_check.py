@@ -1,0 +1,49 @@
+"""What keeps a cell from building an order that stands: another pallet, boxes too much for its gripper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.grips import PlannedGrip, grips_of
+from pack_core.palletizing.orders.order import Order, OrderBox
+
+TOLERANCE = 0.001
+"""By which an order's pallet may differ from the cell's [m]."""
+WHERE = "config/cells/palletizing.yaml"
+
+
+def misfits_of(order: Order, cell: PalletizingCell) -> list[str]:
+    """Every reason why this cell cannot build the order; empty where it can."""
+    return [*_wrong_pallet(order, cell), *(why for item in order.boxes for why in _not_held(item, cell))]
+
+
+def _wrong_pallet(order: Order, cell: PalletizingCell) -> Iterator[str]:
+    own = dict(zip(("length", "width"), cell.pallet.size, strict=True))
+    for key, allowed in {**own, "deck_height": cell.pallet.deck_height}.items():
+        given = getattr(order.pallet, key)
+        if abs(given - allowed) > TOLERANCE:
+            yield f"key 'pallet.{key}' is {given:g}; allowed: {allowed:g}, the cell's ({WHERE}: pallet)"
+
+
+def _not_held(item: OrderBox, cell: PalletizingCell) -> Iterator[str]:
+    """For each limit of the gripper that is passed, the first grip that passes it."""
+    reasons: dict[str, str] = {}
+    for grip in grips_of(item, cell.grip.carrying_acceleration):
+        for key, load, limit, unit in _demands(grip, cell):
+            if load > limit:
+                text = f"{item.weight:g} kg, {grip.how}, make a {key.replace('_', ' ')} of {load:.1f} {unit}"
+                reasons.setdefault(key, f"{text}; allowed: {limit:g} {unit} ({WHERE}: grip.{key})")
+        if grip.face < cell.tool.pad_size:
+            text = f"its face is {grip.face:g} m wide where it is {grip.how}"
+            reasons.setdefault("face", f"{text}; allowed: {cell.tool.pad_size:g} m ({WHERE}: tool.pad_size)")
+    return (f"box '{item.id}': {reason}" for reason in reasons.values())
+
+
+def _demands(grip: PlannedGrip, cell: PalletizingCell) -> tuple[tuple[str, float, float, str], ...]:
+    load, limits = grip.load, cell.grip
+    return (
+        ("coaxial_force", load.coaxial, limits.coaxial_force, "N"),
+        ("shear_force", load.shear, limits.shear_force, "N"),
+        ("moment", load.moment, limits.moment, "N m"),
+    )

@@ -1,0 +1,98 @@
+"""An order: which boxes arrive, and where a packing algorithm wants each on the pallet."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from pack_core.config import Config
+from pack_core.palletizing.orders.handling import BundlingAxis, Handling, OrientId, Turn, turn_of
+from pack_core.palletizing.orders.placed_box import PlacedBox
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.001, le=10.0)]
+Mass = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=1000.0)]
+Count = Annotated[int, Field(strict=True)]
+Name = Annotated[str, Field(min_length=1, max_length=200)]
+Triple = tuple[Length, Length, Length]
+
+
+class Units(Config):
+    """The units an order is written in."""
+
+    length: Literal["m"]
+    mass: Literal["kg"]
+
+
+class Pallet(Config):
+    """The pallet: its deck's length and width and how high it is over the floor [m]."""
+
+    length: Length
+    width: Length
+    deck_height: Length
+    type: str = ""
+    frame: str = ""
+
+
+class OrderBox(Config):
+    """A box of an order."""
+
+    id: Name
+    dims: Triple = Field(description="d_x >= d_y >= d_z as it arrives, d_z upright [m]")
+    weight: Mass = Field(description="[kg]")
+    orient_id: OrientId
+    bundling_axis: BundlingAxis
+    position: tuple[Number, Number, Number] = Field(description="lower corner in P [m]")
+    placed_dims: Triple | None = Field(None, description="extents on the pallet [m], as a check")
+    handling: Handling | None = Field(None, description="what the turn takes, as a check")
+    seq: Count | None = None
+    article: str = ""
+    product_group: str | None = None
+    this_side_up: bool | None = None
+    max_square_pad: Length | None = Field(
+        None, description="side of the largest centred pad that misses taller neighbours placed before it [m]"
+    )
+
+    @model_validator(mode="after")
+    def _arrives_lying(self) -> OrderBox:
+        d_x, d_y, d_z = self.dims
+        if not d_x >= d_y >= d_z:
+            raise ValueError(f"dims are {list(self.dims)}; allowed: d_x >= d_y >= d_z, the largest face down")
+        return self
+
+    @cached_property
+    def turn(self) -> Turn:
+        """What brings it from the way it arrives to the way it stands on the pallet."""
+        return turn_of(self.dims, self.bundling_axis, self.orient_id)
+
+    @property
+    def placed(self) -> PlacedBox:
+        """Where it is to stand."""
+        return PlacedBox(self.id, np.array(self.position), np.array(self.turn.extents), self.weight)
+
+
+class Order(Config):
+    """An order."""
+
+    order_id: Name
+    pallet: Pallet
+    boxes: tuple[OrderBox, ...]
+    units: Units | None = None
+    source: dict[str, Any] = Field(default_factory=dict, description="where the data come from")
+    placement_planner: str = ""
+    note: str = ""
+    total_boxes: Count | None = Field(None, description="as a check")
+    total_weight: Number | None = Field(None, description="[kg], as a check")
+    stack_height: Number | None = Field(None, description="over the deck [m], as a check")
+
+    @property
+    def placed(self) -> tuple[PlacedBox, ...]:
+        """Where the boxes are to stand, in the order's sequence."""
+        return tuple(item.placed for item in self.boxes)
+
+    def box(self, name: str) -> OrderBox:
+        """The box called `name`."""
+        return next(item for item in self.boxes if item.id == name)

@@ -1,0 +1,84 @@
+"""What is wrong with an order whose keys and values are each in range: all of it, in words."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from pack_core.palletizing.orders.order import Order, OrderBox
+from pack_core.palletizing.orders.placed_box import TOUCH
+from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
+
+ROUNDING = 0.01
+"""Sums in a file may differ by this from those of its boxes [kg, m]."""
+
+
+def problems_of(order: Order, config: SupportConfig) -> list[str]:
+    """Every reason why the order cannot be built as it stands; empty where it can."""
+    if not order.boxes:
+        return ["key 'boxes' is empty; allowed: one box or more"]
+    named = [*_repeated(order), *_misdeclared(order)]
+    placed = [*named, *_outside(order), *_overlapping(order)]
+    if placed:
+        return placed  # what carries a box is not worth telling while places are wrong
+    return [f"box '{name}': {reason}" for name, reason in unstable_boxes(order.placed, config).items()]
+
+
+def _repeated(order: Order) -> Iterator[str]:
+    for name, n in Counter(item.id for item in order.boxes).items():
+        if n > 1:
+            yield f"box '{name}': key 'id' is given {n} times; allowed: once in an order"
+
+
+def _misdeclared(order: Order) -> Iterator[str]:
+    placed = order.placed
+    sums: list[tuple[str, float | None, float, float]] = [
+        ("total_boxes", order.total_boxes, len(placed), 0.0),
+        ("total_weight", order.total_weight, sum(item.mass for item in placed), ROUNDING),
+        ("stack_height", order.stack_height, max(float(item.upper[2]) for item in placed), ROUNDING),
+    ]
+    for key, given, actual, tolerance in sums:
+        if given is not None and abs(given - actual) > tolerance:
+            yield f"key '{key}' is {given:g}; its boxes give {actual:g}"
+    for place, item in enumerate(order.boxes, start=1):
+        yield from _misdeclared_box(place, item)
+
+
+def _misdeclared_box(place: int, item: OrderBox) -> Iterator[str]:
+    turn = item.turn
+    if item.seq is not None and item.seq != place:
+        yield f"box '{item.id}': key 'seq' is {item.seq}; it stands at place {place} of the order"
+    if item.placed_dims is not None and not np.allclose(item.placed_dims, turn.extents, rtol=0, atol=TOUCH):
+        yield (
+            f"box '{item.id}': key 'placed_dims' is {list(item.placed_dims)}; dims, orient_id and "
+            f"bundling_axis give {list(turn.extents)}"
+        )
+    if item.handling is not None and item.handling != turn.handling:
+        yield (
+            f"box '{item.id}': key 'handling' is '{item.handling}'; orient_id {item.orient_id} and "
+            f"bundling_axis '{item.bundling_axis}' give '{turn.handling}'"
+        )
+
+
+def _outside(order: Order) -> Iterator[str]:
+    deck = np.array([order.pallet.length, order.pallet.width])
+    for item in order.placed:
+        if np.any(item.lower < -TOUCH) or np.any(item.upper[:2] > deck + TOUCH):
+            yield (
+                f"box '{item.id}': key 'position' is {_shown(item.lower)}, it ends at {_shown(item.upper)}; "
+                f"allowed: x 0 to {deck[0]:g}, y 0 to {deck[1]:g}, z from 0"
+            )
+
+
+def _overlapping(order: Order) -> Iterator[str]:
+    for first, second in combinations(order.placed, 2):
+        if first.overlaps(second):
+            depth_mm = float(-first.clearance(second).max()) * 1e3
+            yield f"box '{second.id}': key 'position' makes it overlap box '{first.id}' by {depth_mm:.1f} mm"
+
+
+def _shown(p: np.ndarray) -> str:
+    return "(" + ", ".join(f"{value:.3f}" for value in p) + ")"

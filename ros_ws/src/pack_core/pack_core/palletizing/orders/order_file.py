@@ -1,0 +1,98 @@
+"""Reading orders: whatever a file holds, out comes an order that can be built or words that say why not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from pack_core.errors import OrderError
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.cell_check import misfits_of
+from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order_check import problems_of
+from pack_core.palletizing.orders.support import SupportConfig
+
+MAX_BYTES = 5_000_000
+
+
+def load_order(path: Path, cell: PalletizingCell | None = None) -> Order:
+    """Read an order's file.
+
+    Args:
+        path: of the file.
+        cell: that shall build it; None: any.
+
+    Raises:
+        OrderError: it cannot be read, or cannot be built; its text has a line for every problem.
+    """
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise OrderError(f"{path}: larger than {MAX_BYTES / 1e6:g} MB; allowed: one order as JSON")
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise OrderError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise OrderError(f"{path}: is no text in UTF-8; allowed: one order as JSON") from error
+    return parse_order(text, str(path), cell=cell)
+
+
+def parse_order(
+    text: str, source: str, config: SupportConfig | None = None, *, cell: PalletizingCell | None = None
+) -> Order:
+    """Read an order from JSON text.
+
+    Args:
+        text: the order.
+        source: names it in errors.
+        config: what a box needs under it.
+        cell: that shall build it; None: any.
+
+    Raises:
+        OrderError: as for `load_order`.
+    """
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise OrderError(f"{source}: is no JSON: {error}") from error
+    if not isinstance(data, dict):
+        raise OrderError(
+            f"{source}: holds a {type(data).__name__}; allowed: an object with order_id, pallet and boxes"
+        )
+    try:
+        order = Order.model_validate(data)
+    except ValidationError as error:
+        raise OrderError("\n".join(_explain(item, data, source) for item in error.errors())) from error
+    misfits = [] if cell is None else misfits_of(order, cell)
+    if problems := [*problems_of(order, config or SupportConfig()), *misfits]:
+        raise OrderError("\n".join(f"{source}: {problem}" for problem in problems))
+    return order
+
+
+def _explain(item: Any, data: dict[str, Any], source: str) -> str:
+    place, keys = source, [str(part) for part in item["loc"]]
+    if keys[:1] == ["boxes"] and len(keys) > 1:
+        place, keys = f"{source}: {_name_of(data['boxes'], int(keys[1]))}", keys[2:]
+    key = ".".join(keys)
+    if item["type"] == "extra_forbidden":
+        return f"{place}: key '{key}' is not known; remove it or correct its spelling"
+    if item["type"] == "missing":
+        return f"{place}: key '{key}' is missing"
+    message = item["msg"].removeprefix("Value error, ")
+    if not key:
+        return f"{place}: {message}"
+    return f"{place}: key '{key}' is {_shown(item['input'])}; allowed: {message}"
+
+
+def _name_of(boxes: Any, index: int) -> str:
+    entry = boxes[index]
+    if isinstance(entry, dict) and isinstance(entry.get("id"), str):
+        return f"box '{entry['id']}'"
+    return f"box {index + 1} of the list"
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,109 @@
+"""Pictures of the palletizing cell from any camera, without a screen."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from types import TracebackType
+from typing import Self
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.camera import PinholeCamera
+from pack_core.errors import PackError
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.look import CARDBOARDS
+from pack_core.palletizing.model import build_model
+from pack_core.rotations import Array, Pose, to_matrix
+
+Picture = npt.NDArray[np.uint8]
+NEAR, FAR = 0.05, 30.0
+"""What a pinhole camera's picture shows, by distance [m]."""
+
+
+class CellView:
+    """Draws the arm and boxes where they are said to be; a context manager, bound to the thread that made it.
+
+    Boxes are drawn into the picture rather than built into the model: they come and go at no cost.
+
+    Args:
+        cell: the cell's physical facts.
+        width: of the pictures [pixel].
+        height: of the pictures [pixel].
+        shadows: whether lights cast shadows, at about three times the cost.
+
+    Raises:
+        PackError: there is no OpenGL to draw with.
+    """
+
+    def __init__(self, cell: PalletizingCell, width: int, height: int, *, shadows: bool = True) -> None:
+        self._model = build_model(cell, look=True)
+        self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
+        self._data = mujoco.MjData(self._model)
+        self._shadows = shadows
+        self._materials = [self._model.material(f"cardboard_{i}").id for i in range(CARDBOARDS)]
+        self._renderer = self._open(height, width)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._renderer.close()
+
+    def picture(
+        self, q: Array, boxes: Mapping[BoxBody, Pose], camera: PinholeCamera | mujoco.MjvCamera
+    ) -> Picture:
+        """The cell with the arm at `q` `(6,)` and boxes at X_WB, `(height, width, 3)` RGB."""
+        self._data.qpos[:6] = q
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_comPos(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+        scene = self._renderer.scene
+        pinhole = isinstance(camera, PinholeCamera)
+        self._renderer.update_scene(self._data, mujoco.MjvCamera() if pinhole else camera)
+        if isinstance(camera, PinholeCamera):
+            _point(scene, camera)
+        scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = self._shadows
+        for box, X_WB in boxes.items():
+            self._add_box(scene, box, X_WB)
+        picture: Picture = self._renderer.render()
+        return picture
+
+    def _add_box(self, scene: mujoco.MjvScene, box: BoxBody, X_WB: Pose) -> None:
+        geom = scene.geoms[scene.ngeom]
+        mujoco.mjv_initGeom(
+            geom, mujoco.mjtGeom.mjGEOM_BOX, box.half_extents, X_WB.p, to_matrix(X_WB.q).ravel(),
+            np.ones(4, dtype=np.float32),
+        )  # fmt: skip
+        geom.matid = self._materials[box.look % CARDBOARDS]
+        geom.category = mujoco.mjtCatBit.mjCAT_DYNAMIC  # decoration would cast no shadow
+        scene.ngeom += 1
+
+    def _open(self, height: int, width: int) -> mujoco.Renderer:
+        try:
+            return mujoco.Renderer(self._model, height, width)
+        except Exception as error:  # whatever the platform's OpenGL raises
+            backend = os.environ.get("MUJOCO_GL", "not set")
+            raise PackError(
+                f"cannot draw without a screen: {error} (MUJOCO_GL is {backend}); install EGL, `sudo apt-get "
+                "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl"
+            ) from error
+
+
+def _point(scene: mujoco.MjvScene, camera: PinholeCamera) -> None:
+    """Make both of the scene's cameras (for either eye) that of the intrinsics."""
+    R_WC = to_matrix(camera.X_WC.q)
+    scale = NEAR / camera.f
+    for eye in scene.camera:
+        eye.pos[:], eye.forward[:], eye.up[:] = camera.X_WC.p, R_WC[:, 2], -R_WC[:, 1]
+        eye.frustum_near, eye.frustum_far = NEAR, FAR
+        eye.frustum_top = scale * (camera.c[1] + 0.5)
+        eye.frustum_bottom = -scale * (camera.height - camera.c[1] - 0.5)
+        eye.frustum_center = scale * (0.5 * camera.width - camera.c[0] - 0.5)
+        eye.frustum_width = scale * 0.5 * camera.width

@@ -1,1 +1,0 @@
-"""What the cells say about rearranging blocks on a table: problems and plans."""

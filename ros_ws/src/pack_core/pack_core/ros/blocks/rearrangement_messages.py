@@ -1,0 +1,124 @@
+"""Rearrangement problems and plans as messages, and back.
+
+Every `from_*` raises MessageError for a message that must not be used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from geometry_msgs.msg import Point
+from pack_interfaces.msg import BlockAction, BlockDeed, BlockPose, BlockTolerance
+from pack_interfaces.msg import GripperFootprint as GripperFootprintMsg
+from pack_interfaces.srv import PlanRearrangement
+
+from pack_core.blocks.deed import Deed, DeedKind
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.plan import Action, Diagnosis, PickPlace, Plan, PlanStatistics, PlanStatus, Push
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Block, Problem, Tolerance
+from pack_core.config import validate_config
+from pack_core.errors import ConfigError, MessageError
+
+
+def to_block_poses(poses: Mapping[str, PlanarPose]) -> list[BlockPose]:
+    """Poses by id."""
+    return [BlockPose(id=name, x=pose.x, y=pose.y, yaw=pose.yaw) for name, pose in poses.items()]
+
+
+def from_block_poses(messages: Iterable[BlockPose], what: str) -> dict[str, PlanarPose]:
+    """Poses by id; `what` names them in errors."""
+    poses: dict[str, PlanarPose] = {}
+    for message in messages:
+        if message.id in poses:
+            raise MessageError(f"block id occurs more than once in the {what}: {message.id}")
+        poses[message.id] = PlanarPose(message.x, message.y, message.yaw)
+    return poses
+
+
+def to_request(
+    problem: Problem, *, method: str = "", budget_s: float = 0.0, seed: int = 0
+) -> PlanRearrangement.Request:
+    """Ask for a plan; the node's own method and budget unless they are given."""
+    return PlanRearrangement.Request(
+        blocks=[BlockPose(id=b.id, x=b.pose.x, y=b.pose.y, yaw=b.pose.yaw) for b in problem.blocks],
+        goals=to_block_poses(problem.goals),
+        workspace=[Point(x=float(x), y=float(y)) for x, y in problem.workspace],
+        side=problem.side, symmetry=problem.symmetry,
+        gripper=GripperFootprintMsg(**problem.gripper.model_dump()),
+        tolerance=BlockTolerance(**problem.tolerance.model_dump()),
+        starts_may_be_outside=problem.starts_may_be_outside,
+        refused=[BlockDeed(kind=d.kind, x=d.at.x, y=d.at.y, heading=d.at.yaw) for d in problem.refused],
+        method=method, budget=budget_s, seed=seed,
+    )  # fmt: skip
+
+
+def from_request(request: PlanRearrangement.Request) -> Problem:
+    """The problem of a request; the planner finds what contradicts itself in it."""
+    try:
+        gripper = validate_config(GripperFootprint, _fields(request.gripper), "gripper")
+        tolerance = validate_config(Tolerance, _fields(request.tolerance), "tolerance")
+    except ConfigError as error:
+        raise MessageError(str(error)) from error
+    return Problem(
+        blocks=tuple(Block(b.id, PlanarPose(b.x, b.y, b.yaw)) for b in request.blocks),
+        goals=from_block_poses(request.goals, "goals"),
+        workspace=tuple((corner.x, corner.y) for corner in request.workspace),
+        side=request.side, symmetry=request.symmetry, gripper=gripper, tolerance=tolerance,
+        starts_may_be_outside=request.starts_may_be_outside,
+        refused=tuple(_from_deed(deed) for deed in request.refused),
+    )  # fmt: skip
+
+
+def fill_plan(response: PlanRearrangement.Response, plan: Plan) -> None:
+    """Put a plan into a response."""
+    response.status = int(plan.status)
+    response.message, response.blocks = plan.diagnosis.text, list(plan.diagnosis.blocks)
+    response.actions = [to_action(action) for action in plan.actions]
+    response.lower_bound = plan.lower_bound
+    response.planning_time = float(plan.statistics.total_s)
+    response.first_plan_time = float(plan.statistics.first_plan_s)
+
+
+def from_response(response: PlanRearrangement.Response) -> Plan:
+    """The plan in a response."""
+    if response.status not in list(PlanStatus):
+        raise MessageError(f"status is {response.status}; allowed: {[int(s) for s in PlanStatus]}")
+    return Plan(
+        PlanStatus(response.status),
+        tuple(_from_action(action) for action in response.actions),
+        response.lower_bound,
+        Diagnosis(response.message, tuple(response.blocks)),
+        PlanStatistics(first_plan_s=response.first_plan_time, total_s=response.planning_time),
+    )
+
+
+def to_action(action: Action) -> BlockAction:
+    """One action."""
+    start, end = to_block_poses({action.block: action.start}), to_block_poses({action.block: action.end})
+    if isinstance(action, Push):
+        return BlockAction(kind=BlockAction.PUSH, start=start[0], end=end[0])
+    return BlockAction(kind=BlockAction.PICK_PLACE, start=start[0], end=end[0], grasp=action.grasp)
+
+
+def _from_action(message: BlockAction) -> Action:
+    start, end = (PlanarPose(pose.x, pose.y, pose.yaw) for pose in (message.start, message.end))
+    if not (start.is_finite and end.is_finite and message.start.id == message.end.id):
+        raise MessageError(f"action of {message.start.id} and {message.end.id} from {start} to {end}")
+    if message.kind == BlockAction.PUSH:
+        return Push(message.start.id, start, end)
+    if message.kind != BlockAction.PICK_PLACE or message.grasp not in (0, 1):
+        raise MessageError(f"action is of kind {message.kind} with grasp {message.grasp}")
+    return PickPlace(message.start.id, start, end, message.grasp)
+
+
+def _from_deed(message: BlockDeed) -> Deed:
+    at = PlanarPose(message.x, message.y, message.heading)
+    if message.kind not in list(DeedKind) or not at.is_finite:
+        raise MessageError(f"refused deed is of kind {message.kind} at {at}")
+    return Deed(DeedKind(message.kind), at)
+
+
+def _fields(message: Any) -> dict[str, float]:
+    return {name: float(getattr(message, name)) for name in message.get_fields_and_field_types()}

@@ -1,0 +1,1 @@
+"""Messages and parameters of the packing cell."""

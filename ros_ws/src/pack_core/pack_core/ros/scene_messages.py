@@ -1,0 +1,52 @@
+"""Where the objects of a scene are, as messages and back."""
+
+from __future__ import annotations
+
+from geometry_msgs.msg import Twist
+from pack_interfaces.msg import ObjectState as ObjectStateMsg
+from pack_interfaces.msg import SceneState as SceneStateMsg
+
+from pack_core.errors import MessageError
+from pack_core.ros.conversions import (
+    WORLD,
+    from_pose,
+    from_stamp,
+    from_vector,
+    to_pose,
+    to_stamp,
+    to_vector,
+)
+from pack_core.states import ObjectState, SceneState, Source
+
+
+def to_scene(state: SceneState) -> SceneStateMsg:
+    """All objects' states."""
+    message = SceneStateMsg()
+    message.header.stamp, message.header.frame_id = to_stamp(state.time), WORLD
+    message.objects = [
+        ObjectStateMsg(
+            name=name, pose=to_pose(item.X_WO), source=int(item.source), age=float(item.age),
+            twist=Twist(linear=to_vector(item.v_WO_W), angular=to_vector(item.w_WO_W)),
+        )
+        for name, item in state.objects.items()
+    ]  # fmt: skip
+    return message
+
+
+def from_scene(message: SceneStateMsg) -> SceneState:
+    """All objects' states."""
+    objects = {
+        item.name: ObjectState(
+            from_pose(item.pose), from_vector(item.twist.linear, f"velocity of {item.name}"),
+            from_vector(item.twist.angular, f"angular velocity of {item.name}"),
+            _source_of(item), item.age,
+        )
+        for item in message.objects
+    }  # fmt: skip
+    return SceneState(from_stamp(message.header.stamp), objects)
+
+
+def _source_of(item: ObjectStateMsg) -> Source:
+    if item.source not in list(Source):
+        raise MessageError(f"source of {item.name} is {item.source}; allowed: {[s.value for s in Source]}")
+    return Source(item.source)

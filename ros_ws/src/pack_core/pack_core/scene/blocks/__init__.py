@@ -1,1 +1,0 @@
-"""The blocks cell as a MuJoCo model."""

@@ -1,0 +1,1 @@
+"""From a recording to its measures, plots, video and report."""

@@ -1,0 +1,1 @@
+"""Runs of the blocks cell: arrays, measures, drawings, report."""

@@ -1,0 +1,68 @@
+"""Evaluation of a rearrangement, with its plans step by step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.problem import Block
+from pack_evaluation.blocks.from_bag import BlocksRun, load_blocks_run
+from pack_evaluation.blocks.measures import BlocksMeasures, measure, rows
+from pack_evaluation.blocks.plan_drawing import write_plan
+from pack_evaluation.blocks.video import write_strip, write_video
+from pack_evaluation.evaluator import Evaluation, Evaluator, Progress
+from pack_evaluation.html import embedded, render
+from pack_evaluation.table import Row
+
+TEMPLATE = Path(__file__).with_name("report.html.j2")
+
+
+class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
+    """Of the blocks cell."""
+
+    def load(self, path: Path) -> BlocksRun:
+        """The rearrangement in a recording."""
+        return load_blocks_run(path)
+
+    def measure(self, run: BlocksRun) -> BlocksMeasures:
+        """Its measures."""
+        return measure(run)
+
+    def rows(self, measures: BlocksMeasures) -> tuple[Row, ...]:
+        """The measures in words."""
+        return rows(measures)
+
+    def draw(self, run: BlocksRun, folder: Path) -> list[Path]:
+        """Every plan, from where its blocks stood when it was made."""
+        drawn = []
+        for number, plan in enumerate(run.plans, 1):
+            first = {action.block: action.start for action in reversed(plan.actions)}
+            blocks = tuple(Block(b.id, first.get(b.id, run.problem.goals[b.id])) for b in run.problem.blocks)
+            problem = replace(run.problem, blocks=blocks)
+            drawn.append(write_plan(problem, plan, folder / f"plan_{number}.png"))
+        return drawn
+
+    def film(self, run: BlocksRun, path: Path, progress: Progress) -> None:
+        """Render the run as MP4."""
+        write_video(run, blocks_cell(), path, progress)
+
+    def page(self, found: Evaluation[BlocksRun, BlocksMeasures]) -> str:
+        """The report."""
+        return render(
+            TEMPLATE, title=f"{len(found.run.problem.blocks)} blocks", run=found.run,
+            measures=found.measures, rows=found.rows, plots=[embedded(plot) for plot in found.plots],
+            video=embedded(found.video) if found.video else "",
+            record={key: _in_words(value) for key, value in found.record.items() if key != "configuration"},
+        )  # fmt: skip
+
+    def still(self, run: BlocksRun, path: Path) -> None:
+        """Write moments evenly spread over the run, row by row."""
+        write_strip(run, blocks_cell(), path)
+
+
+def _in_words(value: Any) -> str:
+    return (
+        ", ".join(f"{name} {part}" for name, part in value.items()) if isinstance(value, dict) else str(value)
+    )

@@ -1,0 +1,163 @@
+"""A recording of the blocks cell as arrays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pack_core import stamps
+from pack_core.blocks.plan import Action, PickPlace, Plan, PlanStatus, Push
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Problem
+from pack_core.blocks.problem_file import load_problem
+from pack_core.errors import BagError
+from pack_core.rotations import Array
+from pack_evaluation.bag import read_bag
+
+TRUTH, JOINTS, JAW = "/sim/truth", "/joint_states", "/gripper/state"
+POSES, STATUS, RESULT = "/block_poses", "/rearrange/status", "/rearrange/result"
+TOPICS = (TRUTH, JOINTS, JAW, POSES, STATUS, RESULT)
+FIELDS = (
+    "success", "exit_reason", "message", "execution_time", "picks", "pushes", "plans", "failed_grasps",
+    "refusals", "deviations", "disturbances",
+)  # fmt: skip
+"""Of the action's result."""
+PUSH = 2
+"""BlockAction's kind of a push."""
+PROBLEM_FILE = "problem.yaml"
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What one picture told: time of exposure [s], X_WB by id, ids not seen or seen twice."""
+
+    time: float
+    poses: Mapping[str, PlanarPose]
+    unclear: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class BlocksRun:
+    """One recorded rearrangement.
+
+    Attributes:
+        problem: where blocks stood and were to stand.
+        result: the fields of the action's result.
+        plans: every plan that was made, in order.
+        sights: every picture's poses.
+        times: of the truth `(T,)` [s].
+        truth: poses of every block `(T, 7)`, position and quaternion wxyz, by id.
+        joint_times: `(J,)` [s].
+        joints: `(J, 6)` [rad].
+        jaw_times: `(G,)` [s].
+        openings: between the pads `(G,)` [m].
+        is_cut: whether the recording was cut off.
+    """
+
+    problem: Problem
+    result: Mapping[str, Any]
+    plans: tuple[Plan, ...]
+    sights: tuple[Sight, ...]
+    times: Array
+    truth: Mapping[str, Array]
+    joint_times: Array
+    joints: Array
+    jaw_times: Array
+    openings: Array
+    is_cut: bool
+
+    def poses_at(self, time: float) -> dict[str, PlanarPose]:
+        """True X_WB by id at `time` [s], or at the nearest time that was recorded."""
+        row = int(np.abs(self.times - time).argmin())
+        return {name: planar(rows[row]) for name, rows in self.truth.items()}
+
+
+def load_blocks_run(path: Path) -> BlocksRun:
+    """Read a recorded rearrangement.
+
+    Args:
+        path: a run's folder, or its bag's.
+
+    Raises:
+        BagError: the recording is missing, broken, of another version, or holds no rearrangement.
+        ConfigError: there is no problem file beside it.
+    """
+    bag = read_bag(path, TOPICS)
+    if missing := [topic for topic in (TRUTH, JOINTS, JAW, STATUS, RESULT) if not bag.of(topic)]:
+        raise BagError(f"{bag.path} has no message on {', '.join(missing)}: did a goal run to its end?")
+    folder = path if (path / PROBLEM_FILE).is_file() else path.parent
+    truth, joints, jaw = bag.of(TRUTH), bag.of(JOINTS), bag.of(JAW)
+    return BlocksRun(
+        problem=load_problem(folder / PROBLEM_FILE), result=read_result(bag.of(RESULT)[-1].data, bag.path),
+        plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(POSES)),
+        times=_times(truth), truth=_tracks(truth), joint_times=_times(joints),
+        joints=np.array([message.position for message in joints]), jaw_times=_times(jaw),
+        openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut,
+    )  # fmt: skip
+
+
+def read_result(text: str, path: Path) -> dict[str, Any]:
+    """The fields of the action's result.
+
+    Args:
+        text: JSON.
+        path: of the bag, for the error.
+
+    Raises:
+        BagError: a field is missing.
+    """
+    result: dict[str, Any] = json.loads(text)
+    if missing := [name for name in FIELDS if name not in result]:
+        raise BagError(f"{path}: the result lacks {', '.join(missing)}; another version recorded it")
+    return result
+
+
+def planar(row: Array) -> PlanarPose:
+    """X_WB of a row of position and quaternion wxyz."""
+    w, x, y, z = row[3:]
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    return PlanarPose(float(row[0]), float(row[1]), float(yaw))
+
+
+def _plans(messages: Sequence[Any]) -> list[Plan]:
+    """One for each time that the executor had a plan made which says what to do."""
+    plans: dict[int, Plan] = {}
+    for message in messages:
+        if message.plan:
+            actions = tuple(_action(item) for item in message.plan)
+            plans.setdefault(message.plans, Plan(PlanStatus.FEASIBLE, actions, message.lower_bound))
+    return list(plans.values())
+
+
+def _action(message: Any) -> Action:
+    start, end = (PlanarPose(pose.x, pose.y, pose.yaw) for pose in (message.start, message.end))
+    if message.kind == PUSH:
+        return Push(message.start.id, start, end)
+    return PickPlace(message.start.id, start, end, message.grasp)
+
+
+def _sight(message: Any) -> Sight:
+    poses = {item.id: PlanarPose(item.x, item.y, item.yaw) for item in message.blocks}
+    return Sight(_seconds(message.header.stamp), poses, (*message.missing, *message.doubled))
+
+
+def _tracks(messages: Sequence[Any]) -> dict[str, Array]:
+    rows: dict[str, list[list[float]]] = {}
+    for message in messages:
+        for item in message.objects:
+            p, q = item.pose.position, item.pose.orientation
+            rows.setdefault(item.name, []).append([p.x, p.y, p.z, q.w, q.x, q.y, q.z])
+    return {name: np.array(samples) for name, samples in rows.items()}
+
+
+def _times(messages: Sequence[Any]) -> Array:
+    return np.array([_seconds(message.header.stamp) for message in messages])
+
+
+def _seconds(stamp: Any) -> float:
+    return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)

@@ -1,0 +1,120 @@
+"""From a recording to its measures, plots, video and report: the one way that every cell takes."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+
+from pack_evaluation.record import load_record
+from pack_evaluation.table import Row
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+VIDEO, REPORT, PLOTS = "run.mp4", "report.html", "plots"
+Progress = Callable[[float], None]
+"""Is told the fraction done."""
+
+
+class Recorded(Protocol):
+    """A run as it was read from a recording."""
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether the recording was cut off."""
+
+
+RunT = TypeVar("RunT", bound=Recorded)
+MeasuresT = TypeVar("MeasuresT", bound="DataclassInstance")
+
+
+@dataclass(frozen=True)
+class Evaluation(Generic[RunT, MeasuresT]):
+    """What an evaluation found and wrote; `rows` are the measures in words.
+
+    `plots` are PNG files, `video` is None where none was wanted, and `record` is what run.yaml holds.
+    """
+
+    run: RunT
+    measures: MeasuresT
+    rows: tuple[Row, ...]
+    record: dict[str, Any]
+    plots: list[Path]
+    video: Path | None
+    report: Path
+
+    def to_json(self) -> dict[str, Any]:
+        """The measures as plain values, NaN as None."""
+        return {**_plain(asdict(self.measures)), "is_cut": self.run.is_cut}
+
+
+class Evaluator(ABC, Generic[RunT, MeasuresT]):
+    """How the recordings of one cell are evaluated."""
+
+    def evaluate(
+        self, path: Path, output: Path, *, with_video: bool = True, progress: Progress = lambda _: None
+    ) -> Evaluation[RunT, MeasuresT]:
+        """Measure a recording and write its report.
+
+        Args:
+            path: a run's folder, a bag's folder or an MCAP file.
+            output: the folder for report.html, plots/ and run.mp4.
+            with_video: render the run.
+            progress: of the video.
+
+        Raises:
+            BagError: the recording is missing, broken, or holds no goal of this cell.
+            PackError: the video was wanted and there is no OpenGL to draw with.
+        """
+        run = self.load(path)
+        measures = self.measure(run)
+        (output / PLOTS).mkdir(parents=True, exist_ok=True)
+        video = output / VIDEO if with_video else None
+        if video:
+            self.film(run, video, progress)
+        plots = self.draw(run, output / PLOTS)
+        rows, record = self.rows(measures), load_record(path)
+        found = Evaluation(run, measures, rows, record, plots, video, output / REPORT)
+        found.report.write_text(self.page(found))
+        return found
+
+    @abstractmethod
+    def load(self, path: Path) -> RunT:
+        """The run in a recording."""
+
+    @abstractmethod
+    def measure(self, run: RunT) -> MeasuresT:
+        """Its measures."""
+
+    @abstractmethod
+    def rows(self, measures: MeasuresT) -> tuple[Row, ...]:
+        """The measures in words."""
+
+    @abstractmethod
+    def draw(self, run: RunT, folder: Path) -> list[Path]:
+        """Write the plots into a folder that exists, in the order a report shows them."""
+
+    @abstractmethod
+    def film(self, run: RunT, path: Path, progress: Progress) -> None:
+        """Render the run as MP4."""
+
+    @abstractmethod
+    def page(self, found: Evaluation[RunT, MeasuresT]) -> str:
+        """The report."""
+
+    def still(self, run: RunT, path: Path) -> None:
+        """Write one large picture, where a cell has one beside its plots."""
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, dict):
+        return {name: _plain(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
+    return None if value != value else value

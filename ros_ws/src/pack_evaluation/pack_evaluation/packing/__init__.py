@@ -1,0 +1,1 @@
+"""Runs of the packing cell: arrays, measures, plots, report."""

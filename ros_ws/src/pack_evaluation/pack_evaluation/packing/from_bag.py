@@ -1,0 +1,149 @@
+"""Recorded messages to arrays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pack_core import stamps
+from pack_core.errors import BagError
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array
+from pack_evaluation.bag import Bag, read_bag
+from pack_evaluation.packing.run import Iterations, Run
+from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
+from pack_evaluation.track import Track
+
+DESCRIPTION, STATUS, RESULT = "/cell_description", "/mpc/status", "/pack_object/result"
+TRUTH, ESTIMATE, JOINTS = "/sim/truth", "/scene", "/joint_states"
+WRENCH, GRIPPER, REAL_TIME = "/wrench", "/gripper/state", "/sim/real_time_factor"
+TOPICS = (DESCRIPTION, STATUS, RESULT, TRUTH, ESTIMATE, JOINTS, WRENCH, GRIPPER, REAL_TIME)
+
+
+def load_run(path: Path) -> Run:
+    """Read the last goal of a run.
+
+    Args:
+        path: a run's folder, a bag's folder or an MCAP file, or a run that a benchmark saved (.npz).
+
+    Raises:
+        BagError: the recording is missing, broken, or holds no goal.
+    """
+    return load_saved_run(path) if path.suffix == SUFFIX else to_run(read_bag(path, TOPICS))
+
+
+def to_run(bag: Bag) -> Run:
+    """The last goal in what was read.
+
+    Raises:
+        BagError: a topic that every run has is missing.
+    """
+    _check(bag)
+    iterations, outcome = _last_goal(bag)
+    start, end = _window(bag, iterations, outcome)
+    joints, wrenches = bag.of(JOINTS), bag.of(WRENCH)
+    return Run(
+        scene=Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION), start=start, end=end,
+        iterations=iterations, truth=_tracks(bag.of(TRUTH)), estimate=_tracks(bag.of(ESTIMATE)),
+        joint_times=_times(joints), joints=np.array([message.position for message in joints]),
+        force_times=_times(wrenches), force=_magnitudes(wrenches),
+        release_reason=_release(bag, start),
+        real_time_factors=_real_time_factors(bag, start, end),
+        outcome=outcome, is_cut=bag.is_cut,
+    )  # fmt: skip
+
+
+def _check(bag: Bag) -> None:
+    missing = [topic for topic in (DESCRIPTION, TRUTH, ESTIMATE, JOINTS, WRENCH) if not bag.of(topic)]
+    if missing:
+        raise BagError(
+            f"{bag.path} has no message on {', '.join(missing)}: was the node that sends it running?"
+        )
+    if not bag.of(STATUS) and not bag.of(RESULT):
+        raise BagError(f"{bag.path} has no message on {STATUS} or {RESULT}: was a goal sent?")
+
+
+def _window(bag: Bag, iterations: Iterations, outcome: dict[str, Any]) -> tuple[float, float]:
+    if iterations.times.size:
+        start, end = iterations.times[0] - iterations.elapsed[0], iterations.times[-1]
+        return float(start), float(start + outcome["execution_time"] if outcome else end)
+    end = stamps.to_seconds([item.time_ns for item in bag.messages if item.topic == RESULT][-1])
+    return end - float(outcome["execution_time"]), end
+
+
+def _seconds(message: Any) -> float:
+    return stamps.to_seconds(message.header.stamp.sec * stamps.NS_PER_S + message.header.stamp.nanosec)
+
+
+def _times(messages: Sequence[Any]) -> Array:
+    return np.array([_seconds(message) for message in messages])
+
+
+def _last_goal(bag: Bag) -> tuple[Iterations, dict[str, Any]]:
+    """The last goal's iterations and its result; the result of an earlier goal is not taken for it."""
+    status = [item for item in bag.messages if item.topic == STATUS]
+    results = [item for item in bag.messages if item.topic == RESULT]
+    elapsed = np.array([item.message.elapsed for item in status])
+    restarts = np.flatnonzero(np.diff(elapsed) < 0.0)
+    last = status[restarts[-1] + 1 :] if restarts.size else status
+    is_newer = bool(results) and (not last or results[-1].time_ns >= last[-1].time_ns)
+    outcome = json.loads(results[-1].message.data) if is_newer else {}
+    return _iterations([item.message for item in last]), outcome
+
+
+def _iterations(last: Sequence[Any]) -> Iterations:
+    columns = ("elapsed", "distance", "cost", "iteration_ms", "placements")
+    elapsed, distance, cost, ms, placements = (
+        np.array([getattr(message, name) for message in last], dtype=float) for name in columns
+    )
+    return Iterations(
+        times=_times(last), elapsed=elapsed, stages=tuple(message.stage for message in last),
+        distance=distance, cost=cost, ms=ms, placements=placements,
+        p_WT=np.array([_position(message.target) for message in last]).reshape(-1, 3),
+        q_WT=np.array([_orientation(message.target) for message in last]).reshape(-1, 4),
+        collisions=tuple(tuple(message.collisions) for message in last),
+    )  # fmt: skip
+
+
+def _tracks(messages: Sequence[Any]) -> dict[str, Track]:
+    rows: dict[str, list[tuple[float, list[float], list[float], int]]] = {}
+    for message in messages:
+        time = _seconds(message)
+        for item in message.objects:
+            row = (time, _position(item.pose), _orientation(item.pose), item.source)
+            rows.setdefault(item.name, []).append(row)
+    return {name: _track(samples) for name, samples in rows.items()}
+
+
+def _track(samples: list[tuple[float, list[float], list[float], int]]) -> Track:
+    times, p, q, sources = zip(*samples, strict=True)
+    return Track(np.array(times), np.array(p), np.array(q), np.array(sources, dtype=np.uint8))
+
+
+def _position(pose: Any) -> list[float]:
+    return [pose.position.x, pose.position.y, pose.position.z]
+
+
+def _orientation(pose: Any) -> list[float]:
+    o = pose.orientation
+    return [o.w, o.x, o.y, o.z]
+
+
+def _magnitudes(wrenches: Sequence[Any]) -> Array:
+    forces = [message.wrench.force for message in wrenches]
+    return np.asarray(np.linalg.norm([(force.x, force.y, force.z) for force in forces], axis=-1))
+
+
+def _real_time_factors(bag: Bag, start: float, end: float) -> Array:
+    first, last = stamps.to_ns(start), stamps.to_ns(end)
+    reports = [item for item in bag.messages if item.topic == REAL_TIME]
+    return np.array([item.message.data for item in reports if first <= item.time_ns <= last])
+
+
+def _release(bag: Bag, start: float) -> str:
+    reasons = [message.release_reason for message in bag.of(GRIPPER) if _seconds(message) >= start]
+    return next((reason for reason in reasons if reason), "")

@@ -1,0 +1,57 @@
+"""The report of a packing goal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pack_evaluation.evaluator import Evaluation
+from pack_evaluation.html import embedded, render
+from pack_evaluation.packing.metrics import Measures, object_displacements
+from pack_evaluation.packing.run import Run
+
+TEMPLATE = Path(__file__).with_name("report.html.j2")
+
+
+@dataclass(frozen=True)
+class ObjectRow:
+    """A line of the report's table of objects."""
+
+    name: str
+    shape: str
+    size: str
+    mass: float
+    moved: str
+
+
+def packing_page(found: Evaluation[Run, Measures]) -> str:
+    """The report of an evaluated goal."""
+    run, record = found.run, found.record
+    about = {key: value for key, value in record.items() if key != "configuration"}
+    about["versions"] = ", ".join(f"{name} {number}" for name, number in record.get("versions", {}).items())
+    files = {name: _yaml(content) for name, content in record.get("configuration", {}).items()}
+    return render(
+        TEMPLATE, title=f"Packing run {found.report.parent.name}", measures=found.measures, rows=found.rows,
+        message=run.outcome.get("message", ""), is_cut=run.is_cut,
+        plots=[(plot.stem, embedded(plot)) for plot in found.plots],
+        video=embedded(found.video) if found.video else "",
+        objects=_object_rows(run), record=about if record else {}, files=files,
+    )  # fmt: skip
+
+
+def _object_rows(run: Run) -> list[ObjectRow]:
+    moved = object_displacements(run)
+    return [
+        ObjectRow(
+            item.name, item.shape, " x ".join(f"{200 * half:.1f}" for half in item.half_extents), item.mass,
+            f"{100 * moved[item.name]:.1f}" if item.name in moved else "packed",
+        )
+        for item in (*run.scene.objects, run.scene.new_object)
+    ]  # fmt: skip
+
+
+def _yaml(content: Any) -> str:
+    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True)

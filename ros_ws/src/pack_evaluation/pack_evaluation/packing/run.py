@@ -1,0 +1,83 @@
+"""A run as arrays, ready to be measured and drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array
+from pack_evaluation.track import Track
+
+
+@dataclass(frozen=True)
+class Iterations:
+    """The controller's N iterations for one goal; none where no placement was found.
+
+    Attributes:
+        times: of the state that was planned from `(N,)` [s].
+        elapsed: since the goal was accepted `(N,)` [s].
+        stages: names, N of them.
+        distance: of the held object to its packing pose, as estimated `(N,)` [m].
+        cost: `(N,)`.
+        ms: wall clock of each `(N,)` [ms].
+        placements: how many had been tried `(N,)`.
+        p_WT: packing position `(N, 3)` [m].
+        q_WT: packing orientation `(N, 4)`, wxyz.
+        collisions: the collision list of each, N of them.
+    """
+
+    times: Array
+    elapsed: Array
+    stages: tuple[str, ...]
+    distance: Array
+    cost: Array
+    ms: Array
+    placements: Array
+    p_WT: Array
+    q_WT: Array
+    collisions: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One goal of a run, the last one of the bag.
+
+    Attributes:
+        scene: shapes, sizes and masses; no poses.
+        start: when the goal was accepted [s].
+        end: when it ended [s]; of a cut recording, the last iteration.
+        iterations: of the controller.
+        truth: by object, the held one included.
+        estimate: likewise, what perception said.
+        joint_times: `(J,)` [s].
+        joints: `(J, 7)` [rad].
+        force_times: `(F,)` [s].
+        force: load on the cup less the held object's weight, magnitude `(F,)` [N].
+        release_reason: why the pump let go; empty if it did not.
+        real_time_factors: achieved, one a second of wall clock.
+        outcome: fields of the action's result; empty when none was recorded.
+        is_cut: whether the recording was cut off.
+    """
+
+    scene: Scene
+    start: float
+    end: float
+    iterations: Iterations
+    truth: dict[str, Track]
+    estimate: dict[str, Track]
+    joint_times: Array
+    joints: Array
+    force_times: Array
+    force: Array
+    release_reason: str = ""
+    real_time_factors: Array = field(default_factory=lambda: np.empty(0))
+    outcome: dict[str, Any] = field(default_factory=dict)
+    is_cut: bool = False
+
+    @property
+    def held(self) -> str:
+        """Name of the object that is packed."""
+        return self.scene.new_object.name

@@ -1,0 +1,93 @@
+"""A run as one `.npz` file: what lockstep keeps of every scene, read like a recording."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.errors import BagError, ConfigError
+from pack_core.packing.scene import Scene
+from pack_evaluation.packing.run import Iterations, Run
+from pack_evaluation.track import Track
+
+UNREADABLE = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, ConfigError)
+"""What a file raises that is no saved run."""
+SUFFIX = ".npz"
+TRACKS = ("truth", "estimate")
+TEXTS = ("stages", "collisions")
+ABOUT = "about"
+ARRAYS = ("joint_times", "joints", "force_times", "force", "real_time_factors")
+
+
+def save_run(run: Run, path: Path) -> None:
+    """Write the run, compressed; the file appears whole or not at all."""
+    about = {
+        "scene": run.scene.to_yaml(), "start": run.start, "end": run.end, "outcome": run.outcome,
+        "release_reason": run.release_reason, "is_cut": run.is_cut,
+        **{name: getattr(run.iterations, name) for name in TEXTS},
+    }  # fmt: skip
+    arrays: dict[str, Any] = {ABOUT: np.array(json.dumps(about)), **dict(_arrays(run))}
+    part = path.with_name(f".{path.name}")
+    with part.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+    part.replace(path)
+
+
+def load_saved_run(path: Path) -> Run:
+    """Read what `save_run` wrote.
+
+    Raises:
+        BagError: the file is missing, broken, or something else.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        about = json.loads(str(arrays.pop(ABOUT)))
+        return _run(about, arrays)
+    except UNREADABLE as error:
+        raise BagError(f"{path} is no run as `pack benchmark` saves it: {error}") from error
+
+
+def _arrays(run: Run) -> Iterator[tuple[str, npt.NDArray[Any]]]:
+    for kind in TRACKS:
+        for name, track in getattr(run, kind).items():
+            for field in fields(Track):
+                yield f"{kind}/{name}/{field.name}", getattr(track, field.name)
+    for field in fields(Iterations):
+        if field.name not in TEXTS:
+            yield f"iterations/{field.name}", getattr(run.iterations, field.name)
+    for name in ARRAYS:
+        yield name, getattr(run, name)
+
+
+def _run(about: dict[str, Any], arrays: Mapping[str, npt.NDArray[Any]]) -> Run:
+    scene = Scene.from_yaml(about["scene"])
+    names = [*scene.names, scene.new_object.name]
+    iterations = Iterations(
+        stages=tuple(about["stages"]), collisions=tuple(tuple(item) for item in about["collisions"]),
+        **_below("iterations", Iterations, arrays),
+    )  # fmt: skip
+    truth, estimate = (_tracks(kind, names, arrays) for kind in TRACKS)
+    given: dict[str, Any] = {name: arrays[name] for name in ARRAYS}
+    return Run(
+        scene=scene, start=about["start"], end=about["end"], iterations=iterations, truth=truth,
+        estimate=estimate, release_reason=about["release_reason"], outcome=about["outcome"],
+        is_cut=about["is_cut"], **given,
+    )  # fmt: skip
+
+
+def _tracks(kind: str, names: list[str], arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, Track]:
+    there = [name for name in names if f"{kind}/{name}/times" in arrays]
+    return {name: Track(**_below(f"{kind}/{name}", Track, arrays)) for name in there}
+
+
+def _below(prefix: str, cls: type[Any], arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, Any]:
+    """The arrays of a class' fields, by field."""
+    return {field.name: arrays[f"{prefix}/{field.name}"] for field in fields(cls) if field.name not in TEXTS}

@@ -1,0 +1,86 @@
+"""What a study amounts to, as plain values."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from pack_core.packing.exit_reason import ExitReason
+from pack_evaluation.packing.metrics import Measures
+from pack_evaluation.packing.study.trial import Study
+from pack_evaluation.spread import Split, split, spread
+
+Metric = Callable[[Measures], float]
+
+FAILURE_METRICS: dict[str, Metric] = {
+    "m_pos_mm": lambda m: 1e3 * m.m_pos,
+    "m_rot_deg": lambda m: math.degrees(m.m_rot),
+    "m_per": lambda m: m.m_per,
+    "placements": lambda m: float(m.placements),
+    "peak_force_N": lambda m: m.force_peak,
+}
+"""What is compared between successes and failures; the first three are Eqs. 7 to 9."""
+
+
+def summarize(study: Study) -> dict[str, Any]:
+    """Counts, the spread of every measure, and the failures by name."""
+    measures = [trial.measures for trial in study.trials]
+    return {
+        "scenes": len(measures),
+        "success": len(study.successes),
+        "first_attempt": sum(m.placements == 1 for m in (t.measures for t in study.successes)),
+        "exits": exits(study),
+        "execution_time_s": asdict(
+            spread([t.measures.execution_time for t in study.trials if not t.ended_early])
+        ),
+        "distance_cm": asdict(spread([1e2 * m.distance for m in measures])),
+        "contact_force_N": contact_force(study),
+        "iteration_ms": asdict(spread(_pooled([trial.iterations_ms for trial in study.trials]))),
+        "placements": asdict(spread([float(m.placements) for m in measures])),
+        "displacement_cm": asdict(spread([1e2 * m.displacement for m in measures])),
+        "failure_metrics": {name: item.to_json() for name, item in failure_metrics(study).items()},
+        "failures": [
+            {"scene": trial.name, "exit": trial.measures.exit_reason.value, "message": trial.message}
+            for trial in study.failures
+        ],
+        **study.about,
+    }
+
+
+def exits(study: Study) -> dict[str, int]:
+    """How many trials ended in each way, in the order of `ExitReason`."""
+    counts = Counter(trial.measures.exit_reason for trial in study.trials)
+    return {reason.value: counts[reason] for reason in ExitReason if counts[reason]}
+
+
+def contact_force(study: Study) -> dict[str, float | None]:
+    """Spread over all samples of all trials [N], and over trials their means and their peaks."""
+    means = spread([trial.measures.force_mean for trial in study.trials])
+    peaks = [trial.measures.force_peak for trial in study.trials]
+    return {
+        **asdict(spread(_pooled([trial.forces for trial in study.trials]))),
+        "mean_of_trials": means.mean,
+        "deviation_of_trials": means.deviation,
+        "mean_peak": spread(peaks).mean,
+        "max_peak": max((peak for peak in peaks if not math.isnan(peak)), default=None),
+    }
+
+
+def failure_metrics(study: Study) -> dict[str, Split]:
+    """Eqs. 7 to 9 and their companions, of successes against failures."""
+    return {
+        name: split(
+            [metric(trial.measures) for trial in study.successes],
+            [metric(trial.measures) for trial in study.failures],
+        )
+        for name, metric in FAILURE_METRICS.items()
+    }
+
+
+def _pooled(parts: list[np.ndarray]) -> np.ndarray:
+    return np.concatenate(parts) if parts else np.empty(0)

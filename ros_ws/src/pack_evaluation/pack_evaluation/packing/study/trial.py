@@ -1,0 +1,64 @@
+"""One run of a study, and the runs that belong together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pack_core.packing.exit_reason import ExitReason
+from pack_core.rotations import Array
+from pack_evaluation.packing.criteria import Criteria
+from pack_evaluation.packing.metrics import Measures, goal_force, measure
+from pack_evaluation.packing.run import Run
+
+EARLY = (ExitReason.FORCE, ExitReason.DETACHED)
+"""Exits whose execution time the paper does not count (section IV-C)."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run, measured.
+
+    Attributes:
+        name: of the scene or the recording.
+        measures: of the run.
+        message: how it ended, in words.
+        forces: all samples within the goal `(n,)` [N].
+        iterations_ms: wall clock of every controller iteration `(N,)` [ms].
+    """
+
+    name: str
+    measures: Measures
+    message: str
+    forces: Array
+    iterations_ms: Array
+
+    @property
+    def ended_early(self) -> bool:
+        """Whether a force stop or a detachment cut the run short."""
+        return self.measures.exit_reason in EARLY
+
+
+def trial_of(name: str, run: Run, criteria: Criteria | None = None) -> Trial:
+    """Measure a run as part of a study."""
+    message = str(run.outcome.get("message", ""))
+    return Trial(name, measure(run, criteria), message, goal_force(run)[1], run.iterations.ms)
+
+
+@dataclass(frozen=True)
+class Study:
+    """Trials of one method under one setting, a row of the paper's tables; `about` says which."""
+
+    name: str
+    trials: tuple[Trial, ...]
+    about: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def successes(self) -> tuple[Trial, ...]:
+        """Trials that reached FINE-TUNE."""
+        return tuple(trial for trial in self.trials if trial.measures.success)
+
+    @property
+    def failures(self) -> tuple[Trial, ...]:
+        """The others."""
+        return tuple(trial for trial in self.trials if not trial.measures.success)

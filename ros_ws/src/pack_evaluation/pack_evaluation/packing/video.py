@@ -1,0 +1,93 @@
+"""The video of a run: MP4, and from it an animated GIF."""
+
+from __future__ import annotations
+
+import subprocess
+from contextlib import closing
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+from PIL import Image
+
+from pack_core.errors import PackError
+from pack_core.rotations import Array
+from pack_evaluation.evaluator import Progress
+from pack_evaluation.packing.drawing import draw, drawing_processes
+from pack_evaluation.packing.run import Run
+from pack_evaluation.packing.view import View, ViewConfig
+
+FPS = 25
+"""Frames a second of simulated time."""
+FRAMES_A_PART = 10
+LEAD_IN, LEAD_OUT = 0.4, 1.0
+"""Shown before the goal is accepted and after it ended [s]."""
+STILL_SCALE = 2
+"""Stills are drawn so much larger and scaled down, for smooth edges."""
+
+
+def write_video(
+    run: Run, path: Path, config: ViewConfig | None = None, progress: Progress = lambda _: None
+) -> None:
+    """Render the run as H.264 MP4, on all cores.
+
+    Args:
+        run: what to show.
+        path: the file to write.
+        config: camera and size.
+        progress: is told the fraction done.
+
+    Raises:
+        PackError: there is no OpenGL to draw with.
+    """
+    view, times = config or ViewConfig(), frame_times(run)
+    parts = np.array_split(times, max(1, len(times) // FRAMES_A_PART))
+    video = imageio_ffmpeg.write_frames(
+        path, (view.width, view.height), fps=FPS, codec="libx264", quality=7, macro_block_size=8,
+        output_params=["-preset", "veryfast"],
+    )  # fmt: skip
+    with closing(video), drawing_processes(run, view) as pool:
+        video.send(None)
+        for i, pictures in enumerate(pool.map(draw, parts)):
+            for picture in pictures:
+                video.send(np.ascontiguousarray(picture))
+            progress((i + 1) / len(parts))
+
+
+def write_still(run: Run, path: Path, time: float | None = None, config: ViewConfig | None = None) -> None:
+    """Write one picture, by default of the moment the object is half way down."""
+    size = config or ViewConfig()
+    large = {"width": STILL_SCALE * size.width, "height": STILL_SCALE * size.height, "shadow_size": 8192}
+    with View(run, size.model_copy(update=large)) as view:
+        picture = view.picture(_half_way(run) if time is None else time)
+    Image.fromarray(picture).resize((size.width, size.height), Image.Resampling.LANCZOS).save(path)
+
+
+def write_gif(video: Path, path: Path, *, width: int = 640, fps: int = 10, colours: int = 96) -> None:
+    """Turn a video into an animated GIF with a palette of its own.
+
+    Raises:
+        PackError: the video cannot be read.
+    """
+    filters = (
+        f"fps={fps},scale={width}:-1:flags=lanczos,split[a][b];"
+        f"[a]palettegen=max_colors={colours}[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"
+    )
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", "-i", str(video)]
+    done = subprocess.run([*command, "-vf", filters, str(path)], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise PackError(f"cannot turn {video} into {path}: {done.stderr.strip()}")
+
+
+def frame_times(run: Run) -> Array:
+    """Simulated times `(F,)` [s] of the frames, within what was recorded."""
+    recorded = run.truth[run.held].times
+    start, end = max(run.start - LEAD_IN, recorded[0]), min(run.end + LEAD_OUT, recorded[-1])
+    return np.arange(start, end, 1.0 / FPS)
+
+
+def _half_way(run: Run) -> float:
+    """When the held object has done half of its way down [s]."""
+    held = run.truth[run.held].between(run.start, run.end)
+    height = held.p[:, 2]
+    return float(held.times[np.argmax(height < 0.5 * (height[0] + height[-1]))])

@@ -1,0 +1,118 @@
+"""Pictures of a run from its recorded truth, without a screen."""
+
+from __future__ import annotations
+
+import os
+from types import TracebackType
+from typing import Self
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.bodies import set_object_poses
+from pack_core.config import Config
+from pack_core.errors import PackError
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.model import WALLS, Arm, Held, build_model
+from pack_core.packing.objects import Box
+from pack_core.robots.panda import JOINTS
+from pack_core.rotations import Pose, to_matrix
+from pack_evaluation.packing.run import Run
+
+Picture = npt.NDArray[np.uint8]
+GHOST = (0.15, 0.75, 0.35, 0.35)
+
+
+class ViewConfig(Config):
+    """A camera that looks into the container, and the size of its pictures."""
+
+    width: int = 1280
+    height: int = 720
+    lookat: tuple[float, float, float] = (0.42, 0.0, 0.16)
+    distance: float = 1.0
+    azimuth_deg: float = 150.0
+    elevation_deg: float = -42.0
+    wall_opacity: float = 0.45
+    shadow_size: int = 2048
+
+
+class View:
+    """Draws a run at any of its times; a context manager, bound to the thread that made it.
+
+    Raises:
+        PackError: there is no OpenGL to draw with.
+    """
+
+    def __init__(self, run: Run, config: ViewConfig | None = None) -> None:
+        self._run, self._config = run, config or ViewConfig()
+        self._model = build_model(
+            run.scene, packing_cell(), timestep=0.002, arm=Arm.DRIVEN, held=Held.FREE, surroundings=True
+        )
+        visual = self._model.vis
+        visual.quality.shadowsize = self._config.shadow_size
+        visual.global_.offwidth, visual.global_.offheight = self._config.width, self._config.height
+        for name in WALLS:
+            self._model.geom(name).rgba[3] = self._config.wall_opacity
+        self._data = mujoco.MjData(self._model)
+        self._arm = [self._model.joint(name).qposadr[0] for name in JOINTS]
+        self._renderer = self._open()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._renderer.close()
+
+    def picture(self, time: float, *, ghost: bool = True) -> Picture:
+        """The cell at `time` [s], `(height, width, 3)`; `ghost` adds the packing pose."""
+        run, times = self._run, np.array([time])
+        self._data.qpos[self._arm] = [np.interp(time, run.joint_times, q) for q in run.joints.T]
+        set_object_poses(
+            self._model, self._data, {name: t.at(times).pose(0) for name, t in run.truth.items()}
+        )
+        mujoco.mj_forward(self._model, self._data)
+        self._renderer.update_scene(self._data, self._camera())
+        self._renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        if ghost and (X_WT := _target(run, time)) is not None:
+            self._add_ghost(X_WT)
+        picture: Picture = self._renderer.render()
+        return picture
+
+    def _open(self) -> mujoco.Renderer:
+        try:
+            return mujoco.Renderer(self._model, self._config.height, self._config.width)
+        except Exception as error:  # whatever the platform's OpenGL raises
+            backend = os.environ.get("MUJOCO_GL", "not set")
+            raise PackError(
+                f"cannot draw without a screen: {error} (MUJOCO_GL is {backend}); install EGL, `sudo apt-get "
+                "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl, or use --no-video"
+            ) from error
+
+    def _camera(self) -> mujoco.MjvCamera:
+        camera = mujoco.MjvCamera()
+        camera.lookat[:] = self._config.lookat
+        camera.distance = self._config.distance
+        camera.azimuth, camera.elevation = self._config.azimuth_deg, self._config.elevation_deg
+        return camera
+
+    def _add_ghost(self, X_WT: Pose) -> None:
+        """Add the held object's shape at its packing pose, translucent."""
+        item, scene = self._run.scene.new_object, self._renderer.scene
+        is_box = isinstance(item, Box)
+        x, _, z = item.half_extents
+        mujoco.mjv_initGeom(
+            scene.geoms[scene.ngeom],
+            mujoco.mjtGeom.mjGEOM_BOX if is_box else mujoco.mjtGeom.mjGEOM_CYLINDER,
+            item.half_extents if is_box else np.array([x, x, z]),
+            X_WT.p, to_matrix(X_WT.q).ravel(), np.array(GHOST, dtype=np.float32),
+        )  # fmt: skip
+        scene.ngeom += 1
+
+
+def _target(run: Run, time: float) -> Pose | None:
+    """The packing pose X_WT in force at `time` [s]."""
+    i = int(np.searchsorted(run.iterations.times, time, side="right")) - 1
+    return Pose(run.iterations.p_WT[i], run.iterations.q_WT[i]) if i >= 0 else None

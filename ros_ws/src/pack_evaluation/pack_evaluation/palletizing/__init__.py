@@ -1,0 +1,1 @@
+"""Runs of the palletizing cell: arrays, measures, plots, report."""

@@ -1,0 +1,132 @@
+"""A recording of the palletizing cell as arrays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core import stamps
+from pack_core.errors import BagError
+from pack_core.rotations import Array, Pose
+from pack_evaluation.bag import Bag, read_bag
+from pack_evaluation.palletizing.run import (
+    BoxRecord,
+    BoxTrack,
+    PalletRun,
+    StateVisit,
+    ToolTrack,
+    UnwantedTouch,
+)
+from pack_evaluation.palletizing.tool_track import tool_track
+
+JOINTS, SETPOINTS, TRUTH, GRIPPER = "/joint_states", "/joint_setpoints", "/sim/truth", "/gripper/state"
+STATES, RESULT, CONTACTS, MOTION = "/fsm/state", "/palletize/result", "/sim/contacts", "/motion/status"
+TOPICS = (JOINTS, SETPOINTS, TRUTH, GRIPPER, STATES, RESULT, CONTACTS, MOTION)
+NEAR = 0.75
+"""Of the usual time between rows of setpoints: what is farther from all of them was told nothing."""
+
+
+def load_pallet_run(path: Path) -> PalletRun:
+    """Read a recorded order.
+
+    Args:
+        path: a run's folder, a bag's folder or an MCAP file.
+
+    Raises:
+        BagError: the recording is missing, broken, or holds no order.
+    """
+    bag = read_bag(path, TOPICS)
+    missing = [topic for topic in (JOINTS, SETPOINTS, TRUTH, STATES, RESULT) if not bag.of(topic)]
+    if missing:
+        raise BagError(f"{bag.path} has no message on {', '.join(missing)}: did an order run to its end?")
+    result = json.loads(bag.of(RESULT)[-1].data)
+    visits = tuple(
+        StateVisit(message.state, _seconds(message.header.stamp), message.box, message.reason)
+        for message in bag.of(STATES)
+    )
+    return PalletRun(
+        order=result["order"], seed=0, reason=result["reason"],
+        boxes=tuple(_box(box) for box in result["boxes"]), visits=visits,
+        tool=tool_of(bag, visits[0].time), tracks=_tracks(bag.of(TRUTH)),
+        touches=tuple(
+            UnwantedTouch(_seconds(item.header.stamp), (item.bodies[0], item.bodies[1]), item.force)
+            for item in bag.of(CONTACTS)
+        ),
+        cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
+        grip_peaks=_peaks(bag.of(GRIPPER)), interruptions=interruptions_of(bag.of(MOTION)), is_cut=bag.is_cut,
+    )  # fmt: skip
+
+
+def _box(box: dict[str, Any]) -> BoxRecord:
+    pose = np.array(box["pose"])
+    return BoxRecord(
+        box["name"], (box["dims"][0], box["dims"][1], box["dims"][2]), box["mass"], box["handling"],
+        box["outcome"], box["reason"], box["direction"], Pose(pose[:3], pose[3:]),
+    )  # fmt: skip
+
+
+def tool_of(bag: Bag, start: float) -> ToolTrack:
+    """Measured joints since `start`, and what the newest setpoints want at the same moments.
+
+    Moments without setpoints, at which the driver holds the arm, are left out.
+    """
+    measured = [item for item in bag.of(JOINTS) if _seconds(item.header.stamp) >= start]
+    times = np.array([_seconds(item.header.stamp) for item in measured])
+    wanted = {
+        _seconds(message.header.stamp) + _seconds(point.time_from_start): point.positions
+        for message in bag.of(SETPOINTS)
+        for point in message.points
+    }
+    rows = np.array(sorted(wanted))
+    positions = np.array([wanted[time] for time in rows])
+    q_ref = np.stack([np.interp(times, rows, column) for column in positions.T], axis=1)
+    are_told = _are_near(times, rows)
+    q = np.array([item.position for item in measured])
+    return tool_track(times[are_told], q_ref[are_told], q[are_told])
+
+
+def _are_near(times: Array, rows: Array) -> npt.NDArray[np.bool_]:
+    """Which of `times` `(n,)` have a row beside them."""
+    after = np.clip(rows.searchsorted(times), 1, len(rows) - 1)
+    distance = np.minimum(np.abs(times - rows[after - 1]), np.abs(times - rows[after]))
+    return np.asarray(distance <= NEAR * np.median(np.diff(rows)))
+
+
+def interruptions_of(messages: Sequence[Any]) -> int:
+    """How often the driver held the arm in a move."""
+    are_held = [message.state == "HELD" for message in messages]
+    return sum(now and not before for before, now in pairwise([False, *are_held]))
+
+
+def _tracks(messages: Sequence[Any]) -> dict[str, BoxTrack]:
+    rows: dict[str, list[tuple[float, Array, Array]]] = {}
+    for message in messages:
+        time = _seconds(message.header.stamp)
+        for item in message.objects:
+            p, q = item.pose.position, item.pose.orientation
+            row = (time, np.array([p.x, p.y, p.z]), np.array([q.w, q.x, q.y, q.z]))
+            rows.setdefault(item.name, []).append(row)
+    return {
+        name: BoxTrack(*(np.array(column) for column in zip(*samples, strict=True)))
+        for name, samples in rows.items()
+    }
+
+
+def _peaks(messages: Sequence[Any]) -> dict[str, tuple[float, float, float]]:
+    peaks: dict[str, tuple[float, float, float]] = {}
+    for message in messages:
+        if message.object:
+            worst = peaks.get(message.object, (0.0, 0.0, 0.0))
+            load = (message.coaxial_force, message.shear_force, message.moment)
+            peaks[message.object] = tuple(np.maximum(worst, load).tolist())
+    return peaks
+
+
+def _seconds(stamp: Any) -> float:
+    return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)

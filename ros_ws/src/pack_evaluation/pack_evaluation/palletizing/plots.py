@@ -1,0 +1,123 @@
+"""Plots of a run: the tool's profiles, its tracking error, the ways of the boxes, the grips."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pack_core.rotations import Array
+from pack_evaluation.palletizing.measures import tracking_errors
+from pack_evaluation.palletizing.run import PalletRun
+
+SIZE = (9.0, 4.2)
+"""Of a figure [inch]."""
+SLOW = ("3", "4", "7", "8", "9", "10", "11", "12", "13", "17", "18", "19")
+"""Numbers of the states with the slow speed (Table 8.1)."""
+INK, GREY = "#20252b", "#9aa4ae"
+AXES = ("#c03a2b", "#2f8a46", "#2b6cb0")
+"""Colours of x, y and z."""
+STRIDE = 5
+"""Every so many samples are drawn."""
+
+
+def write_plots(run: PalletRun, folder: Path) -> list[Path]:
+    """Write every plot as PNG into `folder`, in the order a report shows them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name, draw in PLOTS.items():
+        figure = Figure(figsize=SIZE, layout="constrained")
+        draw(figure, run)
+        paths.append(folder / f"{name}.png")
+        figure.savefig(paths[-1], dpi=110)
+    return paths
+
+
+def draw_position(figure: Figure, run: PalletRun) -> None:
+    """Wanted and measured position; slow phases shaded, as in Fig. 9.2."""
+    axes, tool = figure.add_subplot(), run.tool
+    axes.set(title="Tool position: measured (solid) and commanded (dashed)", ylabel="[m]", xlabel="time [s]")
+    for i, (name, colour) in enumerate(zip("xyz", AXES, strict=True)):
+        axes.plot(tool.times[::STRIDE], tool.p[::STRIDE, i], color=colour, lw=1.2, label=name)
+        axes.plot(tool.times[::STRIDE], tool.p_ref[::STRIDE, i], color=INK, lw=0.8, ls="--")
+    _shade(axes, run)
+    axes.legend(loc="upper right", ncols=3)
+
+
+def draw_orientation(figure: Figure, run: PalletRun) -> None:
+    """Wanted and measured orientation as quaternions; slow phases shaded."""
+    axes, tool = figure.add_subplot(), run.tool
+    axes.set(title="Tool orientation, quaternion: measured (solid) and commanded (dashed)", xlabel="time [s]")
+    q = continuous(tool.q)
+    q_ref = tool.q_ref * np.where(np.sum(tool.q_ref * q, axis=1) < 0.0, -1.0, 1.0)[:, None]
+    for i, (name, colour) in enumerate(zip("wxyz", ("#7a4bb0", *AXES), strict=True)):
+        axes.plot(tool.times[::STRIDE], q[::STRIDE, i], color=colour, lw=1.2, label=name)
+        axes.plot(tool.times[::STRIDE], q_ref[::STRIDE, i], color=INK, lw=0.8, ls="--")
+    _shade(axes, run)
+    axes.legend(loc="upper right", ncols=4)
+
+
+def continuous(q: Array) -> Array:
+    """Unit quaternions `(n, 4)` with the signs at which none is far from the one before it."""
+    flips = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0.0, -1.0, 1.0)
+    return np.asarray(q * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
+
+
+def draw_tracking(figure: Figure, run: PalletRun) -> None:
+    """Distance and angle between commanded and measured tool."""
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    position_mm, angle_deg = tracking_errors(run.tool)
+    for axes, values, unit in ((upper, position_mm, "mm"), (lower, angle_deg, "deg")):
+        axes.plot(run.tool.times, values, color=INK, lw=0.7)
+        axes.set(ylabel=f"[{unit}]", ylim=(0.0, None))
+        _shade(axes, run)
+    upper.set_title("Tracking error")
+    lower.set_xlabel("time [s]")
+
+
+def draw_ways(figure: Figure, run: PalletRun) -> None:
+    """The way of every box from its spawn to the pallet, as in Fig. 9.4."""
+    axes = figure.add_subplot(projection="3d")
+    colours = colormaps["turbo"](np.linspace(0.05, 0.95, max(len(run.boxes), 1)))
+    for box, colour in zip(run.boxes, colours, strict=True):
+        if (track := run.tracks.get(box.name)) is not None:
+            axes.plot(*track.p[::STRIDE].T, color=colour, lw=1.2, label=box.name)
+    axes.set(title="Ways of the boxes", xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.view_init(elev=28, azim=-60)
+    axes.set_box_aspect((3.2, 3.2, 1.6))
+    if len(run.boxes) <= 8:
+        axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.05, 0.5))
+
+
+def draw_errors(figure: Figure, run: PalletRun) -> None:
+    """Where the placed boxes ended, from where they were to stand."""
+    axes = figure.add_subplot()
+    axes.set(title="Placement error at the end", ylabel="[mm]")
+    placed = [box for box in run.boxes if box.outcome == "placed"]
+    errors = [1e3 * (run.tracks[box.name].at(np.inf).p - box.X_WB.p) for box in placed]
+    for i, (name, colour) in enumerate(zip("xyz", AXES, strict=True)):
+        places = np.arange(len(placed)) + 0.25 * (i - 1)
+        axes.bar(places, [error[i] for error in errors], 0.22, color=colour, label=name)
+    axes.set_xticks(range(len(placed)), [box.name for box in placed], rotation=60, ha="right", fontsize=7)
+    axes.axhline(0.0, color=GREY, lw=0.8)
+    axes.legend()
+
+
+def _shade(axes: Axes, run: PalletRun) -> None:
+    for visit, following in pairwise(run.visits):
+        if visit.state.split(" ")[0] in SLOW and following.time > visit.time:
+            axes.axvspan(visit.time, following.time, color="#e0a31e", alpha=0.13, lw=0.0)
+
+
+PLOTS: dict[str, Callable[[Figure, PalletRun], None]] = {
+    "position": draw_position,
+    "orientation": draw_orientation,
+    "tracking": draw_tracking,
+    "ways": draw_ways,
+    "placement": draw_errors,
+}

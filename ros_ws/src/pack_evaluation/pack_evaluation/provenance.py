@@ -1,0 +1,31 @@
+"""Which code made a result: the commit and the versions of the packages it depends on."""
+
+from __future__ import annotations
+
+import subprocess
+from importlib.metadata import PackageNotFoundError, version
+
+from pack_core.paths import project_root
+
+PACKAGES = ("mujoco", "numpy", "scipy", "numba", "rosbags", "ros-jazzy-rclpy", "ros-jazzy-rmw-fastrtps-cpp")
+
+
+def installed_versions() -> dict[str, str]:
+    """The version of every package that results depend on, by name; absent where it is not installed."""
+    versions = {}
+    for package in PACKAGES:
+        try:
+            versions[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return versions
+
+
+def checked_out_commit() -> str:
+    """The checked-out commit, `unknown` without git, marked `-dirty` when files differ from it."""
+    command = ["git", "-C", str(project_root()), "describe", "--always", "--abbrev=40", "--dirty"]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, check=True, timeout=10.0)
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+    return answer.stdout.strip()

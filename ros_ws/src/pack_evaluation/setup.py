@@ -1,0 +1,20 @@
+from setuptools import find_packages, setup
+
+package = "pack_evaluation"
+
+setup(
+    name=package,
+    version="0.1.0",
+    license="Apache-2.0",
+    packages=find_packages(),
+    package_data={
+        f"{package}.packing": ["*.j2"],
+        f"{package}.packing.study": ["*.j2"],
+        f"{package}.palletizing": ["*.j2"],
+        f"{package}.blocks": ["*.j2"],
+    },
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+    ],
+)

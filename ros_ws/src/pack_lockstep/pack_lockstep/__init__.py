@@ -1,0 +1,1 @@
+"""The cells composed in one process without ROS, on simulated time."""

@@ -1,0 +1,1 @@
+"""The blocks cell in lockstep, and its benchmark."""

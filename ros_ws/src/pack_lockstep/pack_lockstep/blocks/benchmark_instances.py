@@ -1,0 +1,112 @@
+"""The problems of a benchmark: generated ones, and those of files."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Protocol
+
+from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.problem import Problem
+from pack_core.blocks.problem_file import parse_problem
+from pack_core.errors import ConfigError
+from pack_planner.rearrangement.instances import make_instance
+
+WARM_UP_SEED = 10**6
+"""Of no instance that is measured."""
+HASH_DIGITS = 6
+
+
+class Instance(Hashable, Protocol):
+    """Where a problem comes from; `seed` is also that of the planner."""
+
+    @property
+    def seed(self) -> int:
+        """Not negative."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """Tells it from every other one."""
+        ...
+
+    def problem(self, cell: BlocksCell) -> Problem:
+        """The problem itself."""
+        ...
+
+    @property
+    def warm_up(self) -> Instance:
+        """One after whose planning nothing of this one is compiled or computed for the first time."""
+        ...
+
+
+@dataclass(frozen=True)
+class StrewnInstance:
+    """Blocks strewn in the middle of the cell's workspace, by seed."""
+
+    blocks: int
+    density: float
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """By what decides it."""
+        return f"{self.blocks}_{self.density:g}_seed{self.seed}"
+
+    def problem(self, cell: BlocksCell) -> Problem:
+        """The problem of the seed."""
+        return make_instance(self.blocks, self.density, self.seed, centre=cell.workspace.centre)
+
+    @property
+    def warm_up(self) -> StrewnInstance:
+        """Another one with the same goal grid, whose pattern database is kept."""
+        return replace(self, seed=WARM_UP_SEED)
+
+
+@dataclass(frozen=True)
+class FileInstance:
+    """A problem file's text, as read."""
+
+    stem: str
+    text: str
+    seed: int
+
+    @classmethod
+    def read(cls, path: Path, seed: int) -> FileInstance:
+        """Read and check a file.
+
+        Raises:
+            ConfigError: there is none, or it is no problem file.
+        """
+        if not path.is_file():
+            raise ConfigError(f"{path}: no such file; config/scenarios/blocks/example.yaml is an example")
+        text = path.read_text()
+        parse_problem(text, str(path))
+        return cls(path.stem, text, seed)
+
+    @property
+    def name(self) -> str:
+        """By the file's name and content, so that a changed file is another instance."""
+        return f"{self.stem}_{sha256(self.text.encode()).hexdigest()[:HASH_DIGITS]}_seed{self.seed}"
+
+    def problem(self, cell: BlocksCell) -> Problem:
+        """The file's."""
+        return parse_problem(self.text, self.stem)
+
+    @property
+    def warm_up(self) -> FileInstance:
+        """Itself."""
+        return self
+
+
+def wanted_instances(
+    blocks: int, density: float, seeds: Sequence[int], files: Sequence[Path]
+) -> tuple[str, list[Instance]]:
+    """The instances of a benchmark, and what to call them; files take the place of generated ones."""
+    if files:
+        own: list[Instance] = [FileInstance.read(path, seeds[0]) for path in files]
+        return ", ".join(dict.fromkeys(path.stem for path in files)), own
+    strewn: list[Instance] = [StrewnInstance(blocks, density, seed) for seed in seeds]
+    return f"{blocks} blocks, density {density:g}", strewn

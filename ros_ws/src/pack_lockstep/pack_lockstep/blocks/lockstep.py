@@ -1,0 +1,147 @@
+"""The blocks cell in one process, without ROS, on simulated time.
+
+It composes the same cores as the nodes. Pictures and plans take a stated time on the simulated clock,
+never the wall clock, so a run repeats bit for bit on any machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from block_fsm.executor import Executor
+from block_fsm.executor_config import ExecutorConfig
+from block_fsm.motions import Motions
+from block_fsm.outcome import ExitReason, Outcome
+from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, PlanFor, Request
+from block_fsm.surroundings import Surroundings
+from block_fsm.task import RearrangeTask
+from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.jaw import JawState, JawStatus
+from pack_core.blocks.plan import Plan
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Problem
+from pack_core.config import Config
+from pack_core.errors import MessageError
+from pack_core.joints import JointReference, JointSetpoint
+from pack_core.motion.target import MotionState, MotionStatus
+from pack_core.states import SceneState
+from pack_motion.arm.arms import load_arm
+from pack_motion.controller import MotionController
+from pack_motion.tracking.config import motion_set
+from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
+from pack_planner.rearrangement.planner import RearrangementConfig
+from pack_sim.blocks.overhead_camera import OverheadCamera
+from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
+
+Planner = Callable[[Problem], Plan]
+
+
+class BlocksLockstepConfig(Config):
+    """Parameters of a run; the parts' own are those of the nodes."""
+
+    period: PositiveFloat = Field(default=0.004, description="between two setpoints for the arm [s]")
+    exposure_delay: NonNegativeFloat = Field(
+        default=0.1, description="from asking for a picture to its exposure, for the arm to be still [s]"
+    )
+    vision_latency: NonNegativeFloat = Field(default=0.1, description="from exposure to the poses [s]")
+    planning_latency: NonNegativeFloat = Field(default=0.3, description="a plan takes [s]")
+    jaw_timeout: PositiveFloat = Field(default=3.0, description="for the fingers to come to rest [s]")
+    motion: str = Field(default="shipped", description="a set of config/motion")
+    shadows: bool = Field(default=False, description="in the pictures")
+    simulator: BlocksSimulatorConfig = BlocksSimulatorConfig()
+    vision: TagVisionConfig = TagVisionConfig()
+    planner: RearrangementConfig = RearrangementConfig()
+    executor: ExecutorConfig = ExecutorConfig()
+
+
+class BlocksLockstep:
+    """One rearrangement from start to outcome; a context manager, because it holds a renderer.
+
+    Args:
+        cell: the cell's physical facts.
+        task: the goals.
+        starts: X_WB of every block at the start, by id.
+        planner: makes plans.
+        config: parameters.
+    """
+
+    def __init__(
+        self,
+        cell: BlocksCell,
+        task: RearrangeTask,
+        starts: Mapping[str, PlanarPose],
+        planner: Planner,
+        config: BlocksLockstepConfig,
+    ) -> None:
+        self._cell, self._config, self._planner = cell, config, planner
+        tags = {name: number for number, name in enumerate(task.goals)}
+        self.simulator = BlocksSimulator(cell, tags, starts, config.simulator)
+        self.camera = OverheadCamera(cell, tags, config.simulator.timestep, shadows=config.shadows)
+        self._vision = TagVision(config.vision, cell.block, tags)
+        arm, q = load_arm("blocks"), np.array(cell.robot.look)
+        self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
+        self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
+        motions = Motions(config.executor, task.side, task.gripper, q, arm.chain.forward(q))
+        surroundings = Surroundings(cell, task.side)
+        self.executor = Executor(task, config.executor, motions, surroundings, cell.gripper.force)
+        self._targets = 0
+
+    def run(self, on_request: Callable[[Request, SceneState], None] | None = None) -> Outcome:
+        """Run to the outcome; `on_request` sees what is asked for next, and where the blocks truly are."""
+        with self.camera:
+            request: Request | None = self.executor.start()
+            while request is not None:
+                if on_request is not None:
+                    on_request(request, self.simulator.truth())
+                request = self.executor.answer(self._answer(request))
+        assert self.executor.outcome is not None
+        return self.executor.outcome
+
+    def _answer(self, request: Request) -> Answer:
+        if isinstance(request, Look):
+            self._advance(self._config.exposure_delay)
+            time, picture = self.simulator.time, self.camera.picture(self.simulator.snapshot())
+            self._advance(self._config.vision_latency)
+            return self._vision.find(picture, self._cell.camera.pinhole, time)
+        if isinstance(request, PlanFor):
+            self._advance(self._config.planning_latency)
+            return self._planner(request.problem)
+        if isinstance(request, MoveArm):
+            return self._move(request)
+        return self._grip(request)
+
+    def _move(self, request: MoveArm) -> MotionStatus:
+        self._targets += 1
+        self.motion.command(request.target(self._targets))
+        while self.motion.status().state in (MotionState.MOVING, MotionState.SETTLING):
+            self._advance(self._config.period)
+        return self.motion.status()
+
+    def _grip(self, request: MoveJaw) -> JawState:
+        self.simulator.jaw.command(request.command)
+        end = self.simulator.time + self._config.jaw_timeout
+        while self.simulator.time < end and self.simulator.jaw_state().status is JawStatus.MOVING:
+            self._advance(self._config.period)
+        return self.simulator.jaw_state()
+
+    def _advance(self, duration: float) -> None:
+        """Step everything that runs all the time."""
+        simulator, period = self.simulator, self._config.period
+        for _ in range(round(duration / period)):
+            last, time = self._setpoint, simulator.time
+            new = self.motion.step(time + period, simulator.joints())
+            rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
+            self._hand_over(JointReference(time, np.array([0.0, period]), *rows))
+            for _ in range(round(period / simulator.config.timestep)):
+                simulator.step()
+            self._setpoint = new
+
+    def _hand_over(self, reference: JointReference) -> None:
+        """Give the driver its setpoints; a rearrangement whose setpoints it refuses is over."""
+        try:
+            self.simulator.accept(reference)
+        except MessageError as error:
+            self.executor.cancel(ExitReason.MOTION_FAILED, f"the driver refused setpoints: {error}")

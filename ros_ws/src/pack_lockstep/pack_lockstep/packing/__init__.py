@@ -1,0 +1,1 @@
+"""The packing cell in lockstep, its benchmark, and the replay of its cores."""

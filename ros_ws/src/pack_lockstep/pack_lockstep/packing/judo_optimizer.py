@@ -1,0 +1,125 @@
+"""The cross-entropy method of judo (PyPI `judo-rai`) on the controller's own model and cost, to compare with.
+
+As judo's controller runs it: knots are sampled around the last plan, interpolated linearly and rolled out,
+and the mean of the elites is the plan. The knots are twists of the held object, as SGN has them: on joint
+positions the method drifts away from where it should go. They are scaled to [-1, 1], and the deviations,
+rollouts, elites and number of knots are judo's own for its Panda task; step and horizon are those of SGN.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import numpy as np
+from pydantic import Field, PositiveFloat, PositiveInt
+
+from pack_core.config import Config
+from pack_core.errors import PackError
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import HELD_POSITION, Arm
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array
+from pack_mpc.cost import PackingCost
+from pack_mpc.plant import PackingPlant
+from pack_mpc.residuals import Target
+from pack_mpc.sgn_optimizer import SgnConfig
+from pack_mpc.solution import Solution
+from pack_mpc.spline import Basis, Servo
+from pack_mpc.weights import Stage
+
+WORTHLESS = 1e12
+"""Cost of a rollout that diverged."""
+
+
+class JudoConfig(Config):
+    """judo's overrides for `fr3_pick`; all else as SGN has it."""
+
+    nodes: PositiveInt = Field(default=4, description="knots of the spline")
+    rollouts: PositiveInt = Field(default=64, description="samples an iteration")
+    elites: PositiveInt = Field(default=3, description="whose mean is the plan")
+    sigma_min: PositiveFloat = Field(
+        default=0.01, description="deviation of the samples, of the largest twist"
+    )
+    sigma_max: PositiveFloat = Field(default=0.3, description="likewise")
+    noise_ramp: PositiveFloat = Field(default=4.0, description="growth of the deviation along the spline")
+    sgn: SgnConfig = SgnConfig()
+
+
+class JudoOptimizer:
+    """judo's `CrossEntropyMethod` behind the interface of our optimizers.
+
+    Args:
+        scene: shapes, sizes and masses of the objects that are taken into account.
+        cell: the cell's physical facts.
+        config: parameters.
+        threads: of the rollouts.
+        seed: of numpy's global generator, which judo draws from.
+
+    Raises:
+        PackError: judo is not installed.
+    """
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: JudoConfig, threads: int, seed: int) -> None:
+        sgn = config.sgn
+        self.plant = PackingPlant(scene, cell, timestep=sgn.timestep, threads=threads, arm=Arm.SERVO)
+        self._sgn = sgn
+        self._method = _make_method(config)
+        times = np.asarray(sgn.timestep * np.arange(sgn.horizon), dtype=float)
+        self._basis = Basis(times, np.linspace(0.0, sgn.timestep * sgn.horizon, config.nodes))
+        self._largest = np.array([sgn.speed_linear] * 3 + [sgn.speed_angular] * 3)
+        self._knots = np.zeros((config.nodes, 6))
+        self._setpoints: Setpoints | None = None
+        np.random.seed(seed)  # noqa: NPY002 - judo has no generator of its own
+
+    def change_cost(self) -> None:
+        """Nothing is kept that belongs to one cost."""
+
+    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
+        """One iteration from state `x0`."""
+        last, now = self._setpoints, float(x0[0])
+        start = now if last is None else last.time
+        q_ref = x0[self.plant.layout.q] if last is None else last.at(now)[0]
+        servo = Servo(self.plant, x0, q_ref, self._sgn.leash)
+        nominal = self._basis.shifted(self._knots, now - start)
+        self._method.pre_optimization(start + self._basis.knots, now + self._basis.knots)
+        samples = np.clip(self._method.sample_control_knots(nominal), -1.0, 1.0)
+        xs, ys = self.plant.rollout(x0, np.concatenate(self._references(servo, samples), axis=2))
+        costs = (cost.weighted(xs, ys) ** 2).sum(axis=1)
+        costs = np.where(np.isfinite(costs), costs, WORTHLESS)
+        self._knots = self._method.update_nominal_knots(samples, -costs)
+        q, v = (rows[0] for rows in self._references(servo, self._knots[None]))
+        self._setpoints = Setpoints(now, self._basis.times, q, v, np.zeros_like(q))
+        best = int(np.argmin(costs))
+        path = ys[best][:, self.plant.sensor(HELD_POSITION)]
+        return Solution(self._setpoints, path, float(costs[best]), float(best > 0), 0.0)
+
+    def _references(self, servo: Servo, knots: Array) -> tuple[Array, Array]:
+        """Joint positions and velocities `(B, T, 7)` of scaled twist knots `(B, K, 6)`."""
+        return servo.references(self._basis.matrix() @ (knots * self._largest), self._sgn.timestep)
+
+
+def require_judo() -> Any:
+    """The module of judo's cross-entropy method.
+
+    Raises:
+        PackError: judo is not installed.
+    """
+    try:
+        return importlib.import_module("judo.optimizers.cem")
+    except ImportError as error:
+        raise PackError(
+            "--optimizer judo needs judo, which is not installed: "
+            "uv pip install --no-deps -r requirements/judo.txt (docs/benchmark.md)"
+        ) from error
+
+
+def _make_method(config: JudoConfig) -> Any:
+    cem = require_judo()
+    parameters = cem.CrossEntropyMethodConfig(
+        num_rollouts=config.rollouts, num_nodes=config.nodes, num_elites=config.elites,
+        sigma_min=config.sigma_min, sigma_max=config.sigma_max,
+        use_noise_ramp=True, noise_ramp=config.noise_ramp,
+    )  # fmt: skip
+    return cem.CrossEntropyMethod(parameters, 6)

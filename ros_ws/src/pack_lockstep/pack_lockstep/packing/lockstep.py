@@ -1,0 +1,185 @@
+"""The packing cell in one process, without ROS, on simulated time.
+
+It composes the same cores as the nodes. Planning takes a stated time on the simulated clock,
+never the wall clock, so a run repeats bit for bit on any machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.joints import JointSample
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array
+from pack_core.states import SceneState
+from pack_evaluation.packing.run import Run
+from pack_lockstep.packing.presets import Preset
+from pack_lockstep.packing.run_log import RunLog
+from pack_mpc.controller import Plan
+from pack_mpc.session import Method, Observation, PackingSession, SessionConfig
+from pack_mpc.task import Outcome
+from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
+from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
+from pack_planner.placement.placement_result import Placement
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
+
+
+class LockstepConfig(Config):
+    """Parameters of a run; the parts' own are those of the nodes."""
+
+    latency: PositiveFloat = Field(
+        default=0.048, description="an optimizer iteration takes [s of simulated time]"
+    )
+    placement_latency: NonNegativeFloat = Field(
+        default=0.3, description="Algorithm 1 takes [s of simulated time]"
+    )
+    rehearsal_latency: NonNegativeFloat = Field(
+        default=0.2, description="and so much each round of rehearsals [s of simulated time]"
+    )
+    settle: PositiveFloat = Field(
+        default=0.3, description="before the goal, so that everything has been seen [s]"
+    )
+    simulator: SimulatorConfig = SimulatorConfig()
+    estimator: EstimatorConfig = EstimatorConfig()
+    planner: PlacementConfig = PlacementConfig()
+    session: SessionConfig = SessionConfig()
+
+
+@dataclass(frozen=True)
+class Step:
+    """One cycle of the loop, for logs: time [s], stage, what was seen, the truth and the plan."""
+
+    time: float
+    stage: str
+    distance: float
+    seen: Observation
+    truth: SceneState
+    plan: Plan | None
+
+
+class Lockstep:
+    """One scene from start to outcome.
+
+    Args:
+        cell: the cell's physical facts.
+        scene: with a pose for every object.
+        config: parameters.
+        method: PackItIn or a baseline.
+        seed: of the sensors' noise and the placements.
+    """
+
+    def __init__(
+        self, cell: PackingCell, scene: Scene, config: LockstepConfig, method: Method, seed: int
+    ) -> None:
+        self._config, self._seed = config, seed
+        self._log = RunLog()
+        self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
+        description = self.simulator.description
+        self._estimator = PhysicsEstimator(description, cell, config.estimator)
+        self._planner = PlacementPlanner(description, cell, config.planner)
+        self._forces: list[float] = []
+        self._advance(config.settle)
+        self._forces.clear()
+        self._start = self.simulator.time
+        self.session = PackingSession(description, cell, config.session, method, self._start)
+        self._answer: tuple[float, Placement] | None = None
+
+    def run(self, on_step: Callable[[Step], None] | None = None) -> Outcome:
+        """Run to the outcome; `on_step` sees every cycle."""
+        session = self.session
+        self._refuse_unseen(session.scene)
+        while session.task.outcome is None:
+            seen = self._observe()
+            self._serve_placement(seen)
+            plan = session.step(seen, self._config.latency)
+            if plan is not None:
+                self._log.iterate(session.task, seen.joints.time, plan)
+            if on_step is not None:
+                stage = session.task.machine.stage.name if session.task.machine else "IDLE"
+                on_step(
+                    Step(seen.joints.time, stage, session.task.distance, seen, self.simulator.truth(), plan)
+                )
+            self._advance(self._config.latency)
+            if plan is not None:
+                self.simulator.accept(plan.setpoints)
+        return session.task.outcome
+
+    def recorded(self) -> Run:
+        """What happened, in the form in which recordings are evaluated.
+
+        Raises:
+            ValueError: the run has not ended yet.
+        """
+        outcome = self.session.task.outcome
+        if outcome is None:
+            raise ValueError("the run has not ended; call run() first")
+        return self._log.to_run(
+            self.session.scene, self._start, outcome, self.simulator.pump.state.release_reason
+        )
+
+    def _advance(self, duration: float) -> None:
+        simulator = self.simulator
+        for i in range(round(duration / simulator.config.timestep)):
+            simulator.step()
+            if i % 2:
+                self._estimator.advance(simulator.joints())
+            if i % 4 == 3:
+                self._forces.append(float(np.linalg.norm(simulator.external_wrench()[0])))
+            for frame in simulator.mocap.due(simulator.time):
+                self._estimator.correct(frame)
+            self._log.sense(simulator, self._estimator)
+
+    def _observe(self) -> Observation:
+        joints: JointSample = self.simulator.joints()
+        forces, self._forces = np.array(self._forces), []
+        scene = self._estimator.state(joints.time)
+        return Observation(joints, scene, forces, self.simulator.pump.state.is_closed)
+
+    def _refuse_unseen(self, scene: Scene) -> None:
+        """End the goal at once, as the controller's node refuses it, while an object has no pose yet."""
+        known = self._estimator.state(self.simulator.time).objects
+        if unseen := [name for name in scene.names if name not in known]:
+            self.session.task.finish(
+                ExitReason.NO_PLACEMENT, self.simulator.time, f"no camera has seen {', '.join(unseen)} yet"
+            )
+
+    def _serve_placement(self, seen: Observation) -> None:
+        """Take up a placement that is due, or plan one that will be due."""
+        task, time = self.session.task, seen.joints.time
+        if self._answer is None and task.needs_placement:
+            placement = self._plan_placement(seen.scene, task.avoid)
+            latency = self._config.placement_latency + placement.rounds * self._config.rehearsal_latency
+            self._answer = (time + latency, placement)
+        if self._answer is not None and time >= self._answer[0]:
+            answer, self._answer = self._answer[1], None
+            if answer.X_WO is None:
+                task.refuse(time, answer.reason)
+            else:
+                task.place(
+                    answer.X_WO, answer.collisions, answer.over, seen.scene, answer.is_rehearsed
+                )  # fmt: skip
+
+    def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> Placement:
+        return self._planner.plan(
+            scene, np.random.default_rng(self._seed + len(avoid)), avoid=avoid,
+            avoid_radius=self.session.task.avoid_radius, lean=self.session.task.lean,
+            variant=self.session.method.placement_variant,
+        )  # fmt: skip
+
+
+def lockstep_config(preset: Preset | None = None) -> LockstepConfig:
+    """The nodes' own configuration, from `config/nodes`, under a preset."""
+    given = preset or Preset()
+    return LockstepConfig(
+        simulator=given.parameters("sim", SimulatorConfig),
+        estimator=given.parameters("perception", EstimatorConfig),
+        planner=given.parameters("planner", PlacementConfig),
+        session=given.parameters("mpc", SessionConfig),
+    )

@@ -1,0 +1,81 @@
+"""The physics estimator on recorded joints and markers, against the recorded estimate."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from pack_core.joints import JointSample
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.scene import Scene
+from pack_core.robots import panda
+from pack_core.ros.joint_messages import from_joint_state
+from pack_core.ros.packing.marker_messages import from_markers
+from pack_core.states import SceneState
+from pack_evaluation.bag import Bag
+from pack_evaluation.packing.from_bag import DESCRIPTION, JOINTS, to_run
+from pack_evaluation.track import Track, to_tracks
+from pack_lockstep.packing.presets import Preset
+from pack_lockstep.packing.replay.comparison import Replay, Row, check_frames
+from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
+
+MARKERS = "/mocap/markers"
+TOPICS = (DESCRIPTION, JOINTS, MARKERS)
+PERCENT = 95
+LIMIT_MM = 1.0
+"""Of the 95th percentile: node and core take steps on joint samples of their own, which contact magnifies."""
+
+
+def replay_perception(bag: Bag, preset: Preset | None = None) -> Replay:
+    """Estimate again, with the node's parameters under a preset, and compare within the goal.
+
+    Args:
+        bag: the recording.
+        preset: of the run; None: config/nodes as it is.
+
+    Raises:
+        BagError: the recording lacks a topic or too many of its messages.
+    """
+    joints = [from_joint_state(message, panda.JOINTS).time for message in bag.of(JOINTS)]
+    frames = [from_markers(message).time for message in bag.of(MARKERS)]
+    counts = {
+        topic: check_frames(bag, topic, times) for topic, times in ((JOINTS, joints), (MARKERS, frames))
+    }
+    run, estimated = to_run(bag), estimate_again(bag, preset or Preset())
+    rows = tuple(
+        _compare(name, track.between(run.start, run.end), estimated.get(name))
+        for name, track in run.estimate.items()
+    )
+    return Replay("perception", counts, rows)
+
+
+def estimate_again(bag: Bag, preset: Preset) -> dict[str, Track]:
+    """The estimate after every marker frame by object, the messages fed in as they were recorded."""
+    scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
+    config = preset.parameters("perception", EstimatorConfig)
+    estimator = PhysicsEstimator(scene, preset.packing_cell(), config)
+    waiting: deque[MarkerFrame] = deque()
+    states: list[SceneState] = []
+    for item in bag.messages:
+        if item.topic == JOINTS:
+            _advance(estimator, from_joint_state(item.message, panda.JOINTS))
+        elif item.topic == MARKERS:
+            waiting.append(from_markers(item.message))
+        while waiting and not estimator.is_ahead(waiting[0]):
+            estimator.correct(waiting.popleft())
+            states.append(estimator.state(estimator.time))
+    return to_tracks(states)
+
+
+def _advance(estimator: PhysicsEstimator, joints: JointSample) -> None:
+    if estimator.wants(joints.time):
+        estimator.advance(joints)
+
+
+def _compare(name: str, recorded: Track, again: Track | None) -> Row:
+    if again is None or not recorded.times.size:
+        return Row(name, 0, float("nan"), float("nan"), LIMIT_MM)
+    errors = 1e3 * again.at(recorded.times).distance_to(recorded.p)
+    worst = float(np.percentile(errors, PERCENT))
+    return Row(name, errors.size, float(errors.mean()), worst, LIMIT_MM)

@@ -1,0 +1,119 @@
+"""The placement planner on recorded scenes, against the placements that the goal pursued."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.packing.scene import Scene
+from pack_core.ros.scene_messages import from_scene
+from pack_core.rotations import Array
+from pack_core.states import SceneState
+from pack_evaluation.bag import Bag
+from pack_evaluation.packing.from_bag import DESCRIPTION, ESTIMATE, to_run
+from pack_evaluation.packing.run import Run
+from pack_lockstep.node_parameters import parameters_of
+from pack_lockstep.packing.presets import Preset
+from pack_lockstep.packing.replay.comparison import Replay, Row, check_frames
+from pack_mpc.session import Method, SessionConfig
+from pack_mpc.weights import load_weights
+from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
+
+WINDOW = 0.05
+"""The request itself is not recorded: it held one of the scenes this close to when it was sent [s]."""
+LIMIT_MM = 1e-6
+"""The same scene gives the same placement."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A placement that was asked for, and what came of it.
+
+    Attributes:
+        sent: about when [s].
+        tried: positions of the placements before it `(n, 3)` [m].
+        p_WT: position that was answered `(3,)` [m].
+        collisions: its collision list.
+    """
+
+    sent: float
+    tried: Array
+    p_WT: Array
+    collisions: tuple[str, ...]
+
+
+def replay_planner(
+    bag: Bag, *, seed: int, method: Method = Method.PACK_IT_IN, preset: Preset | None = None
+) -> Replay:
+    """Plan again, with the nodes' parameters under a preset, each placement of the goal.
+
+    Args:
+        bag: the recording.
+        seed: of the goal.
+        method: of the goal.
+        preset: of the run; None: config/nodes as it is.
+
+    Raises:
+        BagError: the recording lacks a topic or too many of its messages.
+    """
+    scenes = [from_scene(message) for message in bag.of(ESTIMATE)]
+    min_rate = float(parameters_of("packing/perception")[0]["min_rate"])
+    count = check_frames(bag, ESTIMATE, [scene.time for scene in scenes], min_rate)
+    scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
+    given = preset or Preset()
+    planner = PlacementPlanner(scene, given.packing_cell(), given.parameters("planner", PlacementConfig))
+    session = given.parameters("mpc", SessionConfig)
+    rows = tuple(
+        _compare(planner, session, request, _near(scenes, request.sent), seed, method)
+        for request in requests(to_run(bag))
+    )
+    return Replay("planner", {ESTIMATE: count}, rows)
+
+
+def requests(run: Run) -> Iterator[Request]:
+    """The placements of a goal in their order: the first asked for at its start, the others once it is out.
+
+    Iterations before the first answer go above the container's middle and pursue no placement.
+    """
+    done = run.iterations
+    numbers, starts = np.unique(done.placements, return_index=True)
+    firsts = [int(i) for i in starts[numbers > 0]]
+    for n, first in enumerate(firsts):
+        sent = run.start if n == 0 else _out(run, firsts[n - 1], first)
+        yield Request(sent, done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first])
+
+
+def _out(run: Run, start: int, end: int) -> float:
+    """When the iterations from `start` to `end` had given their placement up and the object was out [s]."""
+    done, scene = run.iterations, run.scene
+    above = [stage == "PRE_PACK" for stage in done.stages]
+    back = [i for i in range(start + 1, end) if above[i] and not above[i - 1]]
+    bottoms = run.estimate[run.held].at(done.times).p[:, 2] - scene.new_object.half_extents[2]
+    out = [i for i in range(back[-1] if back else end, end) if bottoms[i] >= scene.rim]
+    return float(done.times[min(out[0] + 1, end) if out else end - 1])
+
+
+def _near(scenes: list[SceneState], time: float) -> list[SceneState]:
+    return [scene for scene in scenes if abs(scene.time - time) <= WINDOW]
+
+
+def _compare(
+    planner: PlacementPlanner, session: SessionConfig, request: Request, scenes: list[SceneState],
+    seed: int, method: Method,
+) -> Row:  # fmt: skip
+    """The nearest placement among those that the scenes give; stops at the one that was recorded."""
+    radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
+    best, planned = float("inf"), 0
+    for scene in scenes:
+        placement = planner.plan(
+            scene, np.random.default_rng(seed + len(request.tried)), lean=lean,
+            variant=method.placement_variant, avoid=list(request.tried), avoid_radius=radius,
+        )  # fmt: skip
+        planned += 1
+        if placement.X_WO is not None and placement.collisions == request.collisions:
+            best = min(best, 1e3 * float(np.linalg.norm(placement.X_WO.p - request.p_WT)))
+        if best <= LIMIT_MM:
+            break
+    return Row(f"placement {len(request.tried) + 1}", planned, best, best, LIMIT_MM)

@@ -1,0 +1,94 @@
+"""What a run in lockstep leaves behind: a `Run`, as the evaluation makes one of a recording."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from pack_core.joints import JointSample
+from pack_core.packing.scene import Scene
+from pack_core.states import SceneState
+from pack_evaluation.packing.run import Iterations, Run
+from pack_evaluation.track import to_tracks
+from pack_mpc.controller import Plan
+from pack_mpc.placement import Placement
+from pack_mpc.task import Outcome, PackingTask
+from pack_perception.mocap.physics_estimator import PhysicsEstimator
+from pack_sim.packing.simulator import Simulator
+
+SCENE_EVERY = 8
+"""Physics steps between two samples of truth, estimate and joints: 8 ms, as /sim/truth has them."""
+
+
+@dataclass(frozen=True)
+class _Iteration:
+    time: float
+    elapsed: float
+    stage: str
+    distance: float
+    placements: int
+    placement: Placement
+    plan: Plan
+
+
+class RunLog:
+    """Grows with the run; `to_run` turns it into arrays."""
+
+    def __init__(self) -> None:
+        self._steps = 0
+        self._forces: list[tuple[float, float]] = []
+        self._joints: list[JointSample] = []
+        self._truth: list[SceneState] = []
+        self._estimate: list[SceneState] = []
+        self._iterations: list[_Iteration] = []
+
+    def sense(self, simulator: Simulator, estimator: PhysicsEstimator) -> None:
+        """Note the cell after a step of its physics."""
+        self._steps += 1
+        force, _ = simulator.external_wrench()
+        self._forces.append((simulator.time, float(np.linalg.norm(force))))
+        if self._steps % SCENE_EVERY:
+            return
+        self._joints.append(simulator.joints())
+        self._truth.append(simulator.truth())
+        if not math.isnan(estimator.time):
+            self._estimate.append(estimator.state(estimator.time))
+
+    def iterate(self, task: PackingTask, time: float, plan: Plan) -> None:
+        """Note an iteration of the controller that planned from the state at `time` [s]."""
+        machine = task.machine
+        assert machine is not None
+        self._iterations.append(
+            _Iteration(
+                time, task.elapsed(time), machine.stage.name, task.distance, len(task.tried),
+                machine.placement, plan,
+            )
+        )  # fmt: skip
+
+    def to_run(self, scene: Scene, start: float, outcome: Outcome, release_reason: str) -> Run:
+        """The run of a goal that was accepted at `start` [s] and has ended."""
+        force_times, force = np.array(self._forces).T
+        return Run(
+            scene=scene.description(), start=start, end=start + outcome.execution_time,
+            iterations=self._to_iterations(),
+            truth=to_tracks(self._truth), estimate=to_tracks(self._estimate),
+            joint_times=np.array([sample.time for sample in self._joints]),
+            joints=np.array([sample.q for sample in self._joints]), force_times=force_times, force=force,
+            release_reason=release_reason,
+            outcome={**asdict(outcome), "exit_reason": outcome.exit_reason.value},
+        )  # fmt: skip
+
+    def _to_iterations(self) -> Iterations:
+        rows = self._iterations
+        columns = [(row.time, row.elapsed, row.distance, row.placements) for row in rows]
+        times, elapsed, distance, placements = np.array(columns, dtype=float).reshape(-1, 4).T
+        return Iterations(
+            times=times, elapsed=elapsed, stages=tuple(row.stage for row in rows), distance=distance,
+            cost=np.array([row.plan.solution.cost for row in rows], dtype=float),
+            ms=np.array([row.plan.iteration_ms for row in rows], dtype=float), placements=placements,
+            p_WT=np.array([row.placement.X_WN.p for row in rows]).reshape(-1, 3),
+            q_WT=np.array([row.placement.X_WN.q for row in rows]).reshape(-1, 4),
+            collisions=tuple(row.placement.collisions for row in rows),
+        )  # fmt: skip

@@ -1,0 +1,132 @@
+"""What a benchmark of the packing cell measures: method, optimizer, weights, conditions and scenes."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from pack_core.config import Config
+from pack_core.errors import ConfigError
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.scene import Scene
+from pack_core.packing.scene_file import load_scene
+from pack_lockstep.packing.judo_optimizer import JudoConfig, require_judo
+from pack_lockstep.packing.lockstep import LockstepConfig, lockstep_config
+from pack_lockstep.packing.presets import load_preset
+from pack_mpc.session import Method
+from pack_mpc.weights import load_weights
+
+MM = 1e3
+OWN = Literal["ilqr", "sgn"]
+"""Optimizers that the controller has itself."""
+
+
+class BenchmarkSettings(Config):
+    """What decides the results, seeds apart; None leaves it as config/nodes/packing/mpc.yaml has it."""
+
+    method: Method = Method.PACK_IT_IN
+    optimizer: OWN | Literal["judo"] | None = None
+    weights: str | None = None
+    preset: str = "ideal"
+    container: tuple[float, float] | None = None
+    """Inside lengths along x and y [m]; None: as configured."""
+    scene_dir: Path | None = None
+    """Folder of scene files that are run instead of generated scenes."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Settings with everything that they refer to, ready to run and to be sent to other processes."""
+
+    settings: BenchmarkSettings
+    cell: PackingCell
+    config: LockstepConfig
+
+    @property
+    def optimizer(self) -> str:
+        """The one that plans."""
+        return self.settings.optimizer or self.config.session.controller.optimizer
+
+    @property
+    def name(self) -> str:
+        """Short, as in tables: method, optimizer, weights, conditions."""
+        s, session = self.settings, self.config.session
+        parts = [s.method.value, self.optimizer, session.weights, s.preset]
+        if s.container is not None:
+            parts.append("x".join(f"{MM * side:.0f}" for side in s.container) + "mm")
+        if s.scene_dir is not None:
+            parts.append(s.scene_dir.resolve().name)
+        return " ".join(parts)
+
+    def record(self) -> dict[str, Any]:
+        """All of it as plain values, for the head of the results; threads decide no result."""
+        session = self.config.session
+        config = self.config.model_dump(mode="json")
+        config["session"]["controller"].pop("threads")
+        config["planner"].pop("threads")
+        if self.optimizer == "judo":
+            config["judo"] = JudoConfig().model_dump(mode="json")
+        return {
+            "name": self.name, **self.settings.model_dump(mode="json"), "weights": session.weights,
+            "optimizer": self.optimizer, "cell": self.cell.model_dump(mode="json"),
+            "config": config, "weight_set": load_weights(session.weights).model_dump(mode="json"),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SceneJob:
+    """A scene to run; it is generated from the seed where it is None. The seed is the noise's, too."""
+
+    name: str
+    seed: int
+    scene: Scene | None = None
+
+
+def set_up(settings: BenchmarkSettings, threads: int) -> Setup:
+    """Read what the settings refer to.
+
+    Raises:
+        ConfigError: there is no such preset, weight set or optimizer.
+        PackError: the optimizer is judo's, which is not installed.
+    """
+    if settings.optimizer == "judo":
+        require_judo()
+    preset = load_preset(settings.preset)
+    if settings.container is not None:
+        preset = preset.over("cell", {"scene": {"container": {"size": list(settings.container)}}})
+    controller: dict[str, Any] = {"threads": threads}
+    if settings.optimizer in get_args(OWN):
+        controller["optimizer"] = settings.optimizer
+    preset = preset.over("mpc", {"controller": controller}).over("planner", {"threads": threads})
+    if settings.weights is not None:
+        preset = preset.over("mpc", {"weights": settings.weights})
+    return Setup(settings, preset.packing_cell(), lockstep_config(preset))
+
+
+def scene_jobs(settings: BenchmarkSettings, seed: int, count: int) -> list[SceneJob]:
+    """The scenes to run, the first with `seed`, each with the next.
+
+    Raises:
+        ConfigError: the folder has no scene files, or fewer than wanted, or one that cannot be used.
+    """
+    if settings.scene_dir is None:
+        return [SceneJob(f"seed_{n}", n) for n in range(seed, seed + count)]
+    files = sorted(settings.scene_dir.glob("*.yaml"))
+    if len(files) < count:
+        what = f"{settings.scene_dir} has {len(files)} scene files (*.yaml), and {count} are wanted"
+        raise ConfigError(f"{what}; give --scenes {len(files)}" if files else what)
+    return [SceneJob(path.stem, seed + i, load_scene(path)) for i, path in enumerate(files[:count])]
+
+
+def parse_size(text: str) -> tuple[float, float]:
+    """The inside of a container from `0.24x0.19` [m].
+
+    Raises:
+        ConfigError: the text is not of this form.
+    """
+    match = re.fullmatch(r"(\d*\.?\d+)x(\d*\.?\d+)", text)
+    if match is None:
+        raise ConfigError(f"container '{text}'; allowed: lengths along x and y in metres, as in 0.24x0.19")
+    return float(match[1]), float(match[2])

@@ -1,0 +1,63 @@
+"""One scene of the packing benchmark, from its seed to the run that came of it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from pack_core.errors import PackError
+from pack_core.packing.scene import Scene
+from pack_evaluation.packing.run import Run
+from pack_evaluation.packing.study.summary import FAILURE_METRICS
+from pack_evaluation.packing.study.trial import Trial
+from pack_lockstep.packing.judo_optimizer import JudoConfig, JudoOptimizer
+from pack_lockstep.packing.lockstep import Lockstep
+from pack_lockstep.packing.settings import SceneJob, Setup
+from pack_sim.packing.scene_generator import generate_scene
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """A scene as it was, what happened in it, and how long that took [s of wall clock]."""
+
+    job: SceneJob
+    scene: Scene
+    run: Run
+    wall_time: float
+
+
+def run_scene(setup: Setup, job: SceneJob) -> SceneResult:
+    """Run one scene to its outcome; the result depends on nothing but the arguments.
+
+    Raises:
+        PackError: the scene cannot be generated.
+    """
+    started = time.perf_counter()
+    try:
+        scene = job.scene or generate_scene(job.seed, setup.cell)
+    except PackError as error:
+        raise PackError(f"{job.name}: {error}") from error
+    lockstep = Lockstep(setup.cell, scene, setup.config, setup.settings.method, job.seed)
+    if setup.optimizer == "judo":
+        lockstep.session.controller.use(_judo(setup, lockstep.session.controller.scene, job.seed))
+    lockstep.run()
+    return SceneResult(job, scene, lockstep.recorded(), time.perf_counter() - started)
+
+
+def _judo(setup: Setup, scene: Scene, seed: int) -> JudoOptimizer:
+    threads = setup.config.session.controller.threads
+    return JudoOptimizer(scene, setup.cell, JudoConfig(), threads, seed)
+
+
+def trial_line(result: SceneResult, trial: Trial, threads: int) -> dict[str, Any]:
+    """The trial's line in the file of results; times in [s], forces in [N]."""
+    m = trial.measures
+    return {
+        "name": result.job.name, "seed": result.job.seed, "success": m.success,
+        "exit_reason": m.exit_reason.value, "message": trial.message, "execution_time_s": m.execution_time,
+        "distance_cm": 1e2 * m.distance, "force_mean_N": m.force_mean, "force_p95_N": m.force_p95,
+        "iterations": m.iterations, "iteration_ms": m.iteration_ms, "displacement_cm": 1e2 * m.displacement,
+        **{name: metric(m) for name, metric in FAILURE_METRICS.items()},
+        "threads": threads, "wall_time_s": result.wall_time,
+    }  # fmt: skip

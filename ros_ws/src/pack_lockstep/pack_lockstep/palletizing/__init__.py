@@ -1,0 +1,1 @@
+"""The palletizing cell in lockstep, and its benchmark."""

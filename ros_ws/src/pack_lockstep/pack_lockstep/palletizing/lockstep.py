@@ -1,0 +1,160 @@
+"""The palletizing cell in one process, without ROS, on simulated time.
+
+It composes the same cores as the nodes. Pictures and layouts take a stated time on the simulated clock,
+never the wall clock, so a run repeats bit for bit on any machine.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.errors import MessageError
+from pack_core.joints import JointReference, JointSetpoint
+from pack_core.motion.target import MotionStatus
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.box_detection import BoxDetection
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.layout_plan import LayoutPlan
+from pack_core.palletizing.orders.order import Order
+from pack_evaluation.palletizing.run import PalletRun
+from pack_lockstep.palletizing.run_log import RunLog
+from pack_lockstep.palletizing.sight import Sight, SightConfig, open_sight
+from pack_motion.arm.arms import load_arm
+from pack_motion.controller import MotionController
+from pack_motion.tracking.config import motion_set
+from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
+from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.ports import (
+    CloseGripper,
+    Command,
+    DiscardBox,
+    Look,
+    MoveArm,
+    Observation,
+    OpenGripper,
+    SpawnBox,
+    StopArm,
+)
+from pallet_fsm.states import State
+
+
+class PalletLockstepConfig(Config):
+    """Parameters of a run; the parts' own are those of the nodes."""
+
+    period: PositiveFloat = Field(default=0.004, description="between two setpoints for the arm [s]")
+    settle: NonNegativeFloat = Field(default=0.5, description="after the order, for the stack to rest [s]")
+    motion: str = Field(default="shipped", description="a set of config/motion")
+    sight: SightConfig = SightConfig()
+    simulator: PalletSimulatorConfig = PalletSimulatorConfig()
+    palletizer: PalletizerConfig = PalletizerConfig()
+
+
+@dataclass(frozen=True)
+class Tick:
+    """One cycle of the loop, for logs: where the machine is and what the motion says."""
+
+    time: float
+    state: State
+    box: str
+    motion: MotionStatus
+
+
+class PalletLockstep:
+    """One order from start to end.
+
+    Args:
+        cell: the cell's physical facts.
+        order: what to build.
+        plan: where every box goes.
+        config: parameters.
+        seed: of where boxes arrive and of the detections' noise.
+    """
+
+    def __init__(
+        self,
+        cell: PalletizingCell,
+        order: Order,
+        plan: LayoutPlan,
+        config: PalletLockstepConfig,
+        seed: int,
+    ) -> None:
+        self._cell, self._config = cell, config
+        self.simulator = PalletSimulator(cell, config.simulator, seed)
+        arm, q = load_arm("palletizing"), np.array(cell.arm.home)
+        self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
+        self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
+        self.palletizer = Palletizer(order, plan, cell, config.palletizer, self.simulator.time)
+        self._log = RunLog(self.simulator)
+        self._seed = seed
+        self._rng = np.random.default_rng([seed, zlib.crc32(order.order_id.encode())])
+        self._spawned = ""
+        self._detection: BoxDetection | None = None
+        self._pending: tuple[float, BoxDetection] | None = None
+
+    def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
+        """Run to the end; `on_tick` sees every cycle."""
+        with open_sight(self._cell, self._config.sight, self._rng) as sight:
+            while not self.palletizer.machine.is_over:
+                self._turn(sight, on_tick)
+        for _ in range(round(self._config.settle / self._config.period)):
+            self._advance()
+        return self._log.run(self._seed, self.palletizer.report())
+
+    def _turn(self, sight: Sight, on_tick: Callable[[Tick], None] | None) -> None:
+        """One cycle: what is seen, what is to be done, one period of motion and physics."""
+        simulator, machine = self.simulator, self.palletizer.machine
+        if self._pending is not None and simulator.time >= self._pending[0]:
+            self._detection, self._pending = self._pending[1], None
+        seen = Observation(
+            simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection
+        )
+        for command in self.palletizer.step(seen):
+            self._obey(command, sight)
+        if on_tick is not None:
+            on_tick(Tick(seen.time, machine.state, machine.visits[-1].box, seen.motion))
+        self._advance()
+
+    def _obey(self, command: Command, sight: Sight) -> None:
+        match command:
+            case SpawnBox(name, dims, mass):
+                self.simulator.spawn(BoxBody(name, dims, mass))
+                self._spawned = name
+            case DiscardBox(name):
+                self.simulator.remove(name)
+            case Look(expected):
+                detection = sight.detect(expected, self.simulator)
+                self._pending = self.simulator.time + self._config.sight.latency, detection
+            case MoveArm(target):
+                self.motion.command(target)
+            case StopArm():
+                self.motion.stop()
+            case CloseGripper():
+                self.simulator.gripper.close()
+            case OpenGripper():
+                self.simulator.gripper.open()
+
+    def _advance(self) -> None:
+        """One period of the motion, and the physics under it."""
+        simulator, period = self.simulator, self._config.period
+        last, time = self._setpoint, simulator.time
+        self._log.note(last.q)
+        new = self.motion.step(time + period, simulator.joints())
+        rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
+        self._hand_over(JointReference(time, np.array([0.0, period]), *rows))
+        for _ in range(round(period / simulator.config.timestep)):
+            simulator.step()
+        self._setpoint = new
+
+    def _hand_over(self, reference: JointReference) -> None:
+        """Give the driver its setpoints; an order whose setpoints it refuses is over."""
+        try:
+            self.simulator.accept(reference)
+        except MessageError as error:
+            self.palletizer.halt(f"the driver refused setpoints: {error}")

@@ -1,0 +1,76 @@
+"""Collects a lockstep run as the arrays that its evaluation takes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pack_core.palletizing.grip import GripLoad
+from pack_core.rotations import Array
+from pack_evaluation.palletizing.run import (
+    BoxRecord,
+    BoxTrack,
+    PalletRun,
+    StateVisit,
+    ToolTrack,
+    UnwantedTouch,
+)
+from pack_evaluation.palletizing.tool_track import tool_track
+from pack_sim.palletizing.simulator import PalletSimulator
+from pallet_fsm.report import BoxReport, OrderReport
+
+BOX_PERIOD = 5
+"""Boxes are looked at in every so many steps."""
+
+
+class RunLog:
+    """Takes note of every step.
+
+    Args:
+        simulator: what is watched.
+    """
+
+    def __init__(self, simulator: PalletSimulator) -> None:
+        self._simulator = simulator
+        self._times: list[float] = []
+        self._joints: list[tuple[Array, Array]] = []
+        self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
+        self._peaks: dict[str, GripLoad] = {}
+
+    def note(self, q_ref: Array) -> None:
+        """Take note of now; `q_ref` `(n,)` [rad] is what the setpoints want now."""
+        simulator = self._simulator
+        self._times.append(simulator.time)
+        self._joints.append((q_ref, simulator.joints().q))
+        if held := simulator.gripper.state.held:
+            self._peaks[held] = simulator.gripper.state.peak.worst(self._peaks.get(held, GripLoad()))
+        if len(self._times) % BOX_PERIOD == 0:
+            truth = simulator.truth()
+            for name, state in truth.objects.items():
+                self._boxes.setdefault(name, []).append((truth.time, state.X_WO.p, state.X_WO.q))
+
+    def run(self, seed: int, report: OrderReport) -> PalletRun:
+        """The run, which has ended."""
+        return PalletRun(
+            report.order, seed, report.reason,
+            tuple(
+                _record(box)
+                for box in report.boxes
+            ),
+            tuple(StateVisit(v.state.label, v.time, v.box, v.reason) for v in report.visits),
+            self._tool(),
+            {name: BoxTrack(*(np.array(values) for values in zip(*rows, strict=True)))
+             for name, rows in self._boxes.items()},
+            tuple(UnwantedTouch(e.time, e.bodies, e.force) for e in self._simulator.contacts.events),
+            report.cycle_times(),
+            {name: (load.coaxial, load.shear, load.moment) for name, load in self._peaks.items()},
+        )  # fmt: skip
+
+    def _tool(self) -> ToolTrack:
+        wanted, measured = (np.array([pair[i] for pair in self._joints]) for i in (0, 1))
+        return tool_track(np.array(self._times), wanted, measured)
+
+
+def _record(box: BoxReport) -> BoxRecord:
+    return BoxRecord(
+        box.name, box.dims, box.mass, box.handling, box.outcome, box.reason, box.direction, box.X_WB
+    )

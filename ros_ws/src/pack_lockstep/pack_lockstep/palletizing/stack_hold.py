@@ -1,0 +1,53 @@
+"""Whether a finished stack stands a push: the test of EUMOS 40509, unwrapped, at a given acceleration.
+
+The acceleration is reached within 50 ms, kept for 0.3 s and taken away again, along each of the pallet's
+four sides in turn; it acts on everything, as when the floor under the pallet is accelerated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.model import build_model
+from pack_core.rotations import Array, Pose
+
+RAMP, HOLD, REST = 0.05, 0.3, 0.5
+SIDES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+STANDARD_GRAVITY = 9.81
+
+
+def hold_shift_mm(cell: PalletizingCell, boxes: Mapping[BoxBody, Pose], acceleration: float = 0.2) -> float:
+    """Largest permanent shift of any box on the pallet [mm], over the four sides.
+
+    Args:
+        cell: the cell's physical facts.
+        boxes: the stack as it stands.
+        acceleration: as a share of gravity.
+    """
+    model = build_model(cell, list(boxes))
+    model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)  # gravity that changes wakes nobody
+    shifts = [_shift(model, cell, boxes, acceleration * np.array(side)) for side in SIDES]
+    return 1e3 * max(shifts, default=0.0)
+
+
+def _shift(
+    model: mujoco.MjModel, cell: PalletizingCell, boxes: Mapping[BoxBody, Pose], acceleration: Array
+) -> float:
+    data = mujoco.MjData(model)
+    for box, X_WB in boxes.items():
+        q = model.joint(box.name).qposadr[0]
+        data.qpos[q : q + 7] = [*X_WB.p, *X_WB.q]
+    home = np.array(cell.arm.home)
+    start = {box: X_WB.p for box, X_WB in boxes.items()}
+    while data.time < 2 * RAMP + HOLD + REST:
+        share = np.clip(min(data.time / RAMP, (2 * RAMP + HOLD - data.time) / RAMP), 0.0, 1.0)
+        model.opt.gravity[:2] = -STANDARD_GRAVITY * share * acceleration
+        data.qpos[: len(home)], data.qvel[: len(home)] = home, 0.0
+        mujoco.mj_step(model, data)
+    mujoco.mj_kinematics(model, data)
+    return max(float(np.linalg.norm(data.body(box.name).xpos - p)) for box, p in start.items())

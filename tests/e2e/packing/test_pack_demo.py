@@ -1,0 +1,108 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+import yaml
+
+from e2e.packing.cell import EASY_SCENE
+from pack_core.packing.scene_file import load_scene
+from pack_evaluation.packing.from_bag import load_run
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
+PACK = [sys.executable, "-c", "from pack_bringup.cli.main import main; main()"]
+
+
+def pack(*arguments: str | Path) -> subprocess.Popen[str]:
+    environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
+    return subprocess.Popen(
+        [*PACK, *map(str, arguments)], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env=environment,
+    )  # fmt: skip
+
+
+def output_of(process: subprocess.Popen[str]) -> str:
+    assert process.stdout is not None
+    text = process.stdout.read()
+    process.wait()
+    return text
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """A run with the easy scene: its folder, and what was printed."""
+    folder = tmp_path_factory.mktemp("demo") / "run"
+    process = pack("demo", "packing", "--scene", EASY_SCENE, "--seed", "4", "--output", folder)
+    text = output_of(process)
+    assert process.returncode == 0, text
+    return folder, text
+
+
+def test_the_demo_packs_the_object_and_leaves_everything_behind(demo: tuple[Path, str]) -> None:
+    folder, text = demo
+    assert "placed" in text
+    assert {path.name for path in folder.iterdir()} == {
+        "bag", "nodes.log", "plots", "report.html", "run.mp4", "run.yaml", "scene.yaml",
+    }  # fmt: skip
+    assert yaml.safe_load((folder / "run.yaml").read_text())["seed"] == 4
+    run = load_run(folder)
+    assert imageio_ffmpeg.count_frames_and_secs(folder / "run.mp4")[1] > run.end - run.start
+
+
+def test_the_nodes_know_every_parameter_that_they_are_given(demo: tuple[Path, str]) -> None:
+    assert "unknown parameter" not in (demo[0] / "nodes.log").read_text()
+
+
+def test_the_scene_that_was_recorded_is_the_one_that_was_run(demo: tuple[Path, str]) -> None:
+    given, recorded = load_scene(EASY_SCENE), load_scene(demo[0] / "scene.yaml")
+    assert recorded.description() == given.description()
+    for name, X_WO in given.poses().items():
+        assert np.linalg.norm(recorded.poses()[name].p - X_WO.p) < 1e-3
+
+
+def test_evaluating_the_bag_again_prints_the_same_table(demo: tuple[Path, str], tmp_path: Path) -> None:
+    folder, text = demo
+    measures = tmp_path / "measures.json"
+    again = pack("evaluate", folder / "bag", "--no-video", "--output", tmp_path, "--json", measures)
+    table = [line for line in output_of(again).splitlines() if line.startswith("│")]
+    assert again.returncode == 0
+    assert len(table) > 10
+    assert table == [line for line in text.splitlines() if line.startswith("│")]
+    assert json.loads(measures.read_text())["success"] is True
+
+
+def test_ctrl_c_ends_all_nodes_and_keeps_what_was_recorded(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    process = pack("demo", "packing", "--scene", EASY_SCENE, "--output", folder)
+    assert process.stdout is not None
+    next(line for line in process.stdout if line.startswith("INSERT"))
+    process.send_signal(signal.SIGINT)
+    assert "stopped; what was recorded is in" in output_of(process)
+    assert process.returncode == 130
+    log = (folder / "nodes.log").read_text()
+    assert log.count("ended with exit code 0") == 5
+    assert not load_run(folder).is_cut
+
+
+def test_a_bad_scene_file_is_named_before_anything_is_started(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(EASY_SCENE.read_text().replace("friction: 0.4", "friction: -1"))
+    process = pack("demo", "packing", "--scene", scene, "--output", tmp_path / "run")
+    text = output_of(process)
+    assert process.returncode == 2
+    assert "friction" in text
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_node_that_does_not_come_up_is_named_with_its_last_words(tmp_path: Path) -> None:
+    (tmp_path / "run" / "bag").mkdir(parents=True)
+    process = pack("demo", "packing", "--scene", EASY_SCENE, "--output", tmp_path / "run")
+    text = output_of(process)
+    assert process.returncode == 2
+    assert "node 'recorder' ended with exit code 2" in text
+    assert "exists already" in text

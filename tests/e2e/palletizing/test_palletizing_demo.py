@@ -1,0 +1,64 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from e2e.packing.test_pack_demo import output_of, pack
+from pack_core.palletizing.orders.order_file import load_order
+from pack_core.paths import config_path
+from pack_evaluation.palletizing.from_bag import load_pallet_run
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
+FACTOR = 0.4
+"""Simulated seconds a second: what a busy machine with two cores keeps up with."""
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """One box, turned in flight, on a pallet: the run's folder, and what was printed."""
+    folder = tmp_path_factory.mktemp("demo") / "run"
+    order = folder.with_name("order.json")
+    given = load_order(config_path("orders", "order_03.json"))
+    small = {
+        "order_id": "one box",
+        "pallet": given.pallet.model_dump(),
+        "boxes": [given.boxes[0].model_dump()],
+    }
+    order.write_text(json.dumps(small))
+    process = pack(
+        "demo", "palletizing", "--order", order, "--real-time-factor", str(FACTOR), "--output", folder
+    )
+    text = output_of(process)
+    assert process.returncode == 0, text
+    return folder, text
+
+
+def test_the_demo_builds_the_pallet_and_leaves_everything_behind(demo: tuple[Path, str]) -> None:
+    folder, _ = demo
+    assert {path.name for path in folder.iterdir()} == {
+        "bag", "nodes.log", "plots", "report.html", "run.mp4", "run.yaml",
+    }  # fmt: skip
+    run = load_pallet_run(folder)
+    assert [box.outcome for box in run.boxes] == ["placed"]
+
+
+def test_the_nodes_know_every_parameter_that_they_are_given(demo: tuple[Path, str]) -> None:
+    assert "unknown parameter" not in (demo[0] / "nodes.log").read_text()
+
+
+def test_evaluating_the_bag_again_gives_measures_within_their_targets(
+    demo: tuple[Path, str], tmp_path: Path
+) -> None:
+    process = pack("evaluate", demo[0], "--no-video", "--json", tmp_path / "m.json", "--output", tmp_path)
+    output_of(process)
+    measures = json.loads((tmp_path / "m.json").read_text())
+    assert measures["is_complete"]
+    assert (measures["drops"], measures["touches"]) == (0, 0)
+
+
+def test_an_order_that_would_not_stand_is_refused_at_once(tmp_path: Path) -> None:
+    unstable = config_path("orders", "stress", "order_01.json")
+    process = pack("demo", "palletizing", "--order", unstable, "--output", tmp_path / "run")
+    text = output_of(process)
+    assert process.returncode == 2
+    assert "error:" in text

@@ -1,0 +1,192 @@
+"""The blocks executor as a node, with a probe that plays the rest of the cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from pack_interfaces.action import Rearrange
+from pack_interfaces.msg import BlockDeed
+from pack_interfaces.msg import BlockSighting as BlockSightingMsg
+from pack_interfaces.srv import PlanRearrangement
+
+from block_fsm.block_fsm_node import BlockFsmNode
+from integration.blocks.blocks_rig import BlocksRig
+from integration.harness import Graph
+from pack_core.blocks.plan import PickPlace, Plan, PlanStatus
+from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem_file import problem_text
+from pack_core.motion.target import MotionState
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import blocks as contracts
+
+GOALS = {"a": PlanarPose(0.62, 0.05, 0.0), "b": PlanarPose(0.6728, 0.05, 0.0)}
+AWAY = PlanarPose(0.55, -0.1, 0.4)
+SQUARE = ((0.5, -0.15), (0.8, -0.15), (0.8, 0.15), (0.5, 0.15))
+TEXT = problem_text(Problem(tuple(Block(name, pose) for name, pose in GOALS.items()), GOALS, SQUARE))
+QUICK = {"looks": 2, "fault_time": 0.1, "watched": ["tags"]}
+TO_GOAL = Plan(PlanStatus.OPTIMAL, (PickPlace("a", AWAY, GOALS["a"], 0),), 1)
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    opened = Graph()
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def rig(graph: Graph) -> BlocksRig:
+    return BlocksRig(graph, dict(GOALS))
+
+
+@pytest.fixture
+def node(graph: Graph, rig: BlocksRig) -> BlockFsmNode:
+    return graph.start(BlockFsmNode, **{"patience.picture": 0.4, **QUICK})
+
+
+@pytest.fixture
+def patient_node(graph: Graph, rig: BlocksRig) -> BlockFsmNode:
+    """A node that waits for a picture until something else ends the goal."""
+    return graph.start(BlockFsmNode, **{"patience.picture": 600.0, **QUICK})
+
+
+def accepted(graph: Graph) -> Any:
+    """The goal, sent until the executor has heard of arm and gripper and takes it."""
+    handles: list[Any] = []
+
+    def is_taken() -> bool:
+        handles.append(graph.send_goal(contracts.REARRANGE, Rearrange.Goal(problem=TEXT)))
+        return bool(handles[-1].accepted)
+
+    graph.wait_until(is_taken)
+    return handles[-1]
+
+
+def outcome(graph: Graph) -> Rearrange.Result:
+    return graph.result_of(accepted(graph))
+
+
+def test_a_picture_is_used_though_the_motion_is_ahead_of_the_clock(
+    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    result = outcome(graph)
+    assert result.success, result.message
+    assert result.exit_reason == "arranged"
+    assert result.plans == 1
+
+
+def test_a_tag_seen_twice_ends_the_goal_with_its_block(
+    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    def double(message: BlockSightingMsg) -> None:
+        message.blocks, message.doubled = message.blocks[:1], ["b"]
+
+    rig.on_sighting = double
+    result = outcome(graph)
+    assert (result.success, result.exit_reason) == (False, "not seen")
+    assert result.message == "seen more than once: b"
+
+
+def test_a_camera_that_takes_no_pictures_is_quoted(graph: Graph, node: BlockFsmNode, rig: BlocksRig) -> None:
+    rig.camera = "no OpenGL to draw with"
+    result = outcome(graph)
+    assert result.exit_reason == "not seen"
+    assert "no OpenGL to draw with" in result.message
+
+
+def test_poses_that_are_no_numbers_are_dropped_and_counted(
+    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    def spoil(message: BlockSightingMsg) -> None:
+        message.blocks[0].x = np.nan
+
+    rig.on_sighting = spoil
+    result = outcome(graph)
+    assert result.exit_reason == "not seen"
+    assert "nothing is told of what is in it" in result.message
+    assert node.health.counts["refused /block_poses"] >= 1
+
+
+def test_one_bad_message_is_outlived(graph: Graph, node: BlockFsmNode, rig: BlocksRig) -> None:
+    def spoil(message: BlockSightingMsg) -> None:
+        message.blocks[0].yaw = np.nan
+        rig.on_sighting = lambda _: None
+
+    rig.on_sighting = spoil
+    assert outcome(graph).success
+
+
+def test_a_plan_with_what_is_no_number_is_not_carried_out(
+    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    def spoil(response: PlanRearrangement.Response) -> None:
+        response.actions[0].end.x = np.nan
+
+    rig.poses, rig.plan, rig.on_plan = {**GOALS, "a": AWAY}, TO_GOAL, spoil
+    result = outcome(graph)
+    assert result.exit_reason == "no plan"
+    assert "the planner's answer cannot be used" in result.message
+    assert len(rig.targets) == 1
+
+
+def test_a_refused_motion_ends_the_goal_with_what_is_in_the_way(
+    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    rig.state, rig.reason = MotionState.REFUSED, "'palm' would be 3 mm from 'b' in 'down'"
+    result = outcome(graph)
+    assert result.exit_reason == "motion failed"
+    assert result.message == "REFUSED: 'palm' would be 3 mm from 'b' in 'down'"
+
+
+def test_an_action_that_is_refused_is_planned_around(
+    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    rig.poses, rig.plan, rig.refused = {**GOALS, "a": AWAY}, TO_GOAL, "approach"
+    result = outcome(graph)
+    assert (result.refusals, result.failed_grasps) == (1, 3)
+    first, second, *_ = rig.problems
+    assert len(first.refused) == 0
+    assert [deed.kind for deed in second.refused] == [BlockDeed.GRASP]
+    assert second.refused[0].x == pytest.approx(AWAY.x)
+
+
+def test_every_move_is_sent_with_what_stands_around_it(
+    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    rig.poses, rig.plan = {**GOALS, "a": AWAY}, TO_GOAL
+    result = outcome(graph)
+    assert result.failed_grasps == 3
+    approach = rig.targets[1]
+    assert approach.is_checked
+    assert {item.name for item in approach.obstacles} == {"table", "a", "b"}
+    assert approach.opening == pytest.approx(0.0588)
+
+
+def test_a_node_that_dies_ends_the_goal_and_stops_the_arm(
+    graph: Graph, patient_node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    rig.camera = "still busy"
+    tags = graph.start(lambda **kwargs: CellNode("tags", **kwargs))
+    graph.wait_until(lambda: patient_node.hears("tags"))
+    handle = accepted(graph)
+    graph.wait_until(lambda: rig.targets)
+    graph.stop(tags)
+    result = graph.result_of(handle)
+    assert (result.success, result.exit_reason) == (False, "node silent")
+    assert "'tags'" in result.message
+    graph.wait_until(lambda: not rig.targets[-1].segments)
+
+
+def test_a_goal_that_is_cancelled_stops_the_arm(
+    graph: Graph, patient_node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    rig.camera = "still busy"
+    handle = accepted(graph)
+    graph.wait_until(lambda: rig.targets)
+    handle.cancel_goal_async()
+    assert graph.result_of(handle).exit_reason == "cancelled"
+    graph.wait_until(lambda: not rig.targets[-1].segments)

@@ -1,0 +1,55 @@
+"""The whole cell but the recorder in one process, on a scene that is packed in seconds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from integration.harness import Graph
+from integration.witness import Witness
+from pack_core.paths import config_path, project_root
+from pack_core.ros.contracts import packing as contracts
+from pack_mpc.mpc_node import MpcNode
+from pack_perception.mocap.perception_node import PerceptionNode
+from pack_planner.placement.planner_node import PlannerNode
+from pack_sim.packing.sim_node import SimNode
+
+EASY = project_root() / "tests" / "e2e" / "packing" / "easy_scene.yaml"
+
+
+def parameters_of(node: str, **changes: Any) -> dict[str, Any]:
+    """What `config/nodes/packing/<node>.yaml` gives, by parameter name, and what is to be different."""
+    given = yaml.safe_load(config_path("nodes", "packing", f"{node}.yaml").read_text())[node][
+        "ros__parameters"
+    ]
+    return _flat(given) | changes
+
+
+def _flat(values: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
+    return flat
+
+
+class Cell(Witness):
+    """Its nodes, up and ready for a goal, and a witness."""
+
+    def __init__(self, graph: Graph, factor: float, scene: Path = EASY) -> None:
+        super().__init__(graph)
+        watched = ["sim", "perception", "planner"]
+        self.sim = graph.start(SimNode, **parameters_of("sim", scene=str(scene), real_time_factor=factor))
+        self.perception = graph.start(PerceptionNode, **parameters_of("perception"))
+        self.planner = graph.start(PlannerNode, **parameters_of("planner"))
+        self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched))
+        graph.wait_until(lambda: self.mpc.is_ready and self.planner.is_ready)
+        graph.connect(contracts.SETPOINTS)
+        graph.connect(contracts.JOINT_STATES, subscribers=3)
+        graph.connect(contracts.SCENE, subscribers=2)
+
+    @property
+    def time(self) -> float:
+        """Simulated time, whatever has been heard of it yet [s]."""
+        return self.sim.simulator.time

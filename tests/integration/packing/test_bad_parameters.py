@@ -1,0 +1,68 @@
+"""A node that is started with something it does not allow says so in one line and ends."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from integration.harness import Graph
+from pack_bringup.graph.executables import find_executable
+from pack_core.paths import config_path
+from pack_core.ros.params import unknown_parameters
+from pack_planner.placement.planner_node import PlannerNode
+
+EXAMPLE = config_path("scenarios", "packing", "example.yaml")
+
+
+def last_words(package: str, executable: str, *parameters: str) -> str:
+    """The one line of an executable that ends with exit code 2."""
+    command = [str(find_executable(package, executable)), "--ros-args"]
+    for parameter in parameters:
+        command += ["-p", parameter]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=30.0, check=False)
+    assert ended.returncode == 2, ended.stderr
+    (line,) = ended.stderr.splitlines()
+    return line
+
+
+@pytest.mark.parametrize(
+    ("node", "parameter", "parts"),
+    [
+        ("sim", "real_time_factor:=-1.0", ("real_time_factor", "-1.0", "greater than or equal to 0")),
+        ("sim", "real_time_factor:=fast", ("real_time_factor", "fast", "number")),
+        ("sim", "mocap.min_cameras:=0", ("mocap.min_cameras", "0", "greater than 0")),
+        ("sim", "scene:=missing.yaml", ("missing.yaml", "no such file")),
+        ("perception", "min_rate:=0.0", ("min_rate", "0.0", "greater than 0")),
+        ("planner", "samples:=0", ("samples", "0", "greater than")),
+        ("mpc", "controller.threads:=0", ("controller.threads", "0", "greater than or equal to 1")),
+        ("mpc", "weights:=heavy", ("weights", "heavy", "table_1, tuned")),
+    ],
+)
+def test_a_bad_parameter_is_named_with_its_value_and_what_is_allowed(
+    node: str, parameter: str, parts: tuple[str, ...]
+) -> None:
+    line = last_words(f"pack_{node}", f"{node}_node", parameter)
+    assert line.startswith("error: ")
+    for part in parts:
+        assert part in line
+
+
+def test_a_bad_scene_file_is_named_with_its_key_and_what_is_allowed(tmp_path: Path) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text(EXAMPLE.read_text().replace("height: 0.110", "height: tall"))
+    line = last_words("pack_sim", "sim_node", f"scene:={path}")
+    for part in ("error: ", str(path), "objects.0", "height", "tall", "number"):
+        assert part in line
+
+
+def test_an_unknown_parameter_is_reported_with_what_may_have_been_meant(graph: Graph) -> None:
+    node = graph.start(PlannerNode, smaples=3)
+    graph.wait_until(lambda: node.health.counts["unknown parameter"])
+    assert unknown_parameters(node) == ["'smaples'; did you mean 'samples'?"]
+
+
+def test_what_is_known_is_not_reported(graph: Graph) -> None:
+    node = graph.start(PlannerNode, samples=3)
+    assert unknown_parameters(node) == []

@@ -1,0 +1,89 @@
+"""Goals that the controller's node does not take, and why it says so."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from pack_interfaces.action import PackObject
+from std_msgs.msg import String
+
+from integration.harness import Graph
+from pack_core.joints import JointSample
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene import Scene
+from pack_core.packing.scene_file import load_scene
+from pack_core.paths import config_path
+from pack_core.robots import panda
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
+from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.scene_messages import to_scene
+from pack_core.rotations import Pose
+from pack_core.states import ObjectState, SceneState
+from pack_mpc.mpc_node import MpcNode
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return load_scene(config_path("scenarios", "packing", "example.yaml"))
+
+
+@pytest.fixture
+def mpc(graph: Graph) -> MpcNode:
+    graph.probe.listen(shared.DIAGNOSTICS)
+    node = graph.start(MpcNode)
+    graph.connect(contracts.DESCRIPTION, contracts.JOINT_STATES, contracts.SCENE)
+    return node
+
+
+def tell(graph: Graph, scene: Scene, *, missing: str = "") -> None:
+    """Speak for sim and perception, once."""
+    at_rest = JointSample(1.0, np.array(packing_cell().robot.home), np.zeros(7), np.zeros(7))
+    poses = scene.poses() | {scene.new_object.name: Pose([0.5, 0.0, 0.36])}
+    objects = {name: ObjectState(X_WO) for name, X_WO in poses.items() if name != missing}
+    graph.probe.send(contracts.DESCRIPTION, String(data=scene.description().to_yaml()))
+    graph.probe.send(contracts.JOINT_STATES, to_joint_state(at_rest, panda.JOINTS))
+    graph.probe.send(contracts.SCENE, to_scene(SceneState(1.0, objects)))
+
+
+def refusal(graph: Graph, **fields: object) -> str:
+    """What /diagnostics says about a goal that is not accepted."""
+    goal = PackObject.Goal(**{"method": "pack_it_in", **fields})
+    assert not graph.send_goal(contracts.PACK_OBJECT, goal).accepted
+    mail = graph.probe.mail[shared.DIAGNOSTICS.name]
+    graph.wait_until(lambda: mail and mail[-1].status[0].level == DiagnosticStatus.WARN)
+    status = mail[-1].status[0]
+    assert status.name == "mpc"
+    return str(status.message)
+
+
+def test_a_goal_before_anything_was_heard_is_refused(graph: Graph, mpc: MpcNode) -> None:
+    assert "no /cell_description yet: is sim up?" in refusal(graph)
+
+
+def test_a_goal_is_refused_while_an_object_has_not_been_found(
+    graph: Graph, mpc: MpcNode, scene: Scene
+) -> None:
+    tell(graph, scene, missing="tea_box")
+    graph.wait_until(lambda: "tea_box" in mpc.missing)
+    assert "the cameras have not seen tea_box yet" in refusal(graph)
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ({"method": "magic"}, "method 'magic'; allowed: pack_it_in, uninformed_pose, uninformed_physics"),
+        ({"method": ""}, "method ''; allowed: pack_it_in"),
+        ({"timeout": -1.0}, "timeout -1.0; allowed: seconds from 0 on"),
+        ({"timeout": math.nan}, "timeout nan; allowed: seconds from 0 on"),
+    ],
+)
+def test_a_goal_that_makes_no_sense_is_refused_with_what_is_allowed(
+    graph: Graph, mpc: MpcNode, scene: Scene, fields: dict[str, object], reason: str
+) -> None:
+    tell(graph, scene)
+    graph.wait_until(lambda: mpc.is_ready)
+    assert reason in refusal(graph, **fields)

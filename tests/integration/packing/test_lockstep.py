@@ -1,0 +1,89 @@
+"""The cell without ROS: repeats bit for bit, and does what the nodes do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from integration.harness import Graph
+from integration.packing.cell_rig import EASY, Cell
+from integration.packing.sim_rig import EXAMPLE
+from pack_core.joints import Setpoints
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.scene_file import load_scene
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.conversions import from_pose
+from pack_core.rotations import Array, Pose, angle_between
+from pack_lockstep.packing.lockstep import Lockstep, Step, lockstep_config
+from pack_mpc.session import Method
+from pack_mpc.task import Outcome
+
+SEED = 0
+FACTOR = 0.3
+
+
+@dataclass(frozen=True)
+class Record:
+    """What a run in lockstep did."""
+
+    outcome: Outcome
+    placement: Pose
+    setpoints: list[Setpoints]
+    joints: Array
+
+
+def run(scene: Path, seed: int = SEED, timeout: float = 20.0) -> Record:
+    steps: list[Step] = []
+    config = lockstep_config()
+    task = config.session.task.model_copy(update={"timeout": timeout})
+    config = config.model_copy(update={"session": config.session.model_copy(update={"task": task})})
+    lockstep = Lockstep(packing_cell(), load_scene(scene), config, Method.PACK_IT_IN, seed)
+    outcome = lockstep.run(steps.append)
+    plans = [step.plan.setpoints for step in steps if step.plan is not None]
+    joints = np.array([step.seen.joints.q for step in steps])
+    return Record(outcome, lockstep.session.task.tried[0], plans, joints)
+
+
+@pytest.fixture(scope="module")
+def record() -> Record:
+    return run(EASY)
+
+
+def test_the_same_seed_gives_the_same_outcome_and_setpoints_bit_for_bit(record: Record) -> None:
+    again = run(EASY)
+    assert again.outcome == record.outcome
+    np.testing.assert_array_equal(again.joints, record.joints)
+    assert len(again.setpoints) == len(record.setpoints)
+    for ours, theirs in zip(again.setpoints, record.setpoints, strict=True):
+        assert ours.time == theirs.time
+        for name in ("offsets", "q", "v", "tau"):
+            np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
+
+
+def test_another_seed_gives_other_setpoints(record: Record) -> None:
+    other = run(EASY, SEED + 1)
+    assert not np.array_equal(other.setpoints[-1].q, record.setpoints[-1].q)
+
+
+def test_the_nodes_reach_the_same_outcome(graph: Graph, record: Record) -> None:
+    cell = Cell(graph, FACTOR)
+    result = graph.result_of(cell.pack(SEED))
+    assert record.outcome.success
+    assert (result.success, result.exit_reason) == (True, record.outcome.exit_reason.value)
+    assert result.placements == record.outcome.placements
+    assert result.execution_time == pytest.approx(record.outcome.execution_time, rel=0.5)
+
+
+def test_the_nodes_choose_the_same_placement_where_there_is_a_best_one(graph: Graph) -> None:
+    expected = run(EXAMPLE, timeout=0.5).placement
+    cell = Cell(graph, FACTOR, EXAMPLE)
+    cell.pack(SEED)
+    last = partial(graph.probe.last, contracts.MPC_STATUS)
+    graph.wait_until(lambda: last() and last().placements, timeout=30.0)
+    chosen = from_pose(last().target)
+    np.testing.assert_allclose(chosen.p, expected.p, atol=0.005)
+    assert angle_between(chosen.q, expected.q) < np.deg2rad(3.0)

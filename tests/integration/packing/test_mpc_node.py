@@ -1,0 +1,114 @@
+"""The controller's node in a cell: a goal from acceptance to its result, and what may come between."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+from sensor_msgs.msg import JointState
+
+from integration.harness import Graph
+from integration.packing.cell_rig import Cell
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.conversions import from_stamp
+from pack_mpc.stages import Stage
+
+FACTOR = 0.3
+"""Real-time factor at which one process runs four nodes."""
+STAGES = [stage.name for stage in Stage]
+LIMIT = 0.1
+"""The arm is at rest this long after a fault [s of simulated time]."""
+
+
+@pytest.fixture
+def cell(graph: Graph) -> Cell:
+    return Cell(graph, FACTOR)
+
+
+def test_a_goal_is_packed_with_feedback_status_and_a_full_result(cell: Cell) -> None:
+    handle = cell.pack()
+    assert handle.accepted
+    result = cell.graph.result_of(handle)
+    assert (result.success, result.exit_reason, result.placements) == (True, "placed", 1), result.message
+    assert 0.5 < result.execution_time < 10.0
+    assert 0.0 < result.distance < 0.015
+    assert 0.0 <= result.force_mean <= result.force_peak
+    assert result.iteration_ms > 0.0
+    stages = list(dict.fromkeys(message.stage for message in cell.feedback))
+    assert stages in (STAGES, STAGES[:2])  # it may be placed the moment it enters the last one
+    assert cell.feedback[-1].distance < cell.feedback[0].distance
+    statuses = cell.graph.probe.mail[contracts.MPC_STATUS.name]
+    assert len(statuses) >= len(cell.feedback)
+    assert statuses[-1].target.position.z == pytest.approx(0.09, abs=0.005)
+    cell.graph.wait_until(lambda: cell.graph.probe.last(contracts.RESULT))
+    outcome = json.loads(cell.graph.probe.last(contracts.RESULT).data)
+    assert outcome["exit_reason"] == result.exit_reason
+    assert outcome["execution_time"] == result.execution_time
+
+
+def test_a_canceled_goal_ends_at_once_and_the_arm_holds(cell: Cell) -> None:
+    handle = cell.pack()
+    cell.wait_for_motion()
+    asked = cell.time
+    handle.cancel_goal_async()
+    result = cell.graph.result_of(handle)
+    assert (result.success, result.exit_reason) == (False, "canceled")
+    cell.wait_past(asked + 3 * LIMIT)
+    assert cell.time_to_rest(asked) < LIMIT
+    assert cell.pack().accepted
+
+
+def test_a_second_goal_is_refused_while_one_is_in_progress(cell: Cell) -> None:
+    assert cell.pack().accepted
+    assert not cell.pack().accepted
+    cell.wait_for_report("mpc", "a goal is in progress")
+
+
+def is_up_to_date(cell: Cell) -> bool:
+    """Past the placement, which holds up this process, nothing waits in a queue that might overflow."""
+    joints = cell.graph.probe.last(contracts.JOINT_STATES)
+    return cell.feedback[-1].stage == "INSERT" and cell.time - from_stamp(joints.header.stamp) < 0.02
+
+
+def test_joints_and_scenes_that_are_not_finite_are_dropped_and_counted_and_the_goal_goes_on(
+    cell: Cell,
+) -> None:
+    probe, handle = cell.graph.probe, cell.pack()
+    cell.graph.wait_until(lambda: cell.feedback and is_up_to_date(cell), timeout=30.0)
+    joints: JointState = probe.last(contracts.JOINT_STATES)
+    scene = probe.last(contracts.SCENE)
+    joints.position[3], scene.objects[0].pose.position.x = math.nan, math.nan
+    for _ in range(5):
+        probe.send(contracts.JOINT_STATES, joints)
+        probe.send(contracts.SCENE, scene)
+    result = cell.graph.result_of(handle)
+    assert result.exit_reason == "placed", result.message
+    cell.graph.wait_until(lambda: cell.counts_of("mpc").get("refused /scene") == "5")
+    counts = cell.counts_of("mpc")
+    assert counts["refused /joint_states"] == "5"
+    assert "joint position is not finite" in cell.status_of("mpc").message
+    assert "failed iteration" not in counts
+
+
+def test_without_perception_the_arm_holds_and_the_goal_ends_as_a_fault_that_names_it(cell: Cell) -> None:
+    handle = cell.pack()
+    cell.wait_for_motion()
+    died = cell.time
+    cell.graph.stop(cell.perception)
+    result = cell.graph.result_of(handle)
+    assert (result.success, result.exit_reason, result.message) == (False, "fault", "silent: perception")
+    assert cell.time_to_rest(died) < LIMIT
+    for name in ("mpc", "planner"):
+        cell.wait_for_report(name, "'perception' is silent")
+    assert not cell.pack().accepted
+
+
+def test_without_the_controller_the_arm_holds(cell: Cell) -> None:
+    cell.pack()
+    cell.wait_for_motion()
+    cell.graph.stop(cell.mpc)
+    died = cell.time
+    cell.wait_past(died + 3 * LIMIT)
+    assert cell.time_to_rest(died) < LIMIT
+    cell.wait_for_report("sim", "'mpc' is silent")

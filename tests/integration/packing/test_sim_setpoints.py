@@ -1,0 +1,83 @@
+"""How the simulated driver takes setpoints: good, stale and bad ones."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from trajectory_msgs.msg import JointTrajectory
+
+from integration.harness import Graph
+from integration.packing.sim_rig import SPEED, joint_samples, newest_joints, ramp, speeds, start_sim
+from pack_core.robots import panda
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
+from pack_core.ros.joint_messages import to_setpoints
+
+AT_REST = 0.02
+"""[rad/s]"""
+DURATION = 0.3
+"""Simulated time for which bad setpoints come [s]: longer than the watchdog waits."""
+
+
+def test_the_arm_follows_setpoints_and_holds_when_they_grow_stale(graph: Graph) -> None:
+    node = start_sim(graph)
+    sent = newest_joints(graph)
+    graph.probe.send(contracts.SETPOINTS, to_setpoints(ramp(sent, 1.0), panda.JOINTS))
+    graph.wait_until(lambda: newest_joints(graph).time > sent.time + 0.4)
+    samples = joint_samples(graph, sent.time)
+    assert max(speeds(sample).max() for sample in samples) > 0.5 * SPEED
+    moving = [sample.time for sample in samples if speeds(sample).max() > AT_REST]
+    assert 0.09 < moving[-1] - sent.time < 0.14
+    assert node.simulator.controller.is_holding
+
+
+def follow_and_send(graph: Graph, bad: JointTrajectory) -> float:
+    """Stream a good ramp, with bad setpoints in between; the speed at which the joint went on."""
+    start = newest_joints(graph)
+    good = to_setpoints(ramp(start, 2.0), panda.JOINTS)
+    passed = (0.1, 0.1 + DURATION)
+    while newest_joints(graph).time < start.time + passed[1]:
+        is_bad_due = newest_joints(graph).time > start.time + passed[0]
+        for message in (good, bad) if is_bad_due else (good,):
+            graph.probe.send(contracts.SETPOINTS, message)
+            seen = newest_joints(graph).time
+            graph.wait_until(lambda seen=seen: newest_joints(graph).time > seen + 0.01)
+    before, after = joint_samples(graph, start.time + passed[0])[0], newest_joints(graph)
+    return float(after.q[0] - before.q[0]) / (after.time - before.time)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "named"),
+    [
+        ("positions", [math.nan] * 7, "setpoint q is not finite"),
+        ("positions", [0.0] * 6, "(40, 6); allowed: (40, 7)"),
+        ("positions", [9.0] + [0.0] * 6, "setpoint q of joint 1 is 9.000 rad; allowed: -2.897 to 2.897"),
+        (
+            "velocities",
+            [0.0] * 6 + [-50.0],
+            "v of joint 7 is -50.000 rad/s; allowed: -2.610 to 2.610",
+        ),
+        ("effort", [1e3] + [0.0] * 6, "setpoint tau of joint 1 is 1000.000 N m; allowed: -87.000 to 87.000"),
+    ],
+)
+def test_bad_setpoints_are_refused_counted_and_named_while_the_arm_goes_on(
+    graph: Graph, column: str, value: list[float], named: str
+) -> None:
+    node = start_sim(graph)
+    bad = to_setpoints(ramp(newest_joints(graph), 1.0), panda.JOINTS)
+    for point in bad.points:
+        setattr(point, column, value)
+    assert follow_and_send(graph, bad) == pytest.approx(SPEED, rel=0.25)
+    node.report()
+    graph.wait_until(lambda: status_of(graph).level == DiagnosticStatus.WARN)
+    status = status_of(graph)
+    assert named in status.message
+    counts = {item.key: int(item.value) for item in status.values}
+    assert counts["refused /joint_torque_setpoints"] >= 3
+
+
+def status_of(graph: Graph) -> DiagnosticStatus:
+    messages = graph.probe.mail[shared.DIAGNOSTICS.name]
+    return messages[-1].status[0] if messages else DiagnosticStatus()

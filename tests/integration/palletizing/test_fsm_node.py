@@ -1,0 +1,185 @@
+"""The machine's node: orders that are refused before anything moves, and a halt."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import numpy as np
+import pytest
+from pack_interfaces.action import Palletize
+from rclpy.task import Future
+from std_msgs.msg import String
+
+from integration.harness import Graph
+from pack_core.motion.target import MotionState, MotionStatus
+from pack_core.palletizing.grip import ASKED, GripState
+from pack_core.paths import config_path
+from pack_core.ros.contracts import motion as motion_contracts
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.contracts import shared
+from pack_core.ros.motion_messages import to_status
+from pack_core.ros.palletizing.gripper_messages import to_gripper_state
+from pack_core.rotations import Pose
+from pack_planner.layout.layout_node import LayoutNode
+from pallet_fsm.fsm_node import FsmNode
+from pallet_fsm.tool_poses import LOOKING_DOWN
+
+ORDER = config_path("orders", "order_03.json")
+FAULT_TIME = 0.5
+"""Silence of a node that ends an order [s]."""
+
+
+@pytest.fixture
+def fsm(graph: Graph) -> FsmNode:
+    """The machine and the layout; the probe speaks for arm and gripper."""
+    graph.probe.listen(contracts.PALLET_STATE, motion_contracts.MOTION_TARGET, contracts.RESULT)
+    graph.start(LayoutNode)
+    node = graph.start(FsmNode, watched=["layout"], fault_time=FAULT_TIME)
+    graph.connect(motion_contracts.MOTION_STATUS, contracts.GRIPPER_STATE)
+    return node
+
+
+def tell(graph: Graph, time: float = 1.0) -> None:
+    """Speak for arm and gripper, once."""
+    X_WT = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
+    status = MotionStatus(time, 0, MotionState.IDLE, 0, "", 0.0, 0.0, 0.0, 0.0, 0, "", X_WT)
+    graph.probe.send(contracts.GRIPPER_STATE, to_gripper_state(time, GripState(reason=ASKED)))
+    graph.probe.send(motion_contracts.MOTION_STATUS, to_status(status))
+
+
+def accepted(graph: Graph, **fields: str) -> object:
+    """The handle of a goal that is taken, once arm and gripper have been heard."""
+
+    def offered() -> bool:
+        nonlocal handle
+        tell(graph)
+        handle = graph.send_goal(contracts.PALLETIZE, Palletize.Goal(**fields))
+        return bool(handle.accepted)
+
+    handle = None
+    graph.wait_until(offered)
+    return handle
+
+
+def test_an_order_before_the_arm_was_heard_is_not_taken(graph: Graph, fsm: FsmNode) -> None:
+    assert not graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+
+
+def test_an_order_without_a_layout_service_is_not_taken(graph: Graph) -> None:
+    graph.probe.listen(shared.DIAGNOSTICS)
+    graph.start(FsmNode)
+    graph.connect(motion_contracts.MOTION_STATUS, contracts.GRIPPER_STATE)
+
+    def says_why() -> bool:
+        tell(graph)
+        assert not graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+        mail = graph.probe.mail[shared.DIAGNOSTICS.name]
+        return any("is layout up?" in message.status[0].message for message in mail)
+
+    graph.wait_until(says_why)
+
+
+def test_a_node_that_dies_while_the_layout_is_planned_ends_the_order(
+    graph: Graph, fsm: FsmNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fsm._layout, "call_async", lambda _: Future(executor=fsm.executor))
+    handle = accepted(graph, file=str(ORDER))
+    fsm._on_peer("sim", is_alive=False)
+    assert graph.result_of(handle).message == "node 'sim' is silent"
+    fsm._on_peer("sim", is_alive=True)
+    assert graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+
+
+def spoiled(change: str) -> str:
+    order = json.loads(ORDER.read_text())
+    first, second = order["boxes"]
+    if change == "overlap":
+        second["position"] = first["position"]
+    elif change == "twice":
+        second["id"] = first["id"]
+    elif change == "orient_id":
+        first["orient_id"] = 9
+    elif change == "weight":
+        first["weight"] = 40.0
+    elif change == "outside":
+        first["position"] = [0.9, 0.0, 0.0]
+    else:
+        first["dims"] = [-0.4, 0.3, 0.2]
+    order.pop("total_weight")
+    return json.dumps(order)
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ({"order": "no JSON"}, "JSON"),
+        ({}, "the goal holds no order"),
+        ({"file": "/nowhere/order.json"}, "/nowhere/order.json: cannot be read: No such file"),
+        ({"file": "/dev"}, "/dev: cannot be read: Is a directory"),
+        ({"order": spoiled("overlap")}, "00101323-5"),
+        ({"order": spoiled("twice")}, "00102400-4"),
+        ({"order": spoiled("orient_id")}, "orient_id"),
+        ({"order": spoiled("size")}, "dims"),
+        ({"order": spoiled("outside")}, "it ends at"),
+        ({"order": spoiled("weight")}, "40 kg, held from above, make a coaxial force of 712.4 N"),
+        ({"file": str(ORDER), "profile": "quick"}, "thesis, blended"),
+    ],
+    ids=[
+        "no JSON",
+        "nothing",
+        "no file",
+        "folder",
+        "overlap",
+        "twice",
+        "orient_id",
+        "size",
+        "outside",
+        "weight",
+        "profile",
+    ],
+)
+def test_a_wrong_order_ends_with_the_reason_and_nothing_moves(
+    graph: Graph, fsm: FsmNode, fields: dict[str, str], reason: str
+) -> None:
+    result = graph.result_of(accepted(graph, **fields))
+    assert not result.success
+    assert reason in result.message
+    assert graph.probe.mail[motion_contracts.MOTION_TARGET.name] == []
+    assert graph.probe.mail[contracts.PALLET_STATE.name] == []
+
+
+@pytest.mark.parametrize("number", range(1, 5))
+def test_plans_that_would_not_stand_are_refused_with_the_boxes_named(
+    graph: Graph, fsm: FsmNode, number: int
+) -> None:
+    file = config_path("orders", "stress", f"order_{number:02}.json")
+    result = graph.result_of(accepted(graph, file=str(file)))
+    assert not result.success
+    names = [box["id"] for box in json.loads(file.read_text())["boxes"]]
+    assert any(name in result.message for name in names)
+
+
+def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(graph: Graph, fsm: FsmNode) -> None:
+    handle = accepted(graph, file=str(ORDER))
+    graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
+    first = graph.probe.mail[contracts.PALLET_STATE.name][0]
+    assert (first.state, first.box) == ("0 spawn", "00102400-4")
+    fsm._on_peer("sim", is_alive=False)
+    graph.wait_until(lambda: graph.probe.mail[contracts.RESULT.name])
+    assert graph.result_of(handle).message == "node 'sim' is silent"
+    report = json.loads(graph.probe.last(contracts.RESULT).data)
+    assert report["reason"] == "node 'sim' is silent"
+    assert isinstance(graph.probe.last(contracts.RESULT), String)
+
+
+def test_a_node_that_is_soon_heard_again_costs_nothing(graph: Graph, fsm: FsmNode) -> None:
+    handle = accepted(graph, file=str(ORDER))
+    graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
+    fsm._on_peer("vision", is_alive=False)
+    fsm._on_peer("vision", is_alive=True)
+    until = time.monotonic() + 2.0 * FAULT_TIME
+    graph.wait_until(lambda: time.monotonic() > until)
+    assert not graph.probe.mail[contracts.RESULT.name]
+    handle.cancel_goal_async()
+    graph.wait_until(lambda: graph.probe.mail[contracts.RESULT.name] or tell(graph, 2.0))

@@ -1,0 +1,78 @@
+"""The cores of the palletizing cell together: an order in physics, and what the camera sees."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.box_detection import DetectionStatus, ExpectedBox
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.orders.order_file import load_order
+from pack_core.paths import config_path
+from pack_core.rotations import angle_between
+from pack_evaluation.palletizing.measures import OrderMeasures, measure_order
+from pack_evaluation.palletizing.run import PalletRun
+from pack_lockstep.palletizing.benchmark import OrderJob, plan_order, run_order
+from pack_lockstep.palletizing.lockstep import PalletLockstep
+from pack_lockstep.palletizing.settings import set_up
+from pack_lockstep.palletizing.sight import SightConfig, open_sight
+from pack_sim.palletizing.overhead_camera import OverheadCameraConfig
+from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
+
+
+@cache
+def order_03(repetition: int = 0) -> PalletRun:
+    """Two boxes, one of them turned in flight."""
+    setup = set_up(profile="blended", motion="shipped", preset="rigid", vision=False)
+    order = load_order(config_path("orders", "order_03.json"))
+    return PalletLockstep(setup.cell, order, plan_order(order, setup.layout), setup.config, seed=0).run()
+
+
+def measures() -> OrderMeasures:
+    return measure_order(order_03())
+
+
+@pytest.mark.timeout(300)
+def test_an_order_is_built_within_its_tolerances() -> None:
+    assert order_03().reason == ""
+    assert measures().is_complete
+    assert measures().faults == ()
+    assert (measures().drops, measures().touches) == (0, 0)
+
+
+@pytest.mark.timeout(300)
+def test_the_tool_follows_its_reference_within_a_millimetre() -> None:
+    assert measures().position_mm[0] < 0.3
+    assert measures().position_mm[1] < 1.0
+    assert measures().orientation_deg[1] < 0.1
+
+
+@pytest.mark.timeout(300)
+def test_a_run_repeats_bit_for_bit() -> None:
+    first, again = order_03(), order_03(1)
+    assert np.array_equal(first.tool.p, again.tool.p)
+    assert all(np.array_equal(first.tracks[name].p, again.tracks[name].p) for name in first.tracks)
+
+
+@pytest.mark.timeout(300)
+def test_a_motion_that_breaks_the_arms_limits_is_refused_by_its_driver_and_the_order_says_so() -> None:
+    setup = set_up(profile="blended", motion="table_4_1", preset="rigid", vision=False)
+    line = run_order(setup, OrderJob(config_path("orders", "order_03.json"), 0))
+    assert "the driver refused setpoints: acceleration of joint_a" in line["reason"]
+    assert not line["measures"]["is_complete"]
+    assert line["hold_mm"] is None
+
+
+@pytest.mark.timeout(300)
+def test_a_box_is_found_in_a_picture_where_it_stands() -> None:
+    cell = palletizing_cell()
+    simulator = PalletSimulator(cell, PalletSimulatorConfig(), seed=3)
+    X_WB = simulator.spawn(BoxBody("a", (0.4, 0.3, 0.2), 5.0))
+    config = SightConfig(by="vision", camera=OverheadCameraConfig(width=1920))
+    with open_sight(cell, config, np.random.default_rng(0)) as sight:
+        found = sight.detect(ExpectedBox("a", (0.4, 0.3, 0.2), 0.0), simulator)
+    assert found.status is DetectionStatus.DETECTED
+    assert found.X_WB is not None
+    assert np.linalg.norm(found.X_WB.p - X_WB.p) < 0.001
+    assert np.degrees(angle_between(found.X_WB.q, X_WB.q)) < 0.2

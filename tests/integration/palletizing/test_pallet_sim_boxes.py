@@ -1,0 +1,99 @@
+"""Boxes that come and go, the gripper and the camera, on command."""
+
+from __future__ import annotations
+
+import numpy as np
+import yaml
+from pack_interfaces.srv import GripperCommand, RemoveBox, ResetCell, SpawnBox
+from std_srvs.srv import Trigger
+
+from integration.harness import Graph
+from integration.palletizing.pallet_rig import newest_joints, spawn, start_pallet_sim
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.conversions import from_stamp
+from pack_core.ros.scene_messages import from_scene
+from pack_core.rotations import Pose
+
+
+def boxes_of(graph: Graph) -> dict[str, Pose]:
+    return from_scene(graph.probe.last(contracts.TRUTH)).poses()
+
+
+def reason(graph: Graph) -> str:
+    return str(graph.probe.last(contracts.GRIPPER_STATE).release_reason)
+
+
+def test_a_box_arrives_and_everyone_is_told(graph: Graph) -> None:
+    start_pallet_sim(graph)
+    assert spawn(graph).success
+    graph.wait_until(lambda: "box" in boxes_of(graph))
+    offset = boxes_of(graph)["box"].p[:2] - palletizing_cell().picking_table.centre
+    assert np.all(np.abs(offset) <= palletizing_cell().spawn.offset)
+    (row,) = yaml.safe_load(graph.probe.last(contracts.BOXES).data)
+    assert row == {"name": "box", "size": [0.4, 0.3, 0.25], "mass": 8.0}
+
+
+def test_a_box_that_cannot_come_is_refused_with_the_reason(graph: Graph) -> None:
+    start_pallet_sim(graph)
+    assert spawn(graph).success
+    assert "box 'box' is in the cell already" in spawn(graph).message
+    assert "no room for box 'other': box is in its place" in spawn(graph, "other").message
+    request = SpawnBox.Request(name="thin", size=np.array([0.4, 0.3, 0.0]), mass=1.0)
+    response = graph.call(contracts.SPAWN_BOX, request)
+    assert not response.success
+    assert "three extents and a mass above 0" in response.message
+
+
+def test_a_box_is_removed_and_the_cell_is_reset(graph: Graph) -> None:
+    start_pallet_sim(graph)
+    assert spawn(graph).success
+    assert graph.call(contracts.REMOVE_BOX, RemoveBox.Request(name="box")).success
+    assert (
+        "no box 'box' in the cell" in graph.call(contracts.REMOVE_BOX, RemoveBox.Request(name="box")).message
+    )
+    assert spawn(graph).success
+    before = newest_joints(graph).time
+    assert graph.call(contracts.RESET, ResetCell.Request(seed=4)).success
+    graph.wait_until(lambda: graph.probe.last(contracts.BOXES).data.strip() == "[]")
+    graph.wait_until(lambda: newest_joints(graph).time > before + 0.1)
+    np.testing.assert_allclose(newest_joints(graph).q, palletizing_cell().arm.home, atol=1e-4)
+
+
+def test_a_gripper_without_a_box_says_that_it_found_none(graph: Graph) -> None:
+    start_pallet_sim(graph, 0.0)
+    assert graph.call(contracts.GRIPPER_COMMAND, GripperCommand.Request(close=True)).success
+    graph.wait_until(lambda: graph.probe.last(contracts.GRIPPER_STATE).release_reason == "")
+    graph.wait_until(
+        lambda: "no box within 10 mm" in graph.probe.last(contracts.GRIPPER_STATE).release_reason
+    )
+    assert not graph.probe.last(contracts.GRIPPER_STATE).is_closed
+
+
+def test_a_triggered_picture_follows_with_its_time_and_the_intrinsics(graph: Graph) -> None:
+    start_pallet_sim(graph, 0.1)
+    graph.probe.listen(contracts.IMAGE, contracts.CAMERA_INFO)
+    assert spawn(graph).success
+    time = newest_joints(graph).time
+    assert graph.call(contracts.TRIGGER, Trigger.Request()).success
+    assert "still being made" in graph.call(contracts.TRIGGER, Trigger.Request()).message
+    heard = (contracts.IMAGE, contracts.CAMERA_INFO)
+    graph.wait_until(lambda: all(graph.probe.last(contract) for contract in heard), timeout=60.0)
+    image, info = (graph.probe.last(contract) for contract in heard)
+    assert (image.width, image.height) == (info.width, info.height) == (640, 360)
+    assert image.encoding == "rgb8"
+    assert len(image.data) == 3 * 640 * 360
+    assert 0.0 <= from_stamp(image.header.stamp) - time < 0.2
+    f = palletizing_cell().overhead_camera.scaled(640).f
+    np.testing.assert_allclose(info.k[[0, 4]], f)
+
+
+def test_a_picture_does_not_hold_up_the_physics(graph: Graph) -> None:
+    """Clock ticks go on while a picture is drawn."""
+    start_pallet_sim(graph)
+    graph.probe.listen(contracts.IMAGE)
+    assert graph.call(contracts.TRIGGER, Trigger.Request()).success
+    seen = newest_joints(graph).time
+    assert graph.probe.last(contracts.IMAGE) is None
+    graph.wait_until(lambda: graph.probe.last(contracts.IMAGE), timeout=60.0)
+    assert newest_joints(graph).time > seen + 0.01

@@ -1,0 +1,86 @@
+"""How the held object enters among the others."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.entry import ASIDE_MARGIN, LANDING_MARGIN, UPRIGHT_BELOW, Entry, plan_entry, side_of
+from pack_core.packing.free_space import footprint
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Pose
+
+PLACE = Pose(np.array([0.5, 0.0, 0.09]))
+LEAN = 0.2
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return packing_cell().scene
+
+
+def at(x: float, y: float) -> Pose:
+    return Pose(np.array([x, y, 0.06]))
+
+
+def over_its_obstacles(scene: Scene, poses: dict[str, Pose], place: Pose = PLACE) -> Entry:
+    names = tuple(poses)
+    return plan_entry(scene, place, names, poses, LEAN, side_of(place, names, poses))
+
+
+def test_the_object_leans_over_its_obstacle(scene: Scene) -> None:
+    entry = over_its_obstacles(scene, {"tea_box": at(0.5, 0.05)})
+    np.testing.assert_allclose(entry.over, [0.0, 1.0])
+    assert entry.tops == pytest.approx((0.13,))
+    np.testing.assert_allclose(entry.at(0.2)[0], [0.0, np.sin(LEAN)])
+
+
+def test_its_lower_end_keeps_off_what_it_would_land_on(scene: Scene) -> None:
+    half = scene.new_object.half_extents[1] + scene.model_of("tea_box").half_extents[1]
+    gone = over_its_obstacles(scene, {"tea_box": at(0.5, half - 0.01)})
+    np.testing.assert_allclose(gone.at(0.2)[1], [0.0, -0.01 - ASIDE_MARGIN], atol=1e-9)
+    beside = over_its_obstacles(scene, {"tea_box": at(0.5, half + 0.001)})
+    np.testing.assert_array_equal(beside.aside, 0.0)
+
+
+@given(st.floats(0.39, 0.61), st.floats(-0.08, 0.08), st.floats(0.0, 2 * np.pi))
+def test_its_lower_end_stays_between_the_walls(x: float, y: float, angle: float) -> None:
+    scene = packing_cell().scene
+    place = Pose(
+        np.clip(
+            [x, y, 0.09], [*(scene.container.lower + 0.033), 0.09], [*(scene.container.upper - 0.033), 0.09]
+        )
+    )
+    over = np.array([np.cos(angle), np.sin(angle)])
+    entry = plan_entry(scene, place, ("tea_box",), {"tea_box": at(0.5, 0.0)}, LEAN, over)
+    bounds = footprint(scene.new_object, Pose(place.p + np.array([*entry.aside, 0.0]))).bounds
+    assert np.all(np.array(bounds[:2]) >= scene.container.lower - 1e-9)
+    assert np.all(np.array(bounds[2:]) <= scene.container.upper + 1e-9)
+
+
+@pytest.mark.parametrize("names", [(), ("tea_box",), ("tea_box", "soup_can")])
+def test_it_may_land_until_it_is_below_the_walls_and_every_top(scene: Scene, names: tuple[str, ...]) -> None:
+    poses = {"tea_box": at(0.5, 0.05), "soup_can": at(0.53, 0.05)}
+    entry = over_its_obstacles(scene, {name: poses[name] for name in names})
+    walls = scene.container.height
+    lowest = min((walls, *entry.tops)) - LANDING_MARGIN
+    assert entry.may_land(walls, lowest + 1e-6)
+    assert not entry.may_land(walls, lowest - 1e-6)
+
+
+def test_it_is_upright_once_it_is_down(scene: Scene) -> None:
+    entry = over_its_obstacles(scene, {"tea_box": at(0.5, 0.05)})
+    axes, asides = entry.at(np.array([0.0, UPRIGHT_BELOW, 0.5 * (UPRIGHT_BELOW + entry.tops[0])]))
+    np.testing.assert_allclose(axes, [[0.0, 0.0], [0.0, 0.0], [0.0, np.sin(0.5 * LEAN)]])
+    np.testing.assert_allclose(asides, [[0.0, 0.0], [0.0, 0.0], 0.5 * entry.aside])
+
+
+def test_between_two_obstacles_there_is_no_side_to_lean_to(scene: Scene) -> None:
+    entry = over_its_obstacles(scene, {"tea_box": at(0.5, 0.05), "soup_can": at(0.5, -0.05)})
+    np.testing.assert_array_equal(entry.over, 0.0)
+    np.testing.assert_array_equal(entry.aside, 0.0)
+
+
+def test_without_obstacles_it_stays_upright(scene: Scene) -> None:
+    np.testing.assert_array_equal(over_its_obstacles(scene, {}).at(0.3), 0.0)

@@ -1,0 +1,62 @@
+"""What the evaluation makes of recorded setpoints, joint states and motion states."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.rotations import Array
+from pack_evaluation.bag import Bag, Recorded
+from pack_evaluation.palletizing.from_bag import JOINTS, SETPOINTS, interruptions_of, tool_of
+
+PERIOD_NS = 4_000_000
+HOME = np.array(palletizing_cell().arm.home)
+
+
+def stamp(time_ns: int) -> Any:
+    return SimpleNamespace(sec=time_ns // 10**9, nanosec=time_ns % 10**9)
+
+
+def joints(k: int, q: Array) -> Any:
+    return SimpleNamespace(header=SimpleNamespace(stamp=stamp(k * PERIOD_NS)), position=q)
+
+
+def setpoints(k: int, q: Array, rows: int = 6) -> Any:
+    points = [SimpleNamespace(time_from_start=stamp(i * PERIOD_NS), positions=q) for i in range(rows)]
+    return SimpleNamespace(header=SimpleNamespace(stamp=stamp(k * PERIOD_NS)), points=points)
+
+
+def bag(measured: list[Any], wanted: list[Any]) -> Bag:
+    messages = [Recorded(JOINTS, 0, item) for item in measured] + [
+        Recorded(SETPOINTS, 0, item) for item in wanted
+    ]
+    return Bag(Path("run"), tuple(messages), False)
+
+
+def test_measurements_are_compared_with_the_setpoints_for_their_moments() -> None:
+    turned = HOME + np.array([1e-3, 0, 0, 0, 0, 0])
+    tool = tool_of(
+        bag([joints(k, turned) for k in range(100)], [setpoints(k, HOME) for k in range(100)]), 0.2
+    )
+    np.testing.assert_allclose(tool.times[0], 0.2)
+    reach = np.linalg.norm(tool.p_ref[0, :2] - np.array(palletizing_cell().arm.base[:2]))
+    np.testing.assert_allclose(np.linalg.norm(tool.p - tool.p_ref, axis=1), 1e-3 * reach, rtol=1e-3)
+
+
+def test_moments_for_which_there_were_no_setpoints_are_left_out() -> None:
+    """The driver holds the arm from 80 ms, when 24 ms of setpoints have run out, to 200 ms."""
+    wanted = [setpoints(k, HOME) for k in range(100) if not 15 <= k < 50]
+    tool = tool_of(bag([joints(k, HOME) for k in range(100)], wanted), 0.0)
+    held = (tool.times > 0.0765) & (tool.times < 0.199)
+    assert not held.any()
+    assert len(tool.times) == 100 - 30
+
+
+def test_each_time_that_the_driver_held_the_arm_counts_once() -> None:
+    states = ["MOVING", "HELD", "HELD", "MOVING", "REACHED", "HELD", "IDLE"]
+    assert interruptions_of([SimpleNamespace(state=state) for state in states]) == 2
+    assert interruptions_of([]) == 0

@@ -1,0 +1,40 @@
+import sys
+
+import numpy as np
+import pytest
+
+from pack_core.errors import PackError
+from pack_core.joints import JointSample
+from pack_core.packing.cell import packing_cell
+from pack_core.robots.panda import VELOCITY_LIMITS
+from pack_core.rotations import Pose
+from pack_core.states import ObjectState, SceneState
+from pack_lockstep.packing.judo_optimizer import JudoConfig, JudoOptimizer
+from pack_lockstep.packing.settings import BenchmarkSettings, set_up
+from pack_mpc.cost import PackingCost
+from pack_mpc.residuals import Residuals, Target
+from pack_mpc.weights import Stage, load_weights
+
+
+def test_judo_that_is_not_installed_is_an_error_before_anything_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "judo", None)
+    with pytest.raises(PackError, match=r"uv pip install --no-deps -r requirements/judo\.txt"):
+        set_up(BenchmarkSettings(optimizer="judo"), 1)
+
+
+def test_judos_method_lowers_the_cost_of_reaching_a_target() -> None:
+    pytest.importorskip("judo", reason="judo is an extra: requirements/judo.txt")
+    cell, weights = packing_cell(), load_weights("tuned")
+    scene = cell.scene.model_copy(update={"objects": []})
+    optimizer = JudoOptimizer(scene, cell, JudoConfig(), threads=1, seed=0)
+    still = np.zeros(7)
+    joints = JointSample(0.0, np.array(cell.robot.home), still, still)
+    held = SceneState(0.0, {scene.new_object.name: ObjectState(Pose(np.zeros(3), np.array([1.0, 0, 0, 0])))})
+    x0 = optimizer.plant.state(joints, held)
+    target = Target(optimizer.plant.held_position(x0) + np.array([0.05, 0.0, 0.0]), 0.0)
+    residuals = Residuals(optimizer.plant, weights, target)
+    cost = PackingCost(residuals, weights.of(Stage.PRE_PACK), weights.torque, 0.0)
+    costs = [optimizer.improve(x0, cost, Stage.PRE_PACK, target) for _ in range(8)]
+    assert costs[-1].cost < 0.9 * costs[0].cost
+    assert np.all(np.abs(costs[-1].setpoints.v) <= VELOCITY_LIMITS)
+    assert costs[-1].setpoints.q.shape == (50, 7)

@@ -1,0 +1,56 @@
+import pytest
+
+from pack_core.errors import ConfigError
+from pack_core.packing.cell import packing_cell
+from pack_core.paths import config_path
+from pack_lockstep.packing.lockstep import lockstep_config
+from pack_lockstep.packing.presets import Preset, load_preset
+from pack_mpc.session import SessionConfig
+from pack_sim.packing.simulator import SimulatorConfig
+
+PRESETS = sorted(path.stem for path in config_path("presets").glob("*.yaml"))
+
+
+def test_the_ideal_preset_is_what_the_files_say() -> None:
+    ideal = load_preset("ideal")
+    assert ideal.packing_cell() == packing_cell()
+    assert lockstep_config(ideal) == lockstep_config()
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_makes_a_cell_and_a_configuration(name: str) -> None:
+    preset = load_preset(name)
+    assert preset.packing_cell().scene.objects
+    assert lockstep_config(preset).latency > 0
+
+
+def test_a_preset_changes_what_it_names_and_nothing_else() -> None:
+    preset = Preset(cell={"suction": {"shear": 12.0}}, sim={"mocap": {"latency": 0.05}})
+    suction, before = preset.packing_cell().suction, packing_cell().suction
+    assert (suction.shear, suction.pull, suction.moment) == (12.0, before.pull, before.moment)
+    mocap = preset.parameters("sim", SimulatorConfig).mocap
+    assert (mocap.latency, mocap.rate) == (0.05, lockstep_config().simulator.mocap.rate)
+
+
+def test_values_over_a_preset_leave_the_preset_as_it_was() -> None:
+    preset = Preset(mpc={"weights": "tuned"})
+    assert preset.over("mpc", {"weights": "table_1"}).parameters("mpc", SessionConfig).weights == "table_1"
+    assert preset.parameters("mpc", SessionConfig).weights == "tuned"
+
+
+@pytest.mark.parametrize(
+    ("preset", "error"),
+    [
+        (Preset(sim={"moccap": {}}), "'sim' has no moccap"),
+        (Preset(sim={"mocap": {"speed": 1}}), r"mocap\.speed' is not known"),
+        (Preset(sim={"mocap": {"rate": -1}}), r"mocap\.rate' is -1"),
+    ],
+)
+def test_a_misspelt_or_impossible_value_is_refused(preset: Preset, error: str) -> None:
+    with pytest.raises(ConfigError, match=error):
+        preset.parameters("sim", SimulatorConfig)
+
+
+def test_an_unknown_preset_is_refused_with_those_that_exist() -> None:
+    with pytest.raises(ConfigError, match=r"no preset 'perfect'; allowed: .*ideal"):
+        load_preset("perfect")
