@@ -25,7 +25,9 @@ def up(
         list[str] | None,
         typer.Option("--set", metavar="NODE.PARAM=VALUE", help="Override a parameter; may be repeated."),
     ] = None,
-    preset: Annotated[str, typer.Option(help="Conditions: a file of config/presets (docs/presets.md).")] = "",
+    preset: Annotated[
+        str, typer.Option(help="Conditions: a file of config/presets (docs/packing/presets.md).")
+    ] = "",
     domain: Annotated[
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
     ] = None,

@@ -20,7 +20,7 @@ class OrderTrial:
 
 
 def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
-    """The figures of docs/palletizing.md, over all runs; an order is complete if it is with every seed."""
+    """The figures of docs/palletizing/measurements.md, over all runs; an order is complete if it is with every seed."""
     boxes = [box for trial in trials for box in trial.measures["boxes"]]
     errors = [box["error_mm"] for box in boxes if box["error_mm"] is not None]
     runs_of = {order: [t for t in trials if t.order == order] for order in sorted({t.order for t in trials})}

@@ -111,7 +111,7 @@ def require_judo() -> Any:
     except ImportError as error:
         raise PackError(
             "--optimizer judo needs judo, which is not installed: "
-            "uv pip install --no-deps -r requirements/judo.txt (docs/benchmark.md)"
+            "uv pip install --no-deps -r requirements/judo.txt (docs/packing/measurements.md)"
         ) from error
 
 

@@ -26,12 +26,14 @@ def demo(
     seed: Annotated[int, typer.Option(min=0, help="Of the scene, the noise and the plan.")] = 0,
     scene: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="An own scene (docs/scenes.md), not a generated one."),
+        typer.Option(metavar="FILE", help="An own scene (docs/packing/scenes.md), not a generated one."),
     ] = None,
     method: Annotated[
         Method, typer.Option(help="The paper's method, or one of its baselines.")
     ] = Method.PACK_IT_IN,
-    preset: Annotated[str, typer.Option(help="Conditions: a file of config/presets (docs/presets.md).")] = "",
+    preset: Annotated[
+        str, typer.Option(help="Conditions: a file of config/presets (docs/packing/presets.md).")
+    ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
     output: Output = None,
