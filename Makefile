@@ -3,6 +3,7 @@ SHELL := /bin/bash
 CELL ?= packing
 SEED ?= 0
 ARGS ?=
+WORKERS ?= 2
 IN_ENV := source tools/env.sh &&
 
 .PHONY: help setup demo test bench lint lock clean
@@ -17,8 +18,9 @@ setup: ## make .venv, install what is locked, build the workspace; does only wha
 demo: setup ## run a cell's main job, all nodes, recording, report (CELL=packing, palletizing or blocks; SEED, ARGS)
 	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
 
-test: setup ## all tests but the benchmarks (ARGS goes to pytest)
-	@$(IN_ENV) pytest -m "not benchmark" $(ARGS)
+test: setup ## all tests but the benchmarks (ARGS goes to pytest; WORKERS=0 runs them in one process)
+	@$(IN_ENV) pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --benchmark-disable \
+		-m "not benchmark" $(ARGS)
 
 bench: setup ## measure speed and success (ARGS goes to the command)
 	@$(IN_ENV) pytest -m benchmark && pack benchmark $(CELL) $(ARGS)

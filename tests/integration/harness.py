@@ -6,7 +6,7 @@ import itertools
 import os
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 import rclpy
@@ -22,12 +22,21 @@ from pack_bringup.graph.domains import DOMAINS, is_free
 from pack_core.ros.contracts.contract import Contract
 
 N = TypeVar("N", bound=Node)
-_domains = itertools.count(7 * os.getpid())
+_numbers = itertools.count(7 * os.getpid())
 
 
-def _own_domain() -> int:
-    """The next domain that no process of this machine is on."""
-    return next(domain for domain in (1 + n % DOMAINS for n in _domains) if is_free(domain))
+def domains_of_worker(environment: Mapping[str, str]) -> range:
+    """The domains that this process may use: an equal share for each worker, so that no two take the same."""
+    workers = int(environment.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    worker = int(environment.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    return range(1, DOMAINS + 1)[worker::workers]
+
+
+def own_domain() -> int:
+    """The next of this worker's domains that no process of this machine is on."""
+    domains = domains_of_worker(os.environ)
+    candidates = (domains[n % len(domains)] for n in _numbers)
+    return next(domain for domain in candidates if is_free(domain))
 
 
 class Probe(Node):
@@ -75,7 +84,7 @@ class Graph:
 
     def __init__(self) -> None:
         self.context = Context()
-        rclpy.init(context=self.context, domain_id=_own_domain())
+        rclpy.init(context=self.context, domain_id=own_domain())
         self.executor = SingleThreadedExecutor(context=self.context)
         self.probe = Probe(self.context)
         self._nodes: list[Node] = []

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from std_msgs.msg import Float64
 
-from integration.harness import Graph
+from integration.harness import Graph, domains_of_worker
+from pack_bringup.graph.domains import DOMAINS
 from pack_core.ros.contracts import shared
 
 
@@ -28,3 +29,10 @@ def test_probe_hears_itself_and_no_other_graph(graph: Graph) -> None:
 def test_waiting_in_vain_fails(graph: Graph) -> None:
     with pytest.raises(AssertionError, match="in vain"):
         graph.wait_until(lambda: False, timeout=0.05)
+
+
+def test_no_two_workers_share_a_domain_and_none_is_left_out() -> None:
+    count = {"PYTEST_XDIST_WORKER_COUNT": "3"}
+    shares = [set(domains_of_worker({"PYTEST_XDIST_WORKER": f"gw{k}", **count})) for k in range(3)]
+    assert sum(map(len, shares)) == len(set().union(*shares)) == DOMAINS
+    assert set(domains_of_worker({})) == set().union(*shares)

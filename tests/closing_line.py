@@ -1,0 +1,49 @@
+"""The last line of a run of the tests, in plain words."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import pytest
+
+
+def closing_line(passed: int, failed: int, skip_reasons: Sequence[str], seconds: float) -> str:
+    """What a run of the tests found, in one sentence.
+
+    Args:
+        passed: Number of tests that passed.
+        failed: Number of tests that failed or could not be started.
+        skip_reasons: Why each skipped test was skipped.
+        seconds: Duration of the run [s].
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    time_taken = f"{minutes} min {rest} s" if minutes else f"{rest} s"
+    if failed:
+        found = f"{failed} of {passed + failed} tests failed in {time_taken}; they are listed above"
+    else:
+        found = f"all {passed} tests passed in {time_taken}"
+    if skip_reasons:
+        found += f"; {len(skip_reasons)} skipped ({'; '.join(sorted(set(skip_reasons)))})"
+    return f"PackCell: {found}"
+
+
+class ClosingLine:
+    """Prints the closing line when everything else has been printed."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._config = config
+        self._started = time.monotonic()
+
+    def pytest_unconfigure(self) -> None:
+        reporter = self._config.pluginmanager.get_plugin("terminalreporter")
+        if reporter is None or self._config.option.collectonly:
+            return
+        count = {outcome: len(reporter.stats.get(outcome, ())) for outcome in ("passed", "failed", "error")}
+        reasons = [
+            report.longrepr[2].removeprefix("Skipped: ") for report in reporter.stats.get("skipped", ())
+        ]
+        if sum(count.values()) + len(reasons):
+            seconds = time.monotonic() - self._started
+            line = closing_line(count["passed"], count["failed"] + count["error"], reasons, seconds)
+            reporter.write_line(line)

@@ -1,0 +1,74 @@
+"""How the tests share the machine: two workers at once, and the tests marked `alone` one by one."""
+
+from __future__ import annotations
+
+import fcntl
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+import pytest
+
+from closing_line import ClosingLine
+
+FIRST_TO_LAST = ("integration", "replay", "architecture", "unit", "e2e")
+"""Folders in the order in which they run: long tests first, so that no worker waits for the other long."""
+LOCKS = pytest.StashKey[Path]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the folder of the locks, or take that of the process that started this worker."""
+    started_with = getattr(config, "workerinput", {})
+    folder = started_with.get("locks") or tempfile.mkdtemp(prefix="packcell_tests_")
+    config.stash[LOCKS] = Path(folder)
+    if not started_with:
+        config.pluginmanager.register(ClosingLine(config))
+
+
+@pytest.hookimpl(optionalhook=True)  # of pytest-xdist
+def pytest_configure_node(node: object) -> None:
+    """Tell a worker where the locks are."""
+    node.workerinput["locks"] = str(node.config.stash[LOCKS])  # type: ignore[attr-defined]
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Remove the locks with the process that made them."""
+    if not hasattr(config, "workerinput"):
+        for path in config.stash[LOCKS].iterdir():
+            path.unlink()
+        config.stash[LOCKS].rmdir()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Order the folders; `alone` tests come last, when no worker has anything else to do."""
+    tests = Path(__file__).parent
+
+    def rank(item: pytest.Item) -> tuple[bool, int]:
+        folder = item.path.relative_to(tests).parts[0]
+        position = FIRST_TO_LAST.index(folder) if folder in FIRST_TO_LAST else len(FIRST_TO_LAST)
+        return item.get_closest_marker("alone") is not None, position
+
+    items.sort(key=rank)
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Run an `alone` test while no other worker runs any."""
+    locks = item.config.stash[LOCKS]
+    is_alone = item.get_closest_marker("alone") is not None
+    with (locks / "queue").open("a") as queue, (locks / "machine").open("a") as machine:
+        # Whoever wants the machine alone stands in the queue until it is free, so that nobody overtakes.
+        with _locked(queue, fcntl.LOCK_EX):
+            fcntl.flock(machine, fcntl.LOCK_EX if is_alone else fcntl.LOCK_SH)
+        return (yield)
+
+
+@contextmanager
+def _locked(file: IO[str], kind: int) -> Iterator[None]:
+    fcntl.flock(file, kind)
+    try:
+        yield
+    finally:
+        fcntl.flock(file, fcntl.LOCK_UN)
