@@ -85,9 +85,9 @@ def test_a_node_that_dies_while_the_layout_is_planned_ends_the_order(
 ) -> None:
     monkeypatch.setattr(fsm._layout, "call_async", lambda _: Future(executor=fsm.executor))
     handle = accepted(graph, file=str(ORDER))
-    fsm._on_peer("sim", is_alive=False)
+    fsm.on_peer("sim", is_alive=False)
     assert graph.result_of(handle).message == "node 'sim' is silent"
-    fsm._on_peer("sim", is_alive=True)
+    fsm.on_peer("sim", is_alive=True)
     assert graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
 
 
@@ -165,7 +165,7 @@ def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(graph: Gra
     graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
     first = graph.probe.mail[contracts.PALLET_STATE.name][0]
     assert (first.state, first.box) == ("0 spawn", "00102400-4")
-    fsm._on_peer("sim", is_alive=False)
+    fsm.on_peer("sim", is_alive=False)
     graph.wait_until(lambda: graph.probe.mail[contracts.RESULT.name])
     assert graph.result_of(handle).message == "node 'sim' is silent"
     report = json.loads(graph.probe.last(contracts.RESULT).data)
@@ -176,8 +176,8 @@ def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(graph: Gra
 def test_a_node_that_is_soon_heard_again_costs_nothing(graph: Graph, fsm: FsmNode) -> None:
     handle = accepted(graph, file=str(ORDER))
     graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
-    fsm._on_peer("vision", is_alive=False)
-    fsm._on_peer("vision", is_alive=True)
+    fsm.on_peer("vision", is_alive=False)
+    fsm.on_peer("vision", is_alive=True)
     until = time.monotonic() + 2.0 * FAULT_TIME
     graph.wait_until(lambda: time.monotonic() > until)
     assert not graph.probe.mail[contracts.RESULT.name]

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import json
-import time
 from typing import Any
 
 import numpy as np
 from pack_interfaces.action import Rearrange
 from pydantic import Field
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
-from rclpy.action.server import ServerGoalHandle
-from rclpy.task import Future
 from std_msgs.msg import String
 
 from block_fsm.executor import Executor
 from block_fsm.executor_config import ErrandConfig, ExecutorConfig
 from block_fsm.motions import Motions
-from block_fsm.outcome import ExitReason, Outcome
+from block_fsm.outcome import ExitReason
 from block_fsm.requests import Request
 from block_fsm.ros.cell_state import CellState
 from block_fsm.ros.errand_runner import ErrandRunner
@@ -28,17 +24,12 @@ from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import TOOL, arm_model
 from pack_core.blocks.problem_file import parse_problem
-from pack_core.errors import PackError
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.robots.ur10e import JOINTS
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.ros.silence import Silence
-
-CHECK_PERIOD = 0.2
-"""Between two looks at silent peers [s of wall clock]."""
 
 
 class BlockFsmNodeConfig(ExecutorConfig):
@@ -52,7 +43,7 @@ class BlockFsmNodeConfig(ExecutorConfig):
     fault_time: float = Field(default=2.0, gt=0, description="silence that ends a goal [s of wall clock]")
 
 
-class BlockFsmNode(CellNode):
+class BlockFsmNode(GoalNode):
     """Carries out one rearrangement at a time."""
 
     def __init__(self, **kwargs: Any) -> None:
@@ -62,69 +53,36 @@ class BlockFsmNode(CellNode):
         self._chain = chain_from_model(arm_model(self._cell), JOINTS, TOOL)
         self._executor: Executor | None = None
         self._errand: Errand | None = None
-        self._goal: ServerGoalHandle | None = None
-        self._done: Future | None = None
-        self._is_busy, self._start = False, 0.0
-        self._silence = Silence()
+        self._request: Rearrange.Goal | None = None
+        self._start = 0.0
         self._state = CellState(self, self._step)
         self._runner = ErrandRunner(self, self._state, self._config.patience, self._on_refusal)
         self._status = self.advertise(contracts.STATUS)
         self._result = self.advertise(contracts.RESULT)
-        self._action = ActionServer(
-            self, contracts.REARRANGE.type, contracts.REARRANGE.name, self._execute,
-            goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
-        )  # fmt: skip
-        self.watch(self._config.watched, self._on_peer)
-        self.create_timer(CHECK_PERIOD, self._judge_silence, clock=self.wall)
+        self.take_goals(contracts.REARRANGE, self._config.watched, self._config.fault_time)
 
-    def destroy_node(self) -> None:
-        """Take no more goals, then end."""
-        self._action.destroy()
-        super().destroy_node()
-
-    def _on_goal(self, request: Rearrange.Goal) -> GoalResponse:
-        try:
-            self._check(request)
-        except PackError as error:
-            self.health.count("refused goal", str(error))
-            self.get_logger().error(f"refused goal: {error}")
-            return GoalResponse.REJECT
-        self._is_busy = True
-        return GoalResponse.ACCEPT
-
-    def _check(self, request: Rearrange.Goal) -> None:
-        parse_problem(request.problem, "goal")
-        if self._is_busy:
-            raise PackError("a rearrangement is in progress; cancel it first")
-        if self._silence:
-            raise PackError(f"silent: {self._silence}")
+    def refusal(self, request: Rearrange.Goal) -> str:
+        parse_problem(request.problem, "goal")  # raises when it is no problem
         if self._state.motion is None or self._state.jaw is None:
-            raise PackError("nothing heard of arm and gripper yet: are sim and motion up?")
+            return "nothing heard of arm and gripper yet: are sim and motion up?"
+        return ""
 
-    async def _execute(self, goal: ServerGoalHandle) -> Rearrange.Result:
+    async def pursue(self, request: Rearrange.Goal) -> Rearrange.Result:
+        """Follow the executor from request to request until it has an outcome."""
+        self._request, self._start = request, self._state.time
         try:
-            outcome = await self._pursue(goal)
+            self._executor = executor = self._make(request)
+            self._next(executor.start())
+            await self.until_goal_ends()
         finally:
-            self._executor, self._is_busy = None, False
-        result = to_result(outcome, self._state.time - self._start)
+            self._executor = None
+        assert executor.outcome is not None
+        result = to_result(executor.outcome, self._state.time - self._start)
         self._result.publish(String(data=json.dumps(_plain(result))))
-        self.get_logger().info(f"{result.exit_reason}: {result.message}")
-        if goal.is_cancel_requested:
-            goal.canceled()
-        elif result.success:
-            goal.succeed()
-        else:
-            goal.abort()
         return result
 
-    async def _pursue(self, goal: ServerGoalHandle) -> Outcome:
-        self._goal, self._start = goal, self._state.time
-        self._done = Future(executor=self.executor)
-        self._executor = executor = self._make(goal.request)
-        self._next(executor.start())
-        await self._done
-        assert executor.outcome is not None
-        return executor.outcome
+    def describe(self, result: Rearrange.Result) -> str:
+        return f"{result.exit_reason}: {result.message}"
 
     def _make(self, request: Rearrange.Goal) -> Executor:
         problem = parse_problem(request.problem, "goal")
@@ -138,10 +96,10 @@ class BlockFsmNode(CellNode):
 
     def _step(self) -> None:
         """With every status of the motion: look whether what was asked for is done."""
-        executor, goal = self._executor, self._goal
-        if executor is None or goal is None or self._errand is None:
+        executor = self._executor
+        if executor is None or self._errand is None:
             return
-        if goal.is_cancel_requested:
+        if self.is_cancel_requested:
             self._cancel(ExitReason.CANCELLED, "on request")
             return
         answer = self._errand.poll(self._state)
@@ -149,21 +107,19 @@ class BlockFsmNode(CellNode):
             self._next(executor.answer(answer))
 
     def _next(self, request: Request | None) -> None:
-        executor, goal = self._executor, self._goal
+        executor, given = self._executor, self._request
         assert executor is not None
-        assert goal is not None
-        assert self._done is not None
+        assert given is not None
         self._status.publish(to_status(executor, self._state.time))
-        goal.publish_feedback(to_feedback(executor, self._state.time - self._start))
+        self.publish_feedback(to_feedback(executor, self._state.time - self._start))
         if request is None:
             self._errand = None
-            self._done.set_result(None)
+            self.end_goal()
             return
-        given = goal.request
         self._errand = self._runner.begin(request, given.method, given.seed)
 
     def _cancel(self, reason: ExitReason, message: str) -> None:
-        if self._executor is None or self._done is None or self._done.done():
+        if self._executor is None or self._executor.outcome is not None:
             return
         self._runner.stop()
         self._executor.cancel(reason, message)
@@ -173,12 +129,8 @@ class BlockFsmNode(CellNode):
         self.health.count("refused command", reason)
         self.get_logger().error(reason)
 
-    def _on_peer(self, peer: str, is_alive: bool) -> None:
-        self._silence.note(peer, is_alive, time.monotonic())
-
-    def _judge_silence(self) -> None:
-        if lost := self._silence.lasting(self._config.fault_time, time.monotonic()):
-            self._cancel(ExitReason.NODE_SILENT, f"node '{lost[0]}' is silent")
+    def on_lost_peers(self, peers: list[str]) -> None:
+        self._cancel(ExitReason.NODE_SILENT, f"node '{peers[0]}' is silent")
 
 
 def _plain(result: Rearrange.Result) -> dict[str, Any]:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 from pack_interfaces.action import Palletize
 from pack_interfaces.srv import PlanLayout
 from pydantic import Field
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
-from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 from std_msgs.msg import String
 
@@ -17,12 +14,11 @@ from pack_core.errors import ConfigError, PackError
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.palletizing.layout_messages import from_layout
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.ros.silence import Silence
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.profile import profile_of
@@ -31,9 +27,6 @@ from pallet_fsm.ros.observer import Observer
 from pallet_fsm.ros.order_run import OrderRun, StateTeller
 from pallet_fsm.ros.requests import requested_config, requested_order
 from pallet_fsm.ros.results import to_result
-
-CHECK_PERIOD = 0.2
-"""Between two looks at silent peers [s of wall clock]."""
 
 
 class FsmNodeConfig(PalletizerConfig):
@@ -46,73 +39,40 @@ class FsmNodeConfig(PalletizerConfig):
     fault_time: float = Field(default=2.0, gt=0, description="silence that ends an order [s of wall clock]")
 
 
-class FsmNode(CellNode):
+class FsmNode(GoalNode):
     """Builds one order at a time."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("fsm", **kwargs)
         self._config = read_parameters(self, FsmNodeConfig)
         profile_of(self._config.profile)
-        self._is_busy = False
         self._planning: Future | None = None
         self._run: OrderRun | None = None
-        self._silence = Silence()
         self._observer = Observer(self, self._step)
         self._client = CellClient(self, self._on_spawned, self._on_failure)
         self._teller = StateTeller(self)
         self._result = self.advertise(contracts.RESULT)
         self._layout = self.create_client(contracts.PLAN_LAYOUT.type, contracts.PLAN_LAYOUT.name)
-        self._action = ActionServer(
-            self, contracts.PALLETIZE.type, contracts.PALLETIZE.name, self._execute,
-            goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
-        )  # fmt: skip
-        self.watch(self._config.watched, self._on_peer)
-        self.create_timer(CHECK_PERIOD, self._judge_silence, clock=self.wall)
+        self.take_goals(contracts.PALLETIZE, self._config.watched, self._config.fault_time)
 
-    def destroy_node(self) -> None:
-        """Stop taking orders, then the node."""
-        self._action.destroy()
-        super().destroy_node()
-
-    def _on_goal(self, _: Palletize.Goal) -> GoalResponse:
-        reason = self._refusal()
-        if not reason:
-            self._is_busy = True
-            return GoalResponse.ACCEPT
-        self.health.count("refused order", reason)
-        self.get_logger().error(f"refused order: {reason}")
-        return GoalResponse.REJECT
-
-    def _refusal(self) -> str:
-        """Why no order can be taken now; empty when one can."""
-        if self._is_busy:
-            return "an order is in progress; cancel it first"
+    def refusal(self, _: Palletize.Goal) -> str:
         if self._observer.newest is None:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
         if not self._layout.service_is_ready():
             return f"no service {contracts.PLAN_LAYOUT.name}: is layout up?"
-        return f"silent: {self._silence}" if self._silence else ""
+        return ""
 
-    async def _execute(self, goal: ServerGoalHandle) -> Palletize.Result:
-        """Nothing moves before order and layout are found good."""
+    async def pursue(self, request: Palletize.Goal) -> Palletize.Result:
+        """Build the order's pallet; nothing moves before order and layout are found good."""
         try:
-            order = requested_order(goal.request, palletizing_cell())
-            config = requested_config(goal.request, self._config)
-            plan = await self._plan(order)
-            result = await self._build(goal, order, plan, config)
-        except PackError as error:
-            result = Palletize.Result(success=False, message=str(error))
+            order = requested_order(request, palletizing_cell())
+            config = requested_config(request, self._config)
+            return await self._build(order, await self._plan(order), config)
         finally:
             self._planning = self._run = None
-            self._is_busy = False
-        self.get_logger().info(f"order ended: {result.placed} of {result.boxes} boxes; {result.message}")
-        if goal.is_cancel_requested:
-            goal.canceled()
-        elif result.success:
-            goal.succeed()
-        else:
-            goal.abort()
-        return result
+
+    def describe(self, result: Palletize.Result) -> str:
+        return f"{result.placed} of {result.boxes} boxes; {result.message}"
 
     async def _plan(self, order: Order) -> LayoutPlan:
         request = PlanLayout.Request(order=order.model_dump_json(exclude_none=True), gap=-1.0)
@@ -122,16 +82,13 @@ class FsmNode(CellNode):
             raise ConfigError(f"order {order.order_id}: {response.message}")
         return from_layout(response)
 
-    async def _build(
-        self, goal: ServerGoalHandle, order: Order, plan: LayoutPlan, config: PalletizerConfig
-    ) -> Palletize.Result:
+    async def _build(self, order: Order, plan: LayoutPlan, config: PalletizerConfig) -> Palletize.Result:
         seen = self._observer.newest
         assert seen is not None
         session = Palletizer(order, plan, palletizing_cell(), config, seen.time)
         self._observer.spawned = ""  # the last order's last box may have had the name of this one's first
-        ended = Future(executor=self.executor)
-        self._run = run = OrderRun(goal, session, self._client.obey, self._teller, ended)
-        await ended
+        self._run = run = OrderRun(self, session, self._client.obey, self._teller)
+        await self.until_goal_ends()
         result = to_result(session.report(), run.elapsed)
         self._result.publish(String(data=result.report))
         return result
@@ -151,15 +108,9 @@ class FsmNode(CellNode):
         if self._run is not None:
             self._run.session.halt(reason)
 
-    def _on_peer(self, peer: str, is_alive: bool) -> None:
-        self._silence.note(peer, is_alive, time.monotonic())
-
-    def _judge_silence(self) -> None:
-        """End an order whose peers stay silent, also when it is one of them that would keep it going."""
-        lost = self._silence.lasting(self._config.fault_time, time.monotonic())
-        if not lost:
-            return
-        reason = f"node '{lost[0]}' is silent"
+    def on_lost_peers(self, peers: list[str]) -> None:
+        """Halt the machine; the silent node may be the one whose messages would keep it going."""
+        reason = f"node '{peers[0]}' is silent"
         if self._run is not None:
             self._run.session.halt(reason)
             self._step()

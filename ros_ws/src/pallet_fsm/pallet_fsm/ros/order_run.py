@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rclpy.action.server import ServerGoalHandle
-from rclpy.task import Future
-
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.goal_node import GoalNode
 from pallet_fsm.machine import Visit
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.ports import Command, Observation
@@ -37,23 +35,17 @@ class OrderRun:
     """From the machine's first step to its last.
 
     Args:
-        goal: of the action.
+        node: whose goal it is.
         session: the machine.
         obey: carries a command out.
         teller: of the states.
-        ended: gets a result at the end.
     """
 
     def __init__(
-        self,
-        goal: ServerGoalHandle,
-        session: Palletizer,
-        obey: Callable[[Command], None],
-        teller: StateTeller,
-        ended: Future,
+        self, node: GoalNode, session: Palletizer, obey: Callable[[Command], None], teller: StateTeller
     ) -> None:
-        self._goal, self._obey, self._teller = goal, obey, teller
-        self.session, self.ended = session, ended
+        self._node, self._obey, self._teller = node, obey, teller
+        self.session = session
         self._start, self._told = session.machine.since, 0
 
     @property
@@ -63,20 +55,20 @@ class OrderRun:
 
     def step(self, seen: Observation) -> None:
         """One turn of the machine; none after its end."""
-        if self.ended.done():
+        if self.session.machine.is_over:
             return
-        if self._goal.is_cancel_requested:
+        if self._node.is_cancel_requested:
             self.session.halt("canceled on request")
         for command in self.session.step(seen):
             self._obey(command)
         self._tell()
         if self.session.machine.is_over:
-            self.ended.set_result(None)
+            self._node.end_goal()
 
     def _tell(self) -> None:
         visits = self.session.machine.visits
         for visit in visits[self._told :]:
             self._teller.tell(visit)
         if len(visits) > self._told:
-            self._goal.publish_feedback(to_feedback(self.session, self.elapsed))
+            self._node.publish_feedback(to_feedback(self.session, self.elapsed))
         self._told = len(visits)

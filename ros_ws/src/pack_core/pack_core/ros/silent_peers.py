@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 
-class Silence:
-    """True while some node is silent; falls silent and speaks up as `note` is told."""
+class SilentPeers:
+    """The watched nodes that are silent now; true while there is one.
+
+    Written by the threads that watch and read by the executor: each method reads a copy.
+    """
 
     def __init__(self) -> None:
         self._since: dict[str, float] = {}
@@ -22,6 +25,6 @@ class Silence:
         else:
             self._since.setdefault(peer, now)
 
-    def lasting(self, patience: float, now: float) -> list[str]:
-        """Nodes that have been silent for more than `patience` [s]."""
-        return sorted(peer for peer, since in self._since.copy().items() if now - since > patience)
+    def lasting(self, duration: float, now: float) -> list[str]:
+        """Names of the nodes that have been silent for longer than `duration` [s], sorted."""
+        return sorted(peer for peer, since in self._since.copy().items() if now - since > duration)

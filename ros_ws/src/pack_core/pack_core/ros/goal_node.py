@@ -1,0 +1,157 @@
+"""Base of the nodes that pursue an action's goals, one at a time."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from typing import Any
+
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+
+from pack_core.errors import PackError
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.silent_peers import SilentPeers
+
+CHECK_PERIOD = 0.1
+"""Time between two looks at how long peers have been silent [s of wall clock]."""
+
+
+class GoalNode(CellNode, ABC):
+    """Takes a goal when it has none, refuses others with the reason, and ends each with one result.
+
+    A goal goes through these steps:
+
+    1. It is refused while another goal is in progress or a watched peer is silent, or with the reason
+       that the subclass gives (`refusal`). The reason is logged and counted in /diagnostics.
+    2. `pursue` works on it, usually until `end_goal` is called, and returns the action's result. The
+       result must have the fields `success` and `message`. A PackError raised there becomes the message
+       of a result without success.
+    3. A client that wants it cancelled sets `is_cancel_requested`, which the subclass looks at in every
+       turn of its work: it alone knows how to stop safely.
+    4. When a watched peer has been silent for longer than `fault_time`, `on_lost_peers` is called until
+       the goal has ended.
+
+    Args:
+        name: of the node.
+    """
+
+    def __init__(self, name: str, **kwargs: Any) -> None:
+        super().__init__(name, **kwargs)
+        self.silent_peers = SilentPeers()
+        self._action: ActionServer | None = None
+        self._goal: ServerGoalHandle | None = None
+        self._goal_ended: Future | None = None
+        # A goal counts from its acceptance, but has a handle only once the executor gets round to it.
+        self._is_busy = False
+
+    def take_goals(self, contract: Contract, watched: Iterable[str], fault_time: float) -> None:
+        """Open the action; the last thing that a subclass's constructor does.
+
+        Args:
+            contract: the action.
+            watched: nodes that a goal needs.
+            fault_time: silence of one of them that ends a goal [s of wall clock].
+        """
+        self._fault_time, self._result_type = fault_time, contract.type.Result
+        self._action = ActionServer(
+            self, contract.type, contract.name, self._execute,
+            goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )  # fmt: skip
+        self.watch(watched, self.on_peer)
+        self.create_timer(CHECK_PERIOD, self._check_peers, clock=self.wall)
+
+    def destroy_node(self) -> None:
+        """Take no more goals, then end."""
+        if self._action is not None:
+            self._action.destroy()
+        super().destroy_node()
+
+    @property
+    def is_cancel_requested(self) -> bool:
+        """Whether the client wants the goal in progress to end."""
+        goal = self._goal
+        return goal is not None and goal.is_cancel_requested
+
+    def publish_feedback(self, feedback: Any) -> None:
+        """Tell the client of the goal in progress where it stands; may be called from any thread."""
+        goal = self._goal
+        if goal is not None:
+            goal.publish_feedback(feedback)
+
+    async def until_goal_ends(self) -> None:
+        """Wait, within `pursue`, until `end_goal` is called."""
+        assert self._goal_ended is not None, "only for `pursue`"
+        await self._goal_ended
+
+    def end_goal(self) -> None:
+        """Let `until_goal_ends` return; may be called from any thread, and more than once."""
+        if self._goal_ended is not None and not self._goal_ended.done():
+            self._goal_ended.set_result(None)
+
+    def refusal(self, request: Any) -> str:
+        """Why this goal cannot be taken now, in words; empty when it can.
+
+        Raises:
+            PackError: it cannot; the error's text is the reason.
+        """
+        return ""
+
+    @abstractmethod
+    async def pursue(self, request: Any) -> Any:
+        """Work on an accepted goal and return the action's result."""
+
+    @abstractmethod
+    def on_lost_peers(self, peers: list[str]) -> None:
+        """End the goal in progress: these peers have been silent for longer than `fault_time`."""
+
+    def on_peer(self, peer: str, is_alive: bool) -> None:
+        """A watched peer fell silent or was heard of again; called from the executor or another thread."""
+        self.silent_peers.note(peer, is_alive, time.monotonic())
+
+    def describe(self, result: Any) -> str:
+        """A result in a line of the log."""
+        return str(result.message)
+
+    def _on_goal(self, request: Any) -> GoalResponse:
+        try:
+            reason = self._refusal_of_any() or self.refusal(request)
+        except PackError as error:
+            reason = str(error)
+        if not reason:
+            self._is_busy = True
+            return GoalResponse.ACCEPT
+        self.health.count("refused goal", reason)
+        self.get_logger().error(f"refused goal: {reason}")
+        return GoalResponse.REJECT
+
+    def _refusal_of_any(self) -> str:
+        if self._is_busy:
+            return "a goal is in progress; cancel it first"
+        return f"silent: {self.silent_peers}" if self.silent_peers else ""
+
+    async def _execute(self, goal: ServerGoalHandle) -> Any:
+        self._goal, self._goal_ended = goal, Future(executor=self.executor)
+        try:
+            result = await self.pursue(goal.request)
+        except PackError as error:
+            result = self._result_type(success=False, message=str(error))
+        finally:
+            self._goal, self._is_busy = None, False
+        self.get_logger().info(f"goal ended: {self.describe(result)}")
+        if result.success:
+            goal.succeed()
+        elif goal.is_cancel_requested:
+            goal.canceled()
+        else:
+            goal.abort()
+        return result
+
+    def _check_peers(self) -> None:
+        if self._goal is None:
+            return
+        if lost := self.silent_peers.lasting(self._fault_time, time.monotonic()):
+            self.on_lost_peers(lost)

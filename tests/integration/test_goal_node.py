@@ -1,0 +1,162 @@
+"""What every goal goes through, on a node whose goals last until they are told to end."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from action_msgs.msg import GoalStatus
+from pack_interfaces.action import Palletize
+from rclpy.action import ActionClient
+
+from integration.harness import Graph
+from pack_core.errors import PackError
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts.contract import Contract, Kind
+from pack_core.ros.goal_node import GoalNode
+
+ACTION = Contract("/wait", Palletize, ("user",), ("waiter",), "wait until told", kind=Kind.ACTION)
+FAULT_TIME = 0.3
+"""Silence of the peer that ends a goal [s of wall clock]."""
+
+
+class Waiter(GoalNode):
+    """Pursues a goal until the test ends it; an order `refuse...` is refused, `raise` is an error."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("waiter", **kwargs)
+        self.result = Palletize.Result(success=True)
+        self.started = 0
+        self.create_timer(0.01, self._turn, clock=self.wall)
+        self.take_goals(ACTION, ["sim"], FAULT_TIME)
+
+    def refusal(self, request: Palletize.Goal) -> str:
+        if request.order == "refuse by error":
+            raise PackError("it cannot be read")
+        return "not today" if request.order == "refuse" else ""
+
+    async def pursue(self, request: Palletize.Goal) -> Palletize.Result:
+        self.started += 1
+        if request.order == "raise":
+            raise PackError("it cannot be built")
+        self.publish_feedback(Palletize.Feedback(state="started"))
+        await self.until_goal_ends()
+        return self.result
+
+    def on_lost_peers(self, peers: list[str]) -> None:
+        self.end(False, f"lost: {', '.join(peers)}")
+
+    def end(self, success: bool, message: str) -> None:
+        self.result = Palletize.Result(success=success, message=message)
+        self.end_goal()
+
+    def _turn(self) -> None:
+        if self.is_cancel_requested:
+            self.end(False, "stopped on request")
+
+
+@pytest.fixture
+def waiter(graph: Graph) -> Waiter:
+    return graph.start(Waiter)
+
+
+def send(graph: Graph, order: str = "", **kwargs: Any) -> Any:
+    return graph.send_goal(ACTION, Palletize.Goal(order=order), **kwargs)
+
+
+def ended(graph: Graph, handle: Any) -> tuple[int, str]:
+    """The status and the message with which a goal ends."""
+    result = graph.result_of(handle, timeout=5.0)
+    graph.wait_until(lambda: handle.status > GoalStatus.STATUS_CANCELING)
+    return handle.status, str(result.message)
+
+
+def test_a_goal_is_pursued_with_feedback_to_its_result(graph: Graph, waiter: Waiter) -> None:
+    heard: list[Any] = []
+    handle = send(graph, feedback=heard.append)
+    graph.wait_until(lambda: heard)
+    assert heard[0].feedback.state == "started"
+    waiter.end(True, "done")
+    waiter.end_goal()  # once more does no harm
+    assert ended(graph, handle) == (GoalStatus.STATUS_SUCCEEDED, "done")
+
+
+def test_a_goal_that_fails_is_aborted(graph: Graph, waiter: Waiter) -> None:
+    handle = send(graph)
+    graph.wait_until(lambda: waiter.started)
+    waiter.end(False, "in vain")
+    assert ended(graph, handle) == (GoalStatus.STATUS_ABORTED, "in vain")
+
+
+def test_a_second_goal_is_refused_and_a_third_is_taken_after_the_first_has_ended(
+    graph: Graph, waiter: Waiter
+) -> None:
+    first = send(graph)
+    assert not send(graph).accepted
+    assert waiter.health.last["refused goal"] == "a goal is in progress; cancel it first"
+    waiter.end(True, "")
+    graph.result_of(first)
+    assert send(graph).accepted
+    graph.wait_until(lambda: waiter.started == 2)
+
+
+def test_of_two_goals_at_once_one_is_taken(graph: Graph, waiter: Waiter) -> None:
+    client = ActionClient(graph.probe, ACTION.type, ACTION.name)
+    graph.wait_until(client.server_is_ready)
+    futures = [client.send_goal_async(Palletize.Goal()) for _ in range(2)]
+    graph.wait_until(lambda: all(future.done() for future in futures))
+    assert sorted(future.result().accepted for future in futures) == [False, True]
+
+
+def test_a_cancelled_goal_ends_as_cancelled(graph: Graph, waiter: Waiter) -> None:
+    handle = send(graph)
+    graph.wait_until(lambda: waiter.started)
+    handle.cancel_goal_async()
+    assert ended(graph, handle) == (GoalStatus.STATUS_CANCELED, "stopped on request")
+    assert not waiter.is_cancel_requested
+    assert send(graph).accepted
+
+
+@pytest.mark.parametrize(
+    ("order", "reason"), [("refuse", "not today"), ("refuse by error", "it cannot be read")]
+)
+def test_a_goal_that_the_node_refuses_is_counted_with_the_reason(
+    graph: Graph, waiter: Waiter, order: str, reason: str
+) -> None:
+    assert not send(graph, order).accepted
+    assert (waiter.health.counts["refused goal"], waiter.health.last["refused goal"]) == (1, reason)
+    assert waiter.started == 0
+
+
+def test_an_error_while_a_goal_is_pursued_becomes_its_message_and_the_next_goal_is_taken(
+    graph: Graph, waiter: Waiter
+) -> None:
+    assert ended(graph, send(graph, "raise")) == (GoalStatus.STATUS_ABORTED, "it cannot be built")
+    assert send(graph).accepted
+
+
+def test_a_peer_that_stays_silent_ends_the_goal_and_new_goals_are_refused_until_it_is_back(
+    graph: Graph, waiter: Waiter
+) -> None:
+    def make(**kwargs: Any) -> CellNode:
+        return CellNode("sim", **kwargs)
+
+    peer = graph.start(make)
+    graph.wait_until(lambda: waiter.hears("sim"))
+    handle = send(graph)
+    graph.stop(peer)
+    assert ended(graph, handle) == (GoalStatus.STATUS_ABORTED, "lost: sim")
+    assert not send(graph).accepted
+    assert waiter.health.last["refused goal"] == "silent: sim"
+    graph.start(make)
+    graph.wait_until(lambda: waiter.hears("sim"))
+    assert send(graph).accepted
+
+
+def test_a_peer_that_is_soon_heard_again_costs_nothing(graph: Graph, waiter: Waiter) -> None:
+    handle = send(graph)
+    graph.wait_until(lambda: waiter.started)
+    waiter.on_peer("sim", is_alive=False)
+    waiter.on_peer("sim", is_alive=True)
+    with pytest.raises(AssertionError, match="in vain"):
+        graph.result_of(handle, timeout=2.0 * FAULT_TIME)
