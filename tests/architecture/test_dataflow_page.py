@@ -4,29 +4,30 @@ import pytest
 
 from pack_bringup.graph.graph import load_graph
 from pack_bringup.wiring import wiring_page
+from pack_core.cells import CELLS
 from pack_core.paths import project_root
-from pack_core.ros.contracts.table import WIRING, wiring_of
+from pack_core.ros.contracts.table import wiring_of, wiring_tables
 
 
 def test_dataflow_page_equals_the_wiring_tables() -> None:
     page = (project_root() / "docs" / "dataflow.md").read_text()
-    assert page == wiring_page(WIRING), "run: pack wiring --markdown > docs/dataflow.md"
+    assert page == wiring_page(wiring_tables()), "run: pack wiring --markdown > docs/dataflow.md"
 
 
-@pytest.mark.parametrize("cell", WIRING)
+@pytest.mark.parametrize("cell", CELLS)
 def test_wiring_names_only_nodes_of_the_graph(cell: str) -> None:
     nodes = {node.name for node in load_graph(cell).nodes} | {"user", "all"}
     ends = {name for contract in wiring_of(cell) for name in (*contract.sources, *contract.targets)}
     assert ends <= nodes
 
 
-@pytest.mark.parametrize("cell", WIRING)
+@pytest.mark.parametrize("cell", CELLS)
 def test_names_are_wired_once(cell: str) -> None:
     names = [contract.name for contract in wiring_of(cell)]
     assert sorted(names) == sorted(set(names))
 
 
-@pytest.mark.parametrize("cell", WIRING)
+@pytest.mark.parametrize("cell", CELLS)
 def test_every_topic_states_its_qos_and_rate(cell: str) -> None:
     topics = [contract for contract in wiring_of(cell) if contract.kind.value == "topic"]
     assert topics

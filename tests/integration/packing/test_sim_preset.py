@@ -9,7 +9,7 @@ import yaml
 
 from integration.harness import Graph
 from integration.packing.sim_rig import EXAMPLE, stamps_of
-from pack_bringup.packing.graph_preset import preset_overrides
+from pack_bringup.graph.graph import preset_overrides
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_lockstep.packing.lockstep import lockstep_config

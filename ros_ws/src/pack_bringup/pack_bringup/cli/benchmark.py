@@ -1,13 +1,16 @@
-"""`pack benchmark`: many scenes of a cell, measured."""
+"""`pack benchmark CELL`: many runs of a cell, measured."""
 
 from __future__ import annotations
 
 import typer
 
-from pack_bringup.cli.benchmarks import blocks, packing, palletizing
+from pack_core.cells import CELLS, cell_part
 
 app = typer.Typer()
-cells = typer.Typer(no_args_is_help=True, help="Measure many scenes of a cell.")
-app.add_typer(cells, name="benchmark")
-for cell in (packing, palletizing, blocks):
-    cells.command(cell.__name__.rpartition(".")[2])(cell.benchmark)
+benchmarks = typer.Typer(
+    no_args_is_help=True,
+    help="Measure many runs of a cell without ROS, on simulated time. Results are kept in a folder.",
+)
+app.add_typer(benchmarks, name="benchmark")
+for cell in CELLS:
+    benchmarks.command(cell)(cell_part(cell, "benchmark"))

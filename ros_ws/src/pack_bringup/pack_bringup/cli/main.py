@@ -6,20 +6,8 @@ import sys
 
 import typer
 
-from pack_bringup.cli import (
-    bag,
-    benchmark,
-    demo,
-    evaluate,
-    executables,
-    layout,
-    play,
-    replay,
-    run,
-    states,
-    up,
-    wiring,
-)
+from pack_bringup.cli import bag, benchmark, demo, evaluate, executables, play, run, up, wiring
+from pack_core.cells import CELLS, optional_cell_part
 from pack_core.errors import PackError
 
 app = typer.Typer(
@@ -38,8 +26,11 @@ app = typer.Typer(
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, bag, benchmark, replay, play, up, run, executables, layout, wiring, states):
+for command in (demo, evaluate, benchmark, bag, play, up, run, executables, wiring):
     app.add_typer(command.app)
+for cell in CELLS:
+    for cells_own in optional_cell_part(cell, "commands") or ():
+        app.add_typer(cells_own)
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from pack_bringup.cli.network_option import Network, environment_of
-from pack_bringup.graph.graph import load_graph, parse_overrides
+from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrides
 from pack_bringup.graph.processes import ProcessGroup
 from pack_core.config import merged
 
@@ -43,8 +43,6 @@ def up(
     - `pack up packing --only sim --only perception --domain 7`
     - `pack up packing --network eth0`, for nodes on other machines
     """
-    from pack_bringup.packing.graph_preset import preset_overrides
-
     graph = load_graph(cell)
     graph = graph.only(only) if only else graph
     names = [node.name for node in graph.nodes]

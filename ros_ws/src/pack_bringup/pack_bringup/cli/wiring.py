@@ -23,10 +23,10 @@ def wiring(
     - `pack wiring packing`
     - `pack wiring --markdown > docs/dataflow.md`
     """
-    from pack_core.ros.contracts.table import WIRING, wiring_of
+    from pack_core.ros.contracts.table import wiring_of, wiring_tables
 
     if markdown:
-        typer.echo(wiring_page(WIRING), nl=False)
+        typer.echo(wiring_page(wiring_tables()), nl=False)
         return
     table = Table(*COLUMNS)
     for row in wiring_rows(wiring_of(cell)):

@@ -9,6 +9,7 @@ from typing import Self
 from pydantic import model_validator
 
 from pack_bringup.graph.executables import find_executable
+from pack_core.cells import cells_with, optional_cell_part
 from pack_core.config import Config, load_config
 from pack_core.errors import ConfigError, PackError
 from pack_core.paths import config_path
@@ -108,4 +109,18 @@ def parse_overrides(settings: Iterable[str]) -> dict[str, dict[str, str]]:
         if not (node and dot and parameter and equals):
             raise PackError(f"'{setting}' is not a setting; write node.parameter=value, e.g. sim.seed=3")
         overrides.setdefault(node, {})[parameter] = value
+    return overrides
+
+
+def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
+    """What a preset of a cell changes, by node and parameter, as YAML text; nothing where `name` is empty.
+
+    Raises:
+        ConfigError: the cell has no presets, or none of this name.
+    """
+    if not name:
+        return {}
+    if (part := optional_cell_part(cell, "preset")) is None:
+        raise ConfigError(f"cell '{cell}' has no presets; allowed: {', '.join(cells_with('preset'))}")
+    overrides: dict[str, dict[str, str]] = part(name)
     return overrides

@@ -7,26 +7,20 @@ from typing import Any
 
 import yaml
 
-from pack_core.errors import ConfigError
 from pack_lockstep.packing.lockstep import lockstep_config
 from pack_lockstep.packing.presets import load_preset
 
-CELL = "packing"
 NODES = ("sim", "perception", "planner", "mpc")
 RECORDER = "recorder"
 """Notes the preset's name in run.yaml."""
 
 
-def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
-    """What a preset changes, by node and parameter, as YAML text; nothing where `name` is empty.
+def preset_overrides(name: str) -> dict[str, dict[str, str]]:
+    """What a preset changes, by node and parameter, as YAML text.
 
     Raises:
         ConfigError: there is no such preset, or it changes what is not there.
     """
-    if not name:
-        return {}
-    if cell != CELL:
-        raise ConfigError(f"cell '{cell}' has no presets; allowed: {CELL}")
     preset = load_preset(name)
     preset.packing_cell()
     lockstep_config(preset)

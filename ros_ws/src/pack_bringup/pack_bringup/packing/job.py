@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pack_bringup.demo import Progress, recorder_parameters
-from pack_bringup.packing.graph_preset import preset_overrides
+from pack_bringup.graph.graph import preset_overrides
 from pack_core.config import merged
 
 if TYPE_CHECKING:

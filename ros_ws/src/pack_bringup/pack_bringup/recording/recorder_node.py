@@ -19,20 +19,18 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 
 from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.recorder import Recorder
-from pack_bringup.recording.run_record import BAG_FOLDER, SCENE_FILE, default_folder, describe_run
+from pack_bringup.recording.run_record import BAG_FOLDER, default_folder, describe_run
 from pack_core import stamps
+from pack_core.cells import optional_cell_part
 from pack_core.config import Config
-from pack_core.errors import BagError, PackError
-from pack_core.packing.scene import Scene
+from pack_core.errors import PackError
 from pack_core.ros.cell_node import CellNode
-from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import nodes_of, recorded
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.ros.scene_messages import from_scene
 from pack_evaluation.raw_bag import Topic
 
 DEPTH = 1000
@@ -81,7 +79,8 @@ class RecorderNode(CellNode):
         self.recorder = Recorder(self.folder / BAG_FOLDER, map(_topic, topics), message_types())
         describe_run(config.cell, config.seed, config.command, now, config.preset).save(self.folder)
         self._time_ns = 0
-        self._description: Scene | None = None
+        run_files = optional_cell_part(config.cell, "run_files")
+        self._run_files = run_files(self.folder) if run_files else None
         group = TakenByHand()
         self._taps = [(contract, self._tap(contract, group)) for contract in topics]
         self.create_timer(DRAIN_PERIOD, self.drain, clock=self.wall)
@@ -125,26 +124,12 @@ class RecorderNode(CellNode):
         if contract.name == shared.CLOCK.name:
             self._time_ns = stamps.to_ns(from_stamp(deserialize_message(data, contract.type).clock))
         self.recorder.write(contract.name, self._time_ns, data)
+        if self._run_files is None:
+            return
         try:
-            if contract.name == contracts.DESCRIPTION.name:
-                self._on_description(data)
-            elif contract.name == contracts.TRUTH.name and self._description is not None:
-                self._on_truth(data, self._description)
+            self._run_files.on_message(contract.name, data)
         except PackError as error:
             self.health.count(f"refused {contract.name}", str(error))
-
-    def _on_description(self, data: bytes) -> None:
-        message = deserialize_message(data, contracts.DESCRIPTION.type)
-        self._description = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
-
-    def _on_truth(self, data: bytes, description: Scene) -> None:
-        """Complete the description by the first poses after it: a scene file to run again."""
-        self._description = None
-        poses = from_scene(deserialize_message(data, contracts.TRUTH.type)).poses()
-        try:
-            (self.folder / SCENE_FILE).write_text(description.with_poses(poses).to_yaml())
-        except OSError as error:
-            raise BagError(f"cannot write {self.folder / SCENE_FILE}: {error}") from error
 
 
 def _topic(contract: Contract) -> Topic:

@@ -14,7 +14,6 @@ from pack_core.paths import bags_path, config_path
 from pack_evaluation.provenance import checked_out_commit, installed_versions
 from pack_evaluation.record import RECORD
 
-SCENE_FILE = "scene.yaml"
 BAG_FOLDER = "bag"
 
 

@@ -5,18 +5,26 @@ Publishers, subscribers, the recorder, `pack wiring` and docs/dataflow.md come f
 
 from __future__ import annotations
 
-from pack_core.errors import ConfigError
-from pack_core.ros.contracts import blocks, packing, palletizing
+from pack_core.cells import CELLS, cell_part
 from pack_core.ros.contracts.contract import Contract
 
-WIRING = {"packing": packing.CONTRACTS, "palletizing": palletizing.CONTRACTS, "blocks": blocks.CONTRACTS}
+EVERYBODY = {"all", "user"}
+"""Ends of a contract that are no node: every node, and whoever looks at the cell from outside."""
 
 
 def wiring_of(cell: str) -> tuple[Contract, ...]:
-    """The wiring table of a cell; raises ConfigError where there is no such cell."""
-    if cell not in WIRING:
-        raise ConfigError(f"no wiring table for cell '{cell}'; there are: {', '.join(WIRING)}")
-    return WIRING[cell]
+    """The wiring table of a cell.
+
+    Raises:
+        ConfigError: there is no such cell.
+    """
+    table: tuple[Contract, ...] = cell_part(cell, "contracts")
+    return table
+
+
+def wiring_tables() -> dict[str, tuple[Contract, ...]]:
+    """The wiring tables of all cells, by cell."""
+    return {cell: wiring_of(cell) for cell in CELLS}
 
 
 def recorded(cell: str) -> tuple[Contract, ...]:
@@ -27,4 +35,4 @@ def recorded(cell: str) -> tuple[Contract, ...]:
 def nodes_of(cell: str) -> set[str]:
     """The nodes that a cell's table names."""
     ends = {name for contract in wiring_of(cell) for name in (*contract.sources, *contract.targets)}
-    return ends - {"all", "user"}
+    return ends - EVERYBODY

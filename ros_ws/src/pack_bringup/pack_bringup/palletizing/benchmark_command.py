@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from pack_bringup.cli.benchmarks.progress import TrialProgress
+from pack_bringup.cli.trial_progress import TrialProgress
 
 if TYPE_CHECKING:
     from pack_evaluation.palletizing.summary import OrderTrial

@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.cli.demos.live import command_line, run_live
-from pack_bringup.cli.demos.options import Output, RealTimeFactor, Video
+from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
+from pack_bringup.cli.live import command_line, run_live
 from pack_bringup.recording.run_record import default_folder
 
 

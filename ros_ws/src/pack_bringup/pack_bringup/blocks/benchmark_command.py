@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from pack_bringup.cli.benchmarks.progress import TrialProgress
-from pack_bringup.cli.demos.live import command_line
+from pack_bringup.cli.live import command_line
+from pack_bringup.cli.trial_progress import TrialProgress
 
 if TYPE_CHECKING:
     from pack_evaluation.table import TextTable

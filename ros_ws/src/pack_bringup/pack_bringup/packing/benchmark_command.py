@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pack_bringup.cli.benchmarks.progress import TrialProgress
 from pack_bringup.cli.studies import report_studies
+from pack_bringup.cli.trial_progress import TrialProgress
 
 if TYPE_CHECKING:
     from pack_evaluation.packing.study.trial import Trial

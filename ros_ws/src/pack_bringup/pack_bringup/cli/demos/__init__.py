@@ -1,1 +1,0 @@
-"""`pack demo CELL`: one module a cell, each with a function `demo` that is its command."""

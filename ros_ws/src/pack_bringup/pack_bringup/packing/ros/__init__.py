@@ -1,0 +1,1 @@
+"""What the packing cell has recorded beside its bag."""

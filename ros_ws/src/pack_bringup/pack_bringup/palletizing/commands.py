@@ -1,0 +1,7 @@
+"""Commands of `pack` that only the palletizing cell has."""
+
+from __future__ import annotations
+
+from pack_bringup.palletizing import layout_command, states_command
+
+APPS = (layout_command.app, states_command.app)
