@@ -4,11 +4,34 @@ from pathlib import Path
 
 import pytest
 
+from pack_bringup.cli.main import main
+
 PACK = [sys.executable, "-c", "from pack_bringup.cli.main import main; main()"]
 
 
 def pack(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """The command line as a process, for what replaces it by another program."""
     return subprocess.run([*PACK, *arguments], capture_output=True, text=True)
+
+
+class Called:
+    """The command line called in this process: its exit code and what it printed."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, captured: pytest.CaptureFixture[str]) -> None:
+        self._patch, self._captured = patch, captured
+
+    def __call__(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        self._patch.setattr(sys, "argv", ["pack", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        said = self._captured.readouterr()
+        code = ended.value.code if isinstance(ended.value.code, int) else 0
+        return subprocess.CompletedProcess(arguments, code, said.out, said.err)
+
+
+@pytest.fixture
+def call(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Called:
+    return Called(monkeypatch, capfd)
 
 
 def test_run_passes_arguments_on_as_they_are(prefix: Path) -> None:
@@ -32,26 +55,26 @@ def test_run_drops_a_leading_separator(prefix: Path) -> None:
     "arguments", [("run", "fruit", "slice"), ("run", "nut", "crack"), ("up", "juggling")]
 )
 def test_an_unknown_name_is_one_line_of_error_and_exit_code_2(
-    prefix: Path, arguments: tuple[str, ...]
+    prefix: Path, call: Called, arguments: tuple[str, ...]
 ) -> None:
-    outcome = pack(*arguments)
+    outcome = call(*arguments)
     assert outcome.returncode == 2
     assert outcome.stderr.startswith("error: ")
     assert outcome.stderr.count("\n") == 1
 
 
-def test_executables_lists_package_and_executable_a_line(prefix: Path) -> None:
-    assert pack("executables", "fruit").stdout == "fruit peel\n"
-    assert "pack_sim sim_node" in pack("executables").stdout.splitlines()
+def test_executables_lists_package_and_executable_a_line(prefix: Path, call: Called) -> None:
+    assert call("executables", "fruit").stdout == "fruit peel\n"
+    assert "pack_sim sim_node" in call("executables").stdout.splitlines()
 
 
-def test_wiring_lists_topics_services_and_actions() -> None:
-    page = pack("wiring", "--markdown").stdout
+def test_wiring_lists_topics_services_and_actions(call: Called) -> None:
+    page = call("wiring", "--markdown").stdout
     assert "| /clock | topic |" in page
     assert "| /plan_placement | service |" in page
     assert "| /pack_object | action |" in page
 
 
 @pytest.mark.parametrize("command", ["run", "up", "executables", "wiring"])
-def test_help_of_every_command_shows_how_to_call_it(command: str) -> None:
-    assert f"Usage: pack {command}" in pack(command, "--help").stdout.replace("-c", "pack")
+def test_help_of_every_command_shows_how_to_call_it(call: Called, command: str) -> None:
+    assert f"Usage: pack {command}" in call(command, "--help").stdout
