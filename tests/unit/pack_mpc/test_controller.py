@@ -1,18 +1,20 @@
 """The controller as a whole, with either optimizer."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
+from pack_core.robots.panda import PANDA
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, PackingController
-from pack_mpc.residuals import Target
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
 
-ABOVE = Target(np.array([0.45, 0.05, 0.30]), 0.2)
-INSIDE = Target(np.array([0.50, 0.02, 0.09]), 0.0, collisions=("tea_box",))
+ABOVE = PackingTarget(np.array([0.45, 0.05, 0.30]), 0.2)
+INSIDE = PackingTarget(np.array([0.50, 0.02, 0.09]), 0.0, collisions=("tea_box",))
 
 
 def build(scene: Scene, optimizer: str, threads: int = 2) -> PackingController:
@@ -34,9 +36,9 @@ def test_plans_bring_the_held_object_towards_its_target(controller, joints, stat
 def test_setpoints_respect_every_limit_and_start_when_they_are_in_force(controller, joints, state) -> None:
     setpoints = controller.plan(joints, state, Stage.INSERT, INSIDE, 0.0, 0.048).setpoints
     assert setpoints.time == pytest.approx(0.048)
-    assert np.all((setpoints.q >= LOWER) & (setpoints.q <= UPPER))
-    assert np.all(np.abs(setpoints.v) <= VELOCITY_LIMITS)
-    assert np.all(np.abs(setpoints.tau) <= TORQUE_LIMITS)
+    assert np.all((setpoints.q >= PANDA.limits.lower) & (setpoints.q <= PANDA.limits.upper))
+    assert np.all(np.abs(setpoints.v) <= PANDA.limits.velocity)
+    assert np.all(np.abs(setpoints.tau) <= PANDA.limits.effort)
     assert setpoints.offsets[-1] == pytest.approx(ControllerConfig().published, abs=0.013)
 
 
@@ -56,3 +58,15 @@ def test_uninformed_physics_does_not_know_the_objects(scene: Scene, joints) -> N
     controller = build(scene.model_copy(update={"objects": []}), "ilqr")
     plan = controller.plan(joints, SceneState(0.0, {}), Stage.INSERT, INSIDE, 0.0, 0.0)
     assert np.isfinite(plan.solution.cost)
+
+
+def test_obstacles_repel_no_more_once_eq_3_has_run_out(scene: Scene, joints, state) -> None:
+    away = replace(INSIDE, collisions=())
+    end = load_weights("tuned").obstacle_decay
+    late, free = (
+        build(scene, "ilqr").plan(joints, state, Stage.INSERT, target, end, 0.0).solution
+        for target in (INSIDE, away)
+    )
+    early = build(scene, "ilqr").plan(joints, state, Stage.INSERT, INSIDE, 0.5 * end, 0.0).solution
+    assert late.cost == pytest.approx(free.cost)
+    assert early.cost > late.cost

@@ -5,14 +5,15 @@ import pytest
 
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import TORQUE_LIMITS
+from pack_core.robots.panda import PANDA
 from pack_mpc.cost import PackingCost
 from pack_mpc.ilqr import cheapest
 from pack_mpc.ilqr_optimizer import IlqrOptimizer, IlqrOptimizerConfig
-from pack_mpc.residuals import Residuals, Target
+from pack_mpc.residuals import Residuals
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
 
-ABOVE = Target(np.array([0.45, 0.05, 0.30]), 0.2)
+ABOVE = PackingTarget(np.array([0.45, 0.05, 0.30]), 0.2)
 
 
 @pytest.fixture
@@ -24,7 +25,7 @@ def optimizer(scene: Scene) -> IlqrOptimizer:
 def cost(optimizer: IlqrOptimizer) -> PackingCost:
     weights = load_weights("tuned")
     residuals = Residuals(optimizer.plant, weights, ABOVE)
-    return PackingCost(residuals, weights.pre_pack, weights.torque, 1.0)
+    return PackingCost(residuals, weights.pre_pack, weights.torque)
 
 
 def test_iterations_from_one_state_never_raise_the_cost(optimizer, cost, joints, state) -> None:
@@ -45,7 +46,7 @@ def test_only_objects_that_move_are_in_the_state(optimizer, cost, joints, state)
 def test_a_plan_that_diverges_is_replaced_by_gravity_compensation(optimizer, cost, joints, state) -> None:
     x0 = optimizer.plant.state(joints, state)
     optimizer.improve(x0, cost, Stage.PRE_PACK, ABOVE)
-    optimizer._last.us[:] = TORQUE_LIMITS
+    optimizer._last.us[:] = PANDA.limits.effort
     solution = optimizer.improve(x0, cost, Stage.PRE_PACK, ABOVE)
     assert "started afresh" in solution.warning
     assert np.abs(solution.setpoints.v).max() < 2.5

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from pack_mpc.ilqr import Linearization
-from pack_mpc.residuals import Residuals, Target
-from pack_mpc.weights import WeightSet, load_weights
+from pack_mpc.residual_terms import RESIDUALS, Force, JointLimit, Obstacle, Position, Upright, Yaw
+from pack_mpc.residuals import Residuals
+from pack_mpc.target import PackingTarget
+from pack_mpc.weights import Stage, WeightSet, load_weights
 
-TARGET = Target(np.array([0.48, 0.02, 0.09]), 0.3, collisions=("tea_box", "soup_can"))
+TARGET = PackingTarget(np.array([0.48, 0.02, 0.09]), 0.3, collisions=("tea_box", "soup_can"))
 
 
 @pytest.fixture(params=["table_1", "tuned"])
@@ -48,23 +50,55 @@ def test_residuals_vanish_at_the_target(plant, joints, state, weights) -> None:
     ys[0, plant.sensor("held_x_axis")] = [np.cos(0.3), np.sin(0.3), 0.0]
     ys[0, plant.sensor("held_z_axis")] = [0.0, 0.0, 1.0]
     ys[0, plant.sensor("tip_force")] = [0.0, 0.0, 9.81 * plant.scene.new_object.mass]
-    values = Residuals(plant, weights, TARGET).values(plant.state(joints, state)[None], ys)
-    np.testing.assert_allclose(values[0, :9], 0.0, atol=1e-4)
+    xs = plant.state(joints, state)[None]
+    for term in (Position, Upright, Yaw, Force):
+        np.testing.assert_allclose(term(plant, TARGET, weights).values(xs, ys), 0.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("tilt", [0.3, -1.2])
+def test_the_tilt_costs_its_angle_or_its_axis(plant, tilt: float) -> None:
+    ys = np.zeros(plant.model.nsensordata)
+    ys[plant.sensor("held_z_axis")] = [np.sin(tilt), 0.0, np.cos(tilt)]
+    angle, axis = (Upright(plant, TARGET, load_weights(name)) for name in ("table_1", "tuned"))
+    np.testing.assert_allclose(angle.values(np.zeros(0), ys), [abs(tilt), 0.0])
+    np.testing.assert_allclose(axis.values(np.zeros(0), ys), [np.sin(tilt), 0.0])
+
+
+@pytest.mark.parametrize(("external", "residual"), [(1.9, 0.0), (-1.9, 0.0), (5.0, 3.0), (-5.0, -3.0)])
+def test_a_force_within_the_dead_band_costs_nothing(plant, external: float, residual: float) -> None:
+    weight = 9.81 * plant.scene.new_object.mass
+    force = Force(plant, TARGET, load_weights("tuned"))
+    np.testing.assert_allclose(force.of(np.array([0.0, 0.0, weight - external])), [0, 0, residual], atol=1e-6)
+
+
+def test_a_joint_in_its_middle_costs_nothing_and_one_at_its_limit_most(plant, weights) -> None:
+    term, limits = JointLimit(plant, TARGET, weights), plant.arm.limits
+    xs = np.zeros((2, plant.nx))
+    xs[:, plant.layout.q] = limits.middle, limits.upper
+    np.testing.assert_allclose(term.of(xs), [np.zeros(7), np.cosh(limits.upper - limits.middle) - 1.0])
 
 
 def test_an_obstacle_repels_most_where_the_target_is(plant, joints, state, weights) -> None:
-    residuals, x = Residuals(plant, weights, TARGET), plant.state(joints, state)
-    y = np.zeros(plant.model.nsensordata)
+    term, x = Obstacle(plant, TARGET, weights), plant.state(joints, state)
     at, away = x.copy(), x.copy()
     at[plant.layout.object_p["tea_box"][:2]] = TARGET.p_WN[:2]
     away[plant.layout.object_p["tea_box"][:2]] = TARGET.p_WN[:2] + np.array([0.3, 0.4])
-    assert residuals.values(at, y)[-2] == pytest.approx(1.0, abs=1e-5)
-    assert residuals.values(away, y)[-2] == pytest.approx(np.exp(-0.5))
+    assert term.of(at)[0] == pytest.approx(1.0, abs=1e-5)
+    assert term.of(away)[0] == pytest.approx(np.exp(-0.5))
 
 
-def test_table_1_is_the_papers() -> None:
-    insert = load_weights("table_1").insert
-    assert insert.running.position == (1, 1, 1)
-    assert insert.terminal.position == (100, 100, 200)
-    assert insert.running.joint_velocity == (0.15, 0.02, 0.15, 0.02, 0.02, 0.02, 0.02)
-    assert insert.running.obstacle == insert.terminal.obstacle == 1
+def test_each_row_has_the_weight_of_its_residual(plant, joints, state, weights) -> None:
+    residuals = Residuals(plant, weights, TARGET)
+    running = weights.of(Stage.INSERT).running
+    x, y, z = running["position"]
+    expected = [
+        x, y, z, *(2 * [running["upright"]]), running["yaw"], *(3 * [running["force"]]),
+        *(7 * [running["joint_limit"]]), *running["joint_velocity"], *(2 * [running["obstacle"]]),
+    ]  # fmt: skip
+    np.testing.assert_array_equal(residuals.spread(running), expected)
+    values = residuals.values(plant.state(joints, state), np.zeros(plant.model.nsensordata))
+    assert values.shape == (len(expected),)
+
+
+def test_names_of_residuals_are_unique() -> None:
+    assert len({term.name for term in RESIDUALS}) == len(RESIDUALS)

@@ -11,11 +11,12 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_mpc.cost import PackingCost
-from pack_mpc.residuals import Residuals, Target
+from pack_mpc.residuals import Residuals
 from pack_mpc.sgn_optimizer import SgnConfig, SgnOptimizer
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
 
-ABOVE = Target(np.array([0.45, 0.05, 0.30]), 0.2)
+ABOVE = PackingTarget(np.array([0.45, 0.05, 0.30]), 0.2)
 BELOW = np.array([0.5, 0.0, 0.09])
 
 
@@ -23,10 +24,10 @@ def make(scene: Scene, threads: int = 2) -> SgnOptimizer:
     return SgnOptimizer(scene.description(), packing_cell(), SgnConfig(), threads)
 
 
-def cost_of(optimizer: SgnOptimizer, target: Target, stage: Stage = Stage.PRE_PACK) -> PackingCost:
+def cost_of(optimizer: SgnOptimizer, target: PackingTarget, stage: Stage = Stage.PRE_PACK) -> PackingCost:
     weights = load_weights("tuned")
     residuals = Residuals(optimizer.plant, weights, target)
-    return PackingCost(residuals, weights.of(stage), weights.torque, 1.0)
+    return PackingCost(residuals, weights.of(stage), weights.torque)
 
 
 @pytest.fixture
@@ -62,7 +63,7 @@ def test_the_plan_does_not_depend_on_the_number_of_threads(scene, optimizer, x0)
 
 @pytest.mark.parametrize("may_land", [True, False])
 def test_the_object_comes_down_slowly_only_where_it_may_land_on_another(optimizer, x0, may_land) -> None:
-    target = Target(BELOW, 0.0, may_land=may_land)
+    target = PackingTarget(BELOW, 0.0, may_land=may_land)
     solution = optimizer.improve(x0, cost_of(optimizer, target, Stage.INSERT), Stage.INSERT, target)
     fastest = -np.diff(solution.p_WN[:, 2]).min() / SgnConfig().timestep
     assert (fastest < 1.3 * SgnConfig().speed_landing) == may_land
@@ -72,7 +73,7 @@ def test_no_rollout_exceeds_the_limits_of_speed(optimizer, x0, monkeypatch) -> N
     tried, config = [], SgnConfig()
     roll_out = optimizer._roll_out
     monkeypatch.setattr(optimizer, "_roll_out", lambda *args: tried.append(args[-1]) or roll_out(*args))
-    for target in (ABOVE, Target(BELOW, 0.0), Target(BELOW, 0.0, may_land=True)):
+    for target in (ABOVE, PackingTarget(BELOW, 0.0), PackingTarget(BELOW, 0.0, may_land=True)):
         optimizer.improve(x0, cost_of(optimizer, target, Stage.INSERT), Stage.INSERT, target)
     twists = np.concatenate(tried)
     assert np.all(np.abs(twists[..., :3]) <= config.speed_linear + 1e-9)

@@ -102,18 +102,18 @@ def test_after_a_failure_the_object_is_pushed_more_firmly(task: PackingTask) -> 
         placed(task).update(11.0, Pose(task.machine.target.p_WN))
         task.update(11.1, at(0.12))
         task.update(12.0, at(0.12))
-        assert task.firmness == failures
+        assert task.reliefs == failures
 
 
 def test_a_rehearsed_entry_that_halts_is_pushed_ever_more_firmly(task: PackingTask) -> None:
     task.place(PLACE, ("tea_box",), OVER, scene_at(START), is_rehearsed=True)
     task.update(11.0, Pose(task.machine.target.p_WN))
     task.update(11.1, at(0.12))
-    assert task.firmness == 0.0
+    assert task.reliefs == 0.0
     task.update(11.1 + TaskConfig().patience, at(0.12))
-    assert task.firmness == pytest.approx(1.0)
+    assert task.reliefs == pytest.approx(1.0)
     task.update(12.0, at(0.11))
-    assert task.firmness == 0.0
+    assert task.reliefs == 0.0
 
 
 def test_an_object_that_halts_short_of_its_place_is_pushed_ever_more_firmly(task: PackingTask) -> None:
@@ -123,7 +123,7 @@ def test_an_object_that_halts_short_of_its_place_is_pushed_ever_more_firmly(task
     assert task.machine.stage is Stage.FINE_TUNE
     task.update(11.1, short)
     task.update(11.1 + TaskConfig().patience, short)
-    assert task.firmness == pytest.approx(1.0)
+    assert task.reliefs == pytest.approx(1.0)
 
 
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:

@@ -16,9 +16,10 @@ from pack_core.states import SceneState
 from pack_mpc.cost import PackingCost
 from pack_mpc.ilqr_optimizer import IlqrOptimizer, IlqrOptimizerConfig
 from pack_mpc.predictor import Predictor
-from pack_mpc.residuals import Residuals, Target
+from pack_mpc.residuals import Residuals
 from pack_mpc.sgn_optimizer import SgnConfig, SgnOptimizer
 from pack_mpc.solution import Optimizer, Solution
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, WeightSet
 
 
@@ -73,10 +74,10 @@ class PackingController:
         joints: JointSample,
         scene: SceneState,
         stage: Stage,
-        target: Target,
+        target: PackingTarget,
         stage_age: float,
         latency: float,
-        firmness: float = 0.0,
+        reliefs: float = 0.0,
     ) -> Plan:
         """One iteration.
 
@@ -87,16 +88,14 @@ class PackingController:
             target: where the held object shall go.
             stage_age: time since the stage began [s].
             latency: time until the plan will be in force [s]; the state is predicted over it.
-            firmness: how often the force's weight is relieved.
+            reliefs: number of times that the force's weight is relieved; it need not be whole.
         """
         started = wall_clock.perf_counter()
         plant = self._optimizer.plant
         x0 = self._predictor.predict(plant.state(joints, scene), self._in_flight, latency)
-        scale = max(0.0, 1.0 - stage_age / self._weights.obstacle_decay)
         residuals = Residuals(plant, self._weights, target)
-        sideways = self._weights.precision if target.is_rehearsed else 1.0
-        weights = self._weights.of(stage).scaled(self._weights.force_relief**firmness, sideways)
-        cost = PackingCost(residuals, weights, self._weights.torque, scale)
+        weights = self._weights.in_force(stage, stage_age, reliefs=reliefs, is_rehearsed=target.is_rehearsed)
+        cost = PackingCost(residuals, weights, self._weights.torque)
         solution = self._optimizer.improve(x0, cost, stage, target)
         self._in_flight = solution.setpoints.until(self._config.published)
         return Plan(self._in_flight, solution, 1e3 * (wall_clock.perf_counter() - started))

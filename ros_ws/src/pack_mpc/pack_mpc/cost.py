@@ -11,21 +11,18 @@ from pack_mpc.weights import StageWeights
 
 
 class PackingCost:
-    """Sum over the horizon of w r^2 and of squared torque.
+    """Sum over the horizon of w r^2 and of squared torque: Eq. 2 with n_i(r) = r^2 for every residual.
 
     Args:
-        residuals: r(x, y, u).
-        weights: of the stage.
+        residuals: the residual vector r(x, y).
+        weights: weights in force, of the steps before the last and of the last.
         torque: weight of squared torque.
-        obstacle_scale: decay of the obstacle repulsion, 1 to 0 (Eq. 3).
     """
 
-    def __init__(
-        self, residuals: Residuals, weights: StageWeights, torque: float, obstacle_scale: float
-    ) -> None:
+    def __init__(self, residuals: Residuals, weights: StageWeights, torque: float) -> None:
         self._residuals = residuals
-        self._running = residuals.spread(weights.running, obstacle_scale)
-        self._terminal = residuals.spread(weights.terminal, obstacle_scale)
+        self._running = residuals.spread(weights.running)
+        self._terminal = residuals.spread(weights.terminal)
         self._torque = torque
 
     def value(self, xs: Array, ys: Array, us: Array) -> Array:
@@ -33,14 +30,20 @@ class PackingCost:
         return np.asarray((self.weighted(xs, ys) ** 2).sum(axis=1) + self._torque * (us**2).sum(axis=(1, 2)))
 
     def weighted(self, xs: Array, ys: Array) -> Array:
-        """Residuals of a batch times the roots of their weights, as one row a trajectory `(B, M)`."""
+        """Residuals of a batch times the roots of their weights, as one row a trajectory `(B, M)`.
+
+        The sum of their squares is the cost, which makes them the residuals of a Gauss-Newton step.
+        """
         r = self._residuals.values(xs, ys)
         r[:, :-1] *= np.sqrt(self._running)
         r[:, -1] *= np.sqrt(self._terminal)
         return r.reshape(len(r), -1)
 
     def expand(self, xs: Array, ys: Array, us: Array, lin: Linearization, columns: np.ndarray) -> Expansion:
-        """Gauss-Newton expansion along one trajectory."""
+        """Quadratic model along one trajectory: with l = w r^2 and J = dr/dx, lx = 2 w r J, lxx = 2 w J' J.
+
+        Gauss-Newton leaves out the second derivatives of r, so lxx is never indefinite.
+        """
         r = self._residuals.values(xs, ys)
         jx, ju = self._residuals.jacobians(xs, ys, lin, columns)
         w = np.concatenate([np.tile(self._running, (len(us), 1)), self._terminal[None]])

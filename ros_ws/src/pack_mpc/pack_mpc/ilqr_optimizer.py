@@ -10,14 +10,13 @@ from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import HELD_POSITION
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.explorers import ExplorerConfig, explore
 from pack_mpc.ilqr import IlqrConfig, Iteration, Trajectory, cheapest, iterate
 from pack_mpc.plant import PackingPlant
-from pack_mpc.residuals import Target
 from pack_mpc.solution import Solution
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
 DIVERGED = 20.0
@@ -51,7 +50,7 @@ class IlqrOptimizer:
         """A new cost wants a fresh step; the last plan stays, the driver is following it."""
         self._regularisation = REGULARISATION
 
-    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
+    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from state `x0`."""
         nominal, warning = self._nominal(x0, cost, stage, target)
         columns = self.plant.columns(self.touched(nominal))
@@ -68,7 +67,9 @@ class IlqrOptimizer:
                 moved.append(name)
         return moved
 
-    def _nominal(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> tuple[Trajectory, str]:
+    def _nominal(
+        self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget
+    ) -> tuple[Trajectory, str]:
         """The last plan, shifted to now, or a cheaper explorer; gravity compensation if all diverge."""
         candidates = self._shifted(x0)[None]
         if stage is Stage.INSERT:
@@ -93,12 +94,13 @@ class IlqrOptimizer:
 
     def _solution(self, result: Iteration, warning: str) -> Solution:
         xs, us, layout = result.trajectory.xs[:-1], result.trajectory.us, self.plant.layout
+        limits = self.plant.arm.limits
         setpoints = Setpoints(
             float(xs[0, 0]),
             np.asarray(self._config.timestep * np.arange(len(us)), dtype=float),
-            np.clip(xs[:, layout.q], LOWER, UPPER),
-            np.clip(xs[:, layout.v], -VELOCITY_LIMITS, VELOCITY_LIMITS),
-            np.clip(us, -TORQUE_LIMITS, TORQUE_LIMITS),
+            np.clip(xs[:, layout.q], limits.lower, limits.upper),
+            np.clip(xs[:, layout.v], -limits.velocity, limits.velocity),
+            np.clip(us, -limits.effort, limits.effort),
         )
         path = result.trajectory.ys[:, self.plant.sensor(HELD_POSITION)]
         return Solution(

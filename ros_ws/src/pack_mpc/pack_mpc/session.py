@@ -121,7 +121,7 @@ class PackingSession:
             return None
         plan = self.controller.plan(
             seen.joints, seen.scene, machine.stage, machine.target, time - machine.stage_start, latency,
-            task.firmness,
+            task.reliefs,
         )  # fmt: skip
         self.iterations_ms.append(plan.iteration_ms)
         return plan

@@ -20,9 +20,9 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
-from pack_mpc.residuals import Target
 from pack_mpc.solution import Solution
 from pack_mpc.spline import Basis, Servo
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
 
@@ -81,7 +81,7 @@ class SgnOptimizer:
     def change_cost(self) -> None:
         """Nothing is kept that belongs to one cost."""
 
-    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
+    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from state `x0`."""
         config = self._config
         down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
@@ -114,7 +114,7 @@ class SgnOptimizer:
             return np.zeros_like(self._theta)
         return self._basis.shifted(self._theta, float(x0[0]) - self._setpoints.time)
 
-    def _first_batch(self, nominal: Array, x0: Array, target: Target) -> tuple[Array, Array]:
+    def _first_batch(self, nominal: Array, x0: Array, target: PackingTarget) -> tuple[Array, Array]:
         """The nominal, a perturbation a parameter, explorers, all within bounds `(B, K, 6)`; the signs."""
         signs = self._signs(nominal)
         deltas = np.diag(signs * self._steps.ravel()).reshape(-1, *nominal.shape)
@@ -131,7 +131,7 @@ class SgnOptimizer:
         ahead = nominal + signs * self._steps
         return np.where((ahead > self._upper) | (ahead < self._lower), -signs, signs).ravel()
 
-    def _straight(self, x0: Array, target: Target) -> Array:
+    def _straight(self, x0: Array, target: PackingTarget) -> Array:
         """The spline that heads straight for the target and stops there."""
         twist = np.zeros(6)
         twist[:3] = (target.p_WN - self.plant.held_position(x0)) / (0.5 * self._basis.knots[-1])

@@ -9,7 +9,7 @@ from pack_core.joints import Setpoints
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
-from pack_mpc.residuals import Target
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
 
@@ -39,7 +39,7 @@ class Optimizer(Protocol):
 
     plant: PackingPlant
 
-    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
+    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from state `x0`, warm-started by the last one."""
         ...
 

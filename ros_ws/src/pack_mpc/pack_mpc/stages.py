@@ -10,7 +10,7 @@ from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_mpc.placement import Placement
-from pack_mpc.residuals import Target
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -62,20 +62,24 @@ class StageMachine:
         self._X_WN, self._time = X_WN, time
 
     @property
-    def target(self) -> Target:
+    def target(self) -> PackingTarget:
         """Where the held object shall go in this stage."""
         p_WN = self.placement.X_WN.p.copy()
         if self.stage is Stage.FINE_TUNE:
-            return Target(p_WN, self._yaw)
+            return PackingTarget(p_WN, self._yaw)
         bottom, half_height = self._bottom, float(self._scene.new_object.half_extents[2])
         entry = self.placement.entry
         axis, aside = entry.at(self._led(bottom))
         p_WN[:2] += half_height * axis + aside
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._scene.rim + self._config.clearance
-            return self._straight_up(p_WN[2]) if bottom < self._scene.rim else Target(p_WN, self._yaw, axis)
+            return (
+                self._straight_up(p_WN[2])
+                if bottom < self._scene.rim
+                else PackingTarget(p_WN, self._yaw, axis)
+            )
         lands = entry.may_land(self._scene.container.height, bottom)
-        return Target(
+        return PackingTarget(
             p_WN, self._yaw, axis, entry.over, self.placement.collisions, lands, self.placement.is_rehearsed
         )
 
@@ -84,10 +88,10 @@ class StageMachine:
         lead = self._config.lead_speed * self.halt if self.placement.is_rehearsed else 0.0
         return max(bottom - lead, 0.0)
 
-    def _straight_up(self, height: float) -> Target:
+    def _straight_up(self, height: float) -> PackingTarget:
         """Out from among the others, wedged as it may be: as it is, but at this height [m]."""
         here = self._X_WN
-        return Target(np.array([*here.p[:2], height]), yaw_of(here.q), rotate(here.q, UP)[:2])
+        return PackingTarget(np.array([*here.p[:2], height]), yaw_of(here.q), rotate(here.q, UP)[:2])
 
     def distance(self, p_WN: Array) -> float:
         """Distance [m] from the held object to the packing pose."""

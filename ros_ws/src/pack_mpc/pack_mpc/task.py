@@ -123,7 +123,7 @@ class PackingTask:
         return self._config.avoid_radius
 
     @property
-    def firmness(self) -> float:
+    def reliefs(self) -> float:
         """How often the force's weight is relieved: once a failure, and while the object halts.
 
         An entry that was not rehearsed stays gentle: it halts where others are in its way.

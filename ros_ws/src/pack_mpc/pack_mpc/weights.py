@@ -1,15 +1,22 @@
-"""Weights of the residuals, per stage: `config/weights/*.yaml` (Table I)."""
+"""Weights of the residuals, per stage: `config/weights/*.yaml` (Table I).
+
+A file has a weight for each residual by the name of its class in `residual_terms.py`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import Enum
-from typing import Annotated, Literal
+from typing import Annotated
 
-from pydantic import Field, NonNegativeFloat, PositiveFloat
+import numpy as np
+from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config, load_config
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
+from pack_mpc.residual_base import ResidualOptions
+from pack_mpc.residual_terms import RESIDUALS
 
 
 class Stage(Enum):
@@ -20,56 +27,70 @@ class Stage(Enum):
     FINE_TUNE = "fine_tune"
 
 
-class Weights(Config):
-    """One weight a residual."""
+def _known(name: str) -> str:
+    """The name of a residual; anything else is refused with those that exist."""
+    if name not in _BY_NAME:
+        raise ValueError(", ".join(_BY_NAME))
+    return name
 
-    position: tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat]
-    upright: NonNegativeFloat
-    yaw: NonNegativeFloat
-    force: NonNegativeFloat
-    joint_limit: NonNegativeFloat
-    joint_velocity: Annotated[tuple[NonNegativeFloat, ...], Field(min_length=7, max_length=7)]
-    obstacle: NonNegativeFloat
+
+def _complete(weights: Mapping[str, Weight]) -> Mapping[str, Weight]:
+    """The weights of all residuals: those given, and the class's default for each that is not."""
+    for name, weight in weights.items():
+        rows = getattr(_BY_NAME[name], "rows", None)
+        if isinstance(weight, tuple) and len(weight) != rows:
+            allowed = "one number" + (f", or {rows} numbers" if rows else "")
+            raise ValueError(f"{allowed} for '{name}'; {len(weight)} were given")
+    return {name: weights.get(name, term.default_weight) for name, term in _BY_NAME.items()}
+
+
+_BY_NAME = {term.name: term for term in RESIDUALS}
+
+Weight = NonNegativeFloat | tuple[NonNegativeFloat, ...]
+"""One number for all rows of a residual, or one number a row."""
+
+Weights = Annotated[Mapping[Annotated[str, AfterValidator(_known)], Weight], AfterValidator(_complete)]
+"""The weight of every residual by its name. One that a file leaves out has its class's default weight."""
 
 
 class StageWeights(Config):
-    """Weights of the steps before the last, and of the last."""
+    """Weights of a stage: `running` for the steps before the last, `terminal` for the last."""
 
     running: Weights
     terminal: Weights
 
-    def scaled(self, force: float, sideways: float) -> StageWeights:
-        """The same weights with the force's and the horizontal position's times these."""
-        running, terminal = (_scaled(weights, force, sideways) for weights in (self.running, self.terminal))
+    def times(self, factors: Mapping[str, Weight]) -> StageWeights:
+        """The same weights with those of the residuals named in `factors` multiplied by them."""
+        running, terminal = (_times(weights, factors) for weights in (self.running, self.terminal))
         return StageWeights(running=running, terminal=terminal)
 
 
-def _scaled(weights: Weights, force: float, sideways: float) -> Weights:
-    x, y, z = weights.position
-    return weights.model_copy(
-        update={"force": force * weights.force, "position": (sideways * x, sideways * y, z)}
-    )
+def _times(weights: Weights, factors: Mapping[str, Weight]) -> dict[str, Weight]:
+    changed = {name: _product(factor, weights[name]) for name, factor in factors.items()}
+    return {**weights, **changed}
 
 
-class WeightSet(Config):
+def _product(a: Weight, b: Weight) -> Weight:
+    product: Weight = np.multiply(a, b).tolist()
+    return product
+
+
+class WeightSet(ResidualOptions):
     """A named set of weights.
 
     Attributes:
-        upright: how the upright residual is written: as the angle, or as the axis' x and y.
-        force_dead_band: force that costs nothing [N].
-        force_relief: what is left of the force's weight after each attempt that failed: what does not
-            yield to a light push may yield to a firm one.
+        pre_pack: weights of the stage PRE-PACK; the other stages likewise.
+        force_relief: factor on the force's weight for each attempt that failed: what does not yield to a
+            light push may yield to a firm one.
         precision: factor on the weights of the horizontal position along an entry that was rehearsed.
-        obstacle_decay: Z of Eq. 3 as a time [s].
-        torque: cost of squared torque.
+        obstacle_decay: time Z of Eq. 3 within which the obstacle's weight falls to zero [s].
+        torque: weight of squared torque.
         lean: tilt of the held object over its obstacles at the entry [rad].
     """
 
     pre_pack: StageWeights
     insert: StageWeights
     fine_tune: StageWeights
-    upright: Literal["angle", "axis"]
-    force_dead_band: NonNegativeFloat
     force_relief: float = Field(default=1.0, gt=0, le=1)
     precision: PositiveFloat = 1.0
     obstacle_decay: PositiveFloat
@@ -77,9 +98,29 @@ class WeightSet(Config):
     lean: NonNegativeFloat
 
     def of(self, stage: Stage) -> StageWeights:
-        """The weights of a stage."""
+        """The weights of a stage as the file has them."""
         weights: StageWeights = getattr(self, stage.value)
         return weights
+
+    def in_force(
+        self, stage: Stage, stage_age: float, *, reliefs: float = 0.0, is_rehearsed: bool = False
+    ) -> StageWeights:
+        """The weights of a stage as they are at a moment of it.
+
+        Eq. 3 lets the obstacle's weight decay: w_t = max(0, w_0 - t w_0 / Z).
+
+        Args:
+            stage: the stage.
+            stage_age: time t since the stage began [s].
+            reliefs: number of times that the force's weight is relieved; it need not be whole.
+            is_rehearsed: whether the target lies on an entry that was rehearsed.
+        """
+        sideways = self.precision if is_rehearsed else 1.0
+        return self.of(stage).times({
+            "force": self.force_relief**reliefs,
+            "position": (sideways, sideways, 1.0),
+            "obstacle": max(0.0, 1.0 - stage_age / self.obstacle_decay),
+        })  # fmt: skip
 
 
 def load_weights(name: str) -> WeightSet:

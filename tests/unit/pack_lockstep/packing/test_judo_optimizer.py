@@ -6,13 +6,14 @@ import pytest
 from pack_core.errors import PackError
 from pack_core.joints import JointSample
 from pack_core.packing.cell import packing_cell
-from pack_core.robots.panda import VELOCITY_LIMITS
+from pack_core.robots.panda import PANDA
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_lockstep.packing.judo_optimizer import JudoConfig, JudoOptimizer
 from pack_lockstep.packing.settings import BenchmarkSettings, set_up
 from pack_mpc.cost import PackingCost
-from pack_mpc.residuals import Residuals, Target
+from pack_mpc.residuals import Residuals
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
 
 
@@ -31,10 +32,10 @@ def test_judos_method_lowers_the_cost_of_reaching_a_target() -> None:
     joints = JointSample(0.0, np.array(cell.robot.home), still, still)
     held = SceneState(0.0, {scene.new_object.name: ObjectState(Pose(np.zeros(3), np.array([1.0, 0, 0, 0])))})
     x0 = optimizer.plant.state(joints, held)
-    target = Target(optimizer.plant.held_position(x0) + np.array([0.05, 0.0, 0.0]), 0.0)
+    target = PackingTarget(optimizer.plant.held_position(x0) + np.array([0.05, 0.0, 0.0]), 0.0)
     residuals = Residuals(optimizer.plant, weights, target)
-    cost = PackingCost(residuals, weights.of(Stage.PRE_PACK), weights.torque, 0.0)
+    cost = PackingCost(residuals, weights.of(Stage.PRE_PACK), weights.torque)
     costs = [optimizer.improve(x0, cost, Stage.PRE_PACK, target) for _ in range(8)]
     assert costs[-1].cost < 0.9 * costs[0].cost
-    assert np.all(np.abs(costs[-1].setpoints.v) <= VELOCITY_LIMITS)
+    assert np.all(np.abs(costs[-1].setpoints.v) <= PANDA.limits.velocity)
     assert costs[-1].setpoints.q.shape == (50, 7)

@@ -23,10 +23,10 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
-from pack_mpc.residuals import Target
 from pack_mpc.sgn_optimizer import SgnConfig
 from pack_mpc.solution import Solution
 from pack_mpc.spline import Basis, Servo
+from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
 WORTHLESS = 1e12
@@ -76,7 +76,7 @@ class JudoOptimizer:
     def change_cost(self) -> None:
         """Nothing is kept that belongs to one cost."""
 
-    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: Target) -> Solution:
+    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from state `x0`."""
         last, now = self._setpoints, float(x0[0])
         start = now if last is None else last.time
