@@ -4,8 +4,10 @@ import pytest
 
 from pack_core.errors import PackError
 from pallet_fsm.machine import Machine
-from pallet_fsm.states import ENDS, FAULTS, STEPS, State
-from pallet_fsm.transitions import HOLDING, MOVING, RESUME, TRANSITIONS, Event
+from pallet_fsm.profile import profile_of
+from pallet_fsm.states import ENDS, FAULTS, HOLDING, MOVING, ROWS, STEPS, State
+from pallet_fsm.targets import TARGETS
+from pallet_fsm.transitions import RESUME, TRANSITIONS, Event, Guard
 
 NUMBERED = [row.state for row in STEPS]
 
@@ -29,8 +31,36 @@ def reachable(start: State) -> set[State]:
     return seen
 
 
-def test_there_are_21_steps_numbered_as_in_the_thesis() -> None:
-    assert [state.value for state in NUMBERED] == list(range(21))
+def test_the_21_steps_of_the_thesis_stand_in_their_order() -> None:
+    assert [state.value for state in NUMBERED if isinstance(state.value, int)] == list(range(21))
+
+
+def test_every_state_in_which_the_arm_moves_has_a_target_and_a_check() -> None:
+    assert set(TARGETS) == set(MOVING)
+    assert all(ROWS[state].check is not None for state in MOVING)
+
+
+def test_the_hand_holds_a_box_from_each_grip_to_each_release() -> None:
+    assert [state.value for state in HOLDING if isinstance(state.value, int)] == [
+        *range(4, 9),
+        *range(13, 19),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("state", "is_upright", "stop"),
+    [
+        (State.ABOVE_BOX, True, State.GRASP),
+        (State.LIFT, True, State.DEPOSIT),
+        (State.LIFT, False, State.RELEASE_TABLE),
+        (State.STEP_BACK, False, State.REGRASP),
+        (State.REGRASP, False, State.REGRASP),
+    ],
+)
+def test_a_blended_move_ends_at_the_next_state_with_a_stop(state, is_upright, stop) -> None:
+    machine = Machine(0.0, lambda guard: guard is Guard.IS_UPRIGHT and is_upright)
+    assert machine.stop_after(state, profile_of("blended").stops_at) is stop
+    assert machine.stop_after(state, profile_of("thesis").stops_at) is state
 
 
 def test_every_state_can_be_reached_from_the_start() -> None:
@@ -76,12 +106,13 @@ def test_rows_after_one_without_guard_would_never_be_taken() -> None:
 
 
 def test_there_are_two_bypasses_of_the_table() -> None:
+    places = {state: place for place, state in enumerate(NUMBERED)}
     jumps = {
-        (row.state.value, row.next.value)
+        (row.state, row.next)
         for row in TRANSITIONS
-        if row.next in NUMBERED and row.state in NUMBERED and row.next.value > row.state.value + 1
+        if row.next in places and row.state in places and places[row.next] > places[row.state] + 1
     }
-    assert jumps == {(5, 15), (6, 14)}
+    assert jumps == {(State.SAFE_PICK, State.TRANSFER), (State.SAFE_TABLE, State.LEAVE_TABLE)}
 
 
 def test_an_event_that_a_state_does_not_know_is_an_error_that_names_those_it_knows() -> None:

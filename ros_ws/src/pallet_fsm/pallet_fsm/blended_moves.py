@@ -7,13 +7,11 @@ from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
-from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.orders.handling import Handling
 from pack_core.rotations import Array, Pose
 from pallet_fsm.goals import Goals, Leg, raised
-from pallet_fsm.profile import Part
-from pallet_fsm.states import State
-from pallet_fsm.tool_poses import PoseConfig
+from pallet_fsm.states import Part, State
+from pallet_fsm.targets import Situation, targets_of
+from pallet_fsm.thesis_config import ThesisConfig
 from pallet_fsm.work_item import WorkItem
 
 Point = tuple[float, float, float]
@@ -48,33 +46,52 @@ class BlendedMoves:
     """Every move is a transfer whose lift and hover heights the motion searches.
 
     Args:
-        cell: the cell's physical facts.
-        poses: distances between tool, boxes and tables.
+        goals: finds tool poses over boxes and places.
         config: speeds and distances.
+        way_points: of the states that have no move of their own here.
     """
 
-    def __init__(self, cell: PalletizingCell, poses: PoseConfig, config: BlendedConfig) -> None:
-        self._goals, self._config = Goals(cell, poses), config
+    def __init__(self, goals: Goals, config: BlendedConfig, way_points: ThesisConfig) -> None:
+        self._goals, self._config, self._way_points = goals, config, way_points
 
-    def legs(self, state: State, item: WorkItem | None, X_WT: Pose) -> list[Leg]:
+    def legs(self, state: State, stop: State, item: WorkItem | None, X_WT: Pose) -> list[Leg]:
         """The ways on from where the arm has stopped, best first.
 
         Args:
             state: the first that the move goes through.
+            stop: the one at whose target it ends.
             item: the box that the move is for; None: it goes to the safe position over the pallet.
             X_WT: the tool now.
         """
-        home = [self._home(X_WT)] if state in (State.RETREAT, State.RETURN) else []
-        if item is None or (item.X_TB is None and item.X_WB is None):
-            return home
-        if item.X_TB is None:
-            return self._to_grasp(state, item, X_WT) + home
-        if item.handling is Handling.TABLE and state.value < State.STEP_BACK.value:
-            return self._to_table(item, X_WT)
-        return self._to_place(item, X_WT)
+        if state in (State.RETREAT, State.RETURN):  # straight to the next box, if it was found already
+            home = [self._home(X_WT)]
+            if item is None or item.X_WB is None:
+                return home
+            return self._to_grasp(state, State.GRASP, item, X_WT) + home
+        assert item is not None
+        match stop:
+            case State.GRASP | State.REGRASP:
+                return self._to_grasp(state, stop, item, X_WT)
+            case State.RELEASE_TABLE:
+                return self._to_table(item, X_WT)
+            case State.DEPOSIT:
+                return self._to_place(item, X_WT)
+        return self._to_target(stop, item, X_WT)
 
-    def _to_grasp(self, state: State, item: WorkItem, X_WT: Pose) -> list[Leg]:
-        end = State.GRASP if item.approach is None else State.REGRASP
+    def _to_target(self, stop: State, item: WorkItem, X_WT: Pose) -> list[Leg]:
+        """A transfer to a state's own target: for stops that need no lines of a shape of their own."""
+        now = Situation(self._goals, self._way_points, item, X_WT)
+        return [
+            Leg(
+                Transfer(
+                    (self._line(target.X_WT, Part.FINAL, self._config.speed),), self._hover(), self._lift()
+                ),
+                target.X_WT, stop, target.approach,
+            )
+            for target in targets_of(stop, now)
+        ]  # fmt: skip
+
+    def _to_grasp(self, state: State, end: State, item: WorkItem, X_WT: Pose) -> list[Leg]:
         legs = []
         for depart in self._departs(state, item):
             for goal in self._goals.grasps(item, X_WT):

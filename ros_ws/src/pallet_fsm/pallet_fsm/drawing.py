@@ -78,14 +78,16 @@ def _table() -> Iterable[str]:
 
 
 def _numbers(states: Iterable[State]) -> str:
-    """Runs of numbered states as `2-20`."""
+    """Runs of numbered states as `2-20`, then the names of those without a number."""
+    values = [state.value for state in states]
     runs: list[list[int]] = []
-    for number in sorted(int(state.value) for state in states):
+    for number in sorted(value for value in values if isinstance(value, int)):
         if runs and number == runs[-1][-1] + 1:
             runs[-1].append(number)
         else:
             runs.append([number])
-    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+    words = [value for value in values if isinstance(value, str)]
+    return ", ".join([*(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs), *words])
 
 
 def _words(row: Transition) -> str:

@@ -31,7 +31,7 @@ class Leg:
 
 
 class Goals:
-    """Finds them.
+    """Finds tool poses over boxes, at table B and over places on the pallet.
 
     Args:
         cell: the cell's physical facts.

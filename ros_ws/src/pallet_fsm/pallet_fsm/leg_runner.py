@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Array
 from pallet_fsm.blended_moves import BlendedMoves
+from pallet_fsm.goals import Goals
 from pallet_fsm.mover import Mover
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ports import MoveArm, Observation
 from pallet_fsm.profile import Profile
-from pallet_fsm.states import State
-from pallet_fsm.surroundings import REORIENTATION_TABLE
+from pallet_fsm.states import ROWS, Grip, Place, State
+from pallet_fsm.surroundings import TABLES
 from pallet_fsm.thesis_moves import ThesisMoves
 from pallet_fsm.transitions import Event
 from pallet_fsm.work_item import WorkItem
@@ -25,20 +28,23 @@ class LegRunner:
         book: the order's boxes.
         cell: the cell's physical facts.
         config: parameters.
+        stop_after: at the target of which state the arm stops next, seen from a state.
 
     Attributes:
         approach: direction in which the tool held the box at the last leg's end, at table B.
     """
 
     def __init__(
-        self, profile: Profile, book: OrderBook, cell: PalletizingCell, config: PalletizerConfig
-    ) -> None:
-        self._book = book
+        self, profile: Profile, book: OrderBook, cell: PalletizingCell, config: PalletizerConfig,
+        stop_after: Callable[[State], State],
+    ) -> None:  # fmt: skip
+        self._book, self._stop_after = book, stop_after
         self._mover = Mover(profile, config.mover)
+        goals = Goals(cell, config.poses)
         self._moves = (
-            BlendedMoves(cell, config.poses, config.blended)
+            BlendedMoves(goals, config.blended, config.thesis)
             if profile.is_blended
-            else ThesisMoves(cell, config.poses, config.thesis)
+            else ThesisMoves(goals, config.thesis)
         )
         self._touched: frozenset[str] = frozenset()
         self.approach: Array | None = None
@@ -48,9 +54,10 @@ class LegRunner:
         """Of the last trouble; empty if there was none since the leg began."""
         return self._mover.reason
 
-    def stands_at(self, *names: str) -> None:
-        """What the hand or its box touches now."""
-        self._touched = frozenset(names)
+    def note_grip(self, state: State) -> None:
+        """The box in the hand was gripped at the state's target, and still stands there."""
+        place = ROWS[state].place
+        self._touched = frozenset({TABLES[place]}) if place in TABLES else frozenset()
 
     def follow(self, state: State, item: WorkItem, seen: Observation) -> Event | MoveArm | None:
         """Begin a leg in `state` or follow the one that runs."""
@@ -69,18 +76,19 @@ class LegRunner:
             target = self._book.upcoming if item.is_finished else None
         legs = [
             (leg, self._touched | self._touched_at(leg.end, target))
-            for leg in self._moves.legs(state, target, seen.motion.X_WT)
+            for leg in self._moves.legs(state, self._stop_after(state), target, seen.motion.X_WT)
         ]
         return self._mover.begin(legs, item.carried, self._book.obstacles(), seen.time)
 
     def _touched_at(self, end: State, item: WorkItem | None) -> frozenset[str]:
         """Names of what the hand or its box touches, or nearly, where a leg ends."""
-        if item is None:
+        row = ROWS[end]
+        if item is None or row.place is None:
             return frozenset()
-        if end in (State.GRASP, State.REGRASP):
+        if row.grip is Grip.CLOSE:  # the empty pad comes down on the box and touches nothing else
             return frozenset({item.name})
-        if end is State.RELEASE_TABLE:
-            return frozenset({item.name, REORIENTATION_TABLE})
-        if end in (State.PRE_DEPOSIT, State.DEPOSIT):
-            return self._book.beside(item) | {item.name}
-        return frozenset()
+        return frozenset({item.name}) | self._standing_on(row.place, item)
+
+    def _standing_on(self, place: Place, item: WorkItem) -> frozenset[str]:
+        """Names of what a box touches, or nearly, where it is put down."""
+        return self._book.beside(item) if place is Place.PALLET else frozenset({TABLES[place]})

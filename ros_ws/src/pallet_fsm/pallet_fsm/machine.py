@@ -55,26 +55,34 @@ class Machine:
         """Whether the order has ended, one way or the other."""
         return self.state in ENDS
 
+    def stop_after(self, state: State, stops_at: Callable[[State], bool]) -> State:
+        """The first state from this one on at whose target the arm stops, if all targets are reached."""
+        while not stops_at(state):
+            state = self._following(self._row(state, Event.REACHED))
+        return state
+
     def fire(self, event: Event, time: float, box: str = "", reason: str = "") -> State:
         """Go on; `box` is the one in work in the state that is entered.
 
         Raises:
             PackError: the table has no row for this event here.
         """
-        row = self._row(event)
-        following = self._interrupted if row.next is RESUME else row.next
+        following = self._following(self._row(self.state, event))
         if following in FAULTS:
             self._interrupted = self.state
         self.visits.append(Visit(following, time, box, event, reason))
         return following
 
-    def _row(self, event: Event) -> Transition:
-        rows = [row for row in TRANSITIONS if row.state is self.state and row.event is event]
+    def _following(self, row: Transition) -> State:
+        return self._interrupted if row.next is RESUME else row.next
+
+    def _row(self, state: State, event: Event) -> Transition:
+        rows = [row for row in TRANSITIONS if row.state is state and row.event is event]
         for row in rows:
             if row.guard is None or self._holds(row.guard):
                 return row
-        allowed = sorted({row.event.value for row in TRANSITIONS if row.state is self.state})
+        allowed = sorted({row.event.value for row in TRANSITIONS if row.state is state})
         raise PackError(
-            f"state '{self.state.label}' knows no event '{event.value}' now; "
+            f"state '{state.label}' knows no event '{event.value}' now; "
             f"it knows: {', '.join(allowed) or 'none'}; change pallet_fsm/transitions.py"
         )

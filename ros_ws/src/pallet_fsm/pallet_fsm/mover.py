@@ -12,8 +12,8 @@ from pack_core.motion.world import CarriedBox, Obstacle
 from pallet_fsm.checkers import TOLERANCES, TargetChecker
 from pallet_fsm.goals import Leg
 from pallet_fsm.ports import MoveArm
-from pallet_fsm.profile import Part, Profile
-from pallet_fsm.states import ROWS, Check, State
+from pallet_fsm.profile import Profile
+from pallet_fsm.states import ROWS, Check, Part, State
 from pallet_fsm.transitions import Event
 
 

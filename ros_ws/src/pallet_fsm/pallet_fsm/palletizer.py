@@ -20,9 +20,8 @@ from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ports import Command, DiscardBox, MoveArm, Observation, StopArm
 from pallet_fsm.profile import profile_of
 from pallet_fsm.report import BoxOutcome, OrderReport
-from pallet_fsm.states import FAULTS, ROWS, Grip, State
-from pallet_fsm.surroundings import PICKING_TABLE, REORIENTATION_TABLE
-from pallet_fsm.transitions import HOLDING, Event, Guard
+from pallet_fsm.states import FAULTS, HOLDING, ROWS, Grip, Place, State
+from pallet_fsm.transitions import Event, Guard
 from pallet_fsm.work_item import WorkItem
 
 
@@ -45,8 +44,8 @@ class Palletizer:
         self._book = OrderBook(order, plan, cell)
         self._feeder = Feeder(config.feeder)
         self._hand = Hand(config.dwell, config.grip_patience)
-        self._legs = LegRunner(self._profile, self._book, cell, config)
         self.machine = Machine(time, self._holds, self.item.name)
+        self._legs = LegRunner(self._profile, self._book, cell, config, self._stop_after)
         self._commands: list[Command] = []
         self._halt = ""
 
@@ -144,11 +143,11 @@ class Palletizer:
         item, X_WT = self.item, seen.motion.X_WT
         if event is Event.GRIPPED:
             item.take(X_WT)
-            self._legs.stands_at({State.GRASP: PICKING_TABLE}.get(state, REORIENTATION_TABLE))
+            self._legs.note_grip(state)
             item.approach = None
         elif event is Event.RELEASED:
             item.let_go(X_WT, self._config.poses.drop)
-            if state is State.DEPOSIT:
+            if ROWS[state].place is Place.PALLET:
                 item.finish(BoxOutcome.PLACED)
             else:
                 item.approach = self._legs.approach
@@ -157,7 +156,8 @@ class Palletizer:
 
     def _note_fault(self, fault: State, before: State) -> None:
         self.item.tries[fault] += 1
-        if fault in (State.NO_DETECTION, State.WRONG_SIZE) or before is State.GRASP:
+        may_have_moved = before in ROWS and ROWS[before].place is Place.TABLE_A  # the pad pushed it
+        if fault in (State.NO_DETECTION, State.WRONG_SIZE) or may_have_moved:
             self._feeder.forget()
         if fault is State.MOTION_STUCK:
             self._commands.append(StopArm())
@@ -166,14 +166,16 @@ class Palletizer:
 
     def _feed_ahead(self, time: float) -> None:
         """Have the next box brought and found while this one is on its way."""
-        profile, number, item = self._profile, self.machine.state.value, self.item
-        upcoming = self._book.upcoming
-        has_left = item.X_TB is not None or item.outcome is BoxOutcome.PLACED
-        if profile.feed_at is None or upcoming is None or not has_left or not isinstance(number, int):
+        row, item, upcoming = ROWS.get(self.machine.state), self.item, self._book.upcoming
+        if not self._profile.feeds_ahead or row is None or not row.feeds or upcoming is None:
             return
-        if number >= profile.feed_at.value:
+        has_left_table_a = item.X_TB is not None or item.outcome is BoxOutcome.PLACED
+        if has_left_table_a:
             self._feeder.send_for(upcoming, time)
             self._feeder.look(time)
+
+    def _stop_after(self, state: State) -> State:
+        return self.machine.stop_after(state, self._profile.stops_at)
 
     def _holds(self, guard: Guard) -> bool:
         item = self.item

@@ -8,7 +8,7 @@ from pack_core.config import Config
 from pallet_fsm.blended_moves import BlendedConfig
 from pallet_fsm.feeder import FeederConfig
 from pallet_fsm.mover import MoverConfig
-from pallet_fsm.thesis_moves import ThesisConfig
+from pallet_fsm.thesis_config import ThesisConfig
 from pallet_fsm.tool_poses import PoseConfig
 
 

@@ -1,18 +1,19 @@
 """The states of the palletizing machine: the thesis's 21 (Table 8.1), the faults and the ends.
 
-What a state is, is data: its speed, what the gripper does in it, and how its target is checked.
+What a state is, is data: a row of `STEPS`. The profiles, the transitions for faults and the page of states
+are derived from these rows, so that a new step is a row here, its transitions and its tool pose.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, IntEnum
 
 from pack_core.motion.moves import Mode
 
 
 class State(Enum):
-    """States by name; the values of the 21 steps are the thesis's numbers."""
+    """States by name; the values of the thesis's 21 steps are its numbers, those of all others words."""
 
     SPAWN = 0
     DETECT = 1
@@ -69,48 +70,119 @@ class Check(Enum):
     TRANSIT = "5 mm, 1 deg, 3 steps"
 
 
+class Shape(Enum):
+    """How the tool gets to the state's target in the profile `thesis`."""
+
+    FREE = "through free space"
+    LINE = "along a straight line"
+
+
+class Part(IntEnum):
+    """Which part of a blended move, from one stop of the arm to the next, a state is; in their order.
+
+    A state whose part is NONE has no target of its own in the profile `blended` and is passed when it is
+    entered. One that is FINAL has: the arm stops there.
+    """
+
+    NONE = -1
+    DEPART = 0
+    CROSS = 1
+    APPROACH = 2
+    FINAL = 3
+
+
+class Place(Enum):
+    """What a box stands on where the tool takes hold of it or lets it go."""
+
+    TABLE_A = "picking table"
+    TABLE_B = "reorientation table"
+    PALLET = "pallet"
+
+
 @dataclass(frozen=True)
 class StateRow:
-    """A line of Table 8.1; without a mode the arm has no target of its own."""
+    """A line of Table 8.1.
+
+    Attributes:
+        state: which one.
+        what: in words, for the page of states.
+        mode: how the policies are tuned; None: the arm has no target in this state.
+        grip: what the gripper does.
+        check: how exactly the target must be reached.
+        shape: of the way to the target, in the profile `thesis`.
+        part: of a blended move, in the profile `blended`.
+        place: where the box stands, or nearly, at the target; the box and what is about it may be touched.
+        feeds: whether the next box may be sent for, in the profile `blended`.
+    """
 
     state: State
     what: str
     mode: Mode | None
     grip: Grip
     check: Check | None
+    shape: Shape = Shape.FREE
+    part: Part = Part.NONE
+    place: Place | None = None
+    feeds: bool = False
 
 
 _FAST, _SLOW = Mode.FAST, Mode.SLOW
 _CLOSE, _HOLD, _OPEN, _EMPTY = Grip.CLOSE, Grip.HOLD, Grip.OPEN, Grip.EMPTY
 _PRECISE, _TRANSIT = Check.PRECISE, Check.TRANSIT
+_FREE, _LINE = Shape.FREE, Shape.LINE
+_NONE, _DEPART, _CROSS, _APPROACH, _FINAL = Part.NONE, Part.DEPART, Part.CROSS, Part.APPROACH, Part.FINAL
+_TABLE_A, _TABLE_B, _PALLET = Place.TABLE_A, Place.TABLE_B, Place.PALLET
 
 # fmt: off
 STEPS = (
     StateRow(State.SPAWN, "a box comes to table A", None, _EMPTY, None),
     StateRow(State.DETECT, "the camera finds it", None, _EMPTY, None),
-    StateRow(State.ABOVE_BOX, "to over the box", _FAST, _EMPTY, _TRANSIT),
-    StateRow(State.GRASP, "down to the box, grip it", _SLOW, _CLOSE, _PRECISE),
-    StateRow(State.LIFT, "lift it off", _SLOW, _HOLD, _TRANSIT),
-    StateRow(State.SAFE_PICK, "safe position over table A", _FAST, _HOLD, _TRANSIT),
-    StateRow(State.SAFE_TABLE, "safe position over table B", _FAST, _HOLD, _TRANSIT),
-    StateRow(State.ROTATE, "turn the box, to over its place at the edge of table B", _SLOW, _HOLD, _PRECISE),
-    StateRow(State.RELEASE_TABLE, "set it down, let go", _SLOW, _OPEN, _PRECISE),
-    StateRow(State.STEP_BACK, "back off horizontally", _SLOW, _EMPTY, _PRECISE),
-    StateRow(State.RISE, "up, out of its reach", _SLOW, _EMPTY, _PRECISE),
-    StateRow(State.ABOVE_TABLE, "to over the box's new top", _SLOW, _EMPTY, _PRECISE),
-    StateRow(State.REGRASP, "down to it, grip it again", _SLOW, _CLOSE, _PRECISE),
-    StateRow(State.LIFT_TABLE, "lift it off table B", _SLOW, _HOLD, _PRECISE),
-    StateRow(State.LEAVE_TABLE, "safe position over table B", _FAST, _HOLD, _TRANSIT),
-    StateRow(State.TRANSFER, "safe position over the pallet", _FAST, _HOLD, _TRANSIT),
-    StateRow(State.ABOVE_PALLET, "to over the place, shifted against the insertion", _FAST, _HOLD, _TRANSIT),
-    StateRow(State.PRE_DEPOSIT, "down to where the insertion begins", _SLOW, _HOLD, _PRECISE),
-    StateRow(State.DEPOSIT, "insert the box, let go", _SLOW, _OPEN, _PRECISE),
-    StateRow(State.RETREAT, "up from the box", _SLOW, _EMPTY, _PRECISE),
-    StateRow(State.RETURN, "safe position over the pallet", _FAST, _EMPTY, _TRANSIT),
+    StateRow(State.ABOVE_BOX, "to over the box",
+             _FAST, _EMPTY, _TRANSIT, _FREE, _CROSS),
+    StateRow(State.GRASP, "down to the box, grip it",
+             _SLOW, _CLOSE, _PRECISE, _LINE, _FINAL, _TABLE_A),
+    StateRow(State.LIFT, "lift it off",
+             _SLOW, _HOLD, _TRANSIT, _LINE, _DEPART),
+    StateRow(State.SAFE_PICK, "safe position over table A",
+             _FAST, _HOLD, _TRANSIT),
+    StateRow(State.SAFE_TABLE, "safe position over table B",
+             _FAST, _HOLD, _TRANSIT),
+    StateRow(State.ROTATE, "turn the box, to over its place at the edge of table B",
+             _SLOW, _HOLD, _PRECISE, _FREE, _CROSS),
+    StateRow(State.RELEASE_TABLE, "set it down, let go",
+             _SLOW, _OPEN, _PRECISE, _LINE, _FINAL, _TABLE_B),
+    StateRow(State.STEP_BACK, "back off horizontally",
+             _SLOW, _EMPTY, _PRECISE, _LINE, _DEPART),
+    StateRow(State.RISE, "up, out of its reach",
+             _SLOW, _EMPTY, _PRECISE, _LINE),
+    StateRow(State.ABOVE_TABLE, "to over the box's new top",
+             _SLOW, _EMPTY, _PRECISE, _FREE, _CROSS),
+    StateRow(State.REGRASP, "down to it, grip it again",
+             _SLOW, _CLOSE, _PRECISE, _LINE, _FINAL, _TABLE_B),
+    StateRow(State.LIFT_TABLE, "lift it off table B",
+             _SLOW, _HOLD, _PRECISE, _LINE, _DEPART),
+    StateRow(State.LEAVE_TABLE, "safe position over table B",
+             _FAST, _HOLD, _TRANSIT),
+    StateRow(State.TRANSFER, "safe position over the pallet",
+             _FAST, _HOLD, _TRANSIT),
+    StateRow(State.ABOVE_PALLET, "to over the place, shifted against the insertion",
+             _FAST, _HOLD, _TRANSIT, _FREE, _CROSS),
+    StateRow(State.PRE_DEPOSIT, "down to where the insertion begins",
+             _SLOW, _HOLD, _PRECISE, _LINE, _APPROACH, _PALLET, feeds=True),
+    StateRow(State.DEPOSIT, "insert the box, let go",
+             _SLOW, _OPEN, _PRECISE, _LINE, _FINAL, _PALLET, feeds=True),
+    StateRow(State.RETREAT, "up from the box",
+             _SLOW, _EMPTY, _PRECISE, _LINE, _DEPART, feeds=True),
+    StateRow(State.RETURN, "safe position over the pallet",
+             _FAST, _EMPTY, _TRANSIT, feeds=True),
 )
 # fmt: on
 
 ROWS = {row.state: row for row in STEPS}
+MOVING = tuple(row.state for row in STEPS if row.mode is not None)
+"""States in which the arm has a target."""
+HOLDING = tuple(row.state for row in STEPS if row.grip in (Grip.HOLD, Grip.OPEN))
+"""States in which a box is in the hand."""
 FAULTS = (
     State.NO_DETECTION, State.WRONG_SIZE, State.GRIP_FAILED, State.BOX_LOST,
     State.MOTION_STUCK, State.LIMIT_PASSED, State.NOT_CLEAR,

@@ -11,10 +11,13 @@ from pack_core.palletizing.cell import PalletizingCell, Table
 from pack_core.palletizing.orders.order import OrderBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array, Pose
+from pallet_fsm.states import Place
 
 PICKING_TABLE = "picking_table"
 REORIENTATION_TABLE = "reorientation_table"
 PALLET = "pallet"
+TABLES = {Place.TABLE_A: PICKING_TABLE, Place.TABLE_B: REORIENTATION_TABLE}
+"""Names of what boxes are gripped on."""
 BESIDE = 0.02
 """Boxes this near to a place [m] are touched, or nearly, when a box goes there."""
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from pallet_fsm.states import STEPS, State
+from pallet_fsm.states import HOLDING, MOVING, STEPS, State
 
 
 class Event(Enum):
@@ -86,11 +86,6 @@ CYCLE = (
     Transition(State.RETURN, Event.REACHED, State.DONE),
 )
 # fmt: on
-
-MOVING = tuple(State(number) for number in range(2, 21))
-"""States in which the arm has a target."""
-HOLDING = tuple(State(number) for number in (*range(4, 9), *range(13, 19)))
-"""States in which a box is in the hand."""
 
 # fmt: off
 SEEING = (

@@ -1,0 +1,169 @@
+"""Where the tool goes in each state: one function for a state, or for several that go to the same.
+
+A new step needs a row in `states.py`, its transitions in `transitions.py` and an entry in `TARGETS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.motion.moves import UP
+from pack_core.rotations import Array, Pose
+from pallet_fsm.goals import Goals, raised
+from pallet_fsm.states import State
+from pallet_fsm.thesis_config import ThesisConfig
+from pallet_fsm.work_item import WorkItem
+
+
+@dataclass(frozen=True)
+class ToolTarget:
+    """Where the tool shall be at the end of a state.
+
+    Attributes:
+        X_WT: its pose.
+        approach: direction in which it then holds a box that it stands up `(3,)`; None elsewhere.
+    """
+
+    X_WT: Pose
+    approach: Array | None = None
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What the target of a state is found from.
+
+    Attributes:
+        goals: finds tool poses over boxes and places.
+        config: way-points and distances.
+        box: the box in work; None where the tool only leaves one that is placed.
+        X_WT: the tool now.
+    """
+
+    goals: Goals
+    config: ThesisConfig
+    box: WorkItem | None
+    X_WT: Pose
+
+    @property
+    def item(self) -> WorkItem:
+        """The box in work, in the states that need one."""
+        assert self.box is not None
+        return self.box
+
+
+Finder = Callable[[Situation], list[ToolTarget]]
+
+
+def targets_of(state: State, now: Situation) -> list[ToolTarget]:
+    """The alternatives for a state, best first: box and tool look the same after half or quarter turns."""
+    return TARGETS[state](now)
+
+
+def _at(poses: list[Pose]) -> list[ToolTarget]:
+    return [ToolTarget(X_WT) for X_WT in poses]
+
+
+def _up(now: Situation) -> list[ToolTarget]:
+    """Straight up from here."""
+    return _at([raised(now.X_WT, now.config.above * UP)])
+
+
+def _over_box(now: Situation) -> list[ToolTarget]:
+    return _at([raised(X_WT, now.config.above * UP) for X_WT in now.goals.grasps(now.item, now.X_WT)])
+
+
+def _on_box(now: Situation) -> list[ToolTarget]:
+    return _at(now.goals.grasps(now.item, now.X_WT))
+
+
+def _over_table(now: Situation) -> list[ToolTarget]:
+    """The box already turned as it will stand, over its place at the edge of table B."""
+    height = now.config.before_table * UP
+    found = now.goals.stands(now.item, now.X_WT)
+    return [ToolTarget(raised(stand.X_WT, height), stand.approach) for stand in found]
+
+
+def _on_table(now: Situation) -> list[ToolTarget]:
+    return [ToolTarget(stand.X_WT, stand.approach) for stand in now.goals.stands(now.item, now.X_WT)]
+
+
+def _back(now: Situation) -> list[ToolTarget]:
+    """Away from the box on table B, against the direction that the tool came from."""
+    assert now.item.approach is not None
+    return _at([raised(now.X_WT, -now.config.step_back * now.item.approach)])
+
+
+def _safe_pick(now: Situation) -> list[ToolTarget]:
+    return _safe(now.config.safe_pick, [now.X_WT])
+
+
+def _safe_table(now: Situation) -> list[ToolTarget]:
+    return _safe(now.config.safe_table, [now.X_WT])
+
+
+def _leave_table(now: Situation) -> list[ToolTarget]:
+    return _safe(now.config.safe_table, _turned_to_place(now))
+
+
+def _safe_pallet(now: Situation) -> list[ToolTarget]:
+    return _safe(now.config.safe_pallet, _turned_to_place(now))
+
+
+def _return(now: Situation) -> list[ToolTarget]:
+    return _safe(now.config.safe_pallet, [now.X_WT])
+
+
+def _safe(point: tuple[float, float, float], turned: list[Pose]) -> list[ToolTarget]:
+    """A safe position, with the orientations of some poses."""
+    return _at([Pose(np.array(point), X_WT.q) for X_WT in turned])
+
+
+def _turned_to_place(now: Situation) -> list[Pose]:
+    """Tool poses whose orientation is that over the box's place; without a box in the hand that of now."""
+    return [now.X_WT] if now.item.X_TB is None else now.goals.placements(now.item, now.X_WT)
+
+
+def _over_place(now: Situation) -> list[ToolTarget]:
+    offset = _before_insertion(now) + now.config.above * UP
+    return _at([raised(X_WT, offset) for X_WT in now.goals.placements(now.item, now.X_WT)])
+
+
+def _beside_place(now: Situation) -> list[ToolTarget]:
+    offset = _before_insertion(now)
+    return _at([raised(X_WT, offset) for X_WT in now.goals.placements(now.item, now.X_WT)])
+
+
+def _on_place(now: Situation) -> list[ToolTarget]:
+    return _at(now.goals.placements(now.item, now.X_WT))
+
+
+def _before_insertion(now: Situation) -> Array:
+    """From the box's place to where its insertion begins `(3,)` [m]."""
+    return now.item.plan.insertion.offset(now.config.standoff, now.config.final_height)
+
+
+TARGETS: dict[State, Finder] = {
+    State.ABOVE_BOX: _over_box,
+    State.GRASP: _on_box,
+    State.LIFT: _up,
+    State.SAFE_PICK: _safe_pick,
+    State.SAFE_TABLE: _safe_table,
+    State.ROTATE: _over_table,
+    State.RELEASE_TABLE: _on_table,
+    State.STEP_BACK: _back,
+    State.RISE: _up,
+    State.ABOVE_TABLE: _over_box,
+    State.REGRASP: _on_box,
+    State.LIFT_TABLE: _up,
+    State.LEAVE_TABLE: _leave_table,
+    State.TRANSFER: _safe_pallet,
+    State.ABOVE_PALLET: _over_place,
+    State.PRE_DEPOSIT: _beside_place,
+    State.DEPOSIT: _on_place,
+    State.RETREAT: _up,
+    State.RETURN: _return,
+}
+"""What finds the tool's targets, for every state in which the arm moves."""
