@@ -7,7 +7,7 @@ import numpy as np
 from integration.harness import Graph
 from pack_core.joints import JointSample, Setpoints
 from pack_core.paths import config_path
-from pack_core.robots import panda
+from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
@@ -55,14 +55,14 @@ def ramp(start: JointSample, duration: float) -> Setpoints:
 
 def newest_joints(graph: Graph) -> JointSample:
     """The last joint state that the probe heard."""
-    return from_joint_state(graph.probe.last(contracts.JOINT_STATES), panda.JOINTS)
+    return from_joint_state(graph.probe.last(contracts.JOINT_STATES), PANDA.joints)
 
 
 def joint_samples(graph: Graph, after: float) -> list[JointSample]:
     """All joint states that the probe heard since a time [s], oldest first."""
     mail = graph.probe.mail[contracts.JOINT_STATES.name]
     return [
-        from_joint_state(message, panda.JOINTS)
+        from_joint_state(message, PANDA.joints)
         for message in mail
         if from_stamp(message.header.stamp) > after
     ]

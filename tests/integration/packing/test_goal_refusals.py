@@ -16,7 +16,7 @@ from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
 from pack_core.paths import config_path
-from pack_core.robots import panda
+from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.joint_messages import to_joint_state
@@ -45,7 +45,7 @@ def tell(graph: Graph, scene: Scene, *, missing: str = "") -> None:
     poses = scene.poses() | {scene.new_object.name: Pose([0.5, 0.0, 0.36])}
     objects = {name: ObjectState(X_WO) for name, X_WO in poses.items() if name != missing}
     graph.probe.send(contracts.DESCRIPTION, String(data=scene.description().to_yaml()))
-    graph.probe.send(contracts.JOINT_STATES, to_joint_state(at_rest, panda.JOINTS))
+    graph.probe.send(contracts.JOINT_STATES, to_joint_state(at_rest, PANDA.joints))
     graph.probe.send(contracts.SCENE, to_scene(SceneState(1.0, objects)))
 
 

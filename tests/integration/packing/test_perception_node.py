@@ -16,7 +16,7 @@ from integration.harness import Graph
 from pack_core.config import validate_config
 from pack_core.packing.cell import packing_cell
 from pack_core.paths import config_path
-from pack_core.robots import panda
+from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.joint_messages import to_joint_state
@@ -60,7 +60,7 @@ class Rig:
             self.simulator.step()
             if round(self.simulator.time * 1000) % 2 == 0:
                 self.graph.probe.send(
-                    contracts.JOINT_STATES, to_joint_state(self.simulator.joints(), panda.JOINTS)
+                    contracts.JOINT_STATES, to_joint_state(self.simulator.joints(), PANDA.joints)
                 )
             for frame in self.simulator.mocap.due(self.simulator.time):
                 if cameras:
@@ -129,7 +129,7 @@ def test_bad_messages_are_dropped_counted_and_reported(rig: Rig) -> None:
     later = joints.time + 0.1
     probe.send(
         contracts.JOINT_STATES,
-        to_joint_state(replace(joints, time=later, q=np.full(7, np.nan)), panda.JOINTS),
+        to_joint_state(replace(joints, time=later, q=np.full(7, np.nan)), PANDA.joints),
     )
     frame = rig.simulator.mocap.capture(rig.simulator.model, rig.simulator.data, joints.time)
     probe.send(contracts.MARKERS, to_markers(replace(frame, objects=("teapot", *frame.objects[1:]))))
@@ -158,7 +158,7 @@ def test_an_object_that_lost_its_grip_is_reported(rig: Rig) -> None:
 def test_nothing_is_published_before_the_cell_is_described(rig: Rig) -> None:
     for _ in range(100):
         rig.simulator.step()
-        rig.graph.probe.send(contracts.JOINT_STATES, to_joint_state(rig.simulator.joints(), panda.JOINTS))
+        rig.graph.probe.send(contracts.JOINT_STATES, to_joint_state(rig.simulator.joints(), PANDA.joints))
         rig.graph.executor.spin_once(timeout_sec=0.0)
     assert rig.graph.probe.last(contracts.SCENE) is None
     rig.describe()

@@ -11,7 +11,7 @@ from integration.packing.sim_rig import EXAMPLE, newest_joints, ramp, stamps_of,
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
-from pack_core.robots import panda
+from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.joint_messages import to_setpoints
 from pack_core.ros.scene_messages import from_scene
@@ -40,7 +40,7 @@ def expected_poses(scene: Scene) -> np.ndarray:
 def test_reset_with_a_seed_brings_that_scene_and_the_arm_home(graph: Graph) -> None:
     node = start_sim(graph)
     before = newest_joints(graph)
-    graph.probe.send(contracts.SETPOINTS, to_setpoints(ramp(before, 1.0), panda.JOINTS))
+    graph.probe.send(contracts.SETPOINTS, to_setpoints(ramp(before, 1.0), PANDA.joints))
     graph.wait_until(lambda: newest_joints(graph).q[0] > before.q[0] + 0.01)
     response = reset(graph, node, seed=3)
     assert response.success, response.message

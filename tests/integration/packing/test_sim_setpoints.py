@@ -10,7 +10,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from integration.harness import Graph
 from integration.packing.sim_rig import SPEED, joint_samples, newest_joints, ramp, speeds, start_sim
-from pack_core.robots import panda
+from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.joint_messages import to_setpoints
@@ -24,7 +24,7 @@ DURATION = 0.3
 def test_the_arm_follows_setpoints_and_holds_when_they_grow_stale(graph: Graph) -> None:
     node = start_sim(graph)
     sent = newest_joints(graph)
-    graph.probe.send(contracts.SETPOINTS, to_setpoints(ramp(sent, 1.0), panda.JOINTS))
+    graph.probe.send(contracts.SETPOINTS, to_setpoints(ramp(sent, 1.0), PANDA.joints))
     graph.wait_until(lambda: newest_joints(graph).time > sent.time + 0.4)
     samples = joint_samples(graph, sent.time)
     assert max(speeds(sample).max() for sample in samples) > 0.5 * SPEED
@@ -36,7 +36,7 @@ def test_the_arm_follows_setpoints_and_holds_when_they_grow_stale(graph: Graph) 
 def follow_and_send(graph: Graph, bad: JointTrajectory) -> float:
     """Stream a good ramp, with bad setpoints in between; the speed at which the joint went on."""
     start = newest_joints(graph)
-    good = to_setpoints(ramp(start, 2.0), panda.JOINTS)
+    good = to_setpoints(ramp(start, 2.0), PANDA.joints)
     passed = (0.1, 0.1 + DURATION)
     while newest_joints(graph).time < start.time + passed[1]:
         is_bad_due = newest_joints(graph).time > start.time + passed[0]
@@ -66,7 +66,7 @@ def test_bad_setpoints_are_refused_counted_and_named_while_the_arm_goes_on(
     graph: Graph, column: str, value: list[float], named: str
 ) -> None:
     node = start_sim(graph)
-    bad = to_setpoints(ramp(newest_joints(graph), 1.0), panda.JOINTS)
+    bad = to_setpoints(ramp(newest_joints(graph), 1.0), PANDA.joints)
     for point in bad.points:
         setattr(point, column, value)
     assert follow_and_send(graph, bad) == pytest.approx(SPEED, rel=0.25)

@@ -13,7 +13,6 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import Arm, Held, build_model
 from pack_core.packing.rollouts import SleepingRollouts
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_mpc.ilqr import Linearization
@@ -47,7 +46,7 @@ class PackingPlant:
     def __init__(
         self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, arm: Arm = Arm.DRIVEN
     ) -> None:
-        self.scene = scene
+        self.scene, self.arm = scene, cell.robot.arm
         self.model = build_model(scene, cell, timestep=timestep, arm=arm, held=Held.RIGID)
         self.nu = int(self.model.nu)
         self.timestep = timestep
@@ -140,10 +139,10 @@ class PackingPlant:
 
     def _find_layout(self) -> Layout:
         model, nq = self.model, self.model.nq
-        joints = {name: model.joint(name) for name in (*JOINTS, *self.scene.names)}
+        joints = {name: model.joint(name) for name in (*self.arm.joints, *self.scene.names)}
         return Layout(
-            q=np.array([1 + joints[name].qposadr[0] for name in JOINTS]),
-            v=np.array([1 + nq + joints[name].dofadr[0] for name in JOINTS]),
+            q=np.array([1 + joints[name].qposadr[0] for name in self.arm.joints]),
+            v=np.array([1 + nq + joints[name].dofadr[0] for name in self.arm.joints]),
             object_p={name: 1 + joints[name].qposadr[0] + np.arange(3) for name in self.scene.names},
             object_v={name: 1 + nq + joints[name].dofadr[0] + np.arange(3) for name in self.scene.names},
         )

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from pack_core.robots.panda import LOWER, UPPER, VELOCITY_LIMITS
 from pack_core.rotations import Array
 from pack_mpc.plant import STATE, PackingPlant
 
 DAMPING = 1e-4
 NULL_SPACE_RATE = 0.5
 """Rate at which the redundant joint motion returns to the middle of its range [1/s]."""
-MIDDLE = 0.5 * (LOWER + UPPER)
 
 
 @dataclass(frozen=True)
@@ -53,6 +51,7 @@ class Servo:
     """
 
     def __init__(self, plant: PackingPlant, x0: Array, q_ref: Array, leash: float) -> None:
+        self._limits = plant.arm.limits
         model, data = plant.model, mujoco.MjData(plant.model)
         mujoco.mj_setState(model, data, x0, STATE)
         mujoco.mj_kinematics(model, data)
@@ -63,14 +62,15 @@ class Servo:
         self._J = jacobian[:, plant.layout.v - 1 - model.nq]
         self._inverse = self._J.T @ np.linalg.inv(self._J @ self._J.T + DAMPING * np.eye(6))
         q = x0[plant.layout.q]
-        self._posture = NULL_SPACE_RATE * (np.eye(7) - self._inverse @ self._J) @ (MIDDLE - q)
+        self._posture = NULL_SPACE_RATE * (np.eye(7) - self._inverse @ self._J) @ (self._limits.middle - q)
         self._start = q + _leashed(q_ref - q, self._J, leash)
 
     def references(self, twists: Array, timestep: float) -> tuple[Array, Array]:
         """Desired positions and velocities `(B, T, 7)` for twists `(B, T, 6)`, linear then angular."""
-        v = np.clip(twists @ self._inverse.T + self._posture, -VELOCITY_LIMITS, VELOCITY_LIMITS)
+        limits = self._limits
+        v = np.clip(twists @ self._inverse.T + self._posture, -limits.velocity, limits.velocity)
         q = self._start + timestep * (np.cumsum(v, axis=1) - v)
-        return np.clip(q, LOWER, UPPER), v
+        return np.clip(q, limits.lower, limits.upper), v
 
 
 def _leashed(lead: Array, J: Array, leash: float) -> Array:

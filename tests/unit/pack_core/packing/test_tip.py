@@ -13,7 +13,7 @@ from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell, Tip, packing_cell
 from pack_core.packing.model import Arm, Held, build_model, held_pose
 from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
-from pack_core.robots.panda import JOINTS
+from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose, angle_between, exp
 
 TIP = Tip(lateral=6000.0, axial=8000.0, bending=15.0, twist=20.0, damping_time=0.006)
@@ -35,7 +35,7 @@ def hanging(cell: PackingCell) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The arm at home, too heavy to be moved, with the object on the cup and no gravity."""
     model = build_model(cell.scene, cell, timestep=0.001, arm=Arm.GUIDED, held=Held.COMPLIANT)
     data = mujoco.MjData(model)
-    for name, angle in zip(JOINTS, cell.robot.home, strict=True):
+    for name, angle in zip(PANDA.joints, cell.robot.home, strict=True):
         data.joint(name).qpos[0] = angle
         model.joint(name).armature[0] = 1e9
     model.opt.gravity[:] = 0.0

@@ -21,7 +21,7 @@ from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.recorder import Recorder
 from pack_core import stamps
 from pack_core.packing.cell import packing_cell
-from pack_core.robots.panda import JOINTS
+from pack_core.robots.panda import PANDA
 from pack_evaluation.packing import from_bag as arrays
 from pack_evaluation.raw_bag import Topic
 
@@ -127,7 +127,8 @@ class GoalWriter:
         ]
         for topic in (arrays.TRUTH, arrays.ESTIMATE):
             self.write(time, topic, header=header(time), objects=objects)
-        self.write(time, arrays.JOINTS, header=header(time), name=list(JOINTS), position=np.full(7, time))
+        names, positions = list(PANDA.joints), np.full(7, time)
+        self.write(time, arrays.JOINTS, header=header(time), name=names, position=positions)
         load = make("geometry_msgs/msg/Vector3", z=force)
         wrench = make("geometry_msgs/msg/Wrench", force=load)
         self.write(time, arrays.WRENCH, header=header(time), wrench=wrench)

@@ -9,7 +9,7 @@ import pytest
 from pack_core.bodies import set_object_poses
 from pack_core.packing.model import Arm, Held, build_model
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import JOINTS
+from pack_core.robots.panda import PANDA
 from pack_lockstep.packing.lockstep import lockstep_config
 from pack_lockstep.packing.presets import load_preset
 from pack_perception.mocap.rigid_body_fit import FitConfig
@@ -32,8 +32,8 @@ def posed(scene: Scene, height: float | None = None) -> tuple[mujoco.MjModel, mu
     model = build_model(scene, CELL, timestep=0.001, arm=Arm.DRIVEN, held=Held.RIGID)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())
-    q = np.array([model.joint(name).qposadr[0] for name in JOINTS])
-    v = np.array([model.joint(name).dofadr[0] for name in JOINTS])
+    q = np.array([model.joint(name).qposadr[0] for name in PANDA.joints])
+    v = np.array([model.joint(name).dofadr[0] for name in PANDA.joints])
     data.qpos[q] = CELL.robot.home
     mujoco.mj_forward(model, data)
     held = model.body(scene.new_object.name).id

@@ -14,7 +14,7 @@ from pack_core.packing.cell import packing_cell
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import JOINTS
+from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose, conjugate, from_yaw, log, multiply
 from pack_core.states import SceneState
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
@@ -100,7 +100,7 @@ def _kept(frame: MarkerFrame, keep: npt.NDArray[np.bool_]) -> MarkerFrame:
 def _joint_path(model: mujoco.MjModel, times: Array) -> Array:
     """Joint positions `(T, 7)` that take the cup along the way-points, by damped least squares."""
     data, tool = mujoco.MjData(model), model.body("tool").id
-    first, dof = model.joint(JOINTS[0]).qposadr[0], model.joint(JOINTS[0]).dofadr[0]
+    first, dof = model.joint(PANDA.joints[0]).qposadr[0], model.joint(PANDA.joints[0]).dofadr[0]
     q, path, J = np.array(packing_cell().robot.home), [], np.empty((6, model.nv))
     for time in times:
         x, y, z, yaw = (np.interp(time, WAYPOINTS[:, 0], column) for column in WAYPOINTS[:, 1:].T)

@@ -6,7 +6,7 @@ import pytest
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
-from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
+from pack_core.robots.panda import PANDA
 from pack_sim.packing.joint_controller import BRAKE_TIME, JointController
 
 HOME = np.array(packing_cell().robot.home)
@@ -41,8 +41,8 @@ def test_the_papers_gains_are_configured() -> None:
 
 
 def test_torque_stays_within_the_limits(controller: JointController) -> None:
-    controller.accept(setpoints(tau=TORQUE_LIMITS), 0.0)
-    assert np.all(controller.torque(0.01, HOME - 1.0, -VELOCITY_LIMITS, M) == TORQUE_LIMITS)
+    controller.accept(setpoints(tau=PANDA.limits.effort), 0.0)
+    assert np.all(controller.torque(0.01, HOME - 1.0, -PANDA.limits.velocity, M) == PANDA.limits.effort)
 
 
 def test_setpoints_are_interpolated_between_rows(controller: JointController) -> None:
@@ -111,10 +111,10 @@ NAN_ROW = np.array([0, 0, np.nan, 0, 0, 0, 0.0])
         (setpoints(HOME + NAN_ROW), "q is not finite"),
         (setpoints(v=NAN_ROW), "v is not finite"),
         (setpoints(tau=NAN_ROW), "tau is not finite"),
-        (setpoints(UPPER + 0.1), "q of joint 1 is 2.997 rad; allowed: -2.897 to 2.897"),
-        (setpoints(LOWER - 0.1), "q of joint 1"),
-        (setpoints(v=2 * VELOCITY_LIMITS), "v of joint 1"),
-        (setpoints(tau=-1.5 * TORQUE_LIMITS), "tau of joint 1"),
+        (setpoints(PANDA.limits.upper + 0.1), "q of joint 1 is 2.997 rad; allowed: -2.897 to 2.897"),
+        (setpoints(PANDA.limits.lower - 0.1), "q of joint 1"),
+        (setpoints(v=2 * PANDA.limits.velocity), "v of joint 1"),
+        (setpoints(tau=-1.5 * PANDA.limits.effort), "tau of joint 1"),
         (
             Setpoints(0.0, np.zeros(1), np.zeros((1, 6)), np.zeros((1, 7)), np.zeros((1, 7))),
             r"shape \(1, 6\)",

@@ -37,7 +37,7 @@ def test_without_mismatch_nodes_are_told_the_truth() -> None:
     true = actual(SCENE, none, rng())
     assert [item.mass for item in items_of(true)] == [item.mass for item in items_of(SCENE)]
     assert {item.friction for item in items_of(true)} == {SCENE.friction} == {true.friction}
-    assert not joint_friction(none, rng()).any()
+    assert not joint_friction(none, 7, rng()).any()
 
 
 def test_true_frictions_and_masses_fill_their_ranges() -> None:

@@ -12,7 +12,7 @@ from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.model import Arm, Held, build_model
 from pack_core.packing.objects import Cylinder
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import JOINTS
+from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose
 from pack_sim.packing.mocap import Mocap, MocapConfig
 
@@ -39,7 +39,7 @@ def posed(
     """The cell with the arm at `q` and the can in the middle of the container."""
     model = build_model(scene, CELL, timestep=0.001, arm=Arm.DRIVEN, held=held)
     data = mujoco.MjData(model)
-    for name, angle in zip(JOINTS, q, strict=True):
+    for name, angle in zip(PANDA.joints, q, strict=True):
         data.joint(name).qpos[0] = angle
     middle = Pose(np.array([0.5, 0.0, scene.objects[0].half_extents[2]]))
     set_object_poses(model, data, {scene.objects[0].name: middle, **(poses or {})})

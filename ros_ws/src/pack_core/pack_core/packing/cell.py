@@ -10,7 +10,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import Config, load_values, merged, parse_values, validate_config
 from pack_core.packing.scene import Scene
 from pack_core.paths import config_path
-from pack_core.robots.arm_drive import Robot
+from pack_core.robots.arm_drive import ArmDrive
 from pack_core.robots.pump import Pump
 
 Point = tuple[float, float, float]
@@ -61,7 +61,7 @@ class Mocap(Config):
 class PackingCell(Config):
     """The packing cell."""
 
-    robot: Robot
+    robot: ArmDrive
     pump: Pump
     suction: Suction
     tip: Tip | None
@@ -69,6 +69,10 @@ class PackingCell(Config):
     mocap: Mocap
     scene: Scene
     """The five objects, the container and the new object, without poses."""
+
+    def with_arm(self, model: str) -> PackingCell:
+        """The same cell with another arm, for pictures: start and gains stay those of the arm before."""
+        return self.model_copy(update={"robot": self.robot.model_copy(update={"model": model})})
 
 
 @cache

@@ -14,7 +14,7 @@ from pack_core.packing.steering import add_steering
 from pack_core.packing.surroundings import add_surroundings
 from pack_core.packing.tip import add_tip
 from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
-from pack_core.robots.panda import add_panda
+from pack_core.robots.pump import add_pump
 from pack_core.rotations import Pose
 
 TIP_FORCE = "tip_force"
@@ -80,14 +80,14 @@ def build_model(
     _add_container(spec, scene.container, scene.friction)
     for item in scene.objects:
         _add_object(spec.worldbody.add_body(name=item.name), item, scene, free=True)
-    tool = None if arm is Arm.ABSENT else add_panda(spec, cell.pump)
+    tool = None if arm is Arm.ABSENT else _add_arm(spec, cell)
     _add_new_object(spec, tool, scene, held, cell.tip)
     if arm is Arm.DRIVEN:
-        add_motors(spec)
+        add_motors(spec, cell.robot.arm)
     elif arm is Arm.SERVO:
         add_servos(spec, cell.robot)
     elif arm is Arm.GUIDED:
-        make_heavy(spec)
+        make_heavy(spec, cell.robot.arm)
     if surroundings:
         add_surroundings(spec, scene.container)
     return spec.compile()
@@ -96,6 +96,12 @@ def build_model(
 def held_pose(scene: Scene) -> Pose:
     """X_TN: the held new object N, hanging upright from the cup T by the middle of its top."""
     return Pose(np.array([0.0, 0.0, scene.new_object.half_extents[2]]), np.array(UPSIDE_DOWN))
+
+
+def _add_arm(spec: mujoco.MjSpec, cell: PackingCell) -> mujoco.MjsBody:
+    """The cell's arm with its pump; the body `tool`."""
+    arm = cell.robot.arm
+    return add_pump(arm.add_to(spec), cell.pump, arm.flange)
 
 
 def _set_solver(spec: mujoco.MjSpec, timestep: float) -> None:

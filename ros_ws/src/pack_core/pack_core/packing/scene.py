@@ -12,10 +12,11 @@ from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.packing.objects import Box, Cylinder, Friction, ObjectModel
 from pack_core.pose_config import PoseConfig
+from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.rotations import Array, Pose
 
 RESERVED = {"world", "table", "tool", "tip"}
-RESERVED_PREFIXES = ("wall_", "panda_", "pump_", "tip_")
+RESERVED_PREFIXES = ("wall_", "pump_", "tip_", *(f"{name}_" for name in PACKING_ARMS))
 
 
 class Container(Config):

@@ -10,50 +10,53 @@ import numpy as np
 from pack_core.bodies import penetrations, set_object_poses
 from pack_core.config import load_config
 from pack_core.errors import ConfigError, PackError
-from pack_core.packing.cell import packing_cell
+from pack_core.packing.cell import PackingCell, packing_cell
 from pack_core.packing.fit import fitting_yaws
 from pack_core.packing.free_space import base_height, is_inside, outlines
 from pack_core.packing.model import Arm, Held, build_model
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import JOINTS, PAYLOAD, REACH
 
 TOLERANCE = 0.005
 """Objects may reach this far into each other, the walls or the base: measured poses do [m]."""
 
 
-def load_scene(path: Path) -> Scene:
+def load_scene(path: Path, cell: PackingCell | None = None) -> Scene:
     """Read a scene file with a pose for every object.
+
+    Args:
+        path: the file.
+        cell: whose arm shall pack the scene; None: the cell as configured.
 
     Raises:
         ConfigError: a key, value or pose is missing or not allowed.
     """
     scene = load_config(Scene, path)
-    _check(scene, str(path))
+    _check(scene, cell or packing_cell(), str(path))
     return scene
 
 
-def parse_scene(text: str, source: str) -> Scene:
+def parse_scene(text: str, source: str, cell: PackingCell | None = None) -> Scene:
     """Read a scene file's text, as `load_scene` does; `source` names it in errors."""
     scene = Scene.from_yaml(text, source)
-    _check(scene, source)
+    _check(scene, cell or packing_cell(), source)
     return scene
 
 
-def _check(scene: Scene, source: str) -> None:
+def _check(scene: Scene, cell: PackingCell, source: str) -> None:
     try:
         scene.poses()
-        _check_container(scene)
-        _check_new_object(scene)
+        _check_container(scene, cell.robot.arm.reach)
+        _check_new_object(scene, cell)
         _check_inside(scene)
-        _check_overlaps(scene)
-        _check_start(scene)
+        _check_overlaps(scene, cell)
+        _check_start(scene, cell)
     except PackError as error:
         raise ConfigError(f"{source}: {error}") from error
 
 
-def _check_container(scene: Scene) -> None:
+def _check_container(scene: Scene, reach: tuple[float, float]) -> None:
     """The arm reaches every corner, and no wall stands in the arm."""
-    near, far = REACH
+    near, far = reach
     (x0, y0), (x1, y1) = scene.container.lower.tolist(), scene.container.upper.tolist()
     farthest = np.hypot(x1, max(abs(y0), abs(y1)))
     if x0 < near or farthest > far:
@@ -63,8 +66,8 @@ def _check_container(scene: Scene) -> None:
         )
 
 
-def _check_new_object(scene: Scene) -> None:
-    item, limit = scene.new_object, PAYLOAD - packing_cell().pump.mass
+def _check_new_object(scene: Scene, cell: PackingCell) -> None:
+    item, limit = scene.new_object, cell.robot.arm.payload - cell.pump.mass
     if item.pose is not None:
         raise ConfigError("key 'new_object.pose' is given; allowed: none, the new object hangs from the pump")
     if item.mass > limit:
@@ -91,8 +94,8 @@ def _check_inside(scene: Scene) -> None:
             )
 
 
-def _check_overlaps(scene: Scene) -> None:
-    model = build_model(scene, packing_cell(), timestep=0.002, arm=Arm.ABSENT, held=Held.ABSENT)
+def _check_overlaps(scene: Scene, cell: PackingCell) -> None:
+    model = build_model(scene, cell, timestep=0.002, arm=Arm.ABSENT, held=Held.ABSENT)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())
     for (a, b), depth in penetrations(model, data).items():
@@ -103,13 +106,12 @@ def _check_overlaps(scene: Scene) -> None:
             )
 
 
-def _check_start(scene: Scene) -> None:
+def _check_start(scene: Scene, cell: PackingCell) -> None:
     """Nothing touches the arm at home and what it holds."""
-    cell = packing_cell()
     model = build_model(scene, cell, timestep=0.002, arm=Arm.DRIVEN, held=Held.RIGID)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())
-    for name, position in zip(JOINTS, cell.robot.home, strict=True):
+    for name, position in zip(cell.robot.arm.joints, cell.robot.home, strict=True):
         data.joint(name).qpos = position
     for pair in penetrations(model, data):
         if scene.new_object.name in pair:

@@ -1,51 +1,86 @@
-"""How the arm's joints are driven in a model."""
+"""How an arm's joints are driven in a model."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
 import mujoco
-from pydantic import Field
+from pydantic import Field, field_validator, model_validator
 
 from pack_core.config import Config
-from pack_core.robots.panda import JOINTS, TORQUE_LIMITS
+from pack_core.robots.packing_arms import PACKING_ARMS
+from pack_core.robots.seven_axis_arm import SevenAxisArm
 
 Joints = Annotated[tuple[float, ...], Field(min_length=7, max_length=7)]
 
 GUIDED_ARMATURE = 1e4
+"""Inertia added to a joint that no contact shall move [kg m^2]: far above the arm's own, of a few."""
 
 
-class Robot(Config):
-    """The arm's start and the gains of its low-level controller (Eq. 4)."""
+class ArmDrive(Config):
+    """The cell's arm: its model, where it starts, and the gains of its low-level controller (Eq. 4).
 
+    Attributes:
+        model: name of the arm, one of `pack_core.robots.packing_arms`.
+        home: joint positions at the start [rad].
+        stiffness: position gain of each joint [N m/rad].
+        damping: velocity gain of each joint [N m s/rad].
+    """
+
+    model: str = "panda"
     home: Joints
     stiffness: Joints
     damping: Joints
 
+    @property
+    def arm(self) -> SevenAxisArm:
+        """The arm's kinematics, inertias and limits."""
+        return PACKING_ARMS[self.model]
 
-def add_motors(spec: mujoco.MjSpec) -> None:
+    @field_validator("model")
+    @classmethod
+    def _is_known(cls, model: str) -> str:
+        if model not in PACKING_ARMS:
+            raise ValueError(
+                f"'{model}' is no arm; allowed: {', '.join(PACKING_ARMS)} (pack_core/robots/packing_arms.py)"
+            )
+        return model
+
+    @model_validator(mode="after")
+    def _starts_within_limits(self) -> ArmDrive:
+        limits = self.arm.limits
+        rows = zip(limits.names, self.home, limits.lower.tolist(), limits.upper.tolist(), strict=True)
+        for name, position, lower, upper in rows:
+            if not lower <= position <= upper:
+                allowed = f"{lower:.3f} to {upper:.3f} rad for '{self.model}'"
+                raise ValueError(f"home of {name} is {position}; allowed: {allowed}")
+        return self
+
+
+def add_motors(spec: mujoco.MjSpec, arm: SevenAxisArm) -> None:
     """A torque actuator on every joint, with the published limit; controls are torques `(7,)` [N m]."""
-    for name, limit in zip(JOINTS, TORQUE_LIMITS, strict=True):
+    for name, limit in zip(arm.joints, arm.limits.effort, strict=True):
         _add(spec, name, name, ctrllimited=True, ctrlrange=(-limit, limit)).set_to_motor()
 
 
-def add_servos(spec: mujoco.MjSpec, robot: Robot) -> None:
+def add_servos(spec: mujoco.MjSpec, drive: ArmDrive) -> None:
     """The driver's law inside the model, where the integrator treats its damping implicitly (Eq. 4).
 
     Controls are desired positions and velocities `(14,)` [rad, rad/s]; the sum of both torques is
     limited as the driver limits it.
     """
-    for i, name in enumerate(JOINTS):
+    arm = drive.arm
+    for i, name in enumerate(arm.joints):
         spec.joint(name).actfrclimited = True
-        spec.joint(name).actfrcrange = (-TORQUE_LIMITS[i], TORQUE_LIMITS[i])
-        _add(spec, f"{name}_position", name).set_to_position(kp=robot.stiffness[i])
-    for i, name in enumerate(JOINTS):
-        _add(spec, f"{name}_velocity", name).set_to_velocity(kv=robot.damping[i])
+        spec.joint(name).actfrcrange = (-arm.limits.effort[i], arm.limits.effort[i])
+        _add(spec, f"{name}_position", name).set_to_position(kp=drive.stiffness[i])
+    for i, name in enumerate(arm.joints):
+        _add(spec, f"{name}_velocity", name).set_to_velocity(kv=drive.damping[i])
 
 
-def make_heavy(spec: mujoco.MjSpec) -> None:
+def make_heavy(spec: mujoco.MjSpec, arm: SevenAxisArm) -> None:
     """Joints that contacts do not move, for a caller that sets their positions and velocities."""
-    for name in JOINTS:
+    for name in arm.joints:
         spec.joint(name).armature = GUIDED_ARMATURE
 
 

@@ -34,6 +34,11 @@ class JointLimits:
         for field in ("lower", "upper", "velocity", "acceleration", "effort"):
             object.__setattr__(self, field, _frozen(getattr(self, field), len(self.names)))
 
+    @property
+    def middle(self) -> Array:
+        """The middle of each joint's range `(n,)` [rad]."""
+        return 0.5 * (self.lower + self.upper)
+
     def __len__(self) -> int:
         return len(self.names)
 

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from pack_core import stamps
-from pack_core.errors import BagError
+from pack_core.errors import BagError, MessageError
 from pack_core.packing.scene import Scene
+from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array
 from pack_evaluation.bag import Bag, read_bag
 from pack_evaluation.packing.run import Iterations, Run
@@ -53,7 +54,7 @@ def to_run(bag: Bag) -> Run:
         force_times=_times(wrenches), force=_magnitudes(wrenches),
         release_reason=_release(bag, start),
         real_time_factors=_real_time_factors(bag, start, end),
-        outcome=outcome, is_cut=bag.is_cut,
+        outcome=outcome, is_cut=bag.is_cut, arm=_arm(bag, joints[0]),
     )  # fmt: skip
 
 
@@ -73,6 +74,14 @@ def _window(bag: Bag, iterations: Iterations, outcome: dict[str, Any]) -> tuple[
         return float(start), float(start + outcome["execution_time"] if outcome else end)
     end = stamps.to_seconds([item.time_ns for item in bag.messages if item.topic == RESULT][-1])
     return end - float(outcome["execution_time"]), end
+
+
+def _arm(bag: Bag, joints: Any) -> str:
+    """Name of the arm whose joints a message lists."""
+    try:
+        return arm_of(joints.name).name
+    except MessageError as error:
+        raise BagError(f"{bag.path}: {error}") from error
 
 
 def _seconds(message: Any) -> float:

@@ -60,6 +60,7 @@ class Run:
         real_time_factors: achieved, one a second of wall clock.
         outcome: fields of the action's result; empty when none was recorded.
         is_cut: whether the recording was cut off.
+        arm: name of the arm, one of `pack_core.robots.packing_arms`.
     """
 
     scene: Scene
@@ -76,6 +77,7 @@ class Run:
     real_time_factors: Array = field(default_factory=lambda: np.empty(0))
     outcome: dict[str, Any] = field(default_factory=dict)
     is_cut: bool = False
+    arm: str = "panda"
 
     @property
     def held(self) -> str:

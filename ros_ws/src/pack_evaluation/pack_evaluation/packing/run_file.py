@@ -23,6 +23,7 @@ SUFFIX = ".npz"
 TRACKS = ("truth", "estimate")
 TEXTS = ("stages", "collisions")
 ABOUT = "about"
+DEFAULT_ARM = "panda"
 ARRAYS = ("joint_times", "joints", "force_times", "force", "real_time_factors")
 
 
@@ -30,7 +31,7 @@ def save_run(run: Run, path: Path) -> None:
     """Write the run, compressed; the file appears whole or not at all."""
     about = {
         "scene": run.scene.to_yaml(), "start": run.start, "end": run.end, "outcome": run.outcome,
-        "release_reason": run.release_reason, "is_cut": run.is_cut,
+        "release_reason": run.release_reason, "is_cut": run.is_cut, "arm": run.arm,
         **{name: getattr(run.iterations, name) for name in TEXTS},
     }  # fmt: skip
     arrays: dict[str, Any] = {ABOUT: np.array(json.dumps(about)), **dict(_arrays(run))}
@@ -79,7 +80,9 @@ def _run(about: dict[str, Any], arrays: Mapping[str, npt.NDArray[Any]]) -> Run:
     return Run(
         scene=scene, start=about["start"], end=about["end"], iterations=iterations, truth=truth,
         estimate=estimate, release_reason=about["release_reason"], outcome=about["outcome"],
-        is_cut=about["is_cut"], **given,
+        is_cut=about["is_cut"],
+        arm=about.get("arm", DEFAULT_ARM),  # files from before there was a second arm do not name it
+        **given,
     )  # fmt: skip
 
 

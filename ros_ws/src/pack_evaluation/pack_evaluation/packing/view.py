@@ -16,7 +16,6 @@ from pack_core.errors import PackError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import WALLS, Arm, Held, build_model
 from pack_core.packing.objects import Box
-from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Pose, to_matrix
 from pack_evaluation.packing.run import Run
 
@@ -46,8 +45,9 @@ class View:
 
     def __init__(self, run: Run, config: ViewConfig | None = None) -> None:
         self._run, self._config = run, config or ViewConfig()
+        cell = packing_cell().with_arm(run.arm)
         self._model = build_model(
-            run.scene, packing_cell(), timestep=0.002, arm=Arm.DRIVEN, held=Held.FREE, surroundings=True
+            run.scene, cell, timestep=0.002, arm=Arm.DRIVEN, held=Held.FREE, surroundings=True
         )
         visual = self._model.vis
         visual.quality.shadowsize = self._config.shadow_size
@@ -55,7 +55,7 @@ class View:
         for name in WALLS:
             self._model.geom(name).rgba[3] = self._config.wall_opacity
         self._data = mujoco.MjData(self._model)
-        self._arm = [self._model.joint(name).qposadr[0] for name in JOINTS]
+        self._arm = [self._model.joint(name).qposadr[0] for name in cell.robot.arm.joints]
         self._renderer = self._open()
 
     def __enter__(self) -> Self:

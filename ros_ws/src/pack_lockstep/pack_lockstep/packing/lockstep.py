@@ -120,9 +120,11 @@ class Lockstep:
         outcome = self.session.task.outcome
         if outcome is None:
             raise ValueError("the run has not ended; call run() first")
+        simulator = self.simulator
         return self._log.to_run(
-            self.session.scene, self._start, outcome, self.simulator.pump.state.release_reason
-        )
+            self.session.scene, self._start, outcome, simulator.pump.state.release_reason,
+            simulator.cell.robot.model,
+        )  # fmt: skip
 
     def _advance(self, duration: float) -> None:
         simulator = self.simulator

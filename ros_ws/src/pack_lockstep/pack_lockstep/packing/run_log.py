@@ -67,8 +67,8 @@ class RunLog:
             )
         )  # fmt: skip
 
-    def to_run(self, scene: Scene, start: float, outcome: Outcome, release_reason: str) -> Run:
-        """The run of a goal that was accepted at `start` [s] and has ended."""
+    def to_run(self, scene: Scene, start: float, outcome: Outcome, release_reason: str, arm: str) -> Run:
+        """The run of a goal that was accepted at `start` [s] and has ended, packed by the arm `arm`."""
         force_times, force = np.array(self._forces).T
         return Run(
             scene=scene.description(), start=start, end=start + outcome.execution_time,
@@ -76,7 +76,7 @@ class RunLog:
             truth=to_tracks(self._truth), estimate=to_tracks(self._estimate),
             joint_times=np.array([sample.time for sample in self._joints]),
             joints=np.array([sample.q for sample in self._joints]), force_times=force_times, force=force,
-            release_reason=release_reason,
+            release_reason=release_reason, arm=arm,
             outcome={**asdict(outcome), "exit_reason": outcome.exit_reason.value},
         )  # fmt: skip
 

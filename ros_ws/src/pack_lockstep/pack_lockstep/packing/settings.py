@@ -113,11 +113,12 @@ def scene_jobs(settings: BenchmarkSettings, seed: int, count: int) -> list[Scene
     """
     if settings.scene_dir is None:
         return [SceneJob(f"seed_{n}", n) for n in range(seed, seed + count)]
+    cell = load_preset(settings.preset).packing_cell()
     files = sorted(settings.scene_dir.glob("*.yaml"))
     if len(files) < count:
         what = f"{settings.scene_dir} has {len(files)} scene files (*.yaml), and {count} are wanted"
         raise ConfigError(f"{what}; give --scenes {len(files)}" if files else what)
-    return [SceneJob(path.stem, seed + i, load_scene(path)) for i, path in enumerate(files[:count])]
+    return [SceneJob(path.stem, seed + i, load_scene(path, cell)) for i, path in enumerate(files[:count])]
 
 
 def parse_size(text: str) -> tuple[float, float]:

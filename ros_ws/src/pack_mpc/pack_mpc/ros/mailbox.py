@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from geometry_msgs.msg import WrenchStamped
@@ -14,7 +14,6 @@ from sensor_msgs.msg import JointState
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.packing.scene import Scene
-from pack_core.robots import panda
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite
@@ -28,9 +27,15 @@ SCENE_AGE = 0.1
 
 
 class Mailbox:
-    """Keeps what the worker plans from; written by the executor, read by the worker."""
+    """Keeps what the worker plans from; written by the executor, read by the worker.
 
-    def __init__(self, node: CellNode) -> None:
+    Args:
+        node: whose messages are kept.
+        joints: names of the arm's joints, in the order that joint states must have.
+    """
+
+    def __init__(self, node: CellNode, joints: Sequence[str]) -> None:
+        self._joint_names = joints
         self._lock = threading.Lock()
         self.joints: JointSample | None = None
         self._scene: SceneState | None = None
@@ -78,7 +83,7 @@ class Mailbox:
         return Observation(joints, scene, forces, self._is_held)
 
     def _on_joints(self, message: JointState) -> None:
-        self.joints = from_joint_state(message, panda.JOINTS)
+        self.joints = from_joint_state(message, self._joint_names)
         self.on_joints()
 
     def _on_scene(self, message: SceneMessage) -> None:

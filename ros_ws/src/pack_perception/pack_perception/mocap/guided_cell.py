@@ -11,7 +11,6 @@ from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import Arm, Held, build_model
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array, Pose, conjugate, exp, multiply, rotate
 
 Rows = npt.NDArray[np.int_]
@@ -44,9 +43,10 @@ class GuidedCell:
         self._model = build_model(scene, cell, timestep=step, arm=Arm.GUIDED, held=held)
         self._model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self._data, self._posed = mujoco.MjData(self._model), mujoco.MjData(self._model)
-        first = self._model.joint(JOINTS[0])
-        self._arm_q = slice(first.qposadr[0], first.qposadr[0] + len(JOINTS))
-        self._arm_v = slice(first.dofadr[0], first.dofadr[0] + len(JOINTS))
+        joints = cell.robot.arm.joints
+        first = self._model.joint(joints[0])
+        self._arm_q = slice(first.qposadr[0], first.qposadr[0] + len(joints))
+        self._arm_v = slice(first.dofadr[0], first.dofadr[0] + len(joints))
         items = [*scene.objects] if held is Held.RIGID else [*scene.objects, scene.new_object]
         self.free = [item.name for item in items]
         self._q = _addresses([self._model.joint(name).qposadr[0] for name in self.free], 7)

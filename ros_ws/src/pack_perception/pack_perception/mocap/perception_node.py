@@ -12,7 +12,6 @@ from std_msgs.msg import String
 
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
-from pack_core.robots import panda
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_stamp
@@ -66,7 +65,7 @@ class PerceptionNode(CellNode):
         estimator = self._estimator
         if estimator is None or not estimator.wants(from_stamp(message.header.stamp)):
             return
-        advance = estimator.advance(from_joint_state(message, panda.JOINTS))
+        advance = estimator.advance(from_joint_state(message, self._cell.robot.arm.joints))
         if advance.is_restart:
             self._start_over()
             self.get_logger().info("time or the arm jumped: starting over")

@@ -16,7 +16,6 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.model import Held, held_pose
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import VELOCITY_LIMITS
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState, Source
 from pack_perception.mocap.alignment import Mask
@@ -166,7 +165,7 @@ class PhysicsEstimator:
 
     def _jumps(self, last: JointSample, joints: JointSample) -> bool:
         gap = joints.time - last.time
-        reach = TELEPORT * VELOCITY_LIMITS * max(gap, 1e-3)
+        reach = TELEPORT * self._cell.robot.arm.limits.velocity * max(gap, 1e-3)
         return bool(gap < 0.0 or gap > self._config.max_gap or np.any(np.abs(joints.q - last.q) > reach))
 
     def _estimates(self) -> tuple[Array, Array]:

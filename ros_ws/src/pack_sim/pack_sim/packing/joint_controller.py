@@ -12,8 +12,8 @@ import numpy as np
 
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
-from pack_core.robots.arm_drive import Robot
-from pack_core.robots.panda import LOWER, TORQUE_LIMITS, UPPER, VELOCITY_LIMITS
+from pack_core.robots.arm_drive import ArmDrive
+from pack_core.robots.joint_limits import JointLimits
 from pack_core.rotations import Array
 from pack_sim.packing.governor import ContactGovernor
 
@@ -31,7 +31,7 @@ class JointController:
     """Tracks the newest setpoints; without fresh ones it stops the arm and holds it where it is.
 
     Args:
-        robot: the gains.
+        robot: the arm, whose limits hold, and the gains.
         watchdog: age at which setpoints are stale [s].
         governor: bounds what it does in contact.
         friction: of a joint, which is compensated in the direction of the desired velocity [N m].
@@ -39,11 +39,12 @@ class JointController:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: ArmDrive,
         watchdog: float,
         governor: ContactGovernor | None = None,
         friction: float = 0.0,
     ) -> None:
+        self._limits = robot.arm.limits
         self._kp = np.array(robot.stiffness)
         self._kd = np.array(robot.damping)
         self._watchdog, self._governor, self._friction = watchdog, governor, friction
@@ -60,7 +61,7 @@ class JointController:
         Raises:
             MessageError: wrong size, not finite, out of order, or beyond a joint's limits.
         """
-        _check(setpoints)
+        _check(setpoints, self._limits)
         self._setpoints, self._received = setpoints, time
 
     def drop(self) -> None:
@@ -95,7 +96,7 @@ class JointController:
         if self._q_hold is None and np.abs(v).max() > AT_REST:
             return q, v, -(M() @ v) / BRAKE_TIME
         if self._q_hold is None:
-            self._q_hold = np.clip(q, LOWER, UPPER)
+            self._q_hold = np.clip(q, self._limits.lower, self._limits.upper)
         return self._q_hold, np.zeros(7), np.zeros(7)
 
     def torque(self, time: float, q: Array, v: Array, M: Callable[[], Array]) -> Array:
@@ -115,24 +116,24 @@ class JointController:
         tau += self._friction * np.tanh(v_d / SLIDING)
         if self._governor is not None and J is not None:
             tau = self._governor.bound(tau, J)
-        return np.clip(tau, -TORQUE_LIMITS, TORQUE_LIMITS)
+        return np.clip(tau, -self._limits.effort, self._limits.effort)
 
     def _is_fresh(self, plan: Setpoints, time: float) -> bool:
         return time - self._received <= self._watchdog and time <= plan.time + plan.offsets[-1]
 
 
-def _check(setpoints: Setpoints) -> None:
-    rows = len(setpoints.offsets)
+def _check(setpoints: Setpoints, limits: JointLimits) -> None:
+    rows, joints = len(setpoints.offsets), len(limits)
     bounds = {
-        "q": (setpoints.q, LOWER, UPPER, "rad"),
-        "v": (setpoints.v, -VELOCITY_LIMITS, VELOCITY_LIMITS, "rad/s"),
-        "tau": (setpoints.tau, -TORQUE_LIMITS, TORQUE_LIMITS, "N m"),
+        "q": (setpoints.q, limits.lower, limits.upper, "rad"),
+        "v": (setpoints.v, -limits.velocity, limits.velocity, "rad/s"),
+        "tau": (setpoints.tau, -limits.effort, limits.effort, "N m"),
     }
     if rows == 0 or not np.all(np.isfinite(setpoints.offsets)) or np.any(np.diff(setpoints.offsets) <= 0):
         raise MessageError("setpoint times must be finite, rise, and number at least one")
     for name, (values, lower, upper, unit) in bounds.items():
-        if values.shape != (rows, 7):
-            raise MessageError(f"setpoint {name} has shape {values.shape}; allowed: ({rows}, 7)")
+        if values.shape != (rows, joints):
+            raise MessageError(f"setpoint {name} has shape {values.shape}; allowed: ({rows}, {joints})")
         if not np.all(np.isfinite(values)):
             raise MessageError(f"setpoint {name} is not finite")
         beyond = (values < lower - SLACK) | (values > upper + SLACK)

@@ -10,7 +10,6 @@ from pydantic import AfterValidator, Field, NonNegativeFloat
 from pack_core.config import Config
 from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.scene import Scene
-from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array
 
 
@@ -63,9 +62,9 @@ def believed(scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator) -
     return scene.model_copy(update=update).description()
 
 
-def joint_friction(mismatch: MismatchConfig, rng: np.random.Generator) -> Array:
-    """Coulomb friction of the arm's joints `(7,)` [N m]."""
-    return rng.uniform(*mismatch.joint_friction, len(JOINTS))
+def joint_friction(mismatch: MismatchConfig, joints: int, rng: np.random.Generator) -> Array:
+    """Coulomb friction of each of the arm's joints `(joints,)` [N m]."""
+    return rng.uniform(*mismatch.joint_friction, joints)
 
 
 def _actual_object(

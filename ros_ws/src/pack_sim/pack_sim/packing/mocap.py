@@ -25,7 +25,7 @@ ROUNDING = 1e-9
 class MocapConfig(Config):
     """Parameters of the motion capture system."""
 
-    rate: PositiveFloat = Field(default=120.0, description="frames a simulated second [Hz]")
+    rate: PositiveFloat = Field(default=MARKER_RATE, description="frames a simulated second [Hz]")
     noise_std: NonNegativeFloat = Field(default=0.0003, description="of every coordinate of a marker [m]")
     latency: NonNegativeFloat = Field(default=0.010, description="from exposure to delivery [s]")
     min_cameras: PositiveInt = Field(default=2, description="cameras that must see a marker")

@@ -18,7 +18,7 @@ from pack_core.ros.joint_messages import from_setpoints
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_sim.packing.ros.sensor_publisher import BLOCK, SensorPublisher
+from pack_sim.packing.ros.sensor_publisher import SensorPublisher
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 from pack_sim.ros.physics_node import Pacing, PhysicsNode
@@ -38,7 +38,7 @@ class SimNode(PhysicsNode):
         super().__init__(**kwargs)
         self._config = read_parameters(self, SimNodeConfig)
         self._cell = read_packing_cell(self)
-        self._sensors = SensorPublisher(self)
+        self._sensors = SensorPublisher(self, self._config.timestep)
         self._description = self.advertise(contracts.DESCRIPTION)
         self._simulator = self._build(self._first_scene(), self._config.seed, 0.0)
         services = ((contracts.RESET, self._reset), (contracts.GRIPPER_COMMAND, self._command_gripper))
@@ -52,7 +52,7 @@ class SimNode(PhysicsNode):
     def advance(self) -> float:
         """Advance by a block of steps and publish what is due; how long it was [s]."""
         self._sensors.step(self._simulator)
-        return BLOCK * self._config.timestep
+        return self._sensors.period
 
     def accept(self, message: JointTrajectory) -> None:
         """Hand setpoints to the driver."""
@@ -66,7 +66,7 @@ class SimNode(PhysicsNode):
 
     def _first_scene(self) -> Scene:
         if self._config.scene:
-            return load_scene(Path(self._config.scene))
+            return load_scene(Path(self._config.scene), self._cell)
         return generate_scene(self._config.seed, self._cell)
 
     def _build(self, scene: Scene, seed: int, start: float) -> Simulator:
@@ -77,7 +77,7 @@ class SimNode(PhysicsNode):
     def _reset(self, request: ResetScene.Request, response: ResetScene.Response) -> ResetScene.Response:
         try:
             scene = (
-                parse_scene(request.scene, "request")
+                parse_scene(request.scene, "request", self._cell)
                 if request.scene
                 else generate_scene(request.seed, self._cell)
             )

@@ -15,7 +15,6 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import Arm, Held, build_model, held_pose
 from pack_core.packing.scene import Scene
 from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
-from pack_core.robots.panda import JOINTS
 from pack_core.rotations import Array, Pose, angle_between, conjugate, rotate
 from pack_core.states import ObjectState, SceneState
 from pack_sim.packing.governor import ContactGovernor
@@ -76,7 +75,7 @@ class Simulator:
         truth_rng, belief_rng, arm_rng, wrench_rng = rng.spawn(4)
         self.scene = actual(scene, config.mismatch, truth_rng)
         self.description = believed(scene, config.mismatch, belief_rng)
-        self._joint_friction = joint_friction(config.mismatch, arm_rng)
+        self._joint_friction = joint_friction(config.mismatch, len(cell.robot.arm.joints), arm_rng)
         governor = None if config.governor is None else ContactGovernor(config.governor, config.timestep)
         self.controller = JointController(cell.robot, config.watchdog, governor, config.friction_compensation)
         self.pump = PumpModel(cell.suction, config.timestep)
@@ -179,14 +178,15 @@ class Simulator:
 
     def _compile(self, held: Held) -> mujoco.MjModel:
         model = build_model(self.scene, self.cell, timestep=self.config.timestep, arm=Arm.DRIVEN, held=held)
-        for name, friction in zip(JOINTS, self._joint_friction, strict=True):
+        for name, friction in zip(self.cell.robot.arm.joints, self._joint_friction, strict=True):
             dof = model.joint(name).dofadr[0]
             model.dof_frictionloss[dof], model.dof_solimp[dof, :2] = friction, STICTION
         return model
 
     def _index(self) -> None:
-        self._q = np.array([self.model.joint(name).qposadr[0] for name in JOINTS])
-        self._v = np.array([self.model.joint(name).dofadr[0] for name in JOINTS])
+        joints = [self.model.joint(name) for name in self.cell.robot.arm.joints]
+        self._q = np.array([joint.qposadr[0] for joint in joints])
+        self._v = np.array([joint.dofadr[0] for joint in joints])
         self._payload = PayloadCompensation(self.model, self.description)
         self._seen = mujoco.MjData(self.model)
 

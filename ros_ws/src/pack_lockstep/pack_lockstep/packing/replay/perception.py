@@ -9,7 +9,7 @@ import numpy as np
 from pack_core.joints import JointSample
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
-from pack_core.robots import panda
+from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state
 from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.states import SceneState
@@ -37,7 +37,7 @@ def replay_perception(bag: Bag, preset: Preset | None = None) -> Replay:
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
     """
-    joints = [from_joint_state(message, panda.JOINTS).time for message in bag.of(JOINTS)]
+    joints = [from_stamp(message.header.stamp) for message in bag.of(JOINTS)]
     frames = [from_markers(message).time for message in bag.of(MARKERS)]
     counts = {
         topic: check_frames(bag, topic, times) for topic, times in ((JOINTS, joints), (MARKERS, frames))
@@ -54,12 +54,13 @@ def estimate_again(bag: Bag, preset: Preset) -> dict[str, Track]:
     """The estimate after every marker frame by object, the messages fed in as they were recorded."""
     scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
     config = preset.parameters("perception", EstimatorConfig)
-    estimator = PhysicsEstimator(scene, preset.packing_cell(), config)
+    cell = preset.packing_cell()
+    estimator = PhysicsEstimator(scene, cell, config)
     waiting: deque[MarkerFrame] = deque()
     states: list[SceneState] = []
     for item in bag.messages:
         if item.topic == JOINTS:
-            _advance(estimator, from_joint_state(item.message, panda.JOINTS))
+            _advance(estimator, from_joint_state(item.message, cell.robot.arm.joints))
         elif item.topic == MARKERS:
             waiting.append(from_markers(item.message))
         while waiting and not estimator.is_ahead(waiting[0]):

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pack_interfaces.msg import GripperState
 from rosgraph_msgs.msg import Clock
 
-from pack_core.robots import panda
+from pack_core import topics as shared_topics
+from pack_core.packing import topics
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
@@ -13,40 +14,46 @@ from pack_core.ros.conversions import to_stamp, to_wrench
 from pack_core.ros.joint_messages import to_joint_state
 from pack_core.ros.packing.marker_messages import to_markers
 from pack_core.ros.scene_messages import to_scene
+from pack_core.topics import steps_between
 from pack_sim.packing.simulator import Simulator
-
-BLOCK = 4
-"""Physics steps between two ticks of /clock."""
-TRUTH_EVERY = 2
-GRIPPER_EVERY = 5
 
 
 class SensorPublisher:
-    """Steps the physics in blocks and publishes what is due."""
+    """Steps the physics from one tick of /clock to the next and publishes what is due.
 
-    def __init__(self, node: CellNode) -> None:
+    Args:
+        node: that publishes.
+        timestep: of the physics [s].
+    """
+
+    def __init__(self, node: CellNode, timestep: float) -> None:
         self._clock = node.advertise(shared.CLOCK)
         self._joints = node.advertise(contracts.JOINT_STATES)
         self._wrench = node.advertise(contracts.WRENCH)
         self._markers = node.advertise(contracts.MARKERS)
         self._truth = node.advertise(contracts.TRUTH)
         self._gripper = node.advertise(contracts.GRIPPER_STATE)
-        self._block = 0
+        self._steps = steps_between(shared_topics.CLOCK_RATE, timestep)
+        self._joint_steps = steps_between(topics.JOINT_RATE, timestep)
+        self.period = self._steps * timestep
+        self._truth_ticks = steps_between(topics.TRUTH_RATE, self.period)
+        self._gripper_ticks = steps_between(topics.GRIPPER_RATE, self.period)
+        self._tick = 0
 
     def step(self, simulator: Simulator) -> None:
-        """Advance by one block."""
-        for i in range(BLOCK):
+        """Advance by one tick of /clock, `period` [s]."""
+        for i in range(1, self._steps + 1):
             simulator.step()
-            if i % 2:
-                self._joints.publish(to_joint_state(simulator.joints(), panda.JOINTS))
+            if i % self._joint_steps == 0:
+                self._joints.publish(to_joint_state(simulator.joints(), simulator.cell.robot.arm.joints))
         self._clock.publish(Clock(clock=to_stamp(simulator.time)))
         self._wrench.publish(to_wrench(simulator.time, *simulator.external_wrench(), "tip"))
         for frame in simulator.mocap.due(simulator.time):
             self._markers.publish(to_markers(frame))
-        self._block += 1
-        if self._block % TRUTH_EVERY == 0:
+        self._tick += 1
+        if self._tick % self._truth_ticks == 0:
             self._truth.publish(to_scene(simulator.truth()))
-        if self._block % GRIPPER_EVERY == 0:
+        if self._tick % self._gripper_ticks == 0:
             self._gripper.publish(_gripper_state(simulator))
 
 
