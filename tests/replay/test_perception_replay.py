@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from pack_core.errors import BagError
+from pack_core.packing.topics import JOINT_STATES, MARKERS
 from pack_evaluation.bag import Bag
-from pack_evaluation.packing.from_bag import JOINTS
 from pack_evaluation.track import Track
 from pack_lockstep.packing.presets import Preset
-from pack_lockstep.packing.replay.perception import MARKERS, TOPICS, estimate_again, replay_perception
+from pack_lockstep.packing.replay.perception import TOPICS, estimate_again, replay_perception
 from replay.sample import COUNTS, sample, sample_run
 
 
@@ -32,8 +32,8 @@ def test_the_sample_holds_every_frame() -> None:
 
 def test_the_core_estimates_what_the_node_published() -> None:
     found = replay_perception(sample())
-    assert {topic: found.inputs[topic] for topic in (JOINTS, MARKERS)} == {
-        topic: COUNTS[topic] for topic in (JOINTS, MARKERS)
+    assert {topic: found.inputs[topic] for topic in (JOINT_STATES, MARKERS)} == {
+        topic: COUNTS[topic] for topic in (JOINT_STATES, MARKERS)
     }
     assert found.agrees, found.rows
     assert {row.name for row in found.rows} == sample_run().estimate.keys()

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_evaluation.packing.from_bag import ESTIMATE
+from pack_core.packing.topics import SCENE
 from pack_lockstep.packing.presets import Preset, load_preset
 from pack_lockstep.packing.replay.planner import replay_planner, requests
 from replay.sample import COUNTS, SEED, sample, sample_run
@@ -11,7 +11,7 @@ from replay.sample import COUNTS, SEED, sample, sample_run
 
 def test_the_core_chooses_the_placement_that_the_node_chose() -> None:
     found = replay_planner(sample(), seed=SEED)
-    assert found.inputs[ESTIMATE] == COUNTS[ESTIMATE]
+    assert found.inputs[SCENE] == COUNTS[SCENE]
     assert found.agrees, found.rows
     assert len(found.rows) == sample_run().outcome["placements"]
 

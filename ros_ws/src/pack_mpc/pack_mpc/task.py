@@ -12,15 +12,18 @@ from pack_core.config import Config
 from pack_core.packing.entry import plan_entry
 from pack_core.packing.exit_reason import ExitReason
 from pack_core.packing.scene import Scene
+from pack_core.packing.topics import WRENCH_RATE
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_core.states import SceneState
 from pack_mpc.placement import Placement
 from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage
 
-PERIOD, FILTER_TIME = 0.004, 0.005
-GAIN = PERIOD / (PERIOD + FILTER_TIME)
-"""Of the first-order filter before the force stop."""
+FILTER_TIME = 0.005
+"""Time constant of the filter before the force stop [s]: as slow as a robot's own estimate of the force."""
+_PERIOD = 1.0 / WRENCH_RATE
+GAIN = _PERIOD / (_PERIOD + FILTER_TIME)
+"""Share of a new sample in y[k] = (1 - GAIN) y[k-1] + GAIN x[k], a first-order low-pass (backward Euler)."""
 
 
 class TaskConfig(Config):

@@ -5,7 +5,7 @@ import pytest
 from pack_bringup.recording.playback import TICK, load_playback
 from pack_core import stamps
 from pack_core.errors import BagError
-from pack_evaluation.packing import from_bag as arrays
+from pack_core.packing import topics
 from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 
 
@@ -21,7 +21,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_everything_is_played_in_order_and_what_is_latched_before_the_start_at_once(bag: Path) -> None:
     playback = load_playback(bag)
-    assert [message.topic for message in playback.early] == [arrays.DESCRIPTION]
+    assert [message.topic for message in playback.early] == [topics.DESCRIPTION]
     assert stamps.to_seconds(playback.start_ns) == 2.0
     assert playback.duration == pytest.approx(1.0)
     events = list(playback.events(clock=False))
@@ -32,19 +32,19 @@ def test_everything_is_played_in_order_and_what_is_latched_before_the_start_at_o
 
 def test_a_stretch_begins_and_ends_where_it_should_and_keeps_the_description(bag: Path) -> None:
     playback = load_playback(bag, start=2.3, end=2.6)
-    assert [message.topic for message in playback.early] == [arrays.DESCRIPTION]
+    assert [message.topic for message in playback.early] == [topics.DESCRIPTION]
     assert stamps.to_seconds(playback.start_ns) == pytest.approx(2.3, abs=0.011)
     assert stamps.to_seconds(playback.end_ns) == pytest.approx(2.6, abs=0.011)
 
 
 def test_only_the_chosen_topics_are_played(bag: Path) -> None:
-    playback = load_playback(bag, [arrays.JOINTS])
-    assert set(playback.topics) == {message.topic for message in playback.messages} == {arrays.JOINTS}
+    playback = load_playback(bag, [topics.JOINT_STATES])
+    assert set(playback.topics) == {message.topic for message in playback.messages} == {topics.JOINT_STATES}
     assert len(playback.messages) == 101
 
 
 def test_the_clock_ticks_every_4_ms_and_is_never_behind_a_message(bag: Path) -> None:
-    playback = load_playback(bag, [arrays.JOINTS])
+    playback = load_playback(bag, [topics.JOINT_STATES])
     ticks, now = [], -1
     for event in playback.events(clock=True):
         if isinstance(event, int):
@@ -57,7 +57,7 @@ def test_the_clock_ticks_every_4_ms_and_is_never_behind_a_message(bag: Path) -> 
 
 def test_a_topic_that_was_not_recorded_is_named_with_those_that_were(bag: Path) -> None:
     with pytest.raises(BagError, match=r"has no topic /camera, /lidar; it has .*/joint_states"):
-        load_playback(bag, ["/lidar", "/camera", arrays.JOINTS])
+        load_playback(bag, ["/lidar", "/camera", topics.JOINT_STATES])
 
 
 def test_the_clock_is_played_by_its_option_alone(bag: Path) -> None:

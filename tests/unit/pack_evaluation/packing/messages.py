@@ -20,22 +20,23 @@ from rosbags.interfaces import (
 from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.recorder import Recorder
 from pack_core import stamps
+from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
 from pack_core.robots.panda import PANDA
-from pack_evaluation.packing import from_bag as arrays
+from pack_core.topics import REAL_TIME_FACTOR
 from pack_evaluation.raw_bag import Topic
 
 TYPES = message_types()
 TOPICS = {
-    arrays.DESCRIPTION: "std_msgs/msg/String",
-    arrays.STATUS: "pack_interfaces/msg/MpcStatus",
-    arrays.RESULT: "std_msgs/msg/String",
-    arrays.TRUTH: "pack_interfaces/msg/SceneState",
-    arrays.ESTIMATE: "pack_interfaces/msg/SceneState",
-    arrays.JOINTS: "sensor_msgs/msg/JointState",
-    arrays.WRENCH: "geometry_msgs/msg/WrenchStamped",
-    arrays.GRIPPER: "pack_interfaces/msg/GripperState",
-    arrays.REAL_TIME: "std_msgs/msg/Float64",
+    topics.DESCRIPTION: "std_msgs/msg/String",
+    topics.MPC_STATUS: "pack_interfaces/msg/MpcStatus",
+    topics.RESULT: "std_msgs/msg/String",
+    topics.TRUTH: "pack_interfaces/msg/SceneState",
+    topics.SCENE: "pack_interfaces/msg/SceneState",
+    topics.JOINT_STATES: "sensor_msgs/msg/JointState",
+    topics.WRENCH: "geometry_msgs/msg/WrenchStamped",
+    topics.GRIPPER_STATE: "pack_interfaces/msg/GripperState",
+    REAL_TIME_FACTOR: "std_msgs/msg/Float64",
 }
 HEIGHTS = (0.30, 0.10)
 """Of the held object over its packing pose when the goal begins and when it ends [m]."""
@@ -76,7 +77,7 @@ def pose(x: float, y: float, z: float) -> Any:
 
 
 def _topic(name: str, type_name: str) -> Topic:
-    latched = QosDurability.TRANSIENT_LOCAL if name == arrays.DESCRIPTION else QosDurability.VOLATILE
+    latched = QosDurability.TRANSIENT_LOCAL if name == topics.DESCRIPTION else QosDurability.VOLATILE
     forever = QosTime(9223372036, 854775807)
     qos = Qos(
         QosHistory.KEEP_LAST, 1, QosReliability.RELIABLE, latched, forever, forever, QosLiveliness.AUTOMATIC,
@@ -92,7 +93,7 @@ class GoalWriter:
         self._recorder = Recorder(folder / "bag", [_topic(*item) for item in TOPICS.items()], TYPES)
         self._without = without
         self._scene = packing_cell().scene
-        self.write(0.0, arrays.DESCRIPTION, data=self._scene.description().to_yaml())
+        self.write(0.0, topics.DESCRIPTION, data=self._scene.description().to_yaml())
 
     def write(self, time: float, topic: str, **fields: Any) -> None:
         """Write one message."""
@@ -109,11 +110,11 @@ class GoalWriter:
                 stage = STAGES[min(k // 40, 2)]
                 target = pose(*TARGET)
                 self.write(
-                    time, arrays.STATUS, header=header(time), stage=stage, elapsed=0.01 * k, target=target,
-                    iteration_ms=20.0, placements=1,
+                    time, topics.MPC_STATUS, header=header(time), stage=stage, elapsed=0.01 * k,
+                    target=target, iteration_ms=20.0, placements=1,
                 )  # fmt: skip
         if outcome is not None:
-            self.write(start + 1.0, arrays.RESULT, data=json.dumps(outcome))
+            self.write(start + 1.0, topics.RESULT, data=json.dumps(outcome))
 
     def close(self) -> None:
         """Finish the bag."""
@@ -125,11 +126,11 @@ class GoalWriter:
         objects = [
             make("pack_interfaces/msg/ObjectState", name=name, pose=pose(*p)) for name, p in places.items()
         ]
-        for topic in (arrays.TRUTH, arrays.ESTIMATE):
+        for topic in (topics.TRUTH, topics.SCENE):
             self.write(time, topic, header=header(time), objects=objects)
         names, positions = list(PANDA.joints), np.full(7, time)
-        self.write(time, arrays.JOINTS, header=header(time), name=names, position=positions)
+        self.write(time, topics.JOINT_STATES, header=header(time), name=names, position=positions)
         load = make("geometry_msgs/msg/Vector3", z=force)
         wrench = make("geometry_msgs/msg/Wrench", force=load)
-        self.write(time, arrays.WRENCH, header=header(time), wrench=wrench)
-        self.write(time, arrays.REAL_TIME, data=0.5)
+        self.write(time, topics.WRENCH, header=header(time), wrench=wrench)
+        self.write(time, REAL_TIME_FACTOR, data=0.5)

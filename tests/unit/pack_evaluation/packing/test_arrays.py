@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from pack_core.errors import BagError
+from pack_core.packing import topics
 from pack_core.packing.exit_reason import ExitReason
 from pack_evaluation.force import FILTER_TIME
-from pack_evaluation.packing import from_bag as arrays
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.metrics import measure
 from unit.pack_evaluation.packing.messages import HEIGHTS, OUTCOME, TARGET, GoalWriter
@@ -51,7 +51,7 @@ def test_the_result_of_an_earlier_goal_is_not_taken_for_that_of_an_unfinished_on
 
 
 def test_a_goal_without_any_placement_is_a_run_without_iterations(tmp_path: Path) -> None:
-    writer = GoalWriter(tmp_path, without=(arrays.STATUS,))
+    writer = GoalWriter(tmp_path, without=(topics.MPC_STATUS,))
     writer.write_goal(2.0, {**OUTCOME, "exit_reason": "no_placement", "success": False})
     writer.close()
     run = load_run(tmp_path)
@@ -61,7 +61,7 @@ def test_a_goal_without_any_placement_is_a_run_without_iterations(tmp_path: Path
 
 
 def test_a_bag_without_a_goal_is_refused_in_words(tmp_path: Path) -> None:
-    writer = GoalWriter(tmp_path, without=(arrays.STATUS, arrays.RESULT))
+    writer = GoalWriter(tmp_path, without=(topics.MPC_STATUS, topics.RESULT))
     writer.write_goal(2.0)
     writer.close()
     with pytest.raises(BagError, match=r"/mpc/status .*was a goal sent\?"):
@@ -69,7 +69,7 @@ def test_a_bag_without_a_goal_is_refused_in_words(tmp_path: Path) -> None:
 
 
 def test_a_bag_that_lacks_a_node_names_its_topic(tmp_path: Path) -> None:
-    writer = GoalWriter(tmp_path, without=(arrays.ESTIMATE,))
+    writer = GoalWriter(tmp_path, without=(topics.SCENE,))
     writer.write_goal(2.0, OUTCOME)
     writer.close()
     with pytest.raises(BagError, match=r"no message on /scene: was the node that sends it running\?"):

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from pack_core.motion.topics import JOINT_STATES, SETPOINTS
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array
 from pack_evaluation.bag import Bag, Recorded
-from pack_evaluation.palletizing.from_bag import JOINTS, SETPOINTS, interruptions_of, tool_of
+from pack_evaluation.palletizing.from_bag import interruptions_of, tool_of
 
 PERIOD_NS = 4_000_000
 HOME = np.array(palletizing_cell().arm.home)
@@ -31,7 +32,7 @@ def setpoints(k: int, q: Array, rows: int = 6) -> Any:
 
 
 def bag(measured: list[Any], wanted: list[Any]) -> Bag:
-    messages = [Recorded(JOINTS, 0, item) for item in measured] + [
+    messages = [Recorded(JOINT_STATES, 0, item) for item in measured] + [
         Recorded(SETPOINTS, 0, item) for item in wanted
     ]
     return Bag(Path("run"), tuple(messages), False)

@@ -15,13 +15,13 @@ from pack_core.blocks.plan import Action, PickPlace, Plan, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
 from pack_core.blocks.problem_file import load_problem
+from pack_core.blocks.topics import BLOCK_POSES, JAW_STATE, RESULT, STATUS, TRUTH
 from pack_core.errors import BagError
+from pack_core.motion.topics import JOINT_STATES
 from pack_core.rotations import Array
 from pack_evaluation.bag import read_bag
 
-TRUTH, JOINTS, JAW = "/sim/truth", "/joint_states", "/gripper/state"
-POSES, STATUS, RESULT = "/block_poses", "/rearrange/status", "/rearrange/result"
-TOPICS = (TRUTH, JOINTS, JAW, POSES, STATUS, RESULT)
+TOPICS = (TRUTH, JOINT_STATES, JAW_STATE, BLOCK_POSES, STATUS, RESULT)
 FIELDS = (
     "success", "exit_reason", "message", "execution_time", "picks", "pushes", "plans", "failed_grasps",
     "refusals", "deviations", "disturbances",
@@ -88,13 +88,13 @@ def load_blocks_run(path: Path) -> BlocksRun:
         ConfigError: there is no problem file beside it.
     """
     bag = read_bag(path, TOPICS)
-    if missing := [topic for topic in (TRUTH, JOINTS, JAW, STATUS, RESULT) if not bag.of(topic)]:
+    if missing := [topic for topic in (TRUTH, JOINT_STATES, JAW_STATE, STATUS, RESULT) if not bag.of(topic)]:
         raise BagError(f"{bag.path} has no message on {', '.join(missing)}: did a goal run to its end?")
     folder = path if (path / PROBLEM_FILE).is_file() else path.parent
-    truth, joints, jaw = bag.of(TRUTH), bag.of(JOINTS), bag.of(JAW)
+    truth, joints, jaw = bag.of(TRUTH), bag.of(JOINT_STATES), bag.of(JAW_STATE)
     return BlocksRun(
         problem=load_problem(folder / PROBLEM_FILE), result=read_result(bag.of(RESULT)[-1].data, bag.path),
-        plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(POSES)),
+        plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(BLOCK_POSES)),
         times=_times(truth), truth=_tracks(truth), joint_times=_times(joints),
         joints=np.array([message.position for message in joints]), jaw_times=_times(jaw),
         openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut,

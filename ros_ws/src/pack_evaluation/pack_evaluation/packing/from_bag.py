@@ -12,17 +12,35 @@ import numpy as np
 from pack_core import stamps
 from pack_core.errors import BagError, MessageError
 from pack_core.packing.scene import Scene
+from pack_core.packing.topics import (
+    DESCRIPTION,
+    GRIPPER_STATE,
+    JOINT_STATES,
+    MPC_STATUS,
+    RESULT,
+    SCENE,
+    TRUTH,
+    WRENCH,
+)
 from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array
+from pack_core.topics import REAL_TIME_FACTOR
 from pack_evaluation.bag import Bag, read_bag
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
 from pack_evaluation.track import Track
 
-DESCRIPTION, STATUS, RESULT = "/cell_description", "/mpc/status", "/pack_object/result"
-TRUTH, ESTIMATE, JOINTS = "/sim/truth", "/scene", "/joint_states"
-WRENCH, GRIPPER, REAL_TIME = "/wrench", "/gripper/state", "/sim/real_time_factor"
-TOPICS = (DESCRIPTION, STATUS, RESULT, TRUTH, ESTIMATE, JOINTS, WRENCH, GRIPPER, REAL_TIME)
+TOPICS = (
+    DESCRIPTION,
+    MPC_STATUS,
+    RESULT,
+    TRUTH,
+    SCENE,
+    JOINT_STATES,
+    WRENCH,
+    GRIPPER_STATE,
+    REAL_TIME_FACTOR,
+)
 
 
 def load_run(path: Path) -> Run:
@@ -46,10 +64,10 @@ def to_run(bag: Bag) -> Run:
     _check(bag)
     iterations, outcome = _last_goal(bag)
     start, end = _window(bag, iterations, outcome)
-    joints, wrenches = bag.of(JOINTS), bag.of(WRENCH)
+    joints, wrenches = bag.of(JOINT_STATES), bag.of(WRENCH)
     return Run(
         scene=Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION), start=start, end=end,
-        iterations=iterations, truth=_tracks(bag.of(TRUTH)), estimate=_tracks(bag.of(ESTIMATE)),
+        iterations=iterations, truth=_tracks(bag.of(TRUTH)), estimate=_tracks(bag.of(SCENE)),
         joint_times=_times(joints), joints=np.array([message.position for message in joints]),
         force_times=_times(wrenches), force=_magnitudes(wrenches),
         release_reason=_release(bag, start),
@@ -59,13 +77,13 @@ def to_run(bag: Bag) -> Run:
 
 
 def _check(bag: Bag) -> None:
-    missing = [topic for topic in (DESCRIPTION, TRUTH, ESTIMATE, JOINTS, WRENCH) if not bag.of(topic)]
+    missing = [topic for topic in (DESCRIPTION, TRUTH, SCENE, JOINT_STATES, WRENCH) if not bag.of(topic)]
     if missing:
         raise BagError(
             f"{bag.path} has no message on {', '.join(missing)}: was the node that sends it running?"
         )
-    if not bag.of(STATUS) and not bag.of(RESULT):
-        raise BagError(f"{bag.path} has no message on {STATUS} or {RESULT}: was a goal sent?")
+    if not bag.of(MPC_STATUS) and not bag.of(RESULT):
+        raise BagError(f"{bag.path} has no message on {MPC_STATUS} or {RESULT}: was a goal sent?")
 
 
 def _window(bag: Bag, iterations: Iterations, outcome: dict[str, Any]) -> tuple[float, float]:
@@ -94,7 +112,7 @@ def _times(messages: Sequence[Any]) -> Array:
 
 def _last_goal(bag: Bag) -> tuple[Iterations, dict[str, Any]]:
     """The last goal's iterations and its result; the result of an earlier goal is not taken for it."""
-    status = [item for item in bag.messages if item.topic == STATUS]
+    status = [item for item in bag.messages if item.topic == MPC_STATUS]
     results = [item for item in bag.messages if item.topic == RESULT]
     elapsed = np.array([item.message.elapsed for item in status])
     restarts = np.flatnonzero(np.diff(elapsed) < 0.0)
@@ -149,10 +167,10 @@ def _magnitudes(wrenches: Sequence[Any]) -> Array:
 
 def _real_time_factors(bag: Bag, start: float, end: float) -> Array:
     first, last = stamps.to_ns(start), stamps.to_ns(end)
-    reports = [item for item in bag.messages if item.topic == REAL_TIME]
+    reports = [item for item in bag.messages if item.topic == REAL_TIME_FACTOR]
     return np.array([item.message.data for item in reports if first <= item.time_ns <= last])
 
 
 def _release(bag: Bag, start: float) -> str:
-    reasons = [message.release_reason for message in bag.of(GRIPPER) if _seconds(message) >= start]
+    reasons = [message.release_reason for message in bag.of(GRIPPER_STATE) if _seconds(message) >= start]
     return next((reason for reason in reasons if reason), "")

@@ -13,6 +13,8 @@ import numpy.typing as npt
 
 from pack_core import stamps
 from pack_core.errors import BagError
+from pack_core.motion.topics import JOINT_STATES, MOTION_STATUS, SETPOINTS
+from pack_core.palletizing.topics import CONTACTS, GRIPPER_STATE, PALLET_STATE, RESULT, TRUTH
 from pack_core.rotations import Array, Pose
 from pack_evaluation.bag import Bag, read_bag
 from pack_evaluation.palletizing.run import (
@@ -25,9 +27,7 @@ from pack_evaluation.palletizing.run import (
 )
 from pack_evaluation.palletizing.tool_track import tool_track
 
-JOINTS, SETPOINTS, TRUTH, GRIPPER = "/joint_states", "/joint_setpoints", "/sim/truth", "/gripper/state"
-STATES, RESULT, CONTACTS, MOTION = "/fsm/state", "/palletize/result", "/sim/contacts", "/motion/status"
-TOPICS = (JOINTS, SETPOINTS, TRUTH, GRIPPER, STATES, RESULT, CONTACTS, MOTION)
+TOPICS = (JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS)
 NEAR = 0.75
 """Of the usual time between rows of setpoints: what is farther from all of them was told nothing."""
 
@@ -42,13 +42,13 @@ def load_pallet_run(path: Path) -> PalletRun:
         BagError: the recording is missing, broken, or holds no order.
     """
     bag = read_bag(path, TOPICS)
-    missing = [topic for topic in (JOINTS, SETPOINTS, TRUTH, STATES, RESULT) if not bag.of(topic)]
+    missing = [topic for topic in (JOINT_STATES, SETPOINTS, TRUTH, PALLET_STATE, RESULT) if not bag.of(topic)]
     if missing:
         raise BagError(f"{bag.path} has no message on {', '.join(missing)}: did an order run to its end?")
     result = json.loads(bag.of(RESULT)[-1].data)
     visits = tuple(
         StateVisit(message.state, _seconds(message.header.stamp), message.box, message.reason)
-        for message in bag.of(STATES)
+        for message in bag.of(PALLET_STATE)
     )
     return PalletRun(
         order=result["order"], seed=0, reason=result["reason"],
@@ -59,7 +59,8 @@ def load_pallet_run(path: Path) -> PalletRun:
             for item in bag.of(CONTACTS)
         ),
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
-        grip_peaks=_peaks(bag.of(GRIPPER)), interruptions=interruptions_of(bag.of(MOTION)), is_cut=bag.is_cut,
+        grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
+        is_cut=bag.is_cut,
     )  # fmt: skip
 
 
@@ -76,7 +77,7 @@ def tool_of(bag: Bag, start: float) -> ToolTrack:
 
     Moments without setpoints, at which the driver holds the arm, are left out.
     """
-    measured = [item for item in bag.of(JOINTS) if _seconds(item.header.stamp) >= start]
+    measured = [item for item in bag.of(JOINT_STATES) if _seconds(item.header.stamp) >= start]
     times = np.array([_seconds(item.header.stamp) for item in measured])
     wanted = {
         _seconds(message.header.stamp) + _seconds(point.time_from_start): point.positions

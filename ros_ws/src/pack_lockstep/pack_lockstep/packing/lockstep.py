@@ -17,8 +17,10 @@ from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.exit_reason import ExitReason
 from pack_core.packing.scene import Scene
+from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
 from pack_core.rotations import Array
 from pack_core.states import SceneState
+from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Run
 from pack_lockstep.packing.presets import Preset
 from pack_lockstep.packing.run_log import RunLog
@@ -128,11 +130,13 @@ class Lockstep:
 
     def _advance(self, duration: float) -> None:
         simulator = self.simulator
-        for i in range(round(duration / simulator.config.timestep)):
+        timestep = simulator.config.timestep
+        joint_steps, wrench_steps = (steps_between(rate, timestep) for rate in (JOINT_RATE, WRENCH_RATE))
+        for i in range(1, round(duration / timestep) + 1):
             simulator.step()
-            if i % 2:
+            if i % joint_steps == 0:
                 self._estimator.advance(simulator.joints())
-            if i % 4 == 3:
+            if i % wrench_steps == 0:
                 self._forces.append(float(np.linalg.norm(simulator.external_wrench()[0])))
             for frame in simulator.mocap.due(simulator.time):
                 self._estimator.correct(frame)

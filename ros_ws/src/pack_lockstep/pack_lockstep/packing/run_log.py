@@ -9,7 +9,9 @@ import numpy as np
 
 from pack_core.joints import JointSample
 from pack_core.packing.scene import Scene
+from pack_core.packing.topics import TRUTH_RATE
 from pack_core.states import SceneState
+from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.track import to_tracks
 from pack_mpc.controller import Plan
@@ -17,9 +19,6 @@ from pack_mpc.placement import Placement
 from pack_mpc.task import Outcome, PackingTask
 from pack_perception.mocap.physics_estimator import PhysicsEstimator
 from pack_sim.packing.simulator import Simulator
-
-SCENE_EVERY = 8
-"""Physics steps between two samples of truth, estimate and joints: 8 ms, as /sim/truth has them."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +44,11 @@ class RunLog:
         self._iterations: list[_Iteration] = []
 
     def sense(self, simulator: Simulator, estimator: PhysicsEstimator) -> None:
-        """Note the cell after a step of its physics."""
+        """Note the cell after a step of its physics: forces always, the rest as often as /sim/truth."""
         self._steps += 1
         force, _ = simulator.external_wrench()
         self._forces.append((simulator.time, float(np.linalg.norm(force))))
-        if self._steps % SCENE_EVERY:
+        if self._steps % steps_between(TRUTH_RATE, simulator.config.timestep):
             return
         self._joints.append(simulator.joints())
         self._truth.append(simulator.truth())

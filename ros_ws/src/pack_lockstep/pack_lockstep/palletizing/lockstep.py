@@ -91,7 +91,7 @@ class PalletLockstep:
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
         self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
         self.palletizer = Palletizer(order, plan, cell, config.palletizer, self.simulator.time)
-        self._log = RunLog(self.simulator)
+        self._log = RunLog(self.simulator, config.period)
         self._seed = seed
         self._rng = np.random.default_rng([seed, zlib.crc32(order.order_id.encode())])
         self._spawned = ""

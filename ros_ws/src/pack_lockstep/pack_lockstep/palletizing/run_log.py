@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pack_core.palletizing.grip import GripLoad
+from pack_core.palletizing.topics import TRUTH_RATE
 from pack_core.rotations import Array
+from pack_core.topics import steps_between
 from pack_evaluation.palletizing.run import (
     BoxRecord,
     BoxTrack,
@@ -18,19 +20,17 @@ from pack_evaluation.palletizing.tool_track import tool_track
 from pack_sim.palletizing.simulator import PalletSimulator
 from pallet_fsm.report import BoxReport, OrderReport
 
-BOX_PERIOD = 5
-"""Boxes are looked at in every so many steps."""
-
 
 class RunLog:
-    """Takes note of every step.
+    """Takes note of the arm in every step, and of the boxes as often as /sim/truth would.
 
     Args:
         simulator: what is watched.
+        period: between two steps [s].
     """
 
-    def __init__(self, simulator: PalletSimulator) -> None:
-        self._simulator = simulator
+    def __init__(self, simulator: PalletSimulator, period: float) -> None:
+        self._simulator, self._box_steps = simulator, steps_between(TRUTH_RATE, period)
         self._times: list[float] = []
         self._joints: list[tuple[Array, Array]] = []
         self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
@@ -43,7 +43,7 @@ class RunLog:
         self._joints.append((q_ref, simulator.joints().q))
         if held := simulator.gripper.state.held:
             self._peaks[held] = simulator.gripper.state.peak.worst(self._peaks.get(held, GripLoad()))
-        if len(self._times) % BOX_PERIOD == 0:
+        if len(self._times) % self._box_steps == 0:
             truth = simulator.truth()
             for name, state in truth.objects.items():
                 self._boxes.setdefault(name, []).append((truth.time, state.X_WO.p, state.X_WO.q))

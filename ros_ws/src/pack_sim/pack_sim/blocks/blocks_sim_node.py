@@ -24,7 +24,7 @@ from pack_core.ros.contracts import motion
 from pack_core.ros.joint_messages import from_trajectory
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_sim.blocks.ros.blocks_publisher import BLOCK, BlocksPublisher
+from pack_sim.blocks.ros.blocks_publisher import BlocksPublisher
 from pack_sim.blocks.ros.camera_publisher import CameraPublisher
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
 from pack_sim.ros.physics_node import Pacing, PhysicsNode
@@ -46,7 +46,7 @@ class BlocksSimNode(PhysicsNode):
         super().__init__(**kwargs)
         self._config = read_parameters(self, BlocksSimNodeConfig)
         self._cell, self._jaw_commands = blocks_cell(), 0
-        self._publisher = BlocksPublisher(self)
+        self._publisher = BlocksPublisher(self, self._config.timestep)
         self._tags = self.advertise(contracts.TAGS)
         self._camera = CameraPublisher(self, self._cell, self._config.timestep, shadows=self._config.shadows)
         path = self._config.problem or config_path("scenarios", "blocks", "example.yaml")
@@ -66,7 +66,7 @@ class BlocksSimNode(PhysicsNode):
     def advance(self) -> float:
         """Advance by a block of steps and publish what is due; how long it was [s]."""
         self._publisher.step(self._simulator, self._jaw_commands)
-        return BLOCK * self._config.timestep
+        return self._publisher.period
 
     def accept(self, message: JointTrajectory) -> None:
         """Hand setpoints to the driver."""

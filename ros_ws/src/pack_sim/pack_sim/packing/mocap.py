@@ -14,6 +14,7 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.objects import TOP_MARKERS
 from pack_core.packing.scene import Scene
+from pack_core.packing.topics import MARKER_RATE
 from pack_core.rotations import Array
 
 Counts = npt.NDArray[np.int_]

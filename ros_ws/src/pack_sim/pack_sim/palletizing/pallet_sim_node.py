@@ -21,7 +21,7 @@ from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_sim.palletizing.overhead_camera import OverheadCameraConfig
 from pack_sim.palletizing.ros.camera_publisher import CameraPublisher
-from pack_sim.palletizing.ros.cell_publisher import BLOCK, CellPublisher
+from pack_sim.palletizing.ros.cell_publisher import CellPublisher
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.ros.physics_node import Pacing, PhysicsNode
 
@@ -43,7 +43,7 @@ class PalletSimNode(PhysicsNode):
         super().__init__(**kwargs)
         self._config = read_parameters(self, PalletSimNodeConfig)
         self._cell = palletizing_cell(self._config.preset)
-        self._publisher = CellPublisher(self)
+        self._publisher = CellPublisher(self, self._config.timestep)
         self._simulator = PalletSimulator(self._cell, self._config, self._config.seed)
         self._publisher.publish_boxes(self._simulator.boxes)
         self._camera = CameraPublisher(self, self._cell, self._config.camera)
@@ -64,7 +64,7 @@ class PalletSimNode(PhysicsNode):
     def advance(self) -> float:
         """Advance by a block of steps and publish what is due; how long it was [s]."""
         self._publisher.step(self._simulator)
-        return BLOCK * self._config.timestep
+        return self._publisher.period
 
     def accept(self, message: JointTrajectory) -> None:
         """Hand setpoints to the driver."""

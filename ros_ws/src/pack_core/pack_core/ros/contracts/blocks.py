@@ -9,18 +9,19 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in
+from pack_core.blocks import topics
+from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.motion import MOTION
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
 TAGS = Contract(
-    "/block_tags", String, ("sim",), ("tags", "recorder"),
+    topics.TAGS, String, ("sim",), ("tags", "recorder"),
     "the number of every block's tag by the block's id, as YAML", qos=LATCHED, rate="at reset", recorded=True)
 JAW_STATE = Contract(
-    "/gripper/state", JawState, ("sim",), ("fsm", "recorder"),
+    topics.JAW_STATE, JawState, ("sim",), ("fsm", "recorder"),
     "where the fingers are, how hard they press, whether they hold something",
-    qos=STREAM, rate="100 Hz", recorded=True)
+    qos=STREAM, rate=hz(topics.JAW_RATE), recorded=True)
 JAW_COMMAND = Contract(
     "/gripper/command", JawCommand, ("fsm", "user"), ("sim",),
     "an opening and a force; answers at once, the state tells how it went", kind=Kind.SERVICE)
@@ -31,28 +32,28 @@ IMAGE = Contract(
     "/camera/image_raw", Image, ("sim",), ("tags",),
     "picture of the overhead camera, rgb8", qos=LATEST, rate="on demand")
 CAMERA_INFO = Contract(
-    "/camera/camera_info", CameraInfo, ("sim",), ("tags", "recorder"),
+    topics.CAMERA_INFO, CameraInfo, ("sim",), ("tags", "recorder"),
     "intrinsics of the overhead camera", qos=LATCHED, rate="with each picture", recorded=True)
 BLOCK_POSES = Contract(
-    "/block_poses", BlockSighting, ("tags",), ("fsm", "recorder"),
+    topics.BLOCK_POSES, BlockSighting, ("tags",), ("fsm", "recorder"),
     "poses of the blocks in a picture; those not seen, and those seen twice",
     qos=STREAM, rate="each picture", recorded=True)
 PLAN_REARRANGEMENT = Contract(
     "/plan_rearrangement", PlanRearrangement, ("fsm", "user"), ("rearrangement",),
     "actions that bring every block to its goal, or why there are none", kind=Kind.SERVICE)
 STATUS = Contract(
-    "/rearrange/status", RearrangeStatus, ("fsm",), ("recorder", "user"),
+    topics.STATUS, RearrangeStatus, ("fsm",), ("recorder", "user"),
     "phase, plan and what was done so far", qos=STREAM, rate="on change", recorded=True)
 RESULT = Contract(
-    "/rearrange/result", String, ("fsm",), ("recorder",),
+    topics.RESULT, String, ("fsm",), ("recorder",),
     "how the last goal ended, as JSON with the fields of the action's result", qos=LATCHED,
     rate="each goal", recorded=True)
 REARRANGE = Contract(
     "/rearrange", Rearrange, ("user",), ("fsm",), "bring every block to its goal", kind=Kind.ACTION)
 TRUTH = Contract(
-    "/sim/truth", SceneState, ("sim",), ("recorder",),
+    topics.TRUTH, SceneState, ("sim",), ("recorder",),
     "true poses and twists of the blocks; for the recorder and tests only",
-    qos=STREAM, rate="50 Hz", recorded=True)
+    qos=STREAM, rate=hz(topics.TRUTH_RATE), recorded=True)
 RESET = Contract(
     "/sim/reset", ResetScene, ("user",), ("sim",),
     "blocks where a problem file's text has them, arm at its look-out", kind=Kind.SERVICE)

@@ -38,6 +38,11 @@ def contracts_in(names: Mapping[str, object]) -> tuple[Contract, ...]:
     return tuple(value for value in list(names.values()) if isinstance(value, Contract))
 
 
+def hz(rate: float) -> str:
+    """A rate of simulated time [Hz] as the tables write it."""
+    return f"{rate:.3g} Hz"
+
+
 def _reliable(depth: int) -> QoSProfile:
     return QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=depth, reliability=ReliabilityPolicy.RELIABLE)
 

@@ -6,26 +6,27 @@ from pack_interfaces.msg import BoxObstacles, MotionStatus, MotionTarget
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from pack_core.ros.contracts.contract import EVENTS, LATEST, STREAM, Contract, contracts_in
+from pack_core.motion import topics
+from pack_core.ros.contracts.contract import EVENTS, LATEST, STREAM, Contract, contracts_in, hz
 
 # fmt: off
 JOINT_STATES = Contract(
-    "/joint_states", JointState, ("sim",), ("motion", "recorder"),
-    "measured joint positions, velocities and torques", qos=STREAM, rate="250 Hz", recorded=True)
+    topics.JOINT_STATES, JointState, ("sim",), ("motion", "recorder"),
+    "measured joint positions, velocities and torques", qos=STREAM, rate=hz(topics.JOINT_RATE), recorded=True)
 MOTION_TARGET = Contract(
-    "/motion/target", MotionTarget, ("fsm", "user"), ("motion", "recorder"),
+    topics.MOTION_TARGET, MotionTarget, ("fsm", "user"), ("motion", "recorder"),
     "a move, what it is made among, and what is carried; without segments: stop",
     qos=EVENTS, rate="each move", recorded=True)
 MOTION_STATUS = Contract(
-    "/motion/status", MotionStatus, ("motion",), ("fsm", "recorder", "user"),
-    "state, running segment, measured errors, reasons", qos=STREAM, rate="250 Hz", recorded=True)
+    topics.MOTION_STATUS, MotionStatus, ("motion",), ("fsm", "recorder", "user"),
+    "state, running segment, measured errors, reasons", qos=STREAM, rate=hz(topics.JOINT_RATE), recorded=True)
 MOTION_OBSTACLES = Contract(
-    "/motion/obstacles", BoxObstacles, ("user",), ("motion", "recorder"),
+    topics.MOTION_OBSTACLES, BoxObstacles, ("user",), ("motion", "recorder"),
     "where things that move are", qos=LATEST, rate="as seen", recorded=True)
 SETPOINTS = Contract(
-    "/joint_setpoints", JointTrajectory, ("motion",), ("sim", "recorder"),
+    topics.SETPOINTS, JointTrajectory, ("motion",), ("sim", "recorder"),
     "joint positions, velocities and accelerations, stamped with their start, which has come",
-    qos=LATEST, rate="250 Hz", recorded=True)
+    qos=LATEST, rate=hz(topics.JOINT_RATE), recorded=True)
 # fmt: on
 
 MOTION = contracts_in(globals())

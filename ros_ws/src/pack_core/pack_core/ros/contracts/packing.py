@@ -11,45 +11,48 @@ from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in
+from pack_core.packing import topics
+from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
 DESCRIPTION = Contract(
-    "/cell_description", String, ("sim",), ("perception", "planner", "mpc", "recorder"),
+    topics.DESCRIPTION, String, ("sim",), ("perception", "planner", "mpc", "recorder"),
     "shapes, sizes and masses of container and objects, as a scene file without poses",
     qos=LATCHED, rate="at reset", recorded=True)
 JOINT_STATES = Contract(
-    "/joint_states", JointState, ("sim",), ("perception", "mpc", "recorder"),
-    "measured joint positions, velocities and torques", qos=STREAM, rate="500 Hz", recorded=True)
+    topics.JOINT_STATES, JointState, ("sim",), ("perception", "mpc", "recorder"),
+    "measured joint positions, velocities and torques", qos=STREAM, rate=hz(topics.JOINT_RATE), recorded=True)
 SETPOINTS = Contract(
-    "/joint_torque_setpoints", JointTrajectory, ("mpc",), ("sim", "recorder"),
+    topics.SETPOINTS, JointTrajectory, ("mpc",), ("sim", "recorder"),
     "joint positions, velocities and feed-forward torques over the horizon, stamped with their start",
     qos=LATEST, rate="each iteration", recorded=True)
 MARKERS = Contract(
-    "/mocap/markers", MocapMarkers, ("sim",), ("perception", "recorder"),
-    "markers that at least two cameras see", qos=STREAM, rate="120 Hz", recorded=True)
+    topics.MARKERS, MocapMarkers, ("sim",), ("perception", "recorder"),
+    "markers that at least two cameras see", qos=STREAM, rate=hz(topics.MARKER_RATE), recorded=True)
 SCENE = Contract(
-    "/scene", SceneState, ("perception",), ("planner", "mpc", "recorder"),
-    "estimated pose and twist of every object, with source and age", qos=STREAM, rate="120 Hz", recorded=True)
+    topics.SCENE, SceneState, ("perception",), ("planner", "mpc", "recorder"),
+    "estimated pose and twist of every object, with source and age", qos=STREAM,
+    rate=hz(topics.MARKER_RATE), recorded=True)
 WRENCH = Contract(
-    "/wrench", WrenchStamped, ("sim",), ("mpc", "recorder"),
+    topics.WRENCH, WrenchStamped, ("sim",), ("mpc", "recorder"),
     "load on the cup less the held object's weight, in the cup's frame",
-    qos=STREAM, rate="250 Hz", recorded=True)
+    qos=STREAM, rate=hz(topics.WRENCH_RATE), recorded=True)
 GRIPPER_STATE = Contract(
-    "/gripper/state", GripperState, ("sim",), ("mpc", "recorder"),
-    "what the pump holds and how hard it is pulled", qos=STREAM, rate="50 Hz", recorded=True)
+    topics.GRIPPER_STATE, GripperState, ("sim",), ("mpc", "recorder"),
+    "what the pump holds and how hard it is pulled", qos=STREAM, rate=hz(topics.GRIPPER_RATE), recorded=True)
 TRUTH = Contract(
-    "/sim/truth", SceneState, ("sim",), ("recorder",),
-    "true poses and twists; for the recorder and tests only", qos=STREAM, rate="125 Hz", recorded=True)
+    topics.TRUTH, SceneState, ("sim",), ("recorder",),
+    "true poses and twists; for the recorder and tests only", qos=STREAM,
+    rate=hz(topics.TRUTH_RATE), recorded=True)
 MPC_STATUS = Contract(
-    "/mpc/status", MpcStatus, ("mpc",), ("recorder", "user"),
+    topics.MPC_STATUS, MpcStatus, ("mpc",), ("recorder", "user"),
     "stage, cost, distance and iteration time", qos=STREAM, rate="each iteration", recorded=True)
 VISUAL_MARKERS = Contract(
     "/markers", MarkerArray, ("planner",), ("user",),
     "placement samples and estimated objects for RViz and Foxglove", qos=LATCHED, rate="on change")
 RESULT = Contract(
-    "/pack_object/result", String, ("mpc",), ("recorder",),
+    topics.RESULT, String, ("mpc",), ("recorder",),
     "how the last goal ended, as JSON with the fields of the action's result", qos=LATCHED,
     rate="each goal", recorded=True)
 PLAN_PLACEMENT = Contract(

@@ -16,24 +16,25 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in
+from pack_core.palletizing import topics
+from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.motion import MOTION
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
 BOXES = Contract(
-    "/sim/boxes", String, ("sim",), ("recorder",),
+    topics.BOXES, String, ("sim",), ("recorder",),
     "name, size and mass of every box in the cell, as YAML", qos=LATCHED, rate="on change", recorded=True)
 GRIPPER_STATE = Contract(
-    "/gripper/state", GripperState, ("sim",), ("fsm", "recorder"),
+    topics.GRIPPER_STATE, GripperState, ("sim",), ("fsm", "recorder"),
     "what the gripper holds and how hard it is loaded; neither closed nor a reason: still closing",
-    qos=STREAM, rate="125 Hz", recorded=True)
+    qos=STREAM, rate=hz(topics.GRIPPER_RATE), recorded=True)
 TRUTH = Contract(
-    "/sim/truth", SceneState, ("sim",), ("recorder",),
+    topics.TRUTH, SceneState, ("sim",), ("recorder",),
     "true poses and twists of the boxes; for the recorder and tests only",
-    qos=STREAM, rate="50 Hz", recorded=True)
+    qos=STREAM, rate=hz(topics.TRUTH_RATE), recorded=True)
 CONTACTS = Contract(
-    "/sim/contacts", UnwantedContact, ("sim",), ("recorder",),
+    topics.CONTACTS, UnwantedContact, ("sim",), ("recorder",),
     "arm, tool or carried box against what they should not touch, over a force",
     qos=STREAM, rate="each contact", recorded=True)
 GRIPPER_COMMAND = Contract(
@@ -53,13 +54,13 @@ IMAGE = Contract(
     "/camera/image_raw", Image, ("sim",), ("vision",),
     "picture of the overhead camera, rgb8", qos=LATEST, rate="on demand")
 CAMERA_INFO = Contract(
-    "/camera/camera_info", CameraInfo, ("sim",), ("vision",),
+    topics.CAMERA_INFO, CameraInfo, ("sim",), ("vision",),
     "intrinsics of the overhead camera", qos=LATCHED, rate="with each picture", recorded=True)
 EXPECTED_BOX = Contract(
-    "/expected_box", ExpectedBox, ("fsm",), ("vision", "recorder"),
+    topics.EXPECTED_BOX, ExpectedBox, ("fsm",), ("vision", "recorder"),
     "the box that is to be found in pictures from its stamp on", qos=LATCHED, rate="each box", recorded=True)
 BOX_DETECTION = Contract(
-    "/box_detection", BoxDetection, ("vision",), ("fsm", "recorder"),
+    topics.BOX_DETECTION, BoxDetection, ("vision",), ("fsm", "recorder"),
     "the expected box's pose, or why there is none", qos=STREAM, rate="each picture", recorded=True)
 VISION_FRAME = Contract(
     "/vision/frame", CompressedImage, ("vision",), ("user",),
@@ -71,17 +72,17 @@ VISION_MASK = Contract(
     "/vision/mask", CompressedImage, ("vision",), ("user",),
     "what counts as box", qos=LATEST, rate="each picture")
 VISION_OVERLAY = Contract(
-    "/vision/overlay", CompressedImage, ("vision",), ("recorder", "user"),
+    topics.VISION_OVERLAY, CompressedImage, ("vision",), ("recorder", "user"),
     "the part with what was found drawn into it", qos=LATEST, rate="each picture", recorded=True)
 PLAN_LAYOUT = Contract(
     "/plan_layout", PlanLayout, ("fsm", "user"), ("layout",),
     "gaps between an order's boxes, a sequence, a side for each to come from", kind=Kind.SERVICE)
 PALLET_STATE = Contract(
-    "/fsm/state", PalletState, ("fsm",), ("recorder", "user"),
+    topics.PALLET_STATE, PalletState, ("fsm",), ("recorder", "user"),
     "the machine entered a state: which, for which box, on what event, and why if it is a fault",
     qos=EVENTS, rate="each state", recorded=True)
 RESULT = Contract(
-    "/palletize/result", String, ("fsm",), ("recorder",),
+    topics.RESULT, String, ("fsm",), ("recorder",),
     "what became of the last order and of each of its boxes, as JSON", qos=LATCHED,
     rate="each order", recorded=True)
 PALLETIZE = Contract(

@@ -6,16 +6,18 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
-from pack_core.ros.contracts.contract import EVENTS, LATEST, STREAM, Contract, contracts_in
+from pack_core import topics
+from pack_core.ros.contracts.contract import EVENTS, LATEST, STREAM, Contract, contracts_in, hz
 
 # fmt: off
 CLOCK = Contract(
-    "/clock", Clock, ("sim",), ("all",), "simulated time", qos=LATEST, rate="250 Hz", recorded=True)
+    topics.CLOCK, Clock, ("sim",), ("all",), "simulated time", qos=LATEST,
+    rate=hz(topics.CLOCK_RATE), recorded=True)
 REAL_TIME_FACTOR = Contract(
-    "/sim/real_time_factor", Float64, ("sim",), ("recorder", "user"),
+    topics.REAL_TIME_FACTOR, Float64, ("sim",), ("recorder", "user"),
     "simulated seconds a second, achieved", qos=STREAM, rate="1 Hz of wall clock", recorded=True)
 DIAGNOSTICS = Contract(
-    "/diagnostics", DiagnosticArray, ("all",), ("recorder", "user"),
+    topics.DIAGNOSTICS, DiagnosticArray, ("all",), ("recorder", "user"),
     "health of every node: counts of refused messages, silent peers", qos=EVENTS,
     rate="1 Hz of wall clock", recorded=True)
 # fmt: on

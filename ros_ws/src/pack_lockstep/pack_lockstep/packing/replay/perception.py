@@ -9,19 +9,19 @@ import numpy as np
 from pack_core.joints import JointSample
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
+from pack_core.packing.topics import DESCRIPTION, JOINT_STATES, MARKERS
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state
 from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.states import SceneState
 from pack_evaluation.bag import Bag
-from pack_evaluation.packing.from_bag import DESCRIPTION, JOINTS, to_run
+from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.track import Track, to_tracks
 from pack_lockstep.packing.presets import Preset
 from pack_lockstep.packing.replay.comparison import Replay, Row, check_frames
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 
-MARKERS = "/mocap/markers"
-TOPICS = (DESCRIPTION, JOINTS, MARKERS)
+TOPICS = (DESCRIPTION, JOINT_STATES, MARKERS)
 PERCENT = 95
 LIMIT_MM = 1.0
 """Of the 95th percentile: node and core take steps on joint samples of their own, which contact magnifies."""
@@ -37,10 +37,10 @@ def replay_perception(bag: Bag, preset: Preset | None = None) -> Replay:
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
     """
-    joints = [from_stamp(message.header.stamp) for message in bag.of(JOINTS)]
+    joints = [from_stamp(message.header.stamp) for message in bag.of(JOINT_STATES)]
     frames = [from_markers(message).time for message in bag.of(MARKERS)]
     counts = {
-        topic: check_frames(bag, topic, times) for topic, times in ((JOINTS, joints), (MARKERS, frames))
+        topic: check_frames(bag, topic, times) for topic, times in ((JOINT_STATES, joints), (MARKERS, frames))
     }
     run, estimated = to_run(bag), estimate_again(bag, preset or Preset())
     rows = tuple(
@@ -59,7 +59,7 @@ def estimate_again(bag: Bag, preset: Preset) -> dict[str, Track]:
     waiting: deque[MarkerFrame] = deque()
     states: list[SceneState] = []
     for item in bag.messages:
-        if item.topic == JOINTS:
+        if item.topic == JOINT_STATES:
             _advance(estimator, from_joint_state(item.message, cell.robot.arm.joints))
         elif item.topic == MARKERS:
             waiting.append(from_markers(item.message))

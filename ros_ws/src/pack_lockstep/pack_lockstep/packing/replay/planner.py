@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.packing.scene import Scene
+from pack_core.packing.topics import DESCRIPTION, SCENE
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_evaluation.bag import Bag
-from pack_evaluation.packing.from_bag import DESCRIPTION, ESTIMATE, to_run
+from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.packing.run import Run
 from pack_lockstep.node_parameters import parameters_of
 from pack_lockstep.packing.presets import Preset
@@ -58,9 +59,9 @@ def replay_planner(
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
     """
-    scenes = [from_scene(message) for message in bag.of(ESTIMATE)]
+    scenes = [from_scene(message) for message in bag.of(SCENE)]
     min_rate = float(parameters_of("packing/perception")[0]["min_rate"])
-    count = check_frames(bag, ESTIMATE, [scene.time for scene in scenes], min_rate)
+    count = check_frames(bag, SCENE, [scene.time for scene in scenes], min_rate)
     scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
     given = preset or Preset()
     planner = PlacementPlanner(scene, given.packing_cell(), given.parameters("planner", PlacementConfig))
@@ -69,7 +70,7 @@ def replay_planner(
         _compare(planner, session, request, _near(scenes, request.sent), seed, method)
         for request in requests(to_run(bag))
     )
-    return Replay("planner", {ESTIMATE: count}, rows)
+    return Replay("planner", {SCENE: count}, rows)
 
 
 def requests(run: Run) -> Iterator[Request]:

@@ -9,6 +9,8 @@ from pack_interfaces.msg import UnwantedContact
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
+from pack_core import topics as shared_topics
+from pack_core.palletizing import topics
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.cell_node import CellNode
@@ -18,29 +20,34 @@ from pack_core.ros.conversions import to_stamp
 from pack_core.ros.joint_messages import to_joint_state
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
 from pack_core.ros.scene_messages import to_scene
+from pack_core.topics import steps_between
 from pack_sim.palletizing.simulator import PalletSimulator
-
-BLOCK = 2
-"""Physics steps between two ticks of /clock."""
-GRIPPER_EVERY = 2
-TRUTH_EVERY = 5
 
 
 class CellPublisher:
-    """Steps the physics in blocks and publishes what is due."""
+    """Steps the physics from one tick of /clock to the next and publishes what is due.
 
-    def __init__(self, node: CellNode) -> None:
+    Args:
+        node: that publishes.
+        timestep: of the physics [s].
+    """
+
+    def __init__(self, node: CellNode, timestep: float) -> None:
         self._clock = node.advertise(shared.CLOCK)
         self._joints = node.advertise(motion.JOINT_STATES)
         self._gripper = node.advertise(contracts.GRIPPER_STATE)
         self._truth = node.advertise(contracts.TRUTH)
         self._contacts = node.advertise(contracts.CONTACTS)
         self._boxes = node.advertise(contracts.BOXES)
-        self._block = 0
+        self._steps = steps_between(shared_topics.CLOCK_RATE, timestep)
+        self.period = self._steps * timestep
+        self._gripper_ticks = steps_between(topics.GRIPPER_RATE, self.period)
+        self._truth_ticks = steps_between(topics.TRUTH_RATE, self.period)
+        self._tick = 0
 
     def step(self, simulator: PalletSimulator) -> None:
-        """Advance by one block."""
-        for _ in range(BLOCK):
+        """Advance by one tick of /clock, `period` [s]."""
+        for _ in range(self._steps):
             simulator.step()
         self._clock.publish(Clock(clock=to_stamp(simulator.time)))
         self._joints.publish(to_joint_state(simulator.joints(), JOINTS))
@@ -50,10 +57,10 @@ class CellPublisher:
             )
             message.header.stamp = to_stamp(contact.time)
             self._contacts.publish(message)
-        self._block += 1
-        if self._block % GRIPPER_EVERY == 0:
+        self._tick += 1
+        if self._tick % self._gripper_ticks == 0:
             self._gripper.publish(to_gripper_state(simulator.time, simulator.gripper.state))
-        if self._block % TRUTH_EVERY == 0:
+        if self._tick % self._truth_ticks == 0:
             self._truth.publish(to_scene(simulator.truth()))
 
     def publish_boxes(self, boxes: Iterable[BoxBody]) -> None:

@@ -1,0 +1,9 @@
+"""Names and rates of the topics of cells that move through motion targets (see `pack_core.topics`)."""
+
+from __future__ import annotations
+
+JOINT_STATES, SETPOINTS = "/joint_states", "/joint_setpoints"
+MOTION_TARGET, MOTION_STATUS, MOTION_OBSTACLES = "/motion/target", "/motion/status", "/motion/obstacles"
+
+JOINT_RATE = 250.0
+"""Of measurements, and of setpoints and status, which follow them one to one."""

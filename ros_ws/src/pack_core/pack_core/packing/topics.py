@@ -1,0 +1,14 @@
+"""Names and rates of the packing cell's recorded topics (see `pack_core.topics`)."""
+
+from __future__ import annotations
+
+DESCRIPTION, SCENE, TRUTH, MARKERS = "/cell_description", "/scene", "/sim/truth", "/mocap/markers"
+JOINT_STATES, SETPOINTS, WRENCH = "/joint_states", "/joint_torque_setpoints", "/wrench"
+GRIPPER_STATE, MPC_STATUS, RESULT = "/gripper/state", "/mpc/status", "/pack_object/result"
+
+JOINT_RATE = 500.0
+WRENCH_RATE = 250.0
+MARKER_RATE = 120.0
+"""Of the motion capture's frames unless it is set otherwise, and of the scene estimated from them."""
+TRUTH_RATE = 125.0
+GRIPPER_RATE = 50.0

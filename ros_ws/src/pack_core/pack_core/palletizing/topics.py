@@ -1,0 +1,10 @@
+"""Names and rates of the palletizing cell's recorded topics (see `pack_core.topics`)."""
+
+from __future__ import annotations
+
+BOXES, GRIPPER_STATE, TRUTH, CONTACTS = "/sim/boxes", "/gripper/state", "/sim/truth", "/sim/contacts"
+CAMERA_INFO, EXPECTED_BOX, BOX_DETECTION = "/camera/camera_info", "/expected_box", "/box_detection"
+VISION_OVERLAY, PALLET_STATE, RESULT = "/vision/overlay", "/fsm/state", "/palletize/result"
+
+GRIPPER_RATE = 125.0
+TRUTH_RATE = 50.0

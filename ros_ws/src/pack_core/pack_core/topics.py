@@ -1,0 +1,23 @@
+"""Names and rates of the topics that every cell has.
+
+This module and its sisters (`pack_core.motion.topics` and `topics` of each cell) need no ROS: the wiring
+tables, the simulators, the runs in lockstep and the evaluation of recordings all read the same names and
+rates from them. They name what is recorded; a topic that only nodes use is named in its wiring table alone.
+Rates are in hertz of simulated time.
+"""
+
+from __future__ import annotations
+
+CLOCK, REAL_TIME_FACTOR, DIAGNOSTICS = "/clock", "/sim/real_time_factor", "/diagnostics"
+
+CLOCK_RATE = 250.0
+
+
+def steps_between(rate: float, timestep: float) -> int:
+    """How many steps of the physics lie between two messages of a topic, at least one.
+
+    Args:
+        rate: of the topic [Hz].
+        timestep: of the physics [s].
+    """
+    return max(1, round(1.0 / (rate * timestep)))
