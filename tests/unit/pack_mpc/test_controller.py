@@ -5,11 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pack_core.config import validate_config
+from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, PackingController
+from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
+from pack_mpc.solution import Optimizer
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
 
@@ -70,3 +74,21 @@ def test_obstacles_repel_no_more_once_eq_3_has_run_out(scene: Scene, joints, sta
     early = build(scene, "ilqr").plan(joints, state, Stage.INSERT, INSIDE, 0.5 * end, 0.0).solution
     assert late.cost == pytest.approx(free.cost)
     assert early.cost > late.cost
+
+
+@pytest.mark.parametrize("name", OPTIMIZERS)
+def test_a_registered_optimizer_has_a_section_of_parameters(name: str) -> None:
+    cls = optimizer_class(name)
+    assert issubclass(cls, Optimizer)
+    assert isinstance(getattr(ControllerConfig(optimizer=name), name), cls.parameters)
+
+
+def test_an_unknown_optimizer_is_refused_with_those_that_exist() -> None:
+    for choose in (optimizer_class, lambda name: validate_config(ControllerConfig, {"optimizer": name}, "")):
+        with pytest.raises(ConfigError, match="'magic'; allowed: sgn, ilqr, judo"):
+            choose("magic")
+
+
+def test_a_misspelt_parameter_of_an_optimizer_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"'sgn\.knobs' is not known"):
+        validate_config(ControllerConfig, {"sgn": {"knobs": 3}}, "mpc.yaml")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import time as wall_clock
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Annotated
 
-from pydantic import Field, PositiveFloat
+from pydantic import AfterValidator, Field, PositiveFloat, create_model
 
 from pack_core.config import Config
 from pack_core.joints import JointSample, Setpoints
@@ -14,25 +14,45 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
 from pack_mpc.cost import PackingCost
-from pack_mpc.ilqr_optimizer import IlqrOptimizer, IlqrOptimizerConfig
+from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
 from pack_mpc.predictor import Predictor
 from pack_mpc.residuals import Residuals
-from pack_mpc.sgn_optimizer import SgnConfig, SgnOptimizer
-from pack_mpc.solution import Optimizer, Solution
+from pack_mpc.solution import Solution
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, WeightSet
 
 
-class ControllerConfig(Config):
-    """Parameters of the controller."""
+def _registered(name: str) -> str:
+    """The name of an optimizer; anything else is refused with those that exist."""
+    if name not in OPTIMIZERS:
+        raise ValueError(", ".join(OPTIMIZERS))
+    return name
 
-    optimizer: Literal["sgn", "ilqr"] = Field(default="sgn", description="sgn, or ilqr (the paper's)")
+
+OptimizerName = Annotated[str, AfterValidator(_registered)]
+
+if TYPE_CHECKING:
+    _OptimizerSections = Config
+else:
+    # One section of parameters for each optimizer of the register, under its name.
+    _OptimizerSections = create_model(
+        "_OptimizerSections",
+        __base__=Config,
+        **{
+            name: (optimizer_class(name).parameters, optimizer_class(name).parameters())
+            for name in OPTIMIZERS
+        },
+    )
+
+
+class ControllerConfig(_OptimizerSections):
+    """Parameters of the controller, and of each optimizer in a section of its name."""
+
+    optimizer: OptimizerName = Field(default="sgn", description="what plans; its name in optimizers.py")
     threads: int = Field(default=2, ge=1, description="of the rollouts")
     published: PositiveFloat = Field(
         default=0.24, description="part of the horizon that is sent to the driver [s]"
     )
-    ilqr: IlqrOptimizerConfig = IlqrOptimizerConfig()
-    sgn: SgnConfig = SgnConfig()
 
 
 @dataclass(frozen=True)
@@ -57,13 +77,10 @@ class PackingController:
     def __init__(self, scene: Scene, cell: PackingCell, weights: WeightSet, config: ControllerConfig) -> None:
         self.scene = scene
         self._config, self._weights = config, weights
-        self._optimizer = _make_optimizer(scene, cell, config)
+        own = getattr(config, config.optimizer)
+        self._optimizer = optimizer_class(config.optimizer)(scene, cell, own, config.threads)
         self._predictor = Predictor(scene, cell)
         self._in_flight: Setpoints | None = None
-
-    def use(self, optimizer: Optimizer) -> None:
-        """Plan with this optimizer instead of the configured one, to compare with it."""
-        self._optimizer = optimizer
 
     def change_cost(self) -> None:
         """The stage or the target has changed."""
@@ -99,9 +116,3 @@ class PackingController:
         solution = self._optimizer.improve(x0, cost, stage, target)
         self._in_flight = solution.setpoints.until(self._config.published)
         return Plan(self._in_flight, solution, 1e3 * (wall_clock.perf_counter() - started))
-
-
-def _make_optimizer(scene: Scene, cell: PackingCell, config: ControllerConfig) -> Optimizer:
-    if config.optimizer == "ilqr":
-        return IlqrOptimizer(scene, cell, config.ilqr, config.threads)
-    return SgnOptimizer(scene, cell, config.sgn, config.threads)

@@ -15,7 +15,7 @@ from pack_mpc.cost import PackingCost
 from pack_mpc.explorers import ExplorerConfig, explore
 from pack_mpc.ilqr import IlqrConfig, Iteration, Trajectory, cheapest, iterate
 from pack_mpc.plant import PackingPlant
-from pack_mpc.solution import Solution
+from pack_mpc.solution import Optimizer, Solution
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
@@ -36,8 +36,10 @@ class IlqrOptimizerConfig(Config):
     explorers: ExplorerConfig = ExplorerConfig()
 
 
-class IlqrOptimizer:
+class IlqrOptimizer(Optimizer):
     """Improves a torque sequence; its nominal trajectory is the last plan, shifted to now."""
+
+    parameters = IlqrOptimizerConfig
 
     def __init__(self, scene: Scene, cell: PackingCell, config: IlqrOptimizerConfig, threads: int) -> None:
         self._config = config

@@ -20,7 +20,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
-from pack_mpc.solution import Solution
+from pack_mpc.solution import Optimizer, Solution
 from pack_mpc.spline import Basis, Servo
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
@@ -61,8 +61,10 @@ class Batch:
     v: Array
 
 
-class SgnOptimizer:
+class SgnOptimizer(Optimizer):
     """Improves a twist spline; the driver's servos are part of the model."""
+
+    parameters = SgnConfig
 
     def __init__(self, scene: Scene, cell: PackingCell, config: SgnConfig, threads: int) -> None:
         self._config = config
@@ -77,9 +79,6 @@ class SgnOptimizer:
         self._lower = -self._upper
         self._theta = np.zeros((config.knots, 6))
         self._setpoints: Setpoints | None = None
-
-    def change_cost(self) -> None:
-        """Nothing is kept that belongs to one cost."""
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from state `x0`."""

@@ -1,14 +1,17 @@
 import json
 import pickle
+import sys
 from pathlib import Path
 
 import pytest
 
-from pack_core.errors import ConfigError
+from pack_core.config import validate_config
+from pack_core.errors import ConfigError, PackError
 from pack_core.paths import project_root
 from pack_lockstep.benchmarking.trial_file import plain
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
+from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.session import Method, SessionConfig
 
 EASY = project_root() / "tests" / "e2e" / "packing" / "easy_scene.yaml"
@@ -53,6 +56,24 @@ def test_the_record_is_json() -> None:
 def test_unknown_weights_are_refused() -> None:
     with pytest.raises(ConfigError, match="no weight set 'heavy'"):
         set_up(BenchmarkSettings(weights="heavy"), 1).record()
+
+
+def test_an_optimizer_that_is_not_installed_is_an_error_before_anything_runs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "judo", None)
+    with pytest.raises(PackError, match=r"requirements/judo\.txt"):
+        set_up(BenchmarkSettings(optimizer="judo"), 1)
+
+
+def test_an_unknown_optimizer_is_refused_with_those_that_exist() -> None:
+    with pytest.raises(ConfigError, match=f"'optimizer' is 'magic'; allowed: {', '.join(OPTIMIZERS)}"):
+        validate_config(BenchmarkSettings, {"optimizer": "magic"}, "pack benchmark packing")
+
+
+def test_parameters_of_the_optimizer_that_plans_are_among_the_settings_and_no_others() -> None:
+    controller = set_up(BenchmarkSettings(optimizer="ilqr"), 1).record()["config"]["session"]["controller"]
+    assert OPTIMIZERS.keys() & controller.keys() == {"ilqr"}
 
 
 def test_scenes_have_rising_seeds() -> None:

@@ -5,29 +5,28 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any
 
 from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
-from pack_lockstep.packing.judo_optimizer import JudoConfig, require_judo
 from pack_lockstep.packing.lockstep import LockstepConfig, lockstep_config
 from pack_lockstep.packing.presets import load_preset
+from pack_mpc.controller import OptimizerName
+from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
 from pack_mpc.session import Method
 from pack_mpc.weights import load_weights
 
 MM = 1e3
-OWN = Literal["ilqr", "sgn"]
-"""Optimizers that the controller has itself."""
 
 
 class BenchmarkSettings(Config):
     """What decides the results, seeds apart; None leaves it as config/nodes/packing/mpc.yaml has it."""
 
     method: Method = Method.PACK_IT_IN
-    optimizer: OWN | Literal["judo"] | None = None
+    optimizer: OptimizerName | None = None
     weights: str | None = None
     preset: str = "ideal"
     container: tuple[float, float] | None = None
@@ -37,7 +36,7 @@ class BenchmarkSettings(Config):
 
 
 @dataclass(frozen=True)
-class Setup:
+class PackingSetup:
     """Settings with everything that they refer to, ready to run and to be sent to other processes."""
 
     settings: BenchmarkSettings
@@ -61,13 +60,16 @@ class Setup:
         return " ".join(parts)
 
     def record(self) -> dict[str, Any]:
-        """All of it as plain values, for the head of the results; threads decide no result."""
+        """All of it as plain values, for the head of the results.
+
+        Left out is what decides no result: threads, and the parameters of optimizers that do not plan.
+        """
         session = self.config.session
         config = self.config.model_dump(mode="json")
-        config["session"]["controller"].pop("threads")
+        controller = config["session"]["controller"]
+        for name in ("threads", *(OPTIMIZERS.keys() - {self.optimizer})):
+            controller.pop(name)
         config["planner"].pop("threads")
-        if self.optimizer == "judo":
-            config["judo"] = JudoConfig().model_dump(mode="json")
         return {
             "name": self.name, **self.settings.model_dump(mode="json"), "weights": session.weights,
             "optimizer": self.optimizer, "cell": self.cell.model_dump(mode="json"),
@@ -84,25 +86,25 @@ class SceneJob:
     scene: Scene | None = None
 
 
-def set_up(settings: BenchmarkSettings, threads: int) -> Setup:
+def set_up(settings: BenchmarkSettings, threads: int) -> PackingSetup:
     """Read what the settings refer to.
 
     Raises:
         ConfigError: there is no such preset, weight set or optimizer.
-        PackError: the optimizer is judo's, which is not installed.
+        PackError: the optimizer needs a package that is not installed.
     """
-    if settings.optimizer == "judo":
-        require_judo()
     preset = load_preset(settings.preset)
     if settings.container is not None:
         preset = preset.over("cell", {"scene": {"container": {"size": list(settings.container)}}})
     controller: dict[str, Any] = {"threads": threads}
-    if settings.optimizer in get_args(OWN):
+    if settings.optimizer is not None:
         controller["optimizer"] = settings.optimizer
     preset = preset.over("mpc", {"controller": controller}).over("planner", {"threads": threads})
     if settings.weights is not None:
         preset = preset.over("mpc", {"weights": settings.weights})
-    return Setup(settings, preset.packing_cell(), lockstep_config(preset))
+    setup = PackingSetup(settings, preset.packing_cell(), lockstep_config(preset))
+    optimizer_class(setup.optimizer).require()
+    return setup
 
 
 def scene_jobs(settings: BenchmarkSettings, seed: int, count: int) -> list[SceneJob]:

@@ -10,10 +10,9 @@ from pack_core.errors import PackError
 from pack_core.packing.scene import Scene
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.study.summary import FAILURE_METRICS
-from pack_evaluation.packing.study.trial import Trial
-from pack_lockstep.packing.judo_optimizer import JudoConfig, JudoOptimizer
+from pack_evaluation.packing.study.trial import PackingTrial
 from pack_lockstep.packing.lockstep import Lockstep
-from pack_lockstep.packing.settings import SceneJob, Setup
+from pack_lockstep.packing.settings import PackingSetup, SceneJob
 from pack_sim.packing.scene_generator import generate_scene
 
 
@@ -27,7 +26,7 @@ class SceneResult:
     wall_time: float
 
 
-def run_scene(setup: Setup, job: SceneJob) -> SceneResult:
+def run_scene(setup: PackingSetup, job: SceneJob) -> SceneResult:
     """Run one scene to its outcome; the result depends on nothing but the arguments.
 
     Raises:
@@ -39,18 +38,11 @@ def run_scene(setup: Setup, job: SceneJob) -> SceneResult:
     except PackError as error:
         raise PackError(f"{job.name}: {error}") from error
     lockstep = Lockstep(setup.cell, scene, setup.config, setup.settings.method, job.seed)
-    if setup.optimizer == "judo":
-        lockstep.session.controller.use(_judo(setup, lockstep.session.controller.scene, job.seed))
     lockstep.run()
     return SceneResult(job, scene, lockstep.recorded(), time.perf_counter() - started)
 
 
-def _judo(setup: Setup, scene: Scene, seed: int) -> JudoOptimizer:
-    threads = setup.config.session.controller.threads
-    return JudoOptimizer(scene, setup.cell, JudoConfig(), threads, seed)
-
-
-def trial_line(result: SceneResult, trial: Trial, threads: int) -> dict[str, Any]:
+def trial_line(result: SceneResult, trial: PackingTrial, threads: int) -> dict[str, Any]:
     """The trial's line in the file of results; times in [s], forces in [N]."""
     m = trial.measures
     return {

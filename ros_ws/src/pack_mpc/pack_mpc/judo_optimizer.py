@@ -24,7 +24,7 @@ from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
 from pack_mpc.sgn_optimizer import SgnConfig
-from pack_mpc.solution import Solution
+from pack_mpc.solution import Optimizer, Solution
 from pack_mpc.spline import Basis, Servo
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
@@ -47,21 +47,16 @@ class JudoConfig(Config):
     sgn: SgnConfig = SgnConfig()
 
 
-class JudoOptimizer:
+class JudoOptimizer(Optimizer):
     """judo's `CrossEntropyMethod` behind the interface of our optimizers.
-
-    Args:
-        scene: shapes, sizes and masses of the objects that are taken into account.
-        cell: the cell's physical facts.
-        config: parameters.
-        threads: of the rollouts.
-        seed: of numpy's global generator, which judo draws from.
 
     Raises:
         PackError: judo is not installed.
     """
 
-    def __init__(self, scene: Scene, cell: PackingCell, config: JudoConfig, threads: int, seed: int) -> None:
+    parameters = JudoConfig
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: JudoConfig, threads: int) -> None:
         sgn = config.sgn
         self.plant = PackingPlant(scene, cell, timestep=sgn.timestep, threads=threads, arm=Arm.SERVO)
         self._sgn = sgn
@@ -71,10 +66,11 @@ class JudoOptimizer:
         self._largest = np.array([sgn.speed_linear] * 3 + [sgn.speed_angular] * 3)
         self._knots = np.zeros((config.nodes, 6))
         self._setpoints: Setpoints | None = None
-        np.random.seed(seed)  # noqa: NPY002 - judo has no generator of its own
+        np.random.seed(0)  # noqa: NPY002 - judo has no generator of its own
 
-    def change_cost(self) -> None:
-        """Nothing is kept that belongs to one cost."""
+    @classmethod
+    def require(cls) -> None:
+        require_judo()
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from state `x0`."""
@@ -110,8 +106,8 @@ def require_judo() -> Any:
         return importlib.import_module("judo.optimizers.cem")
     except ImportError as error:
         raise PackError(
-            "--optimizer judo needs judo, which is not installed: "
-            "uv pip install --no-deps -r requirements/judo.txt (docs/packing/measurements.md)"
+            "the optimizer judo needs the package judo-rai, which is not installed: "
+            "uv pip install --no-deps -r requirements/judo.txt, or choose another optimizer"
         ) from error
 
 

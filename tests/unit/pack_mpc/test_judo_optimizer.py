@@ -1,3 +1,5 @@
+"""The cross-entropy method of judo behind the interface of the optimizers."""
+
 import sys
 
 import numpy as np
@@ -9,25 +11,24 @@ from pack_core.packing.cell import packing_cell
 from pack_core.robots.panda import PANDA
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
-from pack_lockstep.packing.judo_optimizer import JudoConfig, JudoOptimizer
-from pack_lockstep.packing.settings import BenchmarkSettings, set_up
 from pack_mpc.cost import PackingCost
+from pack_mpc.judo_optimizer import JudoConfig, JudoOptimizer
 from pack_mpc.residuals import Residuals
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
 
 
-def test_judo_that_is_not_installed_is_an_error_before_anything_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_judo_that_is_not_installed_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "judo", None)
     with pytest.raises(PackError, match=r"uv pip install --no-deps -r requirements/judo\.txt"):
-        set_up(BenchmarkSettings(optimizer="judo"), 1)
+        JudoOptimizer.require()
 
 
 def test_judos_method_lowers_the_cost_of_reaching_a_target() -> None:
     pytest.importorskip("judo", reason="judo is an extra: requirements/judo.txt")
     cell, weights = packing_cell(), load_weights("tuned")
     scene = cell.scene.model_copy(update={"objects": []})
-    optimizer = JudoOptimizer(scene, cell, JudoConfig(), threads=1, seed=0)
+    optimizer = JudoOptimizer(scene, cell, JudoConfig(), threads=1)
     still = np.zeros(7)
     joints = JointSample(0.0, np.array(cell.robot.home), still, still)
     held = SceneState(0.0, {scene.new_object.name: ObjectState(Pose(np.zeros(3), np.array([1.0, 0, 0, 0])))})
