@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, NonNegativeFloat, PositiveInt
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
 
-from pack_core.blocks.plan import Action
+from pack_core.blocks.plan import Action, Push
 from pack_core.config import Config
 from pack_planner.rearrangement.beam.pushing import Ints
 from pack_planner.rearrangement.beam.reconstruction import to_actions
 from pack_planner.rearrangement.beam.search import Beam, root_state, run_round
 from pack_planner.rearrangement.beam.spots import GOAL, POOL, buffer_pool
-from pack_planner.rearrangement.beam.tables import Tables, build_tables
+from pack_planner.rearrangement.beam.tables import FREE, PushPrice, Tables, build_tables
 from pack_planner.rearrangement.freed import with_freed_blocks
 from pack_planner.rearrangement.lower_bound import sharper_bound
 from pack_planner.rearrangement.progress import Progress
@@ -20,14 +22,43 @@ from pack_planner.rearrangement.task import Task
 
 LONGEST = 3
 """Actions a block that a plan may have, and a few more."""
+WORTH = 1e-4
+"""A plan must be cheaper than the best before it by this, in pick-and-place actions; below it is rounding."""
 LATE = 2
 """Times as many buffer poses in rounds after the widest."""
 PATIENCE = 3
 """Rounds without a plan before the search opens up."""
 
 
+class PlanCosts(Config):
+    """What the actions of a plan cost with `price: paper`, see PushPrice.
+
+    The terms of Eq. 1 without the one for blocks in collision: what is carried out collides with none.
+    """
+
+    pick_place: PositiveFloat = Field(1.0, description="alpha_1")
+    push: PositiveFloat = Field(1.5, description="alpha_2, not below alpha_1; a push is less precise")
+    push_length: NonNegativeFloat = Field(5.0, description="of a push's length, Section V [1/m]")
+
+    @model_validator(mode="after")
+    def _push_costs_more(self) -> PlanCosts:
+        if self.push < self.pick_place:
+            raise ValueError(f"push is {self.push:g}; allowed: pick_place, {self.pick_place:g}, or more")
+        return self
+
+    @property
+    def push_price(self) -> PushPrice:
+        """In pick-and-place actions."""
+        return PushPrice(self.push / self.pick_place - 1.0, self.push_length / self.pick_place)
+
+
 class BeamConfig(Config):
     """Parameters of the beam search."""
+
+    price: Literal["actions", "paper"] = Field(
+        "actions", description="what a plan is to have least of: actions, or cost as in the paper's Eq. 1"
+    )
+    costs: PlanCosts = Field(default_factory=PlanCosts, description="of actions, with `price: paper`")
 
     pool: PositiveInt = Field(256, description="buffer poses")
     widths: tuple[PositiveInt, ...] = Field(
@@ -37,34 +68,46 @@ class BeamConfig(Config):
     noise: NonNegativeFloat = Field(0.3, description="of the ranks of states [actions]")
     rounds: PositiveInt = Field(200, description="at most")
 
+    @property
+    def push_price(self) -> PushPrice:
+        """What a push costs beyond a pick-and-place action."""
+        return self.costs.push_price if self.price == "paper" else FREE
+
 
 def plan_by_beam(
     task: Task, lower_bound: int, progress: Progress, rng: np.random.Generator, config: BeamConfig
 ) -> tuple[list[Action] | None, int]:
-    """The shortest plan found, None where there is none in time, and the best lower bound.
+    """The cheapest plan found, None where there is none in time, and the best lower bound.
 
-    Every round demands a plan shorter than the best so far, with a wider beam. Rounds after the widest, and
+    Every round demands a plan cheaper than the best so far, with a wider beam. Rounds after the widest, and
     those after a few without any plan, draw new buffer poses, the former more of them, and the latter also
     let blocks make way that are in nobody's.
+
+    With `price: actions` the cheapest plan is the shortest. With `price: paper` it is the one that costs
+    least by Eq. 1; the lower bound counts actions all the same, so that no plan with a push is proven the
+    cheapest and the search uses all its time.
     """
     given, task = task, with_freed_blocks(task)
     best: list[Action] | None = None
-    longest = LONGEST * (task.n + 3)
+    price = config.push_price
+    longest, cheapest = LONGEST * (task.n + 3), np.inf
     for number in range(config.rounds):
         is_lost = best is None and number >= PATIENCE
         is_late = number >= len(config.widths)
         if number == 0 or is_lost or is_late:
             size = config.pool * (LATE if is_late else 1)
-            tables = build_tables(task, buffer_pool(task, size, rng, is_over_goals=is_late))
+            tables = build_tables(task, buffer_pool(task, size, rng, is_over_goals=is_late), price)
         width = config.widths[min(number, len(config.widths) - 1)]
-        beam = Beam(width, longest, config.breadth, is_lost and number % 2 == 0, config.noise)
+        is_anyone = is_lost and number % 2 == 0
+        beam = Beam(width, longest, cheapest - WORTH, config.breadth, is_anyone, config.noise)
         root = root_state(tables, _spots(task))
         outcome = run_round(root, tables, _order(tables, rng), beam, progress.is_over, rng)
         progress.count(outcome.expanded)
         if outcome.moves is not None:
             is_first = best is None
             best = to_actions(task, tables, outcome.moves)
-            longest = len(best) - 1
+            cheapest = len(best) + sum(price.premium(a.distance) for a in best if isinstance(a, Push))
+            longest = int(np.ceil(cheapest)) - 1
             progress.found(len(best))
             if is_first and longest >= lower_bound:
                 lower_bound = sharper_bound(given, lower_bound)
@@ -80,9 +123,14 @@ def _spots(task: Task) -> npt.NDArray[np.int16]:
 def _order(tables: Tables, rng: np.random.Generator) -> Ints:
     """Buffer poses in the order in which every block looks at them, with some chance `(n, P)`.
 
-    Its own push line first, then where it is least in the way of the goals.
+    Its own push line first, near its goal where the length of a push has a price, then where it is least in
+    the way of the goals.
     """
     crowds = np.bitwise_count(tables.crowds[POOL:]).astype(float)
-    cost = 1.5 * (tables.push_of[:, POOL:] < 0) + crowds[:, 0] + 0.3 * crowds[:, 1]
+    is_off_line = tables.push_of[:, POOL:] < 0
+    cost = 1.5 * is_off_line + crowds[:, 0] + 0.3 * crowds[:, 1]
+    goals = tables.poses[GOAL : GOAL + len(cost), None, :2]
+    lengths = np.linalg.norm(goals - tables.poses[POOL:, :2], axis=-1)
+    cost += np.where(is_off_line, 0.0, tables.push_price.per_metre * lengths)
     order = np.argsort(cost + rng.uniform(0.0, 1.5, cost.shape), axis=1)
     return (POOL + order).astype(np.int32)

@@ -14,7 +14,7 @@ from pack_planner.rearrangement.beam.bits import bit, count_bits
 from pack_planner.rearrangement.beam.estimates import Summary
 from pack_planner.rearrangement.beam.grasping import swaps
 from pack_planner.rearrangement.beam.pushing import Ints
-from pack_planner.rearrangement.beam.spots import NO_GO
+from pack_planner.rearrangement.beam.spots import GOAL, NO_GO
 from pack_planner.rearrangement.beam.states import PUSHED, has
 from pack_planner.rearrangement.beam.tables import Tables
 from pack_planner.rearrangement.collisions import Words
@@ -121,8 +121,16 @@ def _cost(i: int, spot: int, start: int, left: np.uint64, tables: Tables) -> flo
     dx = tables.poses[spot, 0] - tables.poses[start, 0]
     dy = tables.poses[spot, 1] - tables.poses[start, 1]
     way = math.sqrt(dx * dx + dy * dy)
-    off_line = OFF_LINE if tables.push_of[i, spot] < 0 else 0.0
-    return float(count_bits(stood_on) + CROWDED * count_bits(crowded) + off_line + PER_METRE * way)
+    line = OFF_LINE if tables.push_of[i, spot] < 0 else _price_of_length(i, spot, tables)
+    return float(count_bits(stood_on) + CROWDED * count_bits(crowded) + line + PER_METRE * way)
+
+
+@njit(cache=True, inline="always")
+def _price_of_length(i: int, spot: int, tables: Tables) -> float:
+    """What the length of the push from a spot into block i's goal costs; 0.0 where lengths have no price."""
+    dx = tables.poses[GOAL + i, 0] - tables.poses[spot, 0]
+    dy = tables.poses[GOAL + i, 1] - tables.poses[spot, 1]
+    return float(tables.push_price.per_metre * math.sqrt(dx * dx + dy * dy))
 
 
 @njit(cache=True, inline="always")

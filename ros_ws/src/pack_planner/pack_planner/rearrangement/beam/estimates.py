@@ -76,18 +76,17 @@ def summarize(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables) -> 
 
 
 @njit(cache=True, inline="always")
-def after_going_home(i: int, now: Summary, circles: int, tables: Tables) -> tuple[int, float]:
-    """Lower bound and likely detours once block i is home; NEVER if that spoils the grid."""
+def after_going_home(i: int, now: Summary, circles: int, tables: Tables) -> tuple[int, float, int]:
+    """Lower bound, likely detours and pushes left once block i is home; NEVER if that spoils the grid."""
     filled = now.filled | ONE << np.uint64(i)
     needed = pushes_left(filled, tables.planes, tables.upper_planes, tables.split)
     ready = now.ready & ~bit(i)
     likely = _likely(filled, ready, tables)
     if needed == NEVER or likely == NEVER:
-        return NEVER, 0.0
+        return NEVER, 0.0, 0
     bound = now.away - 1 + max(needed - count_bits(ready), 0)
-    return bound, now.away - 1 + likely - bound + CYCLE * circles + CROWDED * count_bits(
-        now.crowded[i] & ~bit(i)
-    )
+    detours = now.away - 1 + likely - bound + CYCLE * circles
+    return bound, detours + CROWDED * count_bits(now.crowded[i] & ~bit(i)), needed
 
 
 @njit(cache=True, inline="always")

@@ -119,14 +119,14 @@ def _go_home(
             continue
         clear(occupied, spot)
         stage, pair = way_home(i, spot, can_pick, occupied, tables)
-        bound, detours = after_going_home(i, now, states.cycles[row], tables)
+        bound, detours, pushes = after_going_home(i, now, states.cycles[row], tables)
         if pair >= 0:
             pushes_out = pushes_out_left(i, GOAL + i, now.left, occupied, spots, can_pick, tables)
             bound, detours = NEVER if pushes_out == NEVER else bound, detours + pushes_out
         is_going = pair >= 0 and bound < now.bound
         if pair >= 0 and bound < NEVER and bound + 1 + (stage != NO_STAGE) <= limit:
             append(out, count, states, tables, row, i, GOAL + i, stage, pair)
-            estimate(out, count, bound, states.cycles[row], detours)
+            estimate(out, count, bound, states.cycles[row], detours, tables.push_price.extra * pushes)
             count += 1
         if not is_going or stage != NO_STAGE:
             note_obstacles(i, spot, occupied, tables, blocking)
@@ -154,6 +154,8 @@ def _make_way(
         pushes_out = pushes_out_left(i, end, now.left, occupied, spots, can_pick, tables)
         if pushes_out < NEVER:
             append(out, count, states, tables, row, i, end, NO_STAGE, options.grasps[option])
-            estimate(out, count, bound, cycles, detours + pushes_out)
+            # Pushes out of knots are a guess; what is left at least counts those into the grid alone.
+            premium_left = tables.push_price.extra * now.pushes
+            estimate(out, count, bound, cycles, detours + pushes_out, premium_left)
             count += 1
     return count

@@ -34,6 +34,7 @@ class Beam:
     Attributes:
         width: states kept of a layer.
         longest: actions that a plan may have.
+        cheapest: a plan must cost less than this, in pick-and-place actions, see PushPrice.
         breadth: buffer poses tried for a block in a state.
         is_anyone: blocks may make way though they are in nobody's way.
         noise: of the states' ranks, in actions.
@@ -41,6 +42,7 @@ class Beam:
 
     width: int
     longest: int
+    cheapest: float = np.inf
     breadth: int = 4
     is_anyone: bool = False
     noise: float = 0.0
@@ -48,10 +50,9 @@ class Beam:
 
 @dataclass(frozen=True)
 class Round:
-    """How a round went: the moves of the shortest plan found, and how many states were expanded."""
+    """How a round went: the moves of the cheapest plan found, and how many states were expanded."""
 
     moves: list[Move] | None
-    actions: int
     expanded: int
 
 
@@ -63,7 +64,7 @@ def root_state(tables: Tables, spots: npt.NDArray[np.int16]) -> States:
         occupy(occupied[0], spot)
     circles = cycles(standing_on_goals(spots, tables.crowds), np.uint64(2 ** len(spots) - 1))
     return States(
-        occupied, spots[None], np.zeros(1, np.int32), np.zeros(1), tables.poses[spots[:1], :2],
+        occupied, spots[None], np.zeros(1, np.int32), np.zeros(1), np.zeros(1), tables.poses[spots[:1], :2],
         np.array([circles], np.int32), np.zeros(1, np.uint64),
     )  # fmt: skip
 
@@ -76,29 +77,40 @@ def run_round(
     is_over: Callable[[], bool],
     rng: np.random.Generator,
 ) -> Round:
-    """Search once."""
+    """Search once.
+
+    The first plan found has the fewest actions, and where a push costs no more than another action it is the
+    cheapest, so the search ends with it. Where a push costs more, a longer plan with fewer or shorter pushes
+    may be cheaper: the search goes on through the layers that can still hold one.
+    """
     n = root.spot.shape[1]
     history, expanded = History(), 0
+    moves, cheapest = None, beam.cheapest
     seen = np.zeros(1 << int(np.ceil(np.log2(2 * beam.width * (beam.longest + 1)))), dtype=np.uint64)
     pending: defaultdict[int, Pending] = defaultdict(list)
     layer: States | None = root
     for depth in range(beam.longest + 1):
         if depth:
-            layer = _next_layer(pending.pop(depth, []), beam, tables, history, seen, rng)
+            coming = _affordable(pending.pop(depth, []), cheapest - depth)
+            layer = _next_layer(coming, beam, tables, history, seen, rng)
         if is_over():
             break
         if layer is None:
             continue
         done = np.flatnonzero((layer.spot == GOAL + np.arange(n)).all(axis=1))
         if len(done):
-            best = done[np.argmin(layer.travel[done])]
-            return Round(history.moves(int(layer.node[best])), depth, expanded)
-        children = expand(layer, tables, order, beam.breadth, beam.longest - depth, beam.is_anyone)
+            best = done[np.lexsort((layer.travel[done], layer.premium[done]))[0]]
+            moves, cheapest = history.moves(int(layer.node[best])), depth + float(layer.premium[best])
+        # A plan of k actions costs at least k, so a cheaper one has at most ceil(cheapest) - 1 of them.
+        limit = int(min(beam.longest, np.ceil(cheapest) - 1)) - depth
+        if limit < 0:
+            break
+        children = expand(layer, tables, order, beam.breadth, limit, beam.is_anyone)
         expanded += len(layer.node)
         is_staged = children.moves[:, 3] != NO_STAGE
         pending[depth + 1].append((layer, children, np.flatnonzero(~is_staged)))
         pending[depth + 2].append((layer, children, np.flatnonzero(is_staged)))
-    return Round(None, 0, expanded)
+    return Round(moves, expanded)
 
 
 def _next_layer(
@@ -127,9 +139,22 @@ def _next_layer(
     )
 
 
+def _affordable(pending: Pending, budget: float) -> Pending:
+    """The children from which a plan can still end for less than `budget`, in pick-and-place actions."""
+    if np.isinf(budget):
+        return pending
+    return [(s, children, i[_least(children, i) < budget]) for s, children, i in pending]
+
+
+def _least(children: Children, indices: Indices) -> Array:
+    """Price of the actions left, at least, with the premium of the pushes so far `(len(indices),)`."""
+    premium = children.premium[indices] + children.premium_left[indices]
+    return np.asarray(children.bound[indices] + premium)
+
+
 def _rank(children: Children, indices: Indices) -> Array:
-    """Estimated number of actions left, `(len(indices),)`; travel decides between equals."""
-    left = children.bound[indices] + children.detours[indices]
+    """Estimated price of the actions left, with the premium so far; travel decides between equals."""
+    left = _least(children, indices) + children.detours[indices]
     return np.asarray(left + TRAVEL_WEIGHT * children.travel[indices])
 
 

@@ -27,6 +27,7 @@ class States(NamedTuple):
         spot: of every block `(B, n)`.
         node: number in the search's history `(B,)`.
         travel: of the gripper so far [m] `(B,)`.
+        premium: what the pushes so far cost beyond one action each, see PushPrice `(B,)`.
         tool: where the gripper is [m] `(B, 2)`.
         cycles: estimated number of blocks that must make way `(B,)`.
         hash: `(B,)`
@@ -36,6 +37,7 @@ class States(NamedTuple):
     spot: npt.NDArray[np.int16]
     node: Ints
     travel: Array
+    premium: Array
     tool: Array
     cycles: Ints
     hash: Words
@@ -51,8 +53,10 @@ class Children(NamedTuple):
         bound: at least so many actions are left `(C,)`.
         cycles: `(C,)`
         detours: actions that are likely left beyond the bound `(C,)`.
-        travel: `(C,)`
-        hash: `(C,)`
+        travel: as in States `(C,)`.
+        premium: as in States, this move's push among them `(C,)`.
+        premium_left: what the pushes left cost at least beyond one action each `(C,)`.
+        hash: as in States `(C,)`.
     """
 
     moves: Ints
@@ -60,6 +64,8 @@ class Children(NamedTuple):
     cycles: Ints
     detours: Array
     travel: Array
+    premium: Array
+    premium_left: Array
     hash: Words
 
 
@@ -68,7 +74,8 @@ def empty_children(room: int) -> Children:
     """Room for so many."""
     return Children(
         np.empty((room, 5), np.int32), np.empty(room, np.int32), np.empty(room, np.int32),
-        np.empty(room, np.float64), np.empty(room, np.float64), np.empty(room, np.uint64),
+        np.empty(room, np.float64), np.empty(room, np.float64), np.empty(room, np.float64),
+        np.empty(room, np.float64), np.empty(room, np.uint64),
     )  # fmt: skip
 
 
@@ -77,7 +84,8 @@ def first_children(children: Children, count: int) -> Children:
     """The first `count`."""
     return Children(
         children.moves[:count].copy(), children.bound[:count].copy(), children.cycles[:count].copy(),
-        children.detours[:count].copy(), children.travel[:count].copy(), children.hash[:count].copy(),
+        children.detours[:count].copy(), children.travel[:count].copy(), children.premium[:count].copy(),
+        children.premium_left[:count].copy(), children.hash[:count].copy(),
     )  # fmt: skip
 
 
@@ -95,8 +103,9 @@ def follow(
         spots[row, i] = spot
         tool[row] = poses[spot, :2]
     return States(
-        occupied, spots, nodes, children.travel[kept], tool, children.cycles[kept], children.hash[kept]
-    )
+        occupied, spots, nodes, children.travel[kept], children.premium[kept], tool, children.cycles[kept],
+        children.hash[kept],
+    )  # fmt: skip
 
 
 @njit(cache=True, inline="always")
@@ -141,10 +150,16 @@ def append(
         cx, cy = tables.stage[i, stage, 0], tables.stage[i, stage, 1]
         length += np.hypot(cx - ax, cy - ay)
         ax, ay = cx, cy
-    out.travel[count] = length + np.hypot(bx - ax, by - ay)
+    # What is left of the way is the push, if there is one: from its start or its staging pose to the end.
+    last = np.hypot(bx - ax, by - ay)
+    out.travel[count] = length + last
+    out.premium[count] = states.premium[row]
+    if stage != NO_STAGE or pair == PUSHED:
+        out.premium[count] += tables.push_price.extra + tables.push_price.per_metre * last
 
 
 @njit(cache=True, inline="always")
-def estimate(out: Children, count: int, bound: int, cycles: int, detours: float) -> None:
+def estimate(out: Children, count: int, bound: int, cycles: int, detours: float, premium_left: float) -> None:
     """Note the estimates of child `count`."""
     out.bound[count], out.cycles[count], out.detours[count] = bound, cycles, detours
+    out.premium_left[count] = premium_left

@@ -21,6 +21,31 @@ from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.workspace import are_inside
 
 
+class PushPrice(NamedTuple):
+    """What a push costs beyond a pick-and-place action, in pick-and-place actions.
+
+    A pick-and-place action costs alpha_1 and a push alpha_2 (Eq. 1 of Sotiropoulos and Sandzimier; the number
+    of blocks in collision is zero for what is carried out), and a push costs more the longer it is (their
+    Section V). In units of alpha_1 a plan of k actions then costs k plus its premium, the sum of
+    `extra + per_metre * length` over its pushes. With both zero, a plan costs its number of actions.
+
+    Attributes:
+        extra: alpha_2 / alpha_1 - 1.
+        per_metre: price of a push's length [1/m], divided by alpha_1.
+    """
+
+    extra: float
+    per_metre: float
+
+    def premium(self, length: float) -> float:
+        """Of a push of a length [m], in pick-and-place actions."""
+        return self.extra + self.per_metre * length
+
+
+FREE = PushPrice(0.0, 0.0)
+"""A push costs as much as any other action."""
+
+
 class Tables(NamedTuple):
     """Collisions as words over spots; W words a row, n blocks, Q spots, M ways to stage.
 
@@ -47,6 +72,7 @@ class Tables(NamedTuple):
         upper_planes: of the other goals.
         split: number of goals in the first.
         hash: of a block at a spot `(n, Q)`.
+        push_price: what pushes cost beyond other actions.
     """
 
     poses: Array
@@ -72,9 +98,10 @@ class Tables(NamedTuple):
     upper_planes: Words
     split: int
     hash: Words
+    push_price: PushPrice
 
 
-def build_tables(task: Task, pool: Array) -> Tables:
+def build_tables(task: Task, pool: Array, push_price: PushPrice = FREE) -> Tables:
     """Compute the tables of a task with a buffer pool `(P, 3)`, to which ends of pushes out are added."""
     out = pushes_out(task, POOL + len(pool))
     poses = spot_poses(task, np.vstack([pool, out.pushes.ends]))
@@ -112,6 +139,7 @@ def build_tables(task: Task, pool: Array) -> Tables:
         upper_planes=upper_planes,
         split=split,
         hash=np.random.default_rng(0).integers(2**63, size=push_of.shape, dtype=np.uint64),
+        push_price=push_price,
     )
 
 
