@@ -6,14 +6,15 @@ from functools import cache
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, SerializeAsAny, model_validator
 
 from pack_core.camera import PinholeCamera, focal_length
-from pack_core.config import Config, load_config, validate_config
+from pack_core.config import Config, load_values, validate_config
+from pack_core.palletizing.grip import GripLimits
 from pack_core.paths import config_path
 from pack_core.robots.gears import Gears
 from pack_core.robots.servo import Servo
-from pack_core.robots.surface_gripper import GripperTool
+from pack_core.robots.surface_gripper import GripperTool, gripper_tool
 from pack_core.rotations import Pose
 
 Joints = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
@@ -33,24 +34,6 @@ class Arm(Config):
     def X_WB(self) -> Pose:
         """The base in the world."""
         return Pose(np.array(self.base))
-
-
-class GripLimits(Config):
-    """When the surface gripper takes hold and when it lets go."""
-
-    max_grip_distance: PositiveFloat
-    """How far a face may be from the pad along its axis [m]."""
-    coaxial_force: PositiveFloat
-    """Pull along the pad's axis [N]; pressing is no load."""
-    shear_force: PositiveFloat
-    moment: PositiveFloat
-    """About the middle of the pad's face, all axes together [N m]."""
-    tolerated_steps: PositiveInt
-    """Steps in a row, of the physics, above a limit before it lets go."""
-    retry_interval: NonNegativeFloat
-    """How long closing goes on trying [s]; 0: once."""
-    carrying_acceleration: NonNegativeFloat
-    """At which boxes are carried, at most and in any direction; orders are checked with it [m/s^2]."""
 
 
 class Table(Config):
@@ -127,7 +110,8 @@ class PalletizingCell(Config):
     """The palletizing cell."""
 
     arm: Arm
-    tool: GripperTool
+    tool: SerializeAsAny[GripperTool]
+    """The gripper; which one `tool.kind` says."""
     grip: GripLimits
     picking_table: Table
     reorientation_table: Table
@@ -144,8 +128,6 @@ class PalletizingCell(Config):
     def _parts_fit(self) -> Self:
         if len(self.servo.inertia) != 6:
             raise ValueError(f"servo.inertia has {len(self.servo.inertia)} values; allowed: 6")
-        if self.tool.mast_radius * 2 > self.tool.pad_size:
-            raise ValueError(f"mast of radius {self.tool.mast_radius} m is wider than the pad")
         return self
 
     @model_validator(mode="after")
@@ -172,5 +154,6 @@ class PalletizingCell(Config):
 def palletizing_cell(preset: str = "rigid") -> PalletizingCell:
     """The palletizing cell as configured, with one of its presets of the arm."""
     path = config_path("cells", "palletizing.yaml")
-    cell = load_config(PalletizingCell, path)
-    return validate_config(PalletizingCell, {**cell.model_dump(), "preset": preset}, str(path))
+    values = load_values(path)
+    tool = gripper_tool(values.get("tool", {}), f"{path}, section tool")
+    return validate_config(PalletizingCell, {**values, "tool": tool, "preset": preset}, str(path))

@@ -1,8 +1,12 @@
-"""What a surface gripper says about its grip."""
+"""What a surface gripper says about its grip, and how much of a load it bears."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from pydantic import NonNegativeFloat, PositiveFloat, PositiveInt
+
+from pack_core.config import Config
 
 ASKED = "asked to open"
 """Reason of a gripper that was told to let go, and of one that never held anything."""
@@ -27,6 +31,49 @@ class GripLoad:
         return GripLoad(
             max(self.coaxial, other.coaxial), max(self.shear, other.shear), max(self.moment, other.moment)
         )
+
+
+@dataclass(frozen=True)
+class PassedLimit:
+    """A limit that a load passes: its key, the load, what is allowed, and their unit."""
+
+    key: str
+    load: float
+    allowed: float
+    unit: str
+
+    @property
+    def what(self) -> str:
+        """The kind of load in words."""
+        return self.key.replace("_", " ")
+
+
+class GripLimits(Config):
+    """When a surface gripper takes hold and when it lets go."""
+
+    max_grip_distance: PositiveFloat
+    """How far a face may be from the pad along its axis [m]."""
+    coaxial_force: PositiveFloat
+    """Pull along the pad's axis [N]; pressing is no load."""
+    shear_force: PositiveFloat
+    """Across the pad's axis [N]."""
+    moment: PositiveFloat
+    """About the middle of the pad's face, all axes together [N m]."""
+    tolerated_steps: PositiveInt
+    """Steps in a row, of the physics, above a limit before it lets go."""
+    retry_interval: NonNegativeFloat
+    """How long closing goes on trying [s]; 0: once."""
+    carrying_acceleration: NonNegativeFloat
+    """At which boxes are carried, at most and in any direction; orders are checked with it [m/s^2]."""
+
+    def passed_by(self, load: GripLoad, share: float) -> tuple[PassedLimit, ...]:
+        """The limits that a load passes on a seal that bears a share of them."""
+        rows = (
+            ("coaxial_force", load.coaxial, share * self.coaxial_force, "N"),
+            ("shear_force", load.shear, share * self.shear_force, "N"),
+            ("moment", load.moment, share * self.moment, "N m"),
+        )
+        return tuple(PassedLimit(*row) for row in rows if row[1] > row[2])
 
 
 @dataclass(frozen=True)

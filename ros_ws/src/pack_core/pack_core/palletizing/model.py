@@ -12,7 +12,7 @@ from pack_core.palletizing.furniture import add_furniture
 from pack_core.palletizing.look import add_surroundings
 from pack_core.robots.gears import Gears
 from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
-from pack_core.robots.surface_gripper import TOOL, add_surface_gripper
+from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Pose
 
 GRIP_SOLREF = (0.01, 1.0)
@@ -48,7 +48,7 @@ def build_model(
     _set_solver(spec, cell.contact, timestep)
     add_furniture(spec, cell, look=look)
     flange = add_kr210(spec, X_WB or cell.arm.X_WB, look=look, gears=gears)
-    add_surface_gripper(flange, cell.tool, look=look)
+    cell.tool.add_to(flange, look=look)
     _add_motors(spec)
     for box in boxes:
         add_box(spec, box)

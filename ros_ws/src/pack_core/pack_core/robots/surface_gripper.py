@@ -1,53 +1,88 @@
-"""The surface gripper under a flange: a mast with a square suction pad."""
+"""What every suction gripper under a flange is to the rest: a body of the model, and the seals that it has.
+
+The kinds of gripper stand in `pack_core/robots/grippers/`, a file for each.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Any
+
 import mujoco
-import numpy as np
 from pydantic import PositiveFloat
 
-from pack_core.config import Config
-from pack_core.robots.kr210 import ARM_CONTACT
-from pack_core.robots.kr210_shapes import DARK, STEEL
+from pack_core.config import Config, validate_config
+from pack_core.errors import ConfigError
+from pack_core.robots import grippers
+from pack_core.rotations import Array
 
-PAD_THICKNESS = 0.02
-PLATE_THICKNESS = 0.02
-FOAM = (0.10, 0.25, 0.55, 1.0)
-CYLINDER, BOX = mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_BOX
 TOOL = "tool"
-PAD = "pad"
+"""The gripper's body in every model."""
+PAD_BIT = 4
+"""Of contype: a pad. A box that is held drops this bit from what it touches."""
 
 
-class GripperTool(Config):
-    """The surface gripper under the flange: a mast with a square pad [m, kg]."""
+@dataclass(frozen=True)
+class Seal:
+    """One way in which a gripper can hold a face.
 
-    length: PositiveFloat
-    mass: PositiveFloat
-    mast_radius: PositiveFloat
-    plate_radius: PositiveFloat
-    pad_size: PositiveFloat
-
-
-def add_surface_gripper(flange: mujoco.MjsBody, tool: GripperTool, *, look: bool) -> mujoco.MjsBody:
-    """Add the gripper below the flange.
-
-    Returns:
-        The body `tool`, whose origin is the middle of the pad's face and whose z axis points out of it.
+    Attributes:
+        points: of the pad, in the tool's frame `(k, 3)` [m]; it holds where all of them meet one box's face.
+        side: edge of the smallest square face that it fits on, however it is turned [m].
+        key: of the configuration that makes it so large, for messages.
+        share: of the limits under `grip` that it bears.
     """
-    body = flange.add_body(name=TOOL, pos=(0, 0, tool.length))
-    body.mass, body.ipos = tool.mass, (0, 0, -tool.length / 2)
-    across = tool.mass * (3 * tool.mast_radius**2 + tool.length**2) / 12
-    body.inertia = np.array([across, across, tool.mass * tool.mast_radius**2 / 2])
-    body.explicitinertial = True
-    half, top = tool.pad_size / 2, -PAD_THICKNESS
-    body.add_geom(name=PAD, type=BOX, pos=(0, 0, top / 2), size=(half, half, PAD_THICKNESS / 2), rgba=FOAM,
-                  mass=0, **{**ARM_CONTACT, "contype": 4})  # fmt: skip
-    body.add_geom(name="mast", type=CYLINDER, fromto=(0, 0, -tool.length, 0, 0, top), mass=0, rgba=STEEL,
-                  size=(tool.mast_radius, 0, 0), **ARM_CONTACT)  # fmt: skip
-    plate = (0, 0, -tool.length, 0, 0, PLATE_THICKNESS - tool.length)
-    body.add_geom(name="tool_plate", type=CYLINDER, fromto=plate, size=(tool.plate_radius, 0, 0), rgba=DARK,
-                  mass=0, **ARM_CONTACT)  # fmt: skip
-    if look:
-        body.add_geom(type=BOX, pos=(0, 0, top - 0.006), size=(half, half, 0.006), rgba=DARK, mass=0,
-                      contype=0, conaffinity=0)  # fmt: skip
-    return body
+
+    points: Array
+    side: float
+    key: str
+    share: float = 1.0
+
+
+class GripperTool(Config, ABC):
+    """The facts of a gripper under the flange [m, kg]: section `tool` of the cell."""
+
+    kind: str
+    """Name of its module in `pack_core/robots/grippers/`."""
+    length: PositiveFloat
+    """From the flange to the face of the pad."""
+    mass: PositiveFloat
+
+    @abstractmethod
+    def add_to(self, flange: mujoco.MjsBody, *, look: bool) -> mujoco.MjsBody:
+        """Add the gripper below the flange.
+
+        Args:
+            flange: whose z axis points out of the arm.
+            look: whether shapes that are only to be seen are wanted.
+
+        Returns:
+            The body `TOOL`, whose origin is the middle of the pad's face and whose z axis points out of it.
+            Its geoms have the bits of `kr210.ARM_CONTACT`, those of the pad the contype `PAD_BIT`.
+        """
+
+    @abstractmethod
+    def seals(self) -> tuple[Seal, ...]:
+        """The ways in which it can hold a face, the largest first: the first that seals is taken."""
+
+
+def gripper_tool(values: Mapping[str, Any], source: str) -> GripperTool:
+    """The gripper that some keys and values describe.
+
+    Args:
+        values: section `tool` of a cell; `kind` names the module that has the gripper as `GRIPPER`.
+        source: where they stand, for errors.
+
+    Raises:
+        ConfigError: there is no such kind, or a key or value is not allowed.
+    """
+    kinds = sorted(module.name for module in iter_modules(grippers.__path__))
+    kind = values.get("kind")
+    if kind not in kinds:
+        raise ConfigError(f"{source}: key 'kind' is {kind!r}; allowed: {', '.join(kinds)}")
+    cls: type[GripperTool] = import_module(f"{grippers.__name__}.{kind}").GRIPPER
+    return validate_config(cls, values, source)

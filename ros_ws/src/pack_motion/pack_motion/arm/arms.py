@@ -15,7 +15,6 @@ from pack_core.kinematics.parallel_axes import ParallelAxes
 from pack_core.kinematics.spherical_wrist import SphericalWrist
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots import kr210, robotiq_2f85, ur10e
-from pack_core.robots.surface_gripper import add_surface_gripper
 from pack_motion.arm.arm import Arm
 from pack_motion.arm.body_boxes import boxes_from_model, fixed_boxes
 from pack_motion.arm.fingers import fingers_from_model
@@ -39,7 +38,7 @@ def _palletizing() -> Arm:
     cell = palletizing_cell()
     spec = mujoco.MjSpec()
     flange = kr210.add_kr210(spec, cell.arm.X_WB, look=False)
-    add_surface_gripper(flange, cell.tool, look=False)
+    cell.tool.add_to(flange, look=False)
     model, limits = spec.compile(), kr210.LIMITS
     chain = chain_from_model(model, kr210.JOINTS, TOOL)
     inverse = SphericalWrist(chain, limits.lower, limits.upper)

@@ -8,7 +8,6 @@ import numpy as np
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.robots.kr210 import add_kr210
-from pack_core.robots.surface_gripper import add_surface_gripper
 from pack_core.rotations import Array, Pose
 
 LOAD = "load"
@@ -25,7 +24,7 @@ class CarriedLoad:
         spec = mujoco.MjSpec()
         spec.compiler.degree = False
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-        tool = add_surface_gripper(add_kr210(spec, cell.arm.X_WB, look=False), cell.tool, look=False)
+        tool = cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, look=False), look=False)
         tool.add_body(name=LOAD)
         self.model = spec.compile()
 

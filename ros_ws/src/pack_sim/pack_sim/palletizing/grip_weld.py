@@ -8,11 +8,9 @@ import numpy as np
 from pack_core.errors import PackError
 from pack_core.palletizing.grip import GripLoad
 from pack_core.palletizing.model import body_pose
-from pack_core.robots.surface_gripper import TOOL
+from pack_core.robots.surface_gripper import PAD_BIT, TOOL
 from pack_core.rotations import Array
 
-PAD_BIT = 4
-"""Of conaffinity: what the pad touches."""
 ROWS = 6
 """Of a weld among the constraints; it is the only equality that is ever active, and they come first."""
 

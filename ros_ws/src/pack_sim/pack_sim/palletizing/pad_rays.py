@@ -1,30 +1,51 @@
-"""What is in front of the pad: rays from its middle and its corners, as a seal would find it."""
+"""What is in front of the pad: rays from the points that a seal must cover."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
-from pack_core.robots.surface_gripper import TOOL
+from pack_core.robots.surface_gripper import TOOL, Seal
 from pack_core.rotations import Array
 
-INSET = 0.8
-"""Share of the pad's half side at which the corner rays start."""
 BEHIND = 0.01
 """How far behind the pad's face the rays start, so that a face that is pressed into it is found [m]."""
 
 
-def face_ahead(
-    model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str], *, pad_size: float, reach: float
-) -> tuple[str, str]:
-    """The box whose face covers the whole pad within `reach` [m]; needs up-to-date kinematics.
+@dataclass(frozen=True)
+class FaceAhead:
+    """The box that a seal can hold and that seal, or neither and why."""
 
-    Returns:
-        The box's name, or empty and why there is none.
+    box: str
+    seal: Seal | None
+    reason: str
+
+
+def face_ahead(
+    model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str], seals: Sequence[Seal], reach: float
+) -> FaceAhead:
+    """The first seal all of which meets a box's face within `reach` [m]; needs up-to-date kinematics.
+
+    The reason why none does is that of the last, the smallest.
     """
+    reason = ""
+    for seal in seals:
+        box, reason = _covering(model, data, boxes, seal, reach)
+        if box:
+            return FaceAhead(box, seal, "")
+    return FaceAhead("", None, reason)
+
+
+def _covering(
+    model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str], seal: Seal, reach: float
+) -> tuple[str, str]:
+    """Name of the box whose face covers a seal, or empty and why there is none."""
     tool = data.body(TOOL)
     R_WT = tool.xmat.reshape(3, 3)
-    starts = tool.xpos + (_pattern(pad_size) - [0.0, 0.0, BEHIND]) @ R_WT.T
+    starts = tool.xpos + (seal.points - [0.0, 0.0, BEHIND]) @ R_WT.T
     hits = [_hit(model, data, start, R_WT[:, 2], tool.id, reach + BEHIND) for start in starts]
     found = {hit for hit in hits if hit in boxes}
     if len(found) == 1 and len(set(hits)) == 1:
@@ -34,12 +55,6 @@ def face_ahead(
     if len(found) > 1:
         return "", f"the pad lies across {' and '.join(sorted(found))}"
     return "", f"the pad reaches beyond the face of {found.pop()}, or is tilted against it"
-
-
-def _pattern(pad_size: float) -> Array:
-    """Middle and corners `(5, 3)` in the tool frame [m]."""
-    h = 0.5 * INSET * pad_size
-    return np.array([[0, 0, 0], [h, h, 0], [h, -h, 0], [-h, h, 0], [-h, -h, 0]], dtype=float)
 
 
 def _hit(

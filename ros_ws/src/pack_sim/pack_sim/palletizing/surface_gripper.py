@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import mujoco
 
-from pack_core.palletizing.cell import GripLimits
-from pack_core.palletizing.grip import ASKED, GripLoad, GripState
+from pack_core.palletizing.grip import ASKED, GripLimits, GripLoad, GripState
 from pack_core.robots.surface_gripper import GripperTool
 from pack_sim.palletizing.grip_weld import attach, detach, is_awake, measure
 from pack_sim.palletizing.pad_rays import face_ahead
@@ -17,12 +16,13 @@ class SurfaceGripper:
     """Commands come at any time; `update` carries them out after every step of the physics.
 
     Args:
-        tool: the pad.
+        tool: the gripper, for its seals.
         limits: when it takes hold and lets go.
     """
 
     def __init__(self, tool: GripperTool, limits: GripLimits) -> None:
-        self._tool, self._limits = tool, limits
+        self._seals, self._limits = tool.seals(), limits
+        self._seal = self._seals[0]
         self._deadline: float | None = None
         self._steps_over = 0
         self._is_opening = False
@@ -63,17 +63,14 @@ class SurfaceGripper:
         if self._deadline is None:
             self._deadline = data.time + self._limits.retry_interval
         mujoco.mj_kinematics(model, data)
-        box, reason = face_ahead(
-            model, data, boxes, pad_size=self._tool.pad_size, reach=self._limits.max_grip_distance
-        )
-        if box and is_awake(model, data, box):
-            attach(model, data, box)
-            self._steps_over = 0
-            self.state = GripState(held=box)
-        elif box:
-            return
-        elif data.time >= self._deadline:
-            self.state = GripState(reason=reason)
+        found = face_ahead(model, data, boxes, self._seals, self._limits.max_grip_distance)
+        if found.seal is None:
+            if data.time >= self._deadline:
+                self.state = GripState(reason=found.reason)
+        elif is_awake(model, data, found.box):  # a box that slept is gripped in the next step
+            attach(model, data, found.box)
+            self._seal, self._steps_over = found.seal, 0
+            self.state = GripState(held=found.box)
 
     def _watch(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         load = measure(model, data, self.state.held)
@@ -91,12 +88,7 @@ class SurfaceGripper:
         self.state = GripState(peak=self.state.peak, reason=reason)
 
     def _excess(self, load: GripLoad) -> str:
-        limits = self._limits
-        for what, value, limit, unit in (
-            ("coaxial force", load.coaxial, limits.coaxial_force, "N"),
-            ("shear force", load.shear, limits.shear_force, "N"),
-            ("moment", load.moment, limits.moment, "N m"),
-        ):
-            if value > limit:
-                return f"{what} {value:.1f} {unit} above {limit:.1f} {unit}"
+        """The first limit that the load passes, in words; empty where it passes none."""
+        for passed in self._limits.passed_by(load, self._seal.share):
+            return f"{passed.what} {passed.load:.1f} {passed.unit} above {passed.allowed:.1f} {passed.unit}"
         return ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.orders.grips import PlannedGrip, grips_of
+from pack_core.palletizing.orders.grips import grips_of
 from pack_core.palletizing.orders.order import Order, OrderBox
 
 TOLERANCE = 0.001
@@ -29,21 +29,14 @@ def _wrong_pallet(order: Order, cell: PalletizingCell) -> Iterator[str]:
 def _not_held(item: OrderBox, cell: PalletizingCell) -> Iterator[str]:
     """For each limit of the gripper that is passed, the first grip that passes it."""
     reasons: dict[str, str] = {}
+    seals = cell.tool.seals()
     for grip in grips_of(item, cell.grip.carrying_acceleration):
-        for key, load, limit, unit in _demands(grip, cell):
-            if load > limit:
-                text = f"{item.weight:g} kg, {grip.how}, make a {key.replace('_', ' ')} of {load:.1f} {unit}"
-                reasons.setdefault(key, f"{text}; allowed: {limit:g} {unit} ({WHERE}: grip.{key})")
-        if grip.face < cell.tool.pad_size:
+        seal = next((seal for seal in seals if seal.side <= grip.face), seals[-1])
+        for passed in cell.grip.passed_by(grip.load, seal.share):
+            key, unit = passed.key, passed.unit
+            text = f"{item.weight:g} kg, {grip.how}, make a {passed.what} of {passed.load:.1f} {unit}"
+            reasons.setdefault(key, f"{text}; allowed: {passed.allowed:g} {unit} ({WHERE}: grip.{key})")
+        if grip.face < seal.side:
             text = f"its face is {grip.face:g} m wide where it is {grip.how}"
-            reasons.setdefault("face", f"{text}; allowed: {cell.tool.pad_size:g} m ({WHERE}: tool.pad_size)")
+            reasons.setdefault("face", f"{text}; allowed: {seal.side:g} m ({WHERE}: {seal.key})")
     return (f"box '{item.id}': {reason}" for reason in reasons.values())
-
-
-def _demands(grip: PlannedGrip, cell: PalletizingCell) -> tuple[tuple[str, float, float, str], ...]:
-    load, limits = grip.load, cell.grip
-    return (
-        ("coaxial_force", load.coaxial, limits.coaxial_force, "N"),
-        ("shear_force", load.shear, limits.shear_force, "N"),
-        ("moment", load.moment, limits.moment, "N m"),
-    )

@@ -1,0 +1,1 @@
+"""Kinds of suction gripper: each module defines one as `GRIPPER`; its name is the `kind` in the cell."""
