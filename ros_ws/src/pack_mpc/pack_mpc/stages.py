@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_mpc.placement import Placement
@@ -166,9 +166,8 @@ class StageMachine:
         return float(self._X_WN.p[2]) - float(self._scene.new_object.half_extents[2])
 
 
-def nearest_heading(item: Box | Cylinder, yaw: float, heading: float) -> float:
+def nearest_heading(item: SceneItem, yaw: float, heading: float) -> float:
     """The yaw [rad] nearest to `heading` at which the object looks as it does at `yaw`."""
-    if isinstance(item, Cylinder):
+    if item.symmetry == 0.0:
         return heading
-    period = np.pi / 2 if np.isclose(item.size[0], item.size[1]) else np.pi
-    return float(yaw + period * np.round((heading - yaw) / period))
+    return float(yaw + item.symmetry * np.round((heading - yaw) / item.symmetry))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.fit import fitting_yaws, half_spans, symmetry
+from pack_core.packing.fit import fitting_yaws
 from pack_core.packing.free_space import base_height, fill, footprint, free_places, is_blocked, is_inside
 from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.scene import Container, Scene
@@ -76,13 +76,13 @@ def test_outlines_over_a_wall_are_not_inside() -> None:
 
 def test_symmetries_are_none_a_quarter_and_half_a_turn() -> None:
     square = BRICK.model_copy(update={"size": (0.06, 0.06, 0.08)})
-    assert [symmetry(item) for item in (CAN, square, BRICK)] == [0.0, np.pi / 2, np.pi]
+    assert [item.symmetry for item in (CAN, square, BRICK)] == [0.0, np.pi / 2, np.pi]
 
 
 def test_fitting_yaws_leave_out_those_at_which_the_object_is_too_long() -> None:
     long = BRICK.model_copy(update={"size": (0.25, 0.05, 0.05)})
     yaws = fitting_yaws(long, CONTAINER, 0.0)
-    assert np.all(2 * half_spans(long, yaws) <= np.array(CONTAINER.size) + 1e-12)
+    assert np.all(2 * long.half_spans(yaws) <= np.array(CONTAINER.size) + 1e-12)
     assert np.abs(yaws).max() < np.pi / 2
 
 

@@ -9,7 +9,6 @@ import pytest
 from pack_core.bodies import body_pose, penetrations, set_object_poses
 from pack_core.errors import PackError
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.fit import symmetry
 from pack_core.packing.model import Arm, Held, build_model
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import parse_scene
@@ -43,7 +42,7 @@ def is_free_on_a_grid(scene: Scene) -> bool:
         np.arange(low, high, GRID)
         for low, high in zip(scene.container.lower, scene.container.upper, strict=True)
     )
-    yaws = np.arange(0.0, symmetry(scene.new_object), np.deg2rad(15.0))
+    yaws = np.arange(0.0, scene.new_object.symmetry, np.deg2rad(15.0))
     height = scene.new_object.half_extents[2]
     return any(
         not overlaps_at(scene, model, data, Pose(np.array([x, y, height]), from_yaw(yaw)))

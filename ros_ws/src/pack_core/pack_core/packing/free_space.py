@@ -10,21 +10,18 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from pack_core.packing.fit import symmetry
-from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Container, Scene
-from pack_core.rotations import Array, Pose, from_yaw
+from pack_core.rotations import Pose, from_yaw
 
-CORNERS = 64
-"""Corners of the polygon inscribed in a circle: it is short of the circle by 0.12 % of its radius."""
 YAW_STEP = np.deg2rad(1.0)
 SMALLEST_AREA = 1e-10
 """Areas of free places below this are rounding [m^2]."""
 
 
-def footprint(item: Box | Cylinder, X_WO: Pose) -> shapely.Polygon:
+def footprint(item: SceneItem, X_WO: Pose) -> shapely.Polygon:
     """The object's outline as seen from above [m]."""
-    return shapely.MultiPoint(X_WO.apply(_outline(item))[:, :2]).convex_hull
+    return shapely.MultiPoint(X_WO.apply(item.hull())[:, :2]).convex_hull
 
 
 def outlines(scene: Scene) -> list[shapely.Polygon]:
@@ -32,13 +29,13 @@ def outlines(scene: Scene) -> list[shapely.Polygon]:
     return [footprint(scene.model_of(name), X_WO) for name, X_WO in scene.poses().items()]
 
 
-def base_height(item: Box | Cylinder, X_WO: Pose) -> float:
+def base_height(item: SceneItem, X_WO: Pose) -> float:
     """Height of the object's lowest point over the table [m]."""
-    return float(X_WO.apply(_outline(item))[:, 2].min())
+    return float(X_WO.apply(item.hull())[:, 2].min())
 
 
 def free_places(
-    item: Box | Cylinder, yaw: float, container: Container, taken: list[shapely.Polygon], margin: float = 0.0
+    item: SceneItem, yaw: float, container: Container, taken: list[shapely.Polygon], margin: float = 0.0
 ) -> shapely.Geometry:
     """Places of an upright object's centre at which it is between the walls and touches nothing.
 
@@ -64,8 +61,10 @@ def is_blocked(scene: Scene) -> bool:
     so that a place which is free between two of them would be found.
     """
     item, taken = scene.new_object, outlines(scene)
-    yaws = np.arange(0.0, max(symmetry(item), YAW_STEP), YAW_STEP)
-    margin = 0.0 if isinstance(item, Cylinder) else float(np.hypot(*item.half_extents[:2])) * YAW_STEP / 2
+    yaws = np.arange(0.0, max(item.symmetry, YAW_STEP), YAW_STEP)
+    # a point of the outline is at most a half diagonal off the centre, and half a step turns it by that times
+    # the angle; a round object's outline does not move at all
+    margin = 0.0 if item.symmetry == 0.0 else float(np.hypot(*item.half_extents[:2])) * YAW_STEP / 2
     return all(free_places(item, yaw, scene.container, taken, margin).area < SMALLEST_AREA for yaw in yaws)
 
 
@@ -77,16 +76,6 @@ def fill(scene: Scene) -> float:
 def is_inside(outline: shapely.Polygon, container: Container, tolerance: float = 0.0) -> bool:
     """The outline lies between the walls."""
     return bool(shapely.box(*container.lower, *container.upper).buffer(tolerance).covers(outline))
-
-
-def _outline(item: Box | Cylinder) -> Array:
-    """Points `(n, 3)` in the object's frame whose convex hull is the object."""
-    x, y, z = item.half_extents
-    if isinstance(item, Box):
-        return np.array([[sx * x, sy * y, sz * z] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)])
-    angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
-    rim = np.stack([x * np.cos(angles), x * np.sin(angles)], axis=1)
-    return np.concatenate([np.insert(rim, 2, side * z, axis=1) for side in (-1, 1)])
 
 
 def _minkowski_sums(taken: list[shapely.Polygon], outline: shapely.Polygon) -> list[shapely.Polygon]:

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from pack_core.packing.cell import PackingCell, Tip
-from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Container, Scene
 from pack_core.packing.steering import add_steering
 from pack_core.packing.surroundings import add_surroundings
@@ -165,15 +165,11 @@ def _add_sensors(spec: mujoco.MjSpec, held: str) -> None:
         spec.add_sensor(name=name, type=kind, objtype=on, objname=target)
 
 
-def _add_object(body: mujoco.MjsBody, item: Box | Cylinder, scene: Scene, *, free: bool) -> None:
+def _add_object(body: mujoco.MjsBody, item: SceneItem, scene: Scene, *, free: bool) -> None:
     if free:
         body.add_freejoint(name=item.name)
-    is_box = isinstance(item, Box)
-    x, _, z = item.half_extents
     friction = scene.friction if item.friction is None else item.friction
     body.add_geom(
-        name=item.name,
-        type=mujoco.mjtGeom.mjGEOM_BOX if is_box else mujoco.mjtGeom.mjGEOM_CYLINDER,
-        size=item.half_extents if is_box else (x, z, 0),
+        name=item.name, type=item.geom_type, size=item.geom_size,
         mass=item.mass, friction=(friction, 0.005, 0.0001), condim=3, rgba=(*item.colour, 1.0),
     )  # fmt: skip

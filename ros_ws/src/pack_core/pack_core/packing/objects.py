@@ -1,9 +1,16 @@
-"""The things that are packed: boxes and cylinders with known size and mass."""
+"""The things that are packed: shapes with known size and mass.
+
+All that depends on a shape stands in its class here; other code asks the object and never its type. A
+further shape is one more subclass of `SceneItem`, listed in `ObjectModel`; Python refuses to make an object
+of a class that leaves something out.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from abc import abstractmethod
+from typing import Annotated, ClassVar, Literal, Self
 
+import mujoco
 import numpy as np
 from pydantic import Field
 
@@ -20,10 +27,12 @@ MARKER_HEIGHT = 0.004
 """How far a marker's centre stands off the surface it is glued to [m]."""
 TOP_MARKERS = 4
 """So many markers, the first ones, are on an object's top."""
+CORNERS = 64
+"""Corners of the polygon inscribed in a circle: it is short of the circle by 0.12 % of its radius."""
 
 
-class _Object(Config):
-    """What boxes and cylinders share: the origin is the centre, z the axis that stands upright."""
+class SceneItem(Config):
+    """An object of a scene: the origin is its centre, z the axis that stands upright."""
 
     name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", description="lower case letters, digits, _")
     mass: Mass
@@ -31,44 +40,129 @@ class _Object(Config):
     colour: Colour = (0.7, 0.7, 0.7)
     pose: PoseConfig | None = None
 
+    @property
+    @abstractmethod
+    def geom_type(self) -> mujoco.mjtGeom:
+        """Its kind of geometry in MuJoCo."""
 
-class Box(_Object):
+    @property
+    @abstractmethod
+    def geom_size(self) -> Array:
+        """The size parameters `(3,)` that MuJoCo asks for this kind of geometry [m]."""
+
+    @property
+    @abstractmethod
+    def half_extents(self) -> Array:
+        """Half edge lengths of the bounding box `(3,)` [m]."""
+
+    @property
+    @abstractmethod
+    def symmetry(self) -> float:
+        """The smallest yaw that brings the upright object onto itself [rad]; 0: any yaw does."""
+
+    @abstractmethod
+    def half_spans(self, yaws: Array) -> Array:
+        """Half the extents `(n, 2)` along the world's x and y of the upright object at each yaw [m]."""
+
+    @abstractmethod
+    def hull(self) -> Array:
+        """Points `(n, 3)` in the object's frame whose convex hull is the object [m]."""
+
+    @abstractmethod
+    def markers(self) -> Array:
+        """Marker centres `(6, 3)` [m], those on the top first, then one each on two upper sides."""
+
+    @abstractmethod
+    def resized(self, change: Array) -> Self:
+        """The same object with lengths along x, y and z that differ by `change` `(3,)` [m]."""
+
+
+class Box(SceneItem):
     """A box with full edge lengths `size` [m]."""
 
     shape: Literal["box"]
     size: tuple[Size, Size, Size]
+    geom_type: ClassVar[mujoco.mjtGeom] = mujoco.mjtGeom.mjGEOM_BOX
+
+    @property
+    def geom_size(self) -> Array:
+        return self.half_extents
 
     @property
     def half_extents(self) -> Array:
-        """Half edge lengths of the bounding box `(3,)` [m]."""
         return 0.5 * np.array(self.size)
 
+    @property
+    def symmetry(self) -> float:
+        return np.pi / 2 if np.isclose(self.size[0], self.size[1]) else np.pi
+
+    def half_spans(self, yaws: Array) -> Array:
+        x, y, _ = self.half_extents
+        c, s = np.abs(np.cos(yaws)), np.abs(np.sin(yaws))
+        return np.stack([c * x + s * y, s * x + c * y], axis=1)
+
+    def hull(self) -> Array:
+        x, y, z = self.half_extents
+        return np.array([[sx * x, sy * y, sz * z] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)])
+
     def markers(self) -> Array:
-        """Marker centres `(6, 3)` [m]: the top's corners and two upper sides."""
+        """At the top's corners."""
         return _markers(self.half_extents, inset=1.0)
 
+    def resized(self, change: Array) -> Self:
+        return self.model_copy(update={"size": tuple((np.array(self.size) + change).tolist())})
 
-class Cylinder(_Object):
+
+class Cylinder(SceneItem):
     """An upright cylinder, `radius` and `height` [m]."""
 
     shape: Literal["cylinder"]
     radius: Size
     height: Size
+    geom_type: ClassVar[mujoco.mjtGeom] = mujoco.mjtGeom.mjGEOM_CYLINDER
+
+    @property
+    def geom_size(self) -> Array:
+        return np.array([self.radius, 0.5 * self.height, 0.0])
 
     @property
     def half_extents(self) -> Array:
-        """Half edge lengths of the bounding box `(3,)` [m]."""
         return np.array([self.radius, self.radius, 0.5 * self.height])
 
+    @property
+    def symmetry(self) -> float:
+        return 0.0
+
+    def half_spans(self, yaws: Array) -> Array:
+        return np.full((len(yaws), 2), self.radius)
+
+    def hull(self) -> Array:
+        rim = circle(self.radius)
+        return np.concatenate([np.insert(rim, 2, side * 0.5 * self.height, axis=1) for side in (-1, 1)])
+
     def markers(self) -> Array:
-        """Marker centres `(6, 3)` [m]: four on the rim of the top and two upper sides."""
+        """On the rim of the top: at 45 degrees the rim is sqrt(1/2) of its radius along x and along y."""
         return _markers(self.half_extents, inset=np.sqrt(0.5))
+
+    def resized(self, change: Array) -> Self:
+        """`change` of x is that of the diameter."""
+        return self.model_copy(
+            update={"radius": self.radius + 0.5 * change[0], "height": self.height + change[2]}
+        )
 
 
 ObjectModel = Annotated[Box | Cylinder, Field(discriminator="shape")]
+"""Every shape that a scene file can name."""
+
+
+def circle(radius: float) -> Array:
+    """Corners `(CORNERS, 2)` of the polygon that stands for a circle about the origin [m]."""
+    angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
+    return np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=1)
 
 
 def _markers(half: Array, inset: float) -> Array:
+    """Markers `(6, 3)`: the four on the top at `inset` times its half extents, less the marker itself."""
     x, y, z = half
     cx, cy = inset * (x - MARKER_HEIGHT), inset * (y - MARKER_HEIGHT)
     top = [[sx * cx, sy * cy, z + MARKER_HEIGHT] for sx in (-1, 1) for sy in (-1, 1)]

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
-from pack_core.packing.objects import Box, Cylinder, Friction, ObjectModel
+from pack_core.packing.objects import Friction, ObjectModel, SceneItem
 from pack_core.pose_config import PoseConfig
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.rotations import Array, Pose
@@ -65,7 +65,7 @@ class Scene(Config):
         """Height of the walls and of the tallest object [m]: above it the way is free."""
         return max((self.container.height, *(2.0 * float(item.half_extents[2]) for item in self.objects)))
 
-    def model_of(self, name: str) -> Box | Cylinder:
+    def model_of(self, name: str) -> SceneItem:
         """The object called `name`.
 
         Raises:

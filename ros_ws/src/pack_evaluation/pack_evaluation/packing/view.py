@@ -15,7 +15,6 @@ from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import WALLS, Arm, Held, build_model
-from pack_core.packing.objects import Box
 from pack_core.rotations import Pose, to_matrix
 from pack_evaluation.packing.run import Run
 
@@ -101,13 +100,9 @@ class View:
     def _add_ghost(self, X_WT: Pose) -> None:
         """Add the held object's shape at its packing pose, translucent."""
         item, scene = self._run.scene.new_object, self._renderer.scene
-        is_box = isinstance(item, Box)
-        x, _, z = item.half_extents
         mujoco.mjv_initGeom(
-            scene.geoms[scene.ngeom],
-            mujoco.mjtGeom.mjGEOM_BOX if is_box else mujoco.mjtGeom.mjGEOM_CYLINDER,
-            item.half_extents if is_box else np.array([x, x, z]),
-            X_WT.p, to_matrix(X_WT.q).ravel(), np.array(GHOST, dtype=np.float32),
+            scene.geoms[scene.ngeom], item.geom_type, item.geom_size, X_WT.p,
+            to_matrix(X_WT.q).ravel(), np.array(GHOST, dtype=np.float32),
         )  # fmt: skip
         scene.ngeom += 1
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.packing.fit import half_spans
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, rotate
 
@@ -80,6 +79,6 @@ def _is_between_walls(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
 def wall_clearance(scene: Scene, poses: Array) -> Array:
     """Distance `(S,)` [m] from the new object's outline, taken as upright, to the nearest wall."""
     x_axes = rotate(poses[:, 3:], FORWARD)
-    spans = half_spans(scene.new_object, np.arctan2(x_axes[:, 1], x_axes[:, 0]))
+    spans = scene.new_object.half_spans(np.arctan2(x_axes[:, 1], x_axes[:, 0]))
     offsets = np.abs(poses[:, :2] - np.array(scene.container.centre))
     return np.asarray((0.5 * np.array(scene.container.size) - offsets - spans).min(axis=1))

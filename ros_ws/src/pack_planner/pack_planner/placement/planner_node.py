@@ -20,9 +20,9 @@ from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Pose
-from pack_planner.placement.placement_markers import to_visual_markers
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
 from pack_planner.placement.placement_result import Placement, Samples
+from pack_planner.placement.ros.placement_markers import to_visual_markers
 
 
 class PlannerNode(CellNode):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.packing.fit import fitting_yaws, half_spans
-from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.fit import fitting_yaws
+from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Container
 from pack_core.rotations import Array, Pose, yaw_of
 
 
 def sample_poses(
-    item: Box | Cylinder, container: Container, n: int, yaw: float, rng: np.random.Generator
+    item: SceneItem, container: Container, n: int, yaw: float, rng: np.random.Generator
 ) -> Array:
     """Uniformly random poses at which the object stands on the base between the walls.
 
@@ -32,13 +32,13 @@ def sample_poses(
         PackError: the object is too large for the container.
     """
     yaws = rng.choice(fitting_yaws(item, container, yaw), n)
-    room = 0.5 * np.array(container.size) - half_spans(item, yaws)
+    room = 0.5 * np.array(container.size) - item.half_spans(yaws)
     return _standing(item, container, room * rng.uniform(-1.0, 1.0, (n, 2)), yaws)
 
 
 def sample_near(
     X_WN: Pose,
-    item: Box | Cylinder,
+    item: SceneItem,
     container: Container,
     n: int,
     deviation: tuple[float, float],
@@ -55,12 +55,12 @@ def sample_near(
         rng: the source of randomness.
     """
     yaws = yaw_of(X_WN.q) + deviation[1] * rng.normal(size=n)
-    room = np.maximum(0.5 * np.array(container.size) - half_spans(item, yaws), 0.0)
+    room = np.maximum(0.5 * np.array(container.size) - item.half_spans(yaws), 0.0)
     offsets = X_WN.p[:2] - container.centre + deviation[0] * rng.normal(size=(n, 2))
     return _standing(item, container, np.clip(offsets, -room, room), yaws)
 
 
-def _standing(item: Box | Cylinder, container: Container, offsets: Array, yaws: Array) -> Array:
+def _standing(item: SceneItem, container: Container, offsets: Array, yaws: Array) -> Array:
     """Poses `(n, 7)` on the base, at offsets `(n, 2)` [m] from its middle."""
     poses = np.zeros((len(yaws), 7))
     poses[:, :2] = np.array(container.centre) + offsets

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, NonNegativeFloat
 
 from pack_core.config import Config
-from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 
@@ -68,16 +68,13 @@ def joint_friction(mismatch: MismatchConfig, joints: int, rng: np.random.Generat
 
 
 def _actual_object(
-    item: Box | Cylinder, scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator
-) -> Box | Cylinder:
+    item: SceneItem, scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator
+) -> SceneItem:
     described = scene.friction if item.friction is None else item.friction
     friction = described * rng.uniform(*mismatch.friction)
     mass = item.mass * (1.0 + mismatch.mass * rng.uniform(-1.0, 1.0))
     return item.model_copy(update={"friction": friction, "mass": mass})
 
 
-def _believed_object(item: Box | Cylinder, most: float, rng: np.random.Generator) -> Box | Cylinder:
-    error = most * rng.uniform(-1.0, 1.0, 3)
-    if isinstance(item, Box):
-        return item.model_copy(update={"size": tuple((np.array(item.size) + error).tolist())})
-    return item.model_copy(update={"radius": item.radius + 0.5 * error[0], "height": item.height + error[2]})
+def _believed_object(item: SceneItem, most: float, rng: np.random.Generator) -> SceneItem:
+    return item.resized(most * rng.uniform(-1.0, 1.0, 3))

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.objects import SceneItem
 from pack_core.ros.conversions import WORLD, to_point, to_pose, to_stamp
 from pack_core.rotations import Array
 from pack_planner.placement.placement_result import Placement, Samples
 
 INFEASIBLE = ColorRGBA(r=0.4, g=0.4, b=0.4, a=0.35)
 CHOSEN = ColorRGBA(r=0.1, g=0.8, b=0.3, a=0.45)
+KINDS = {mujoco.mjtGeom.mjGEOM_BOX: Marker.CUBE, mujoco.mjtGeom.mjGEOM_CYLINDER: Marker.CYLINDER}
+"""Markers that look like the shapes; their scale is the bounding box's edges."""
 SAMPLE_DIAMETER = 0.004
 SAMPLE_HEIGHT = 0.002
 
 
-def to_visual_markers(time: float, placement: Placement, item: Box | Cylinder) -> MarkerArray:
+def to_visual_markers(time: float, placement: Placement, item: SceneItem) -> MarkerArray:
     """The samples as dots on the base, green (cheap) to red (dear), and the chosen pose as a ghost."""
     return MarkerArray(markers=[_samples(time, placement.samples), _chosen(time, placement, item)])
 
@@ -35,8 +38,8 @@ def _samples(time: float, samples: Samples) -> Marker:
     return marker
 
 
-def _chosen(time: float, placement: Placement, item: Box | Cylinder) -> Marker:
-    marker = _marker(time, "placement", Marker.CUBE if isinstance(item, Box) else Marker.CYLINDER)
+def _chosen(time: float, placement: Placement, item: SceneItem) -> Marker:
+    marker = _marker(time, "placement", KINDS[item.geom_type])
     if placement.X_WO is None:
         marker.action = Marker.DELETE
         return marker

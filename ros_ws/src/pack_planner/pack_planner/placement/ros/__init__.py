@@ -1,0 +1,1 @@
+"""What the node `planner` needs of ROS beside its shell."""
