@@ -20,16 +20,22 @@ from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.health import Health
-from pack_core.ros.lifeline import Lifeline
 from pack_core.ros.params import unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
+from pack_core.ros.watch_connection import WatchSocket
 
 ASSERTION_PERIOD = 0.02
-"""How often a node says that it is alive [s of wall clock]; a busy machine may swallow a few."""
+"""How often a node says that it is alive [s of wall clock]: 25 times within the lease, so that a busy machine
+may delay many of them."""
 
 
 class CellNode(Node):
-    """A node whose endpoints come from the wiring table and that survives every message."""
+    """A node whose endpoints come from the wiring table and that no bad message can stop.
+
+    Attributes:
+        health: what was refused and what is wrong, published on /diagnostics once a second.
+        wall: a clock of wall time that never jumps, for timers that must not wait for simulated time.
+    """
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
@@ -38,26 +44,30 @@ class CellNode(Node):
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0, self.report, clock=self.wall)
         self._ended = threading.Event()
-        self._lifeline: Lifeline | None = None
+        self._watch_socket: WatchSocket | None = None
         self._watches: list[PeerWatch] = []
         self._heart: threading.Thread | None = None
         self._birth = self.create_timer(0.001, self._come_alive, clock=self.wall)
 
     def destroy_node(self) -> None:
-        """Fall silent and end."""
+        """Stop saying that the node is alive, then end."""
         self._ended.set()
         if self._heart is not None:
             self._heart.join()
         for watch in self._watches:
             watch.end()
         super().destroy_node()
-        if self._lifeline is not None:
-            self._lifeline.cut()
+        if self._watch_socket is not None:
+            self._watch_socket.close()
 
     def _come_alive(self) -> None:
-        """From the executor's first turn on: what a constructor builds may take longer than the lease."""
+        """Say for the first time that the node is alive, in the executor's first turn.
+
+        Not in the constructor: what a subclass builds there may take longer than the lease, and the node
+        would be taken for dead before it has begun.
+        """
         self._birth.cancel()
-        self._lifeline = Lifeline(self.context.get_domain_id(), self.get_name())
+        self._watch_socket = WatchSocket(self.context.get_domain_id(), self.get_name())
         self._alive = self.create_publisher(Empty, alive_topic(self.get_name()), ALIVE_QOS)
         self._heart = threading.Thread(target=self._beat, name="alive", daemon=True)
         self._heart.start()
@@ -66,6 +76,7 @@ class CellNode(Node):
             self.get_logger().warning(f"ignored: unknown parameter {said}")
 
     def _beat(self) -> None:
+        # A thread, because a timer would wait for callbacks that compute for longer than the lease.
         with suppress(InvalidHandle, RuntimeError):  # the context may end first
             while not self._ended.wait(ASSERTION_PERIOD) and self.context.ok():
                 self._alive.assert_liveliness()
@@ -108,7 +119,7 @@ class CellNode(Node):
             self.report()
 
     def report(self) -> None:
-        """Publish this node's health."""
+        """Publish this node's health on /diagnostics."""
         message = DiagnosticArray(status=[self.health.status()])
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)

@@ -1,4 +1,9 @@
-"""Watch over another node: does it still say that it is alive, and does its process still exist?"""
+"""Watch over another node, in two ways.
+
+Every node asserts that it is alive; the middleware reports when it has not done so for the length of a lease
+(DDS liveliness, MANUAL_BY_TOPIC), also from another machine and also when the process hangs. A connection to
+the process (`watch_connection`) tells the end of one on this machine at once.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +18,12 @@ from rclpy.node import Node
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Empty
 
-from pack_core.ros.lifeline import Grasp
+from pack_core.ros.watch_connection import WatchConnection
 
 LEASE = Duration(seconds=0.5)
-"""A node is dead when it has not been heard of for this long, in wall clock; one of this machine whose
-process ends is known to be dead at once."""
-REACH_PERIOD = 0.1
-"""How often a peer that is not held is reached for [s of wall clock]."""
+"""A node counts as dead when it has not been heard of for this long, in wall clock."""
+CONNECT_PERIOD = 0.1
+"""How often a connection to a peer without one is tried [s of wall clock]."""
 ALIVE_QOS = QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE)
 
 
@@ -34,7 +38,8 @@ class PeerWatch:
     Args:
         node: who watches.
         peer: name of the node that is watched.
-        on_change: `on_change(peer, is_alive)`, from the executor or from a thread; never twice the same.
+        on_change: `on_change(peer, is_alive)`, called from the executor or another thread, and only when
+            `is_alive` has changed.
 
     Attributes:
         peer: who is watched.
@@ -45,8 +50,8 @@ class PeerWatch:
         self._node, self._on_change = node, on_change
         self._is_alive: bool | None = None
         self._lock = threading.Lock()
-        self._grasp: Grasp | None = None
-        node.create_timer(REACH_PERIOD, self._reach, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._connection: WatchConnection | None = None
+        node.create_timer(CONNECT_PERIOD, self._connect, clock=Clock(clock_type=ClockType.STEADY_TIME))
         node.create_subscription(
             Empty, alive_topic(peer), lambda _: None, ALIVE_QOS,
             event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_liveliness),
@@ -59,24 +64,26 @@ class PeerWatch:
 
     def end(self) -> None:
         """Watch no longer."""
-        if self._grasp is not None:
-            self._grasp.release()
+        if self._connection is not None:
+            self._connection.close()
 
     def _on_liveliness(self, event: Any) -> None:
         self._change(event.alive_count > 0)
 
-    def _reach(self) -> None:
-        """Take hold of the peer's lifeline as soon as there is one: it came, or came back."""
-        if self._grasp is not None and self._grasp.is_held:
+    def _connect(self) -> None:
+        """Connect to the peer as soon as it has come, or come back."""
+        if self._connection is not None and self._connection.is_open:
             return
-        grasp = Grasp(self._node.context.get_domain_id(), self.peer, lambda: self._change(False))
-        if grasp.is_held:
-            self._grasp = grasp
+        domain = self._node.context.get_domain_id()
+        connection = WatchConnection(domain, self.peer, lambda: self._change(False))
+        if connection.is_open:
+            self._connection = connection
             self._change(True)
         else:
-            grasp.release()
+            connection.close()
 
     def _change(self, is_alive: bool) -> None:
+        # Both ways of watching end here, each in its own thread: whoever notices first reports it.
         with self._lock:
             if self._is_alive is is_alive or not self._node.context.ok():
                 return

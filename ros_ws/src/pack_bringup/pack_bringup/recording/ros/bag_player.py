@@ -21,8 +21,8 @@ from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_stamp
-from pack_core.ros.lifeline import Lifeline
 from pack_core.ros.peer_watch import ALIVE_QOS, alive_topic
+from pack_core.ros.watch_connection import WatchSocket
 from pack_evaluation.raw_bag import RawMessage, Topic
 
 DEPTH = 100
@@ -61,7 +61,7 @@ class BagPlayer:
         )
         self._alive = [self._node.create_publisher(Empty, alive_topic(name), ALIVE_QOS) for name in stand_in]
         self._asserted = 0.0
-        self._lifelines = [Lifeline(self._context.get_domain_id(), name) for name in stand_in]
+        self._watch_sockets = [WatchSocket(self._context.get_domain_id(), name) for name in stand_in]
 
     def __enter__(self) -> Self:
         return self
@@ -69,8 +69,8 @@ class BagPlayer:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for lifeline in self._lifelines:
-            lifeline.cut()
+        for watch_socket in self._watch_sockets:
+            watch_socket.close()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 

@@ -1,0 +1,73 @@
+"""Tells at once that a node of this machine has ended, however it ended.
+
+A node listens on a local socket that it never serves, and its watchers connect to it. When the process ends,
+even by `kill -9`, the system closes the socket and every watcher's blocking read returns. The middleware's
+liveliness also sees nodes of other machines, but has to wait for a lease that must be longer than the time
+for which a busy processor may keep a healthy node waiting.
+"""
+
+from __future__ import annotations
+
+import socket
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+
+BACKLOG = 64
+"""Watchers that the system queues: as nobody accepts them, one more could not connect."""
+
+
+class WatchSocket:
+    """The watched node's side: watchers connect to it, and learn of its end when it closes."""
+
+    def __init__(self, domain: int, name: str) -> None:
+        self._socket = socket.socket(socket.AF_UNIX)
+        with suppress(OSError):  # a second node of this name has no address and is watched by its lease
+            self._socket.bind(_address(domain, name))
+            self._socket.listen(BACKLOG)
+
+    def close(self) -> None:
+        """Let the watchers know that the node ends."""
+        self._socket.close()
+
+
+class WatchConnection:
+    """The watcher's side: a connection to a node of this machine.
+
+    Args:
+        domain: ROS domain id.
+        name: of the watched node.
+        on_end: called once, from a thread of its own, when the node has ended.
+
+    Attributes:
+        is_open: whether the node was there and has not ended since.
+    """
+
+    def __init__(self, domain: int, name: str, on_end: Callable[[], None]) -> None:
+        self._socket = socket.socket(socket.AF_UNIX)
+        self._on_end = on_end
+        self._is_closed = False
+        self.is_open = False
+        with suppress(OSError):
+            self._socket.connect(_address(domain, name))
+            self.is_open = True
+            threading.Thread(target=self._wait, name=f"watch over {name}", daemon=True).start()
+
+    def close(self) -> None:
+        """Watch no longer; `on_end` is not called any more."""
+        self._is_closed = True
+        with suppress(OSError):
+            self._socket.shutdown(socket.SHUT_RDWR)  # wakes the thread, which `close` alone does not
+        self._socket.close()
+
+    def _wait(self) -> None:
+        with suppress(OSError):
+            self._socket.recv(1)  # nothing is ever sent: it returns when the other end is gone
+        self.is_open = False
+        if not self._is_closed:
+            self._on_end()
+
+
+def _address(domain: int, name: str) -> str:
+    # The leading zero byte makes it an abstract address: no file that a killed process would leave behind.
+    return f"\0packcell/{domain}/{name}"
