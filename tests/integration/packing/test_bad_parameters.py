@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import runpy
+import signal
 import subprocess
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,15 +20,28 @@ from pack_planner.placement.planner_node import PlannerNode
 EXAMPLE = config_path("scenarios", "packing", "example.yaml")
 
 
-def last_words(package: str, executable: str, *parameters: str) -> str:
-    """The one line of an executable that ends with exit code 2."""
-    command = [str(find_executable(package, executable)), "--ros-args"]
-    for parameter in parameters:
-        command += ["-p", parameter]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=30.0, check=False)
-    assert ended.returncode == 2, ended.stderr
-    (line,) = ended.stderr.splitlines()
-    return line
+LastWords = Callable[..., str]
+
+
+@pytest.fixture
+def last_words(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Iterator[LastWords]:
+    """Runs an executable in this process until it ends with exit code 2; the one line that it prints."""
+    handler, interval = signal.getsignal(signal.SIGINT), sys.getswitchinterval()
+
+    def run(package: str, executable: str, *parameters: str) -> str:
+        path = str(find_executable(package, executable))
+        options = [word for parameter in parameters for word in ("-p", parameter)]
+        monkeypatch.setattr(sys, "argv", [path, "--ros-args", *options])
+        with pytest.raises(SystemExit) as ended:
+            runpy.run_path(path, run_name="__main__")
+        said = capfd.readouterr().err
+        assert ended.value.code == 2, said
+        (line,) = said.splitlines()
+        return line
+
+    yield run
+    signal.signal(signal.SIGINT, handler)
+    sys.setswitchinterval(interval)
 
 
 @pytest.mark.parametrize(
@@ -41,7 +58,7 @@ def last_words(package: str, executable: str, *parameters: str) -> str:
     ],
 )
 def test_a_bad_parameter_is_named_with_its_value_and_what_is_allowed(
-    node: str, parameter: str, parts: tuple[str, ...]
+    last_words: LastWords, node: str, parameter: str, parts: tuple[str, ...]
 ) -> None:
     line = last_words(f"pack_{node}", f"{node}_node", parameter)
     assert line.startswith("error: ")
@@ -50,9 +67,13 @@ def test_a_bad_parameter_is_named_with_its_value_and_what_is_allowed(
 
 
 def test_a_bad_scene_file_is_named_with_its_key_and_what_is_allowed(tmp_path: Path) -> None:
+    """As a process, which must also end: a thread that goes on would keep it."""
     path = tmp_path / "scene.yaml"
     path.write_text(EXAMPLE.read_text().replace("height: 0.110", "height: tall"))
-    line = last_words("pack_sim", "sim_node", f"scene:={path}")
+    command = [str(find_executable("pack_sim", "sim_node")), "--ros-args", "-p", f"scene:={path}"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=False)
+    assert ended.returncode == 2, ended.stderr
+    (line,) = ended.stderr.splitlines()
     for part in ("error: ", str(path), "objects.0", "height", "tall", "number"):
         assert part in line
 
