@@ -19,8 +19,8 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose
 from pack_core.rotations import Array, Pose, angle_between
 from pack_lockstep.packing.lockstep import Lockstep, Step, lockstep_config
-from pack_mpc.session import Method
-from pack_mpc.task import Outcome
+from pack_mpc.session import PackingMethod
+from pack_mpc.task import PackingOutcome
 
 SEED = 0
 FACTOR = 0.3
@@ -30,7 +30,7 @@ FACTOR = 0.3
 class Record:
     """What a run in lockstep did."""
 
-    outcome: Outcome
+    outcome: PackingOutcome
     placement: Pose
     setpoints: list[Setpoints]
     joints: Array
@@ -41,7 +41,7 @@ def run(scene: Path, seed: int = SEED, timeout: float = 20.0) -> Record:
     config = lockstep_config()
     task = config.session.task.model_copy(update={"timeout": timeout})
     config = config.model_copy(update={"session": config.session.model_copy(update={"task": task})})
-    lockstep = Lockstep(packing_cell(), load_scene(scene), config, Method.PACK_IT_IN, seed)
+    lockstep = Lockstep(packing_cell(), load_scene(scene), config, PackingMethod.PACK_IT_IN, seed)
     outcome = lockstep.run(steps.append)
     plans = [step.plan.setpoints for step in steps if step.plan is not None]
     joints = np.array([step.seen.joints.q for step in steps])
@@ -65,8 +65,9 @@ def test_the_same_seed_gives_the_same_outcome_and_setpoints_bit_for_bit(record: 
 
 
 def test_another_seed_gives_other_setpoints(record: Record) -> None:
-    other = run(EASY, SEED + 1)
-    assert not np.array_equal(other.setpoints[-1].q, record.setpoints[-1].q)
+    other = run(EASY, SEED + 1, timeout=0.5).setpoints
+    assert other
+    assert not np.array_equal(other[-1].q, record.setpoints[len(other) - 1].q)
 
 
 def test_the_nodes_reach_the_same_outcome(graph: Graph, record: Record) -> None:
