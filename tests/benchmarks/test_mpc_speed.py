@@ -8,7 +8,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from pack_core.packing.cell import PackingCell, packing_cell
 from pack_lockstep.packing.lockstep import Lockstep, LockstepConfig, Step, lockstep_config
-from pack_mpc.session import Method
+from pack_mpc.session import PackingMethod
 from pack_sim.packing.scene_generator import generate_scene
 
 pytestmark = pytest.mark.benchmark
@@ -45,7 +45,7 @@ def iteration_times(cell: PackingCell, config: LockstepConfig) -> list[float]:
         if step.plan is not None and step.stage != "PRE_PACK":
             times.append(step.plan.iteration_ms)
 
-    Lockstep(cell, scene, config, Method.PACK_IT_IN, SEED).run(note)
+    Lockstep(cell, scene, config, PackingMethod.PACK_IT_IN, SEED).run(note)
     return times
 
 

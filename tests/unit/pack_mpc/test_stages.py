@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from pack_core.packing.entry import Entry
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, exp, from_yaw, rotate
-from pack_mpc.placement import Placement
+from pack_mpc.placement import ChosenPlacement
 from pack_mpc.stages import StageConfig, StageMachine, nearest_heading
 from pack_mpc.weights import Stage
 
@@ -17,7 +17,7 @@ START = Pose(PLACE + np.array([0.0, 0.0, 0.27]))
 
 @pytest.fixture
 def machine(scene: Scene) -> StageMachine:
-    return StageMachine(scene, StageConfig(), Placement(Pose(PLACE), ("tea_box",)), 0.0, START)
+    return StageMachine(scene, StageConfig(), ChosenPlacement(Pose(PLACE), ("tea_box",)), 0.0, START)
 
 
 def test_stages_follow_one_another_down_to_the_place(machine: StageMachine) -> None:
@@ -93,7 +93,7 @@ def test_fine_tune_that_comes_no_nearer_stalls(machine: StageMachine) -> None:
 @pytest.mark.parametrize("is_rehearsed", [True, False])
 def test_a_rehearsed_entry_that_halts_is_led_on(scene: Scene, is_rehearsed: bool) -> None:
     entry = Entry(np.array([1.0, 0.0]), 0.4, np.array([-0.02, 0.0]), (0.13,))
-    placement = Placement(Pose(PLACE), (), entry, is_rehearsed)
+    placement = ChosenPlacement(Pose(PLACE), (), entry, is_rehearsed)
     machine = StageMachine(scene, StageConfig(lead_speed=0.1), placement, 0.0, START)
     machine.update(1.0, Pose(machine.target.p_WN))
     stuck = Pose(PLACE + np.array([0.0, 0.0, 0.1]))
@@ -108,7 +108,7 @@ def test_a_rehearsed_entry_that_halts_is_led_on(scene: Scene, is_rehearsed: bool
 def test_the_way_back_is_straight_up_until_it_is_out(scene: Scene) -> None:
     lean = Rotation.from_euler("zx", [0.3, 0.2]).as_quat(scalar_first=True)
     wedged, out = (Pose(np.array([0.53, 0.02, z]), lean) for z in (0.18, 0.26))
-    machine = StageMachine(scene, StageConfig(), Placement(Pose(PLACE), ("tea_box",)), 0.0, wedged)
+    machine = StageMachine(scene, StageConfig(), ChosenPlacement(Pose(PLACE), ("tea_box",)), 0.0, wedged)
     target = machine.target
     np.testing.assert_allclose(target.p_WN[:2], wedged.p[:2])
     np.testing.assert_allclose(target.axis, rotate(lean, np.array([0.0, 0.0, 1.0]))[:2])
@@ -131,6 +131,6 @@ def test_a_cylinder_keeps_its_heading(scene: Scene) -> None:
 
 
 def test_the_placement_heading_is_kept_through_the_stages(scene: Scene) -> None:
-    placement = Placement(Pose(PLACE, from_yaw(0.4)), ())
+    placement = ChosenPlacement(Pose(PLACE, from_yaw(0.4)), ())
     machine = StageMachine(scene, StageConfig(), placement, 0.0, Pose(START.p, from_yaw(0.1)))
     assert machine.target.yaw == pytest.approx(0.4)

@@ -127,8 +127,8 @@ def test_an_object_that_halts_short_of_its_place_is_pushed_ever_more_firmly(task
 
 
 def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
-    task.feel(10.5, np.full(50, 39.0))
-    task.feel(10.6, np.array([60.0]))
+    task.note_forces(10.5, np.full(50, 39.0))
+    task.note_forces(10.6, np.array([60.0]))
     assert task.outcome is not None
     assert task.outcome.exit_reason is ExitReason.FORCE
     assert task.outcome.force_mean == pytest.approx((50 * 39.0 + 60.0) / 51)
@@ -136,7 +136,7 @@ def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
 
 
 def test_one_noisy_sample_does_not_end_the_goal(task: PackingTask) -> None:
-    task.feel(10.5, np.array([1.0, 60.0, 1.0]))
+    task.note_forces(10.5, np.array([1.0, 60.0, 1.0]))
     assert task.outcome is None
 
 
@@ -146,7 +146,7 @@ def test_the_force_stop_is_filtered_alike_however_the_samples_are_split(scene) -
     for size in (1, 7, 40):
         task = PackingTask(scene, TaskConfig(force_stop=40.0), 10.0)
         for i in range(0, 40, size):
-            task.feel(10.0 + 0.004 * i, forces[i : i + size])
+            task.note_forces(10.0 + 0.004 * i, forces[i : i + size])
         ends.append(task.outcome is not None)
     assert all(ends)
 

@@ -56,7 +56,7 @@ class ControllerConfig(_OptimizerSections):
 
 
 @dataclass(frozen=True)
-class Plan:
+class ControlPlan:
     """What one iteration decided, and the wall clock that it took [ms]."""
 
     setpoints: Setpoints
@@ -95,7 +95,7 @@ class PackingController:
         stage_age: float,
         latency: float,
         reliefs: float = 0.0,
-    ) -> Plan:
+    ) -> ControlPlan:
         """One iteration.
 
         Args:
@@ -115,4 +115,4 @@ class PackingController:
         cost = PackingCost(residuals, weights, self._weights.torque)
         solution = self._optimizer.improve(x0, cost, stage, target)
         self._in_flight = solution.setpoints.until(self._config.published)
-        return Plan(self._in_flight, solution, 1e3 * (wall_clock.perf_counter() - started))
+        return ControlPlan(self._in_flight, solution, 1e3 * (wall_clock.perf_counter() - started))

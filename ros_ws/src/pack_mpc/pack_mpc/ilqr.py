@@ -77,7 +77,7 @@ class IlqrConfig(Config):
 
 
 @dataclass(frozen=True)
-class Trajectory:
+class Rollout:
     """A rollout: `xs (T+1,nx)`, `ys (T+1,ny)`, `us (T,m)` and its cost."""
 
     xs: Array
@@ -90,23 +90,23 @@ class Trajectory:
 class Iteration:
     """What one iteration gave; `step_size` 0 means that the nominal trajectory stands."""
 
-    trajectory: Trajectory
+    trajectory: Rollout
     step_size: float
     regularisation: float
     warning: str = ""
 
 
-def cheapest(plant: Plant, cost: Cost, x0: Array, us: Array) -> tuple[Trajectory, int]:
+def cheapest(plant: Plant, cost: Cost, x0: Array, us: Array) -> tuple[Rollout, int]:
     """Roll out control sequences `(B, T, m)`; the cheapest, and which it is. Infinite if all diverge."""
     xs, ys = plant.rollout(x0, us)
     costs = cost.value(xs, ys, us)
     costs = np.where(np.isfinite(costs), costs, np.inf)
     best = int(np.argmin(costs))
-    return Trajectory(xs[best], ys[best], us[best], float(costs[best])), best
+    return Rollout(xs[best], ys[best], us[best], float(costs[best])), best
 
 
 def iterate(
-    plant: Plant, cost: Cost, nominal: Trajectory, columns: np.ndarray, regularisation: float,
+    plant: Plant, cost: Cost, nominal: Rollout, columns: np.ndarray, regularisation: float,
     config: IlqrConfig,
 ) -> Iteration:  # fmt: skip
     """Improve a nominal trajectory once; the cost never rises.
@@ -146,7 +146,7 @@ def _gains(lin: Linearization, cost: Expansion, regularisation: float) -> tuple[
 
 
 def _line_search(
-    plant: Plant, cost: Cost, nominal: Trajectory, direction: Array, regularisation: float, config: IlqrConfig
+    plant: Plant, cost: Cost, nominal: Rollout, direction: Array, regularisation: float, config: IlqrConfig
 ) -> Iteration:
     """Roll out every step size at once and keep the cheapest, if it is cheaper than the nominal."""
     sizes = np.array(config.step_sizes)

@@ -13,7 +13,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.explorers import ExplorerConfig, explore
-from pack_mpc.ilqr import IlqrConfig, Iteration, Trajectory, cheapest, iterate
+from pack_mpc.ilqr import IlqrConfig, Iteration, Rollout, cheapest, iterate
 from pack_mpc.plant import PackingPlant
 from pack_mpc.solution import Optimizer, Solution
 from pack_mpc.target import PackingTarget
@@ -46,7 +46,7 @@ class IlqrOptimizer(Optimizer):
         self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads)
         self._rng = np.random.default_rng(0)
         self._regularisation = REGULARISATION
-        self._last: Trajectory | None = None
+        self._last: Rollout | None = None
 
     def change_cost(self) -> None:
         """A new cost wants a fresh step; the last plan stays, the driver is following it."""
@@ -60,7 +60,7 @@ class IlqrOptimizer(Optimizer):
         self._last, self._regularisation = result.trajectory, result.regularisation
         return self._solution(result, warning)
 
-    def touched(self, nominal: Trajectory) -> list[str]:
+    def touched(self, nominal: Rollout) -> list[str]:
         """Objects that move along the nominal trajectory."""
         moved = []
         for name, p in self.plant.layout.object_p.items():
@@ -71,7 +71,7 @@ class IlqrOptimizer(Optimizer):
 
     def _nominal(
         self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget
-    ) -> tuple[Trajectory, str]:
+    ) -> tuple[Rollout, str]:
         """The last plan, shifted to now, or a cheaper explorer; gravity compensation if all diverge."""
         candidates = self._shifted(x0)[None]
         if stage is Stage.INSERT:
@@ -115,6 +115,6 @@ class IlqrOptimizer(Optimizer):
         )
 
 
-def _is_sane(trajectory: Trajectory, plant: PackingPlant) -> bool:
+def _is_sane(trajectory: Rollout, plant: PackingPlant) -> bool:
     speeds = trajectory.xs[:, plant.layout.v]
     return bool(np.isfinite(trajectory.cost) and np.all(np.abs(speeds) < DIVERGED))

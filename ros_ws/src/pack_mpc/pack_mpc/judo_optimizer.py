@@ -25,7 +25,7 @@ from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
 from pack_mpc.sgn_optimizer import SgnConfig
 from pack_mpc.solution import Optimizer, Solution
-from pack_mpc.spline import Basis, Servo
+from pack_mpc.spline import Basis, ResolvedRateServo
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
@@ -77,7 +77,7 @@ class JudoOptimizer(Optimizer):
         last, now = self._setpoints, float(x0[0])
         start = now if last is None else last.time
         q_ref = x0[self.plant.layout.q] if last is None else last.at(now)[0]
-        servo = Servo(self.plant, x0, q_ref, self._sgn.leash)
+        servo = ResolvedRateServo(self.plant, x0, q_ref, self._sgn.leash)
         nominal = self._basis.shifted(self._knots, now - start)
         self._method.pre_optimization(start + self._basis.knots, now + self._basis.knots)
         samples = np.clip(self._method.sample_control_knots(nominal), -1.0, 1.0)
@@ -91,7 +91,7 @@ class JudoOptimizer(Optimizer):
         path = ys[best][:, self.plant.sensor(HELD_POSITION)]
         return Solution(self._setpoints, path, float(costs[best]), float(best > 0), 0.0)
 
-    def _references(self, servo: Servo, knots: Array) -> tuple[Array, Array]:
+    def _references(self, servo: ResolvedRateServo, knots: Array) -> tuple[Array, Array]:
         """Joint positions and velocities `(B, T, 7)` of scaled twist knots `(B, K, 6)`."""
         return servo.references(self._basis.matrix() @ (knots * self._largest), self._sgn.timestep)
 

@@ -21,11 +21,11 @@ from pack_core.ros.joint_messages import to_setpoints
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_mpc.controller import Plan
+from pack_mpc.controller import ControlPlan
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
 from pack_mpc.ros.status import to_feedback, to_result, to_status
-from pack_mpc.session import Method, PackingSession, SessionConfig, hold
+from pack_mpc.session import PackingMethod, PackingSession, SessionConfig, hold
 from pack_mpc.weights import load_weights
 from pack_mpc.worker import Worker, WorkerConfig
 
@@ -89,7 +89,7 @@ class MpcNode(GoalNode):
     def refusal(self, request: PackObject.Goal) -> str:
         if self.missing:
             return self.missing
-        methods = [method.value for method in Method]
+        methods = [method.value for method in PackingMethod]
         if request.method not in methods:
             return f"method '{request.method}'; allowed: {', '.join(methods)}"
         if not 0.0 <= request.timeout < math.inf:
@@ -103,7 +103,7 @@ class MpcNode(GoalNode):
         assert self._scene is not None
         now = self._mailbox.time
         session = PackingSession(
-            self._scene, self._cell, self._config, Method.of(request.method), now, request.timeout
+            self._scene, self._cell, self._config, PackingMethod.of(request.method), now, request.timeout
         )
         self._placements.start(session, request.seed)
         self._mailbox.clear_forces()
@@ -135,7 +135,7 @@ class MpcNode(GoalNode):
         self.publish_feedback(to_feedback(session, seen, plan))
         return self._mailbox.time - seen.joints.time
 
-    def _send(self, session: PackingSession, plan: Plan) -> bool:
+    def _send(self, session: PackingSession, plan: ControlPlan) -> bool:
         """Publish setpoints, unless the goal ended or a peer fell silent while they were planned."""
         with self._sending:
             is_wanted = self._session is session and not self.silent_peers

@@ -9,7 +9,7 @@ from pack_core.rotations import Pose
 
 
 @dataclass(frozen=True)
-class Placement:
+class ChosenPlacement:
     """Where the held object N shall go, and how.
 
     Attributes:

@@ -16,12 +16,12 @@ from pack_core.packing.exit_reason import ExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
-from pack_mpc.controller import ControllerConfig, PackingController, Plan
+from pack_mpc.controller import ControllerConfig, ControlPlan, PackingController
 from pack_mpc.task import PackingTask, TaskConfig
 from pack_mpc.weights import load_weights
 
 
-class Method(Enum):
+class PackingMethod(Enum):
     """PackItIn and its two baselines (section IV-A)."""
 
     PACK_IT_IN = "pack_it_in"
@@ -29,7 +29,7 @@ class Method(Enum):
     UNINFORMED_PHYSICS = "uninformed_physics"
 
     @classmethod
-    def of(cls, name: str) -> Method:
+    def of(cls, name: str) -> PackingMethod:
         """The method called `name`.
 
         Raises:
@@ -43,7 +43,7 @@ class Method(Enum):
     @property
     def placement_variant(self) -> Literal["physics", "random"]:
         """How the placement planner chooses."""
-        return "random" if self is Method.UNINFORMED_POSE else "physics"
+        return "random" if self is PackingMethod.UNINFORMED_POSE else "physics"
 
 
 class SessionConfig(Config):
@@ -55,7 +55,7 @@ class SessionConfig(Config):
 
 
 @dataclass(frozen=True)
-class Observation:
+class PackingObservation:
     """What is known now.
 
     Attributes:
@@ -88,18 +88,19 @@ class PackingSession:
         scene: Scene,
         cell: PackingCell,
         config: SessionConfig,
-        method: Method,
+        method: PackingMethod,
         time: float,
         timeout: float = 0.0,
     ) -> None:
         self.scene, self.method = scene, method
         weights = load_weights(config.weights)
         self.task = PackingTask(scene, config.task, time, timeout, weights.lean)
-        known = scene.model_copy(update={"objects": []}) if method is Method.UNINFORMED_PHYSICS else scene
+        is_uninformed = method is PackingMethod.UNINFORMED_PHYSICS
+        known = scene.model_copy(update={"objects": []}) if is_uninformed else scene
         self.controller = PackingController(known, cell, weights, config.controller)
         self.iterations_ms: list[float] = []
 
-    def step(self, seen: Observation, latency: float) -> Plan | None:
+    def step(self, seen: PackingObservation, latency: float) -> ControlPlan | None:
         """Follow the task and plan once.
 
         Args:
@@ -111,7 +112,7 @@ class PackingSession:
         """
         task, time = self.task, seen.joints.time
         X_WN = seen.scene.objects[self.scene.new_object.name].X_WO
-        task.feel(time, seen.forces)
+        task.note_forces(time, seen.forces)
         if not seen.is_held:
             task.finish(ExitReason.DETACHED, time, "the pump lost the object")
         if task.update(time, X_WN):

@@ -21,7 +21,7 @@ from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.plant import PackingPlant
 from pack_mpc.solution import Optimizer, Solution
-from pack_mpc.spline import Basis, Servo
+from pack_mpc.spline import Basis, ResolvedRateServo
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
@@ -51,7 +51,7 @@ class SgnConfig(Config):
 
 
 @dataclass(frozen=True)
-class Batch:
+class RolloutBatch:
     """Rollouts: weighted residuals `(B, M)`, costs `(B,)`, outputs, desired positions and velocities."""
 
     residuals: Array
@@ -85,7 +85,7 @@ class SgnOptimizer(Optimizer):
         config = self._config
         down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
         self._lower[2] = -down
-        servo = Servo(self.plant, x0, self._reference(x0), config.leash)
+        servo = ResolvedRateServo(self.plant, x0, self._reference(x0), config.leash)
         nominal = self._clip(self._shifted(x0))
         thetas, signs = self._first_batch(nominal, x0, target)
         first = self._roll_out(servo, x0, cost, thetas)
@@ -136,14 +136,16 @@ class SgnOptimizer(Optimizer):
         twist[:3] = (target.p_WN - self.plant.held_position(x0)) / (0.5 * self._basis.knots[-1])
         return np.concatenate([np.tile(twist, (len(self._theta) - 1, 1)), np.zeros((1, 6))])
 
-    def _roll_out(self, servo: Servo, x0: Array, cost: PackingCost, thetas: Array) -> Batch:
+    def _roll_out(
+        self, servo: ResolvedRateServo, x0: Array, cost: PackingCost, thetas: Array
+    ) -> RolloutBatch:
         q, v = servo.references(self._basis.matrix() @ thetas, self._config.timestep)
         xs, ys = self.plant.rollout(x0, np.concatenate([q, v], axis=2))
         residuals = cost.weighted(xs, ys)
         costs = (residuals**2).sum(axis=1) + self._config.effort * (thetas**2).sum(axis=(1, 2))
-        return Batch(residuals, np.where(np.isfinite(costs), costs, np.inf), ys, q, v)
+        return RolloutBatch(residuals, np.where(np.isfinite(costs), costs, np.inf), ys, q, v)
 
-    def _gauss_newton(self, batch: Batch, thetas: Array, signs: Array) -> Array:
+    def _gauss_newton(self, batch: RolloutBatch, thetas: Array, signs: Array) -> Array:
         """Damped Gauss-Newton steps from the nominal `(D, K, 6)`."""
         n, nominal = thetas[0].size, thetas[0]
         J = (batch.residuals[1 : n + 1] - batch.residuals[0]).T / (signs * self._steps.ravel())

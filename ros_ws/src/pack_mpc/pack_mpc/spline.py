@@ -40,7 +40,7 @@ def _hat(times: Array, knots: Array) -> Array:
     return np.stack([np.interp(times, knots, row) for row in np.eye(len(knots))], axis=1)
 
 
-class Servo:
+class ResolvedRateServo:
     """Joint references around one state: `qd = J^+ twist + null-space motion`, q its integral.
 
     Args:

@@ -9,7 +9,7 @@ from pack_core.config import Config
 from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, rotate, yaw_of
-from pack_mpc.placement import Placement
+from pack_mpc.placement import ChosenPlacement
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
@@ -48,7 +48,7 @@ class StageMachine:
         self,
         scene: Scene,
         config: StageConfig,
-        placement: Placement,
+        placement: ChosenPlacement,
         time: float,
         X_WN: Pose,
     ) -> None:

@@ -15,7 +15,7 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.topics import WRENCH_RATE
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_core.states import SceneState
-from pack_mpc.placement import Placement
+from pack_mpc.placement import ChosenPlacement
 from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage
 
@@ -42,7 +42,7 @@ class TaskConfig(Config):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class PackingOutcome:
     """How a goal ended."""
 
     exit_reason: ExitReason
@@ -75,11 +75,11 @@ class PackingTask:
         self.machine: StageMachine | None = None
         self.tried: list[Pose] = []
         self._has_placement = False
-        self.outcome: Outcome | None = None
+        self.outcome: PackingOutcome | None = None
         self._has_succeeded = False
         self._refusals = 0
         self._forces: list[float] = []
-        self._felt = np.zeros(1)
+        self._filter_state = np.zeros(1)
         self.distance = 0.0
 
     def elapsed(self, time: float) -> float:
@@ -109,7 +109,7 @@ class PackingTask:
         The objects are as they are in `scene`.
         """
         entry = plan_entry(self._scene, X_WN, collisions, scene.poses(), self.lean, over)
-        placement = Placement(X_WN, collisions, entry, is_rehearsed)
+        placement = ChosenPlacement(X_WN, collisions, entry, is_rehearsed)
         self._follow(placement, scene.time, scene.objects[self._scene.new_object.name].X_WO)
         self.tried.append(X_WN)
         self._has_placement, self._refusals = True, 0
@@ -136,13 +136,13 @@ class PackingTask:
             return float(failures)
         return failures + machine.halt / self._config.patience
 
-    def feel(self, time: float, forces: Array) -> None:
+    def note_forces(self, time: float, forces: Array) -> None:
         """Note the magnitudes of the external force since the last call `(n,)` [N], at the rate of /wrench.
 
         The force stop heeds them through a filter of 5 ms, as a robot's own estimate is filtered.
         """
         self._forces.extend(forces.tolist())
-        smooth, self._felt = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._felt)
+        smooth, self._filter_state = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._filter_state)
         peak, limit = float(np.max(smooth, initial=0.0)), self._config.force_stop
         if peak > limit:
             self.finish(ExitReason.FORCE, time, f"external force {peak:.1f} N above {limit:.1f} N")
@@ -173,7 +173,7 @@ class PackingTask:
         """End the goal, once."""
         if self.outcome is not None:
             return
-        self.outcome = Outcome(
+        self.outcome = PackingOutcome(
             reason, self._has_succeeded, message, self.elapsed(time), self.distance,
             float(np.mean(self._forces or [0.0])), max(self._forces, default=0.0), len(self.tried),
         )  # fmt: skip
@@ -184,13 +184,13 @@ class PackingTask:
         self._has_placement = False
         return True
 
-    def _middle(self, X_WN: Pose) -> Placement:
+    def _middle(self, X_WN: Pose) -> ChosenPlacement:
         """The container's middle, to go above while the first placement is being planned."""
         x, y = self._scene.container.centre
         half_height = float(self._scene.new_object.half_extents[2])
-        return Placement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))))
+        return ChosenPlacement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))))
 
-    def _follow(self, placement: Placement, time: float, X_WN: Pose) -> StageMachine:
+    def _follow(self, placement: ChosenPlacement, time: float, X_WN: Pose) -> StageMachine:
         self.machine = StageMachine(self._scene, self._config.stages, placement, time, X_WN)
         return self.machine
 

@@ -12,7 +12,7 @@ from pack_lockstep.benchmarking.trial_file import plain
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
 from pack_mpc.optimizers import OPTIMIZERS
-from pack_mpc.session import Method, SessionConfig
+from pack_mpc.session import PackingMethod, SessionConfig
 
 EASY = project_root() / "tests" / "e2e" / "packing" / "easy_scene.yaml"
 
@@ -41,7 +41,7 @@ def test_threads_decide_no_result_and_are_not_among_the_settings() -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [{"method": Method.UNINFORMED_POSE}, {"optimizer": "sgn"}, {"container": (0.24, 0.19)}]
+    "change", [{"method": PackingMethod.UNINFORMED_POSE}, {"optimizer": "sgn"}, {"container": (0.24, 0.19)}]
 )
 def test_what_decides_a_result_is_among_the_settings(change: dict[str, object]) -> None:
     settings = BenchmarkSettings(optimizer="ilqr")

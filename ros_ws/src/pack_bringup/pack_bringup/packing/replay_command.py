@@ -49,9 +49,9 @@ def replay(
     from pack_lockstep.packing.presets import load_preset
     from pack_lockstep.packing.replay.perception import replay_perception
     from pack_lockstep.packing.replay.planner import replay_planner
-    from pack_mpc.session import Method
+    from pack_mpc.session import PackingMethod
 
-    recorded, chosen = read_bag(bag), Method.of(method)
+    recorded, chosen = read_bag(bag), PackingMethod.of(method)
     conditions = load_preset(preset or str(load_record(bag).get("preset") or "ideal"))
     if node is Node.PERCEPTION:
         found = replay_perception(recorded, conditions)

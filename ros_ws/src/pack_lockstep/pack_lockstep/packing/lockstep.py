@@ -24,9 +24,9 @@ from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Run
 from pack_lockstep.packing.presets import Preset
 from pack_lockstep.packing.run_log import RunLog
-from pack_mpc.controller import Plan
-from pack_mpc.session import Method, Observation, PackingSession, SessionConfig
-from pack_mpc.task import Outcome
+from pack_mpc.controller import ControlPlan
+from pack_mpc.session import PackingMethod, PackingObservation, PackingSession, SessionConfig
+from pack_mpc.task import PackingOutcome
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
 from pack_planner.placement.placement_result import Placement
@@ -61,9 +61,9 @@ class Step:
     time: float
     stage: str
     distance: float
-    seen: Observation
+    seen: PackingObservation
     truth: SceneState
-    plan: Plan | None
+    plan: ControlPlan | None
 
 
 class Lockstep:
@@ -78,7 +78,7 @@ class Lockstep:
     """
 
     def __init__(
-        self, cell: PackingCell, scene: Scene, config: LockstepConfig, method: Method, seed: int
+        self, cell: PackingCell, scene: Scene, config: LockstepConfig, method: PackingMethod, seed: int
     ) -> None:
         self._config, self._seed = config, seed
         self._log = RunLog()
@@ -93,7 +93,7 @@ class Lockstep:
         self.session = PackingSession(description, cell, config.session, method, self._start)
         self._answer: tuple[float, Placement] | None = None
 
-    def run(self, on_step: Callable[[Step], None] | None = None) -> Outcome:
+    def run(self, on_step: Callable[[Step], None] | None = None) -> PackingOutcome:
         """Run to the outcome; `on_step` sees every cycle."""
         session = self.session
         self._refuse_unseen(session.scene)
@@ -142,11 +142,11 @@ class Lockstep:
                 self._estimator.correct(frame)
             self._log.sense(simulator, self._estimator)
 
-    def _observe(self) -> Observation:
+    def _observe(self) -> PackingObservation:
         joints: JointSample = self.simulator.joints()
         forces, self._forces = np.array(self._forces), []
         scene = self._estimator.state(joints.time)
-        return Observation(joints, scene, forces, self.simulator.pump.state.is_closed)
+        return PackingObservation(joints, scene, forces, self.simulator.pump.state.is_closed)
 
     def _refuse_unseen(self, scene: Scene) -> None:
         """End the goal at once, as the controller's node refuses it, while an object has no pose yet."""
@@ -156,7 +156,7 @@ class Lockstep:
                 ExitReason.NO_PLACEMENT, self.simulator.time, f"no camera has seen {', '.join(unseen)} yet"
             )
 
-    def _serve_placement(self, seen: Observation) -> None:
+    def _serve_placement(self, seen: PackingObservation) -> None:
         """Take up a placement that is due, or plan one that will be due."""
         task, time = self.session.task, seen.joints.time
         if self._answer is None and task.needs_placement:

@@ -14,9 +14,9 @@ from pack_core.states import SceneState
 from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.track import to_tracks
-from pack_mpc.controller import Plan
-from pack_mpc.placement import Placement
-from pack_mpc.task import Outcome, PackingTask
+from pack_mpc.controller import ControlPlan
+from pack_mpc.placement import ChosenPlacement
+from pack_mpc.task import PackingOutcome, PackingTask
 from pack_perception.mocap.physics_estimator import PhysicsEstimator
 from pack_sim.packing.simulator import Simulator
 
@@ -28,8 +28,8 @@ class _Iteration:
     stage: str
     distance: float
     placements: int
-    placement: Placement
-    plan: Plan
+    placement: ChosenPlacement
+    plan: ControlPlan
 
 
 class RunLog:
@@ -55,7 +55,7 @@ class RunLog:
         if not math.isnan(estimator.time):
             self._estimate.append(estimator.state(estimator.time))
 
-    def iterate(self, task: PackingTask, time: float, plan: Plan) -> None:
+    def iterate(self, task: PackingTask, time: float, plan: ControlPlan) -> None:
         """Note an iteration of the controller that planned from the state at `time` [s]."""
         machine = task.machine
         assert machine is not None
@@ -66,7 +66,9 @@ class RunLog:
             )
         )  # fmt: skip
 
-    def to_run(self, scene: Scene, start: float, outcome: Outcome, release_reason: str, arm: str) -> Run:
+    def to_run(
+        self, scene: Scene, start: float, outcome: PackingOutcome, release_reason: str, arm: str
+    ) -> Run:
         """The run of a goal that was accepted at `start` [s] and has ended, packed by the arm `arm`."""
         force_times, force = np.array(self._forces).T
         return Run(

@@ -16,7 +16,7 @@ from pack_lockstep.packing.lockstep import LockstepConfig, lockstep_config
 from pack_lockstep.packing.presets import load_preset
 from pack_mpc.controller import OptimizerName
 from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
-from pack_mpc.session import Method
+from pack_mpc.session import PackingMethod
 from pack_mpc.weights import load_weights
 
 MM = 1e3
@@ -25,7 +25,7 @@ MM = 1e3
 class BenchmarkSettings(Config):
     """What decides the results, seeds apart; None leaves it as config/nodes/packing/mpc.yaml has it."""
 
-    method: Method = Method.PACK_IT_IN
+    method: PackingMethod = PackingMethod.PACK_IT_IN
     optimizer: OptimizerName | None = None
     weights: str | None = None
     preset: str = "ideal"

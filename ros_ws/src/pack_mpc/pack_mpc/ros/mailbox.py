@@ -20,7 +20,7 @@ from pack_core.ros.conversions import finite
 from pack_core.ros.joint_messages import from_joint_state
 from pack_core.ros.scene_messages import from_scene
 from pack_core.states import SceneState
-from pack_mpc.session import Observation
+from pack_mpc.session import PackingObservation
 
 SCENE_AGE = 0.1
 """An older estimate is not planned from [s]."""
@@ -66,7 +66,7 @@ class Mailbox:
         with self._lock:
             self._forces.clear()
 
-    def observe(self) -> Observation:
+    def observe(self) -> PackingObservation:
         """The newest of everything; forces since the last call.
 
         Raises:
@@ -80,7 +80,7 @@ class Mailbox:
             raise MessageError(f"the newest scene is {age:.3f} s old; allowed: {SCENE_AGE} s")
         with self._lock:
             forces, self._forces = np.array(self._forces), []
-        return Observation(joints, scene, forces, self._is_held)
+        return PackingObservation(joints, scene, forces, self._is_held)
 
     def _on_joints(self, message: JointState) -> None:
         self.joints = from_joint_state(message, self._joint_names)

@@ -13,7 +13,7 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite, from_pose, to_point
 from pack_core.ros.scene_messages import to_scene
 from pack_core.rotations import Array
-from pack_mpc.session import Observation, PackingSession
+from pack_mpc.session import PackingObservation, PackingSession
 
 UNIT_TOLERANCE = 1e-3
 
@@ -31,7 +31,7 @@ class PlacementClient:
         """Begin with a goal's seed."""
         self._pending, self._seed = None, seed
 
-    def serve(self, session: PackingSession, seen: Observation) -> None:
+    def serve(self, session: PackingSession, seen: PackingObservation) -> None:
         """Hand over a finished placement, or ask for one that is needed."""
         task = session.task
         if self._pending is not None:
@@ -41,7 +41,7 @@ class PlacementClient:
         elif task.needs_placement and self._client.service_is_ready():
             self._pending = self._client.call_async(self._request(session, seen))
 
-    def _request(self, session: PackingSession, seen: Observation) -> PlanPlacement.Request:
+    def _request(self, session: PackingSession, seen: PackingObservation) -> PlanPlacement.Request:
         task = session.task
         return PlanPlacement.Request(
             scene=to_scene(seen.scene), lean=task.lean, variant=session.method.placement_variant,
@@ -50,7 +50,7 @@ class PlacementClient:
         )  # fmt: skip
 
     def _hand_over(
-        self, session: PackingSession, seen: Observation, response: PlanPlacement.Response
+        self, session: PackingSession, seen: PackingObservation, response: PlanPlacement.Response
     ) -> None:
         task, time = session.task, seen.joints.time
         if response.status != PlanPlacement.Response.SUCCESS:

@@ -6,11 +6,11 @@ from pack_interfaces.action import PackObject
 from pack_interfaces.msg import MpcStatus
 
 from pack_core.ros.conversions import WORLD, to_pose, to_stamp
-from pack_mpc.controller import Plan
-from pack_mpc.session import Observation, PackingSession
+from pack_mpc.controller import ControlPlan
+from pack_mpc.session import PackingObservation, PackingSession
 
 
-def to_status(session: PackingSession, seen: Observation, plan: Plan) -> MpcStatus:
+def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> MpcStatus:
     """One iteration, for plots and the recorder."""
     task, machine = session.task, session.task.machine
     assert machine is not None
@@ -25,7 +25,7 @@ def to_status(session: PackingSession, seen: Observation, plan: Plan) -> MpcStat
     return message
 
 
-def to_feedback(session: PackingSession, seen: Observation, plan: Plan) -> PackObject.Feedback:
+def to_feedback(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> PackObject.Feedback:
     """One iteration, for whoever sent the goal."""
     task, machine = session.task, session.task.machine
     assert machine is not None

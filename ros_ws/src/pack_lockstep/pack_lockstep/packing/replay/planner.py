@@ -18,7 +18,7 @@ from pack_evaluation.packing.run import Run
 from pack_lockstep.node_parameters import parameters_of
 from pack_lockstep.packing.presets import Preset
 from pack_lockstep.packing.replay.comparison import Replay, Row, check_frames
-from pack_mpc.session import Method, SessionConfig
+from pack_mpc.session import PackingMethod, SessionConfig
 from pack_mpc.weights import load_weights
 from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
 
@@ -46,7 +46,7 @@ class Request:
 
 
 def replay_planner(
-    bag: Bag, *, seed: int, method: Method = Method.PACK_IT_IN, preset: Preset | None = None
+    bag: Bag, *, seed: int, method: PackingMethod = PackingMethod.PACK_IT_IN, preset: Preset | None = None
 ) -> Replay:
     """Plan again, with the nodes' parameters under a preset, each placement of the goal.
 
@@ -102,7 +102,7 @@ def _near(scenes: list[SceneState], time: float) -> list[SceneState]:
 
 def _compare(
     planner: PlacementPlanner, session: SessionConfig, request: Request, scenes: list[SceneState],
-    seed: int, method: Method,
+    seed: int, method: PackingMethod,
 ) -> Row:  # fmt: skip
     """The nearest placement among those that the scenes give; stops at the one that was recorded."""
     radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
