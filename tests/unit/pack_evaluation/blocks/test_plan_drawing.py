@@ -7,11 +7,12 @@ import pytest
 
 from pack_core.blocks.plan import Plan, PlanStatus
 from pack_evaluation.blocks.plan_drawing import draw_plan, write_plan
-from pack_planner.rearrangement.beam.beam_planner import BeamConfig
+from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.instances import make_instance
-from pack_planner.rearrangement.planner import RearrangementConfig, plan
+from pack_planner.rearrangement.methods import RearrangementConfig
+from pack_planner.rearrangement.planner import plan
 
-SHORT = RearrangementConfig(beam=BeamConfig(rounds=2))
+SHORT = RearrangementConfig(beam=BeamPlanner(rounds=2))
 
 
 def test_every_action_has_a_picture_that_says_what_it_is() -> None:

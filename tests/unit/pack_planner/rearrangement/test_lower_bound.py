@@ -3,14 +3,15 @@
 import pytest
 
 from pack_core.blocks.problem import Block
-from pack_planner.rearrangement.beam.beam_planner import BeamConfig
+from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound
+from pack_planner.rearrangement.methods import RearrangementConfig
 from pack_planner.rearrangement.order_bound import order_bound
-from pack_planner.rearrangement.planner import RearrangementConfig, plan
+from pack_planner.rearrangement.planner import plan
 from pack_planner.rearrangement.task import Task
 
-SHORT = RearrangementConfig(beam=BeamConfig(rounds=4))
+SHORT = RearrangementConfig(beam=BeamPlanner(rounds=4))
 PITCH = 52.8
 SQUARE = {"a": (0, 0), "b": (PITCH, 0), "c": (0, PITCH), "d": (PITCH, PITCH)}
 

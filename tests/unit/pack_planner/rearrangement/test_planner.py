@@ -12,12 +12,13 @@ from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Block, Problem
 from pack_core.errors import PackError
 from pack_evaluation.blocks.plan_verifier import verify
-from pack_planner.rearrangement.beam.beam_planner import BeamConfig
+from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.instances import make_instance
-from pack_planner.rearrangement.planner import METHODS, RearrangementConfig, plan
+from pack_planner.rearrangement.methods import METHODS, RearrangementConfig
+from pack_planner.rearrangement.planner import plan
 
 Clocks = Callable[[], Callable[[], float]]
-SHORT = RearrangementConfig(beam=BeamConfig(rounds=4))
+SHORT = RearrangementConfig(beam=BeamPlanner(rounds=4))
 SIDE = 50.8
 
 
@@ -123,7 +124,7 @@ def test_blocks_that_bar_each_others_grasps_are_pushed_out(make) -> None:
 def test_a_knot_is_undone_before_the_grid_bars_its_way() -> None:
     """Three blocks beside the grid hold each other; with the grid's near side filled none can be pushed."""
     problem = make_instance(25, 0.2, 74)
-    made = plan(problem, budget_s=20.0, config=RearrangementConfig(beam=BeamConfig(rounds=2)))
+    made = plan(problem, budget_s=20.0, config=RearrangementConfig(beam=BeamPlanner(rounds=2)))
     assert made.is_solved
     assert verify(problem, made) == []
 

@@ -21,7 +21,9 @@ def demo(
     problem: Annotated[
         Path | None, typer.Option(metavar="FILE", help="An own problem, not a generated one.")
     ] = None,
-    method: Annotated[str, typer.Option(help="beam or pirs. Default: the node's.")] = "",
+    method: Annotated[
+        str, typer.Option(help="Planner, by its name in config/nodes/blocks/rearrangement.yaml.")
+    ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
     output: Output = None,

@@ -22,7 +22,7 @@ class BlocksJob:
         folder: of the run; nodes.log, bag/, run.yaml and problem.yaml go there.
         problem: a problem file's text.
         seed: of the problem, where it was generated, and of the planner.
-        method: beam or pirs; empty: that of config/nodes/blocks/rearrangement.yaml.
+        method: name of the planner; empty: that of config/nodes/blocks/rearrangement.yaml.
         real_time_factor: None: that of config/nodes/blocks/sim.yaml.
         command: the command line, for run.yaml.
     """

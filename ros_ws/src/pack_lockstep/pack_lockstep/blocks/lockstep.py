@@ -32,7 +32,7 @@ from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
-from pack_planner.rearrangement.planner import RearrangementConfig
+from pack_planner.rearrangement.methods import RearrangementConfig
 from pack_sim.blocks.overhead_camera import OverheadCamera
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
 

@@ -1,42 +1,21 @@
-"""The rearrangement planner: one entry, two methods."""
+"""The one entry to planning rearrangements, whichever planner is asked."""
 
 from __future__ import annotations
 
 import time
-from typing import Literal, get_args
 
 import numpy as np
-from pydantic import Field
 
-from pack_core.blocks.deed import is_refused
-from pack_core.blocks.plan import Action, Diagnosis, Plan, PlanStatus
+from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
 from pack_core.blocks.problem import Problem
-from pack_core.config import Config
 from pack_core.errors import PackError
-from pack_planner.rearrangement.beam.beam_planner import BeamConfig, plan_by_beam
-from pack_planner.rearrangement.beam.spots import MAX_BLOCKS
 from pack_planner.rearrangement.certificates import find_certificate
 from pack_planner.rearrangement.instances import make_instance
-from pack_planner.rearrangement.lower_bound import lower_bound, sharper_bound
-from pack_planner.rearrangement.pirs.pirs_planner import PirsConfig, plan_by_pirs
+from pack_planner.rearrangement.lower_bound import lower_bound
+from pack_planner.rearrangement.methods import METHODS, RearrangementConfig
 from pack_planner.rearrangement.progress import Clock, Progress
 from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.validation import find_fault
-
-Method = Literal["beam", "pirs"]
-METHODS: tuple[Method, ...] = get_args(Method)
-MOST_BLOCKS: dict[Method, int] = {"beam": MAX_BLOCKS, "pirs": 64}
-
-
-class RearrangementConfig(Config):
-    """Parameters of both methods."""
-
-    beam: BeamConfig = Field(default_factory=BeamConfig)
-    pirs: PirsConfig = Field(default_factory=PirsConfig)
-
-
-WARM_UP = RearrangementConfig(beam=BeamConfig(widths=(16,), rounds=1))
-"""Enough to have run everything once."""
 
 
 def plan(
@@ -50,20 +29,21 @@ def plan(
 
     Args:
         problem: blocks, goals, workspace, gripper.
-        method: `beam`, or `pirs` for the baseline.
-        budget_s: time for planning [s]; it ends earlier with an optimal plan, `pirs` with its first.
+        method: name of the planner, one of METHODS.
+        budget_s: time for planning [s]; a planner may end earlier, as `pirs` does with its first plan.
         seed: of what is drawn at random.
-        config: parameters of the methods.
+        config: all planners with their parameters; those by default where it is left out.
         clock: seconds from anywhere; decides when the time is over.
 
     Raises:
         PackError: the method or budget is not allowed.
     """
-    checked = checked_method(method)
+    config = config or RearrangementConfig()
+    planner = config.planner(method)
     if not budget_s > 0:
         raise PackError(f"the budget is {budget_s} s; allowed: above 0")
-    progress, config = Progress(clock, budget_s), config or RearrangementConfig()
-    if fault := find_fault(problem) or _too_many(problem, checked):
+    progress = Progress(clock, budget_s)
+    if fault := find_fault(problem) or _too_many(problem, method, planner.most_blocks):
         return Plan(PlanStatus.INVALID_INPUT, diagnosis=fault, statistics=progress.statistics())
     task = Task.of(problem)
     if task.is_home.all():
@@ -73,11 +53,7 @@ def plan(
         return Plan(PlanStatus.INFEASIBLE, diagnosis=certificate, statistics=progress.statistics())
     bound, rng = lower_bound(task), np.random.default_rng(seed)
     progress.setup_s = progress.elapsed()
-    if checked == "beam":
-        actions, bound = plan_by_beam(task, bound, progress, rng, config.beam)
-    else:
-        actions = _without_refused(task, progress, rng, config.pirs)
-        bound = sharper_bound(task, bound)
+    actions, bound = planner.plan(task, bound, progress, rng)
     if actions is None:
         text = f"no plan found in {progress.elapsed():.2f} s; that there is none is not proven"
         return Plan(PlanStatus.TIMEOUT, (), bound, Diagnosis(text), progress.statistics())
@@ -85,35 +61,15 @@ def plan(
     return Plan(status, tuple(actions), bound, statistics=progress.statistics())
 
 
-def _without_refused(
-    task: Task, progress: Progress, rng: np.random.Generator, config: PirsConfig
-) -> list[Action] | None:
-    """The first plan by pIRS, which knows no refusals, that needs nothing of what the arm refused."""
-    refused = task.problem.refused
-    actions = plan_by_pirs(task, progress, rng, config)
-    while actions is not None and any(is_refused(action, refused) for action in actions):
-        actions = None if progress.is_over() else plan_by_pirs(task, progress, rng, config)
-    return actions
-
-
 def warm_up() -> None:
-    """Compile both methods, or load what was compiled before, so that no later call has to."""
+    """Compile every planner, or load what was compiled before, so that no later call has to."""
+    planners = RearrangementConfig()
+    quick = RearrangementConfig(**{name: planners.planner(name).for_warm_up() for name in METHODS})
     for method in METHODS:
-        plan(make_instance(4, 0.1, 0), method=method, budget_s=np.inf, config=WARM_UP)
+        plan(make_instance(4, 0.1, 0), method=method, budget_s=np.inf, config=quick)
 
 
-def _too_many(problem: Problem, method: Method) -> Diagnosis | None:
-    if len(problem.blocks) <= MOST_BLOCKS[method]:
+def _too_many(problem: Problem, method: str, most: int) -> Diagnosis | None:
+    if len(problem.blocks) <= most:
         return None
-    return Diagnosis(f"{len(problem.blocks)} blocks; allowed: up to {MOST_BLOCKS[method]} with {method}")
-
-
-def checked_method(name: str) -> Method:
-    """The method called `name`.
-
-    Raises:
-        PackError: there is none.
-    """
-    if name not in METHODS:
-        raise PackError(f"method is '{name}'; allowed: {', '.join(METHODS)}")
-    return name
+    return Diagnosis(f"{len(problem.blocks)} blocks; allowed: up to {most} with {method}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Literal
 
 from pack_interfaces.srv import PlanRearrangement
 from pydantic import Field, PositiveFloat
@@ -15,14 +14,15 @@ from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_planner.rearrangement.planner import RearrangementConfig, plan, warm_up
+from pack_planner.rearrangement.methods import METHODS, MethodName, RearrangementConfig
+from pack_planner.rearrangement.planner import plan, warm_up
 
 
 class RearrangementNodeConfig(RearrangementConfig):
     """Parameters of the node `rearrangement`."""
 
-    method: Literal["beam", "pirs"] = Field("beam", description="where a request does not say")
-    budget: PositiveFloat = Field(1.0, description="of a plan, where a request does not say [s]")
+    method: MethodName = Field(METHODS[0], description="the planner asked where a request names none")
+    budget: PositiveFloat = Field(1.0, description="time for a plan where a request says none [s]")
 
 
 class RearrangementNode(CellNode):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -13,11 +13,12 @@ from pack_core.config import Config
 from pack_planner.rearrangement.beam.pushing import Ints
 from pack_planner.rearrangement.beam.reconstruction import to_actions
 from pack_planner.rearrangement.beam.search import Beam, root_state, run_round
-from pack_planner.rearrangement.beam.spots import GOAL, POOL, buffer_pool
+from pack_planner.rearrangement.beam.spots import GOAL, MAX_BLOCKS, POOL, buffer_pool
 from pack_planner.rearrangement.beam.tables import FREE, PushPrice, Tables, build_tables
 from pack_planner.rearrangement.freed import with_freed_blocks
 from pack_planner.rearrangement.lower_bound import sharper_bound
 from pack_planner.rearrangement.progress import Progress
+from pack_planner.rearrangement.rearrangement_planner import Found, RearrangementPlanner
 from pack_planner.rearrangement.task import Task
 
 LONGEST = 3
@@ -52,8 +53,10 @@ class PlanCosts(Config):
         return PushPrice(self.push / self.pick_place - 1.0, self.push_length / self.pick_place)
 
 
-class BeamConfig(Config):
-    """Parameters of the beam search."""
+class BeamPlanner(RearrangementPlanner):
+    """The cheapest plan that a beam search finds in its time; its parameters are those of the search."""
+
+    most_blocks: ClassVar[int] = MAX_BLOCKS
 
     price: Literal["actions", "paper"] = Field(
         "actions", description="what a plan is to have least of: actions, or cost as in the paper's Eq. 1"
@@ -73,47 +76,48 @@ class BeamConfig(Config):
         """What a push costs beyond a pick-and-place action."""
         return self.costs.push_price if self.price == "paper" else FREE
 
+    def plan(self, task: Task, lower_bound: int, progress: Progress, rng: np.random.Generator) -> Found:
+        """Search round after round until the time is over or the lower bound is met.
 
-def plan_by_beam(
-    task: Task, lower_bound: int, progress: Progress, rng: np.random.Generator, config: BeamConfig
-) -> tuple[list[Action] | None, int]:
-    """The cheapest plan found, None where there is none in time, and the best lower bound.
+        Every round demands a plan cheaper than the best so far, with a wider beam. Rounds after the widest,
+        and those after a few without any plan, draw new buffer poses, the former more of them, and the latter
+        also let blocks make way that are in nobody's.
 
-    Every round demands a plan cheaper than the best so far, with a wider beam. Rounds after the widest, and
-    those after a few without any plan, draw new buffer poses, the former more of them, and the latter also
-    let blocks make way that are in nobody's.
+        With `price: actions` the cheapest plan is the shortest. With `price: paper` it is the one that costs
+        least by Eq. 1; the lower bound counts actions all the same, so that no plan with a push is proven the
+        cheapest and the search uses all its time.
+        """
+        given, task = task, with_freed_blocks(task)
+        best: list[Action] | None = None
+        price = self.push_price
+        longest, cheapest = LONGEST * (task.n + 3), np.inf
+        for number in range(self.rounds):
+            is_lost = best is None and number >= PATIENCE
+            is_late = number >= len(self.widths)
+            if number == 0 or is_lost or is_late:
+                size = self.pool * (LATE if is_late else 1)
+                tables = build_tables(task, buffer_pool(task, size, rng, is_over_goals=is_late), price)
+            width = self.widths[min(number, len(self.widths) - 1)]
+            is_anyone = is_lost and number % 2 == 0
+            beam = Beam(width, longest, cheapest - WORTH, self.breadth, is_anyone, self.noise)
+            root = root_state(tables, _spots(task))
+            outcome = run_round(root, tables, _order(tables, rng), beam, progress.is_over, rng)
+            progress.count(outcome.expanded)
+            if outcome.moves is not None:
+                is_first = best is None
+                best = to_actions(task, tables, outcome.moves)
+                cheapest = len(best) + sum(price.premium(a.distance) for a in best if isinstance(a, Push))
+                longest = int(np.ceil(cheapest)) - 1
+                progress.found(len(best))
+                if is_first and longest >= lower_bound:
+                    lower_bound = sharper_bound(given, lower_bound)
+            if longest < lower_bound or progress.is_over():
+                break
+        return Found(best, lower_bound)
 
-    With `price: actions` the cheapest plan is the shortest. With `price: paper` it is the one that costs
-    least by Eq. 1; the lower bound counts actions all the same, so that no plan with a push is proven the
-    cheapest and the search uses all its time.
-    """
-    given, task = task, with_freed_blocks(task)
-    best: list[Action] | None = None
-    price = config.push_price
-    longest, cheapest = LONGEST * (task.n + 3), np.inf
-    for number in range(config.rounds):
-        is_lost = best is None and number >= PATIENCE
-        is_late = number >= len(config.widths)
-        if number == 0 or is_lost or is_late:
-            size = config.pool * (LATE if is_late else 1)
-            tables = build_tables(task, buffer_pool(task, size, rng, is_over_goals=is_late), price)
-        width = config.widths[min(number, len(config.widths) - 1)]
-        is_anyone = is_lost and number % 2 == 0
-        beam = Beam(width, longest, cheapest - WORTH, config.breadth, is_anyone, config.noise)
-        root = root_state(tables, _spots(task))
-        outcome = run_round(root, tables, _order(tables, rng), beam, progress.is_over, rng)
-        progress.count(outcome.expanded)
-        if outcome.moves is not None:
-            is_first = best is None
-            best = to_actions(task, tables, outcome.moves)
-            cheapest = len(best) + sum(price.premium(a.distance) for a in best if isinstance(a, Push))
-            longest = int(np.ceil(cheapest)) - 1
-            progress.found(len(best))
-            if is_first and longest >= lower_bound:
-                lower_bound = sharper_bound(given, lower_bound)
-        if longest < lower_bound or progress.is_over():
-            break
-    return best, lower_bound
+    def for_warm_up(self) -> Self:
+        """One narrow round runs all that is compiled."""
+        return self.model_copy(update={"widths": (16,), "rounds": 1})
 
 
 def _spots(task: Task) -> npt.NDArray[np.int16]:

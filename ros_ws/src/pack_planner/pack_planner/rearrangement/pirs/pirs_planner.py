@@ -24,16 +24,19 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
 
+from pack_core.blocks.deed import is_refused
 from pack_core.blocks.plan import Action, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_planner.rearrangement.carrying import carried
 from pack_planner.rearrangement.footprints import squares
+from pack_planner.rearrangement.lower_bound import sharper_bound
 from pack_planner.rearrangement.pirs.geometry import Sizes
 from pack_planner.rearrangement.pirs.roadmap import PUSHED, Prices, Way, shortest_way
 from pack_planner.rearrangement.pirs.sampling import sample_clear_poses, sample_nodes
 from pack_planner.rearrangement.progress import Progress
+from pack_planner.rearrangement.rearrangement_planner import Found, RearrangementPlanner
 from pack_planner.rearrangement.task import Task
 
 
@@ -45,8 +48,8 @@ class Costs(Config):
     collision: PositiveFloat = Field(2.0, description="alpha_3, for every block in the way")
 
 
-class PirsConfig(Config):
-    """Parameters of pIRS and its roadmaps."""
+class PirsPlanner(RearrangementPlanner):
+    """The first plan that pIRS finds; its parameters are those of the search and its roadmaps."""
 
     samples: PositiveInt = Field(60, description="N, intermediate poses of a roadmap")
     costs: Costs = Field(default_factory=Costs)
@@ -56,40 +59,45 @@ class PirsConfig(Config):
     patience: PositiveInt = Field(20, description="paths planned a block before the first new start")
     impatience: PositiveFloat = Field(1.3, description="growth of the patience at every new start")
 
+    def plan(self, task: Task, lower_bound: int, progress: Progress, rng: np.random.Generator) -> Found:
+        """Search anew until a plan needs nothing of what the arm refused, which pIRS itself does not know."""
+        refused = task.problem.refused
+        actions = self._first_plan(task, progress, rng)
+        while actions is not None and any(is_refused(action, refused) for action in actions):
+            actions = None if progress.is_over() else self._first_plan(task, progress, rng)
+        return Found(actions, sharper_bound(task, lower_bound))
+
+    def _first_plan(self, task: Task, progress: Progress, rng: np.random.Generator) -> list[Action] | None:
+        """The first plan that is found; None where there is none in time."""
+        away = frozenset(int(i) for i in np.flatnonzero(~task.is_home))
+        patience = float(self.patience * task.n)
+        while away:
+            search = PirsSearch(task, progress, rng, self, int(patience))
+            try:
+                for o in search.shuffled(away):
+                    if outcome := search.pirs(o, away - {o}, task.starts.copy()):
+                        progress.found(len(outcome[0]))
+                        return outcome[0]
+            except GiveUp:
+                patience *= self.impatience
+            if progress.is_over():
+                return None
+        return []
+
 
 class GiveUp(Exception):
     """The search is to start again, or the time is over."""
 
 
-Outcome = tuple[list[Action], Array] | None
+PirsOutcome = tuple[list[Action], Array] | None
 """Actions and the configuration `(n, 3)` that they lead to; None for a failure."""
 
 
-def plan_by_pirs(
-    task: Task, progress: Progress, rng: np.random.Generator, config: PirsConfig
-) -> list[Action] | None:
-    """The first plan that is found; None where there is none in time."""
-    away = frozenset(int(i) for i in np.flatnonzero(~task.is_home))
-    patience = float(config.patience * task.n)
-    while away:
-        search = Pirs(task, progress, rng, config, int(patience))
-        try:
-            for o in search.shuffled(away):
-                if outcome := search.pirs(o, away - {o}, task.starts.copy()):
-                    progress.found(len(outcome[0]))
-                    return outcome[0]
-        except GiveUp:
-            patience *= config.impatience
-        if progress.is_over():
-            return None
-    return []
-
-
-class Pirs:
+class PirsSearch:
     """One start of the search; sets of blocks are called as in the paper."""
 
     def __init__(
-        self, task: Task, progress: Progress, rng: np.random.Generator, config: PirsConfig, patience: int
+        self, task: Task, progress: Progress, rng: np.random.Generator, config: PirsPlanner, patience: int
     ) -> None:
         self._task, self._progress, self._rng, self._config = task, progress, rng, config
         self._patience = patience
@@ -98,7 +106,7 @@ class Pirs:
         self._prices = Prices(costs.pick_place, costs.push, costs.collision)
         self._corners = np.array(task.problem.workspace, dtype=float)
 
-    def pirs(self, o: int, O_R: frozenset[int], alpha_C: Array) -> Outcome:
+    def pirs(self, o: int, O_R: frozenset[int], alpha_C: Array) -> PirsOutcome:
         """Algorithm 1: bring o home, then the remaining ones O_R."""
         way = self._prm(o, alpha_C, self._task.goals[o], O_R)
         if way is None:
@@ -118,7 +126,7 @@ class Pirs:
                     return pi + rest[0], rest[1]
         return None
 
-    def _clear(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: Way, depth: int) -> Outcome:
+    def _clear(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: Way, depth: int) -> PirsOutcome:
         """Algorithm 2: move o to where it is not in a way, together with what is in its own way."""
         pose = self._sample_new_pose(o, alpha_C, keep_free)
         way = None if pose is None else self._prm(o, alpha_C, pose, O_R)
