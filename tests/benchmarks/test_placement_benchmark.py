@@ -14,20 +14,21 @@ from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_lockstep.packing.lockstep import LockstepConfig
 from pack_planner.placement.approach_config import ApproachConfig
-from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
-from pack_planner.placement.placement_result import Placement
+from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
+from pack_planner.placement.placement_config import PlacementConfig
+from pack_planner.placement.placement_result import PlannedPlacement
 from pack_sim.packing.scene_generator import generate_scene
 
 pytestmark = pytest.mark.benchmark
 
 
-def planning(crowded: float) -> Callable[[], Placement]:
+def planning(crowded: float) -> Callable[[], PlannedPlacement]:
     """Plans in the example scene; with `crowded` 0 after rehearsals."""
     scene = load_scene(config_path("scenarios", "packing", "example.yaml"))
     poses = scene.poses() | {scene.new_object.name: Pose(np.array([0.5, 0.0, 0.5]))}
     state = SceneState(0.0, {name: ObjectState(X_WO) for name, X_WO in poses.items()})
     config = PlacementConfig(approach=ApproachConfig(crowded=crowded))
-    planner = PlacementPlanner(scene, packing_cell(), config)
+    planner = LeastDisturbancePlanner(scene, packing_cell(), config)
     return lambda: planner.plan(state, np.random.default_rng(0), lean=0.6)
 
 

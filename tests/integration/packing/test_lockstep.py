@@ -14,12 +14,12 @@ from integration.packing.cell_rig import EASY, Cell
 from integration.packing.sim_rig import EXAMPLE
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose
 from pack_core.rotations import Array, Pose, angle_between
 from pack_lockstep.packing.lockstep import Lockstep, Step, lockstep_config
-from pack_mpc.session import PackingMethod
 from pack_mpc.task import PackingOutcome
 
 SEED = 0

@@ -14,6 +14,7 @@ from std_msgs.msg import String
 
 from pack_core.errors import PackError
 from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
@@ -25,7 +26,7 @@ from pack_mpc.controller import ControlPlan
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
 from pack_mpc.ros.status import to_feedback, to_result, to_status
-from pack_mpc.session import PackingMethod, PackingSession, SessionConfig, hold
+from pack_mpc.session import PackingSession, SessionConfig, hold
 from pack_mpc.weights import load_weights
 from pack_mpc.worker import Worker, WorkerConfig
 

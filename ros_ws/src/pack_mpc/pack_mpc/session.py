@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
-from typing import Literal
 
 import numpy as np
 
 from pack_core.config import Config
-from pack_core.errors import ConfigError
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
@@ -21,33 +19,8 @@ from pack_mpc.task import PackingTask, TaskConfig
 from pack_mpc.weights import load_weights
 
 
-class PackingMethod(Enum):
-    """PackItIn and its two baselines (section IV-A)."""
-
-    PACK_IT_IN = "pack_it_in"
-    UNINFORMED_POSE = "uninformed_pose"
-    UNINFORMED_PHYSICS = "uninformed_physics"
-
-    @classmethod
-    def of(cls, name: str) -> PackingMethod:
-        """The method called `name`.
-
-        Raises:
-            ConfigError: there is none.
-        """
-        try:
-            return cls(name)
-        except ValueError:
-            raise ConfigError(f"method '{name}'; allowed: {', '.join(m.value for m in cls)}") from None
-
-    @property
-    def placement_variant(self) -> Literal["physics", "random"]:
-        """How the placement planner chooses."""
-        return "random" if self is PackingMethod.UNINFORMED_POSE else "physics"
-
-
 class SessionConfig(Config):
-    """Parameters of a goal and its controller."""
+    """Parameters of a goal and its controller; `weights` names a file of `config/weights`."""
 
     weights: str = "tuned"
     controller: ControllerConfig = ControllerConfig()
@@ -56,13 +29,13 @@ class SessionConfig(Config):
 
 @dataclass(frozen=True)
 class PackingObservation:
-    """What is known now.
+    """What an iteration plans from.
 
     Attributes:
-        joints: newest sample.
-        scene: newest estimate.
+        joints: newest sample of the joints.
+        scene: newest estimate of the objects.
         forces: magnitudes of the external force since the last observation `(n,)` [N].
-        is_held: whether the pump holds.
+        is_held: whether the pump holds the object.
     """
 
     joints: JointSample
@@ -79,8 +52,8 @@ class PackingSession:
         cell: the cell's physical facts.
         config: parameters.
         method: PackItIn or a baseline.
-        time: when the goal was accepted [s].
-        timeout: overrides the configured one where positive [s].
+        time: time at which the goal was accepted [s].
+        timeout: takes the place of the configured one if it is positive [s].
     """
 
     def __init__(
@@ -95,17 +68,16 @@ class PackingSession:
         self.scene, self.method = scene, method
         weights = load_weights(config.weights)
         self.task = PackingTask(scene, config.task, time, timeout, weights.lean)
-        is_uninformed = method is PackingMethod.UNINFORMED_PHYSICS
-        known = scene.model_copy(update={"objects": []}) if is_uninformed else scene
+        known = scene if method.knows_objects else scene.model_copy(update={"objects": []})
         self.controller = PackingController(known, cell, weights, config.controller)
         self.iterations_ms: list[float] = []
 
     def step(self, seen: PackingObservation, latency: float) -> ControlPlan | None:
-        """Follow the task and plan once.
+        """Advance the task and plan once.
 
         Args:
             seen: the newest observation.
-            latency: until the plan will be in force, counted from the observation [s].
+            latency: time from the observation until the plan will be in force [s].
 
         Returns:
             The plan; None once the goal has ended.
@@ -129,7 +101,7 @@ class PackingSession:
 
     @property
     def iteration_ms(self) -> float:
-        """Median iteration time so far."""
+        """Median wall-clock time of the iterations so far [ms]."""
         return float(np.median(self.iterations_ms)) if self.iterations_ms else 0.0
 
 

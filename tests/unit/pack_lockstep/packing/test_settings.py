@@ -7,12 +7,13 @@ import pytest
 
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError, PackError
+from pack_core.packing.method import PackingMethod
 from pack_core.paths import project_root
 from pack_lockstep.benchmarking.trial_file import plain
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
 from pack_mpc.optimizers import OPTIMIZERS
-from pack_mpc.session import PackingMethod, SessionConfig
+from pack_mpc.session import SessionConfig
 
 EASY = project_root() / "tests" / "e2e" / "packing" / "easy_scene.yaml"
 

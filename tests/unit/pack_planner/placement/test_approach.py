@@ -11,13 +11,13 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_planner.placement.approach import ApproachPlanner, beside
 from pack_planner.placement.approach_config import ApproachConfig
-from pack_planner.placement.placement_result import Candidate
+from pack_planner.placement.placement_result import PlacementCandidate
 
 LEAN = 0.4
 SMALL = Box(name="small", shape="box", size=(0.09, 0.06, 0.12), mass=0.3)
 LARGE = Box(name="large", shape="box", size=(0.13, 0.20, 0.12), mass=20.0)
-ONTO_SMALL = Candidate(Pose(np.array([0.57, 0.0, 0.09])), ("small",), 0.02)
-ONTO_LARGE = Candidate(Pose(np.array([0.43, 0.01, 0.09])), ("large",), 0.01)
+ONTO_SMALL = PlacementCandidate(Pose(np.array([0.57, 0.0, 0.09])), ("small",), 0.02)
+ONTO_LARGE = PlacementCandidate(Pose(np.array([0.43, 0.01, 0.09])), ("large",), 0.01)
 CANDIDATES = [ONTO_LARGE, ONTO_SMALL]
 
 
@@ -35,7 +35,7 @@ def planner(scene: Scene, **config: float) -> ApproachPlanner:
     )
 
 
-def alone(_candidate: Candidate) -> list[Candidate]:
+def alone(_candidate: PlacementCandidate) -> list[PlacementCandidate]:
     """No variations."""
     return []
 
@@ -90,14 +90,14 @@ def test_where_there_is_hope_all_rounds_are_taken(scene: Scene) -> None:
 
 
 def test_variations_of_what_is_hopeless_are_not(scene: Scene) -> None:
-    def refuse(_candidate: Candidate) -> list[Candidate]:
+    def refuse(_candidate: PlacementCandidate) -> list[PlacementCandidate]:
         raise AssertionError("varied")
 
     assert planner(scene).choose([ONTO_LARGE], refuse, scene.poses(), LEAN, failures=0)[1] == 2
 
 
 def test_where_nothing_is_in_the_way_it_comes_down_straight(scene: Scene) -> None:
-    free = Candidate(Pose(np.array([0.5, -0.07, 0.09])), (), 0.0)
+    free = PlacementCandidate(Pose(np.array([0.5, -0.07, 0.09])), (), 0.0)
     choice, rounds = planner(scene).choose([free], alone, scene.poses(), LEAN, failures=0)
     np.testing.assert_array_equal(choice.over, 0.0)
     assert rounds == 1
@@ -105,5 +105,5 @@ def test_where_nothing_is_in_the_way_it_comes_down_straight(scene: Scene) -> Non
 
 def test_beside_two_facing_obstacles_there_is_no_side() -> None:
     poses = {"a": Pose(np.array([0.45, 0.0, 0.06])), "b": Pose(np.array([0.55, 0.0, 0.06]))}
-    between = Candidate(Pose(np.array([0.5, 0.0, 0.09])), ("a", "b"), 0.0)
+    between = PlacementCandidate(Pose(np.array([0.5, 0.0, 0.09])), ("a", "b"), 0.0)
     np.testing.assert_array_equal(beside(between, poses).over, 0.0)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from pack_core.errors import PackError
 from pack_core.packing.cell import packing_cell
@@ -13,15 +14,23 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_planner.placement.approach_config import ApproachConfig
-from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
-from pack_planner.placement.placement_result import Placement, PlacementStatus
+from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
+from pack_planner.placement.placement_config import PlacementConfig
+from pack_planner.placement.placement_evaluation import PlacementEvaluation
+from pack_planner.placement.placement_planner import (
+    PLACEMENT_PLANNERS,
+    PlacementPlannerConfig,
+    PlacementPlanners,
+)
+from pack_planner.placement.placement_result import PlacementStatus, PlannedPlacement
+from pack_planner.placement.random_pose_planner import RandomPosePlanner
 
 StateOf = Callable[[Scene], SceneState]
 QUICK = PlacementConfig(samples=60)
 
 
-def plan(scene: Scene, state: SceneState, config: PlacementConfig = QUICK, seed: int = 0) -> Placement:
-    planner = PlacementPlanner(scene.description(), packing_cell(), config)
+def plan(scene: Scene, state: SceneState, config: PlacementConfig = QUICK, seed: int = 0) -> PlannedPlacement:
+    planner = LeastDisturbancePlanner(scene.description(), packing_cell(), config)
     return planner.plan(state, np.random.default_rng(seed))
 
 
@@ -73,18 +82,18 @@ def test_the_same_seed_gives_the_same_placement_on_any_number_of_threads(
 
 
 def test_planning_again_with_one_planner_gives_the_same(example: Scene, state_of: StateOf) -> None:
-    planner = PlacementPlanner(example, packing_cell(), QUICK)
+    planner = LeastDisturbancePlanner(example, packing_cell(), QUICK)
     first, second = (planner.plan(state_of(example), np.random.default_rng(5)) for _ in range(2))
     assert np.array_equal(first.samples.costs, second.samples.costs)
 
 
 def test_lifting_an_object_costs_ten_times_what_pushing_it_costs(example: Scene) -> None:
-    planner = PlacementPlanner(example, packing_cell(), QUICK)
+    evaluation = PlacementEvaluation(example, packing_cell(), QUICK)
     before = np.zeros((1, 2, 7))
     pushed, lifted = before.copy(), before.copy()
     pushed[0, 0, 0], lifted[0, 0, 2] = 0.02, 0.02
-    assert planner.disturbance(before, pushed) == pytest.approx(0.02)
-    assert planner.disturbance(before, lifted) == pytest.approx(0.2)
+    assert evaluation.disturbance(before, pushed) == pytest.approx(0.02)
+    assert evaluation.disturbance(before, lifted) == pytest.approx(0.2)
 
 
 def test_a_place_on_top_of_an_object_costs_more_than_one_beside_it(empty: Scene, state_of: StateOf) -> None:
@@ -112,7 +121,7 @@ def test_a_full_container_has_no_feasible_placement_and_says_why(empty: Scene, s
 
 
 def test_places_tried_before_are_left_out(example: Scene, state_of: StateOf) -> None:
-    planner = PlacementPlanner(example, packing_cell(), QUICK)
+    planner = LeastDisturbancePlanner(example, packing_cell(), QUICK)
     tried: list[np.ndarray] = []
     for _ in range(4):
         placement = planner.plan(state_of(example), np.random.default_rng(0), avoid=tried, avoid_radius=0.03)
@@ -122,10 +131,8 @@ def test_places_tried_before_are_left_out(example: Scene, state_of: StateOf) -> 
 
 
 def test_the_random_variant_takes_any_pose_with_its_collisions(example: Scene, state_of: StateOf) -> None:
-    planner = PlacementPlanner(example, packing_cell(), QUICK)
-    placements = [
-        planner.plan(state_of(example), np.random.default_rng(seed), variant="random") for seed in range(8)
-    ]
+    planner = RandomPosePlanner(example, packing_cell(), QUICK)
+    placements = [planner.plan(state_of(example), np.random.default_rng(seed)) for seed in range(8)]
     assert all(placement.status is PlacementStatus.SUCCESS for placement in placements)
     assert all(placement.collisions for placement in placements)
     places = np.array([placement.X_WO.p[:2] for placement in placements if placement.X_WO is not None])
@@ -154,9 +161,31 @@ def test_missing_and_unknown_objects_are_named(example: Scene, state_of: StateOf
 def test_a_new_object_too_large_for_the_container_is_refused(example: Scene) -> None:
     giant = example.new_object.model_copy(update={"size": (0.3, 0.3, 0.1)})
     with pytest.raises(PackError, match="fits between the walls"):
-        PlacementPlanner(example.model_copy(update={"new_object": giant}), packing_cell(), QUICK)
+        LeastDisturbancePlanner(example.model_copy(update={"new_object": giant}), packing_cell(), QUICK)
 
 
-def test_unknown_variants_are_refused_with_the_known_ones() -> None:
+def test_unknown_variants_are_refused_with_the_known_ones(example: Scene) -> None:
     with pytest.raises(PackError, match="'magic'; allowed: physics, random"):
-        checked_variant("magic")
+        PlacementPlanners(example, packing_cell(), PlacementPlannerConfig()).of("magic")
+    with pytest.raises(ValidationError, match="'magic'; allowed: physics, random"):
+        PlacementPlannerConfig(variant="magic")
+
+
+def test_the_configured_planner_plans_unless_a_request_names_another(example: Scene) -> None:
+    planners = PlacementPlanners(example, packing_cell(), PlacementPlannerConfig(variant="random"))
+    assert isinstance(planners.of(), RandomPosePlanner)
+    assert isinstance(planners.of("physics"), LeastDisturbancePlanner)
+    assert planners.of() is planners.of("random")
+
+
+@pytest.mark.parametrize("variant", PLACEMENT_PLANNERS)
+def test_every_registered_planner_repeats_its_placement(
+    variant: str, example: Scene, state_of: StateOf
+) -> None:
+    config = PlacementPlannerConfig(variant=variant, samples=60)
+    planner = PlacementPlanners(example, packing_cell(), config).of()
+    one, two = (planner.plan(state_of(example), np.random.default_rng(3), lean=0.3) for _ in range(2))
+    assert one.status is PlacementStatus.SUCCESS
+    assert one.X_WO is not None
+    assert two.X_WO is not None
+    assert np.array_equal(one.X_WO.p, two.X_WO.p)

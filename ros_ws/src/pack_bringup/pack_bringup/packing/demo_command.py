@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from datetime import datetime
-from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,14 +11,7 @@ import typer
 from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
 from pack_bringup.recording.run_record import default_folder
-
-
-class Method(Enum):
-    """The methods that the paper compares."""
-
-    PACK_IT_IN = "pack_it_in"
-    UNINFORMED_POSE = "uninformed_pose"
-    UNINFORMED_PHYSICS = "uninformed_physics"
+from pack_core.packing.method import PackingMethod
 
 
 def demo(
@@ -29,8 +21,8 @@ def demo(
         typer.Option(metavar="FILE", help="An own scene (docs/packing/scenes.md), not a generated one."),
     ] = None,
     method: Annotated[
-        Method, typer.Option(help="The paper's method, or one of its baselines.")
-    ] = Method.PACK_IT_IN,
+        PackingMethod, typer.Option(help="The paper's method, or one of its baselines.")
+    ] = PackingMethod.PACK_IT_IN,
     preset: Annotated[
         str, typer.Option(help="Conditions: a file of config/presets (docs/packing/presets.md).")
     ] = "",

@@ -44,12 +44,12 @@ def replay(
     - `pack replay bags/packing_20260101_120000_seed0 --node perception`
     - `pack replay bags/samples/packing --node planner --seed 5`
     """
+    from pack_core.packing.method import PackingMethod
     from pack_evaluation.bag import read_bag
     from pack_evaluation.record import load_record
     from pack_lockstep.packing.presets import load_preset
     from pack_lockstep.packing.replay.perception import replay_perception
     from pack_lockstep.packing.replay.planner import replay_planner
-    from pack_mpc.session import PackingMethod
 
     recorded, chosen = read_bag(bag), PackingMethod.of(method)
     conditions = load_preset(preset or str(load_record(bag).get("preset") or "ideal"))

@@ -16,6 +16,7 @@ from pack_core.config import Config
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
 from pack_core.rotations import Array
@@ -25,11 +26,11 @@ from pack_evaluation.packing.run import Run
 from pack_lockstep.packing.presets import Preset
 from pack_lockstep.packing.run_log import RunLog
 from pack_mpc.controller import ControlPlan
-from pack_mpc.session import PackingMethod, PackingObservation, PackingSession, SessionConfig
+from pack_mpc.session import PackingObservation, PackingSession, SessionConfig
 from pack_mpc.task import PackingOutcome
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
-from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
-from pack_planner.placement.placement_result import Placement
+from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
+from pack_planner.placement.placement_result import PlannedPlacement
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 
@@ -50,7 +51,7 @@ class LockstepConfig(Config):
     )
     simulator: SimulatorConfig = SimulatorConfig()
     estimator: EstimatorConfig = EstimatorConfig()
-    planner: PlacementConfig = PlacementConfig()
+    planner: PlacementPlannerConfig = PlacementPlannerConfig()
     session: SessionConfig = SessionConfig()
 
 
@@ -85,13 +86,14 @@ class Lockstep:
         self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
         description = self.simulator.description
         self._estimator = PhysicsEstimator(description, cell, config.estimator)
-        self._planner = PlacementPlanner(description, cell, config.planner)
+        planners = PlacementPlanners(description, cell, config.planner)
+        self._planner = planners.of(method.placement_variant)
         self._forces: list[float] = []
         self._advance(config.settle)
         self._forces.clear()
         self._start = self.simulator.time
         self.session = PackingSession(description, cell, config.session, method, self._start)
-        self._answer: tuple[float, Placement] | None = None
+        self._answer: tuple[float, PlannedPlacement] | None = None
 
     def run(self, on_step: Callable[[Step], None] | None = None) -> PackingOutcome:
         """Run to the outcome; `on_step` sees every cycle."""
@@ -172,11 +174,10 @@ class Lockstep:
                     answer.X_WO, answer.collisions, answer.over, seen.scene, answer.is_rehearsed
                 )  # fmt: skip
 
-    def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> Placement:
+    def _plan_placement(self, scene: SceneState, avoid: list[Array]) -> PlannedPlacement:
         return self._planner.plan(
             scene, np.random.default_rng(self._seed + len(avoid)), avoid=avoid,
             avoid_radius=self.session.task.avoid_radius, lean=self.session.task.lean,
-            variant=self.session.method.placement_variant,
         )  # fmt: skip
 
 
@@ -186,6 +187,6 @@ def lockstep_config(preset: Preset | None = None) -> LockstepConfig:
     return LockstepConfig(
         simulator=given.parameters("sim", SimulatorConfig),
         estimator=given.parameters("perception", EstimatorConfig),
-        planner=given.parameters("planner", PlacementConfig),
+        planner=given.parameters("planner", PlacementPlannerConfig),
         session=given.parameters("mpc", SessionConfig),
     )

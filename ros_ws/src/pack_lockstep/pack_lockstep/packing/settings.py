@@ -10,13 +10,13 @@ from typing import Any
 from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
 from pack_lockstep.packing.lockstep import LockstepConfig, lockstep_config
 from pack_lockstep.packing.presets import load_preset
 from pack_mpc.controller import OptimizerName
 from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
-from pack_mpc.session import PackingMethod
 from pack_mpc.weights import load_weights
 
 MM = 1e3

@@ -19,7 +19,7 @@ from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_planner.placement.approach_config import ApproachConfig
-from pack_planner.placement.placement_result import Candidate
+from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal
 
 OFF = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
@@ -31,7 +31,7 @@ HOPELESS = 2.0
 """Price from which on an entry fails; variations of it are not worth a rehearsal."""
 TURNS = np.deg2rad([-20.0, 0.0, 20.0])
 """Of the side to which a variation leans."""
-Vary = Callable[[Candidate], list[Candidate]]
+Vary = Callable[[PlacementCandidate], list[PlacementCandidate]]
 """Placements near one."""
 
 
@@ -44,12 +44,12 @@ class ApproachPlanner:
 
     def choose(
         self,
-        candidates: Sequence[Candidate],
+        candidates: Sequence[PlacementCandidate],
         vary: Vary,
         poses: Mapping[str, Pose],
         lean: float,
         failures: int,
-    ) -> tuple[Candidate, int]:
+    ) -> tuple[PlacementCandidate, int]:
         """Choose a candidate and the side to which the object leans.
 
         Args:
@@ -84,8 +84,12 @@ class ApproachPlanner:
         return (most + 1) // 2 if lowest >= HOPELESS else most
 
     def _round(
-        self, fresh: Iterator[Candidate], best: Candidate | None, vary: Vary, poses: Mapping[str, Pose]
-    ) -> list[Candidate]:
+        self,
+        fresh: Iterator[PlacementCandidate],
+        best: PlacementCandidate | None,
+        vary: Vary,
+        poses: Mapping[str, Pose],
+    ) -> list[PlacementCandidate]:
         """What is rehearsed next: the next candidates to every side, and variations of the best."""
         n = self._config.candidates if best is None else self._config.fresh
         options = [option for candidate in islice(fresh, n) for option in self._options(candidate, poses)]
@@ -94,7 +98,7 @@ class ApproachPlanner:
             options += [replace(near, over=_turned(best.over, turn)) for near in vary(best) for turn in turns]
         return options
 
-    def _options(self, candidate: Candidate, poses: Mapping[str, Pose]) -> list[Candidate]:
+    def _options(self, candidate: PlacementCandidate, poses: Mapping[str, Pose]) -> list[PlacementCandidate]:
         """The candidate with every side to rehearse."""
         if not candidate.collisions:
             return [candidate]
@@ -103,8 +107,8 @@ class ApproachPlanner:
         return [beside(candidate, poses), *(replace(candidate, over=over) for over in sides)]
 
     def _cheapest(
-        self, options: Sequence[Candidate], poses: Mapping[str, Pose], lean: float
-    ) -> tuple[Candidate, float]:
+        self, options: Sequence[PlacementCandidate], poses: Mapping[str, Pose], lean: float
+    ) -> tuple[PlacementCandidate, float]:
         """The best of a round and its price: Eq. 6 [m], that of lag and the share of failures, summed."""
         entries = [plan_entry(self._scene, o.X_WN, o.collisions, poses, lean, o.over) for o in options]
         prices = np.array([option.cost for option in options])
@@ -117,14 +121,18 @@ class ApproachPlanner:
         return finalists[k], float(prices[k])
 
     def _rehearse(
-        self, options: Sequence[Candidate], entries: Sequence[Entry], shifts: Array, poses: Mapping[str, Pose]
+        self,
+        options: Sequence[PlacementCandidate],
+        entries: Sequence[Entry],
+        shifts: Array,
+        poses: Mapping[str, Pose],
     ) -> Array:
         """What entering costs `(m, n)` when all is off by `shifts` `(m, 3)` [m]: the lag, 1 for a failure."""
         goals = [Pose(option.X_WN.p + shift, option.X_WN.q) for shift in shifts for option in options]
         seen = self._rehearsal.run(poses, goals, [*entries] * len(shifts))
         return np.asarray(RESISTANCE * seen.lags + ~seen.is_success).reshape(len(shifts), -1)
 
-    def _covered(self, candidate: Candidate, poses: Mapping[str, Pose]) -> float:
+    def _covered(self, candidate: PlacementCandidate, poses: Mapping[str, Pose]) -> float:
         """Share of the container's base under the objects, the new one included."""
         scene = self._scene
         standing = [footprint(scene.model_of(name), poses[name]) for name in scene.names]
@@ -132,7 +140,7 @@ class ApproachPlanner:
         return float(area / np.prod(scene.container.size))
 
 
-def beside(candidate: Candidate, poses: Mapping[str, Pose]) -> Candidate:
+def beside(candidate: PlacementCandidate, poses: Mapping[str, Pose]) -> PlacementCandidate:
     """The candidate leaning over its obstacles, unrehearsed."""
     return replace(candidate, over=side_of(candidate.X_WN, candidate.collisions, poses))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,7 @@ class PlacementStatus(IntEnum):
 
 
 @dataclass(frozen=True)
-class Samples:
+class PlacementSamples:
     """The poses that were tried, S of them.
 
     Attributes:
@@ -36,7 +37,7 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class PlacementCandidate:
     """A packing pose that Algorithm 1 finds feasible.
 
     Attributes:
@@ -53,7 +54,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Placement:
+class PlannedPlacement:
     """Where to pack the new object.
 
     Attributes:
@@ -74,7 +75,21 @@ class Placement:
     over: Array
     cost: float
     rounds: int
-    samples: Samples
+    samples: PlacementSamples
+
+    @classmethod
+    def success(cls, chosen: PlacementCandidate, rounds: int, samples: PlacementSamples) -> Self:
+        """A placement that was chosen after so many rounds of rehearsals."""
+        return cls(
+            PlacementStatus.SUCCESS, "", chosen.X_WN, chosen.collisions, chosen.over, chosen.cost, rounds,
+            samples,
+        )  # fmt: skip
+
+    @classmethod
+    def failure(cls, reason: str, samples: PlacementSamples) -> Self:
+        """No sample would do."""
+        status = PlacementStatus.NO_FEASIBLE_PLACEMENT
+        return cls(status, reason, None, (), np.zeros(2), np.inf, 0, samples)
 
     @property
     def is_rehearsed(self) -> bool:

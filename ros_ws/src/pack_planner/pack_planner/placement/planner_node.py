@@ -20,8 +20,8 @@ from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Pose
-from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner, checked_variant
-from pack_planner.placement.placement_result import Placement, Samples
+from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
+from pack_planner.placement.placement_result import PlacementSamples, PlannedPlacement
 from pack_planner.placement.ros.placement_markers import to_visual_markers
 
 
@@ -30,10 +30,10 @@ class PlannerNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("planner", **kwargs)
-        self._config = read_parameters(self, PlacementConfig)
+        self._config = read_parameters(self, PlacementPlannerConfig)
         self._cell = read_packing_cell(self)
         self._scene: Scene | None = None
-        self._planner: PlacementPlanner | None = None
+        self._planners: PlacementPlanners | None = None
         self._refusal = f"no description of the cell yet on {contracts.DESCRIPTION.name}: start the sim"
         self._markers = self.advertise(contracts.VISUAL_MARKERS)
         self.listen(contracts.DESCRIPTION, self._on_description)
@@ -43,13 +43,13 @@ class PlannerNode(CellNode):
     @property
     def is_ready(self) -> bool:
         """A scene was described that can be planned in."""
-        return self._planner is not None
+        return self._planners is not None
 
     def _on_description(self, message: String) -> None:
-        self._planner = None
+        self._planners = None
         try:
             self._scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
-            self._planner = PlacementPlanner(self._scene, self._cell, self._config)
+            self._planners = PlacementPlanners(self._scene, self._cell, self._config)
         except PackError as error:
             self._refusal = str(error)
             raise
@@ -69,15 +69,14 @@ class PlannerNode(CellNode):
         self.health.values["planning time [s]"] = f"{response.planning_time:.3f}"
         return response
 
-    def _plan(self, request: PlanPlacement.Request) -> Placement:
-        if self._planner is None or self._scene is None:
+    def _plan(self, request: PlanPlacement.Request) -> PlannedPlacement:
+        if self._planners is None or self._scene is None:
             raise PackError(self._refusal)
         state = from_scene(request.scene)
-        placement = self._planner.plan(
+        placement = self._planners.of(request.variant).plan(
             state,
             np.random.default_rng(request.seed),
             lean=_checked_lean(request.lean),
-            variant=checked_variant(request.variant) if request.variant else None,
             avoid=[finite([p.x, p.y, p.z], "point to avoid") for p in request.avoid],
             avoid_radius=_checked_radius(request.avoid_radius),
         )
@@ -97,7 +96,7 @@ def _checked_lean(lean: float) -> float:
     return lean
 
 
-def _fill(response: PlanPlacement.Response, placement: Placement) -> None:
+def _fill(response: PlanPlacement.Response, placement: PlannedPlacement) -> None:
     response.status, response.message = int(placement.status), placement.reason
     response.collisions, response.cost = list(placement.collisions), placement.cost
     response.over.x, response.over.y = placement.over.tolist()
@@ -107,7 +106,7 @@ def _fill(response: PlanPlacement.Response, placement: Placement) -> None:
         response.pose = to_pose(placement.X_WO)
 
 
-def _to_samples(samples: Samples) -> list[PlacementSample]:
+def _to_samples(samples: PlacementSamples) -> list[PlacementSample]:
     rows = zip(samples.sampled, samples.settled, samples.costs, samples.is_feasible, strict=True)
     return [
         PlacementSample(

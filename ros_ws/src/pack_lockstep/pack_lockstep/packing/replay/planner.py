@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import DESCRIPTION, SCENE
 from pack_core.ros.scene_messages import from_scene
@@ -18,9 +19,13 @@ from pack_evaluation.packing.run import Run
 from pack_lockstep.node_parameters import parameters_of
 from pack_lockstep.packing.presets import Preset
 from pack_lockstep.packing.replay.comparison import Replay, Row, check_frames
-from pack_mpc.session import PackingMethod, SessionConfig
+from pack_mpc.session import SessionConfig
 from pack_mpc.weights import load_weights
-from pack_planner.placement.placement_planner import PlacementConfig, PlacementPlanner
+from pack_planner.placement.placement_planner import (
+    PlacementPlanner,
+    PlacementPlannerConfig,
+    PlacementPlanners,
+)
 
 WINDOW = 0.05
 """The request itself is not recorded: it held one of the scenes this close to when it was sent [s]."""
@@ -64,10 +69,11 @@ def replay_planner(
     count = check_frames(bag, SCENE, [scene.time for scene in scenes], min_rate)
     scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
     given = preset or Preset()
-    planner = PlacementPlanner(scene, given.packing_cell(), given.parameters("planner", PlacementConfig))
+    config = given.parameters("planner", PlacementPlannerConfig)
+    planner = PlacementPlanners(scene, given.packing_cell(), config).of(method.placement_variant)
     session = given.parameters("mpc", SessionConfig)
     rows = tuple(
-        _compare(planner, session, request, _near(scenes, request.sent), seed, method)
+        _compare(planner, session, request, _near(scenes, request.sent), seed)
         for request in requests(to_run(bag))
     )
     return Replay("planner", {SCENE: count}, rows)
@@ -102,7 +108,7 @@ def _near(scenes: list[SceneState], time: float) -> list[SceneState]:
 
 def _compare(
     planner: PlacementPlanner, session: SessionConfig, request: Request, scenes: list[SceneState],
-    seed: int, method: PackingMethod,
+    seed: int,
 ) -> Row:  # fmt: skip
     """The nearest placement among those that the scenes give; stops at the one that was recorded."""
     radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
@@ -110,7 +116,7 @@ def _compare(
     for scene in scenes:
         placement = planner.plan(
             scene, np.random.default_rng(seed + len(request.tried)), lean=lean,
-            variant=method.placement_variant, avoid=list(request.tried), avoid_radius=radius,
+            avoid=list(request.tried), avoid_radius=radius,
         )  # fmt: skip
         planned += 1
         if placement.X_WO is not None and placement.collisions == request.collisions:

@@ -11,7 +11,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from pack_core.packing.objects import SceneItem
 from pack_core.ros.conversions import WORLD, to_point, to_pose, to_stamp
 from pack_core.rotations import Array
-from pack_planner.placement.placement_result import Placement, Samples
+from pack_planner.placement.placement_result import PlacementSamples, PlannedPlacement
 
 INFEASIBLE = ColorRGBA(r=0.4, g=0.4, b=0.4, a=0.35)
 CHOSEN = ColorRGBA(r=0.1, g=0.8, b=0.3, a=0.45)
@@ -21,12 +21,12 @@ SAMPLE_DIAMETER = 0.004
 SAMPLE_HEIGHT = 0.002
 
 
-def to_visual_markers(time: float, placement: Placement, item: SceneItem) -> MarkerArray:
+def to_visual_markers(time: float, placement: PlannedPlacement, item: SceneItem) -> MarkerArray:
     """The samples as dots on the base, green (cheap) to red (dear), and the chosen pose as a ghost."""
     return MarkerArray(markers=[_samples(time, placement.samples), _chosen(time, placement, item)])
 
 
-def _samples(time: float, samples: Samples) -> Marker:
+def _samples(time: float, samples: PlacementSamples) -> Marker:
     marker = _marker(time, "placement samples", Marker.SPHERE_LIST)
     marker.scale = Vector3(x=SAMPLE_DIAMETER, y=SAMPLE_DIAMETER, z=SAMPLE_DIAMETER)
     marker.points = [to_point(np.array([*row[:2], SAMPLE_HEIGHT])) for row in samples.settled]
@@ -38,7 +38,7 @@ def _samples(time: float, samples: Samples) -> Marker:
     return marker
 
 
-def _chosen(time: float, placement: Placement, item: SceneItem) -> Marker:
+def _chosen(time: float, placement: PlannedPlacement, item: SceneItem) -> Marker:
     marker = _marker(time, "placement", KINDS[item.geom_type])
     if placement.X_WO is None:
         marker.action = Marker.DELETE

@@ -1,0 +1,25 @@
+"""Parameters that the placement planners share."""
+
+from __future__ import annotations
+
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
+
+from pack_core.config import Config
+from pack_planner.placement.approach_config import ApproachConfig
+
+
+class PlacementConfig(Config):
+    """Parameters of Algorithm 1, the paper's values by default."""
+
+    samples: PositiveInt = Field(300, description="sampled poses S")
+    steps: PositiveInt = Field(30, description="steps M in which overlaps must resolve")
+    timestep: PositiveFloat = Field(0.006, description="step of the physics [s]")
+    weights: tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat] = Field(
+        (1.0, 1.0, 10.0), description="w_x, w_y, w_z on the objects' displacements"
+    )
+    beta: NonNegativeFloat = Field(1000.0, description="weight of lasting penetration [1/m]")
+    resting_penetration: PositiveFloat = Field(
+        0.001, description="depth [m] up to which two objects touch; what is deeper has not resolved"
+    )
+    threads: NonNegativeInt = Field(0, description="threads of the physics; 0: all cores")
+    approach: ApproachConfig = ApproachConfig()

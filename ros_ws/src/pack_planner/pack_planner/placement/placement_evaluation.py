@@ -1,0 +1,87 @@
+"""Lines 3 to 9 of Algorithm 1: what it does to the others to put the new object at a pose (Eq. 6)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pack_core.errors import PackError
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.fit import fitting_yaws
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array, Pose
+from pack_core.states import SceneState
+from pack_planner.placement.feasibility import judge
+from pack_planner.placement.placement_config import PlacementConfig
+from pack_planner.placement.placement_result import PlacementCandidate, PlacementSamples
+from pack_planner.placement.settling import Settling
+
+
+class PlacementEvaluation:
+    """Teleports the new object of one scene to sampled poses, lets the overlaps resolve, and judges.
+
+    Args:
+        scene: container and objects; their poses do not matter.
+        cell: the cell's physical facts.
+        config: parameters.
+
+    Raises:
+        PackError: the new object does not fit into the container.
+    """
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
+        self.scene, self._config = scene, config
+        fitting_yaws(scene.new_object, scene.container, 0.0)
+        self._settling = Settling(scene, cell, config.timestep, config.threads)
+
+    def start(self, state: SceneState) -> tuple[dict[str, Pose], Array]:
+        """X_WO of every object, and the physics' state `(nstate,)` with all of them at rest there.
+
+        Raises:
+            PackError: `state` lacks an object, or has one that the scene does not know.
+        """
+        poses, known = state.poses(), self._settling.names
+        wrong = {
+            "lacks": [name for name in known if name not in poses],
+            "has unknown": [name for name in poses if name not in known],
+        }
+        for what, names in wrong.items():
+            if names:
+                raise PackError(f"the scene's state {what} {names}; the cell's description has {known}")
+        return poses, self._settling.start(poses)
+
+    def evaluate(self, now: Array, sampled: Array) -> tuple[PlacementSamples, str]:
+        """Settle and judge poses `(S, 7)` of the new object.
+
+        Args:
+            now: the physics' state `(nstate,)` before.
+            sampled: where the new object is teleported to.
+
+        Returns:
+            The samples, and why none of them would do.
+        """
+        teleported = self._settling.teleport(now, sampled)
+        states = self._settling.settle(teleported, self._config.steps)
+        before, settled = self._settling.poses(teleported), self._settling.poses(states)
+        penetration = np.array([self._lasting_penetration(row) for row in states])
+        costs = self.disturbance(before, settled) + self._config.beta * penetration
+        verdict = judge(self.scene, settled, penetration)
+        return PlacementSamples(sampled, settled[:, -1], costs, verdict.is_feasible), verdict.reason()
+
+    def candidate(self, now: Array, pose: Array, cost: float) -> PlacementCandidate:
+        """A pose `(7,)` of the new object with what it overlaps in the state `now`."""
+        teleported = self._settling.teleport(now, pose[None])[0]
+        depths = self._settling.penetrations(teleported)
+        new = self.scene.new_object.name
+        overlapped = {n for pair, depth in depths.items() if new in pair and depth > 0.0 for n in pair}
+        collisions = tuple(name for name in self.scene.names if name in overlapped)
+        return PlacementCandidate(Pose(pose[:3], pose[3:]), collisions, float(cost))
+
+    def disturbance(self, before: Array, settled: Array) -> Array:
+        """First term of Eq. 6 `(S,)`: weighted displacements of all objects `(S, objects, 7)`."""
+        displacements = (settled - before)[..., :3] * np.array(self._config.weights)
+        return np.asarray(np.linalg.norm(displacements, axis=-1).sum(axis=-1))
+
+    def _lasting_penetration(self, state: Array) -> float:
+        """K of Eq. 6 [m]: depth beyond that of resting contact, summed over touching pairs."""
+        depths = np.array(list(self._settling.penetrations(state).values()))
+        return float(np.maximum(depths - self._config.resting_penetration, 0.0).sum())

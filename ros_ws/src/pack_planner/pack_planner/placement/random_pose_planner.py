@@ -1,0 +1,42 @@
+"""Uninformed Pose, a baseline of section IV-A: any pose in the container, whatever it does to the others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.scene import Scene
+from pack_core.rotations import yaw_of
+from pack_core.states import SceneState
+from pack_planner.placement.approach import beside
+from pack_planner.placement.placement_config import PlacementConfig
+from pack_planner.placement.placement_evaluation import PlacementEvaluation
+from pack_planner.placement.placement_result import PlannedPlacement
+from pack_planner.placement.pose_sampling import sample_poses
+from pack_planner.placement.ranking import cheapest_elsewhere
+
+
+class RandomPosePlanner:
+    """Takes the first random pose that was not tried before; the interface is `PlacementPlanner`."""
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
+        self._scene, self._config = scene, config
+        self._evaluation = PlacementEvaluation(scene, cell, config)
+
+    def plan(
+        self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
+        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02,
+    ) -> PlannedPlacement:  # fmt: skip
+        """A pose that leans over what it overlaps; `lean` is the caller's and changes nothing here."""
+        poses, now = self._evaluation.start(state)
+        new = self._scene.new_object
+        yaw = yaw_of(poses[new.name].q)
+        sampled = sample_poses(new, self._scene.container, self._config.samples, yaw, rng)
+        # at equal costs the order is that of the samples, so this is the first one away from `avoid`
+        k = cheapest_elsewhere(np.zeros(len(sampled)), sampled, avoid, avoid_radius)[0]
+        samples, _ = self._evaluation.evaluate(now, sampled[[k]])
+        candidate = self._evaluation.candidate(now, sampled[k], samples.costs[0])
+        return PlannedPlacement.success(beside(candidate, poses), 0, samples)
