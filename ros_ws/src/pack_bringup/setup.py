@@ -12,10 +12,7 @@ setup(
         (f"share/{package}", ["package.xml"]),
         (f"share/{package}/hook", ["hook/loopback.dsv"]),
         (f"share/{package}/network", ["network/loopback.xml"]),
-        (
-            f"share/{package}/launch",
-            [f"launch/{cell}.launch.py" for cell in ("packing", "palletizing", "blocks")],
-        ),
+        (f"share/{package}/launch", ["launch/cell.launch.py"]),
     ],
     entry_points={
         "console_scripts": [

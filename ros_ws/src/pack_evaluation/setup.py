@@ -8,8 +8,8 @@ setup(
     license="Apache-2.0",
     packages=find_packages(),
     package_data={
+        package: ["*.j2"],
         f"{package}.packing": ["*.j2"],
-        f"{package}.packing.study": ["*.j2"],
         f"{package}.palletizing": ["*.j2"],
         f"{package}.blocks": ["*.j2"],
     },

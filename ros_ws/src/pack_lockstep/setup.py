@@ -7,7 +7,6 @@ setup(
     version="0.1.0",
     license="Apache-2.0",
     packages=find_packages(),
-    package_data={f"{package}.blocks": ["*.j2"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),

@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "stuck.yaml").write_text(STUCK)
     outcome = benchmark(
         "--problem", EXAMPLE, "--problem", folder / "stuck.yaml", "--method", "beam", "--method", "pirs",
-        "--budget", 0.5, "--pictures", 1, "-o", folder / "own.jsonl", "--json", folder / "sums" / "own.json",
+        "--budget", 0.5, "--pictures", 1, "-o", folder / "own", "--json", folder / "sums" / "own.json",
     )  # fmt: skip
     assert outcome.returncode == 0, outcome.stderr
     (folder / "stdout").write_text(outcome.stdout)
@@ -61,18 +61,23 @@ def test_methods_stand_side_by_side_and_proofs_in_words(folder: Path) -> None:
 
 
 def test_the_report_has_the_tables_and_the_drawn_plans(folder: Path) -> None:
-    report = (folder / "own.html").read_text()
+    report = (folder / "own" / "report.html").read_text()
     assert report.count("data:image/png;base64,") == 2
     for part in ("<th>beam</th><th>pirs</th>", "OPTIMAL, 5 (5)", "stuck: none of"):
         assert part in report
 
 
+def test_the_folder_has_the_summary_too(folder: Path) -> None:
+    kept = (folder / "own" / "summary.json").read_text()
+    assert kept == (folder / "sums" / "own.json").read_text()
+
+
 def test_what_was_measured_is_not_measured_again(folder: Path) -> None:
-    before = (folder / "own.jsonl").read_text()
+    before = (folder / "own" / "trials.jsonl").read_text()
     outcome = benchmark(
-        "--problem", EXAMPLE, "--budget", 0.5, "--pictures", 0, "-o", folder / "own.jsonl",
+        "--problem", EXAMPLE, "--budget", 0.5, "--pictures", 0, "-o", folder / "own",
         "--json", folder / "one.json",
     )  # fmt: skip
     assert "1 of 1 trials are there already" in outcome.stdout
-    assert (folder / "own.jsonl").read_text() == before
+    assert (folder / "own" / "trials.jsonl").read_text() == before
     assert json.loads((folder / "one.json").read_text())["instances"] == 1

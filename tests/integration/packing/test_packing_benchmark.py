@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,14 @@ from pack_core.packing.exit_reason import ExitReason
 from pack_core.paths import bags_path
 from pack_evaluation.packing.metrics import goal_force, measure
 from pack_evaluation.packing.run import Run
-from pack_lockstep.benchmarking.pools import LocalPool
-from pack_lockstep.packing.benchmark import BenchmarkFolder, measure_scenes
-from pack_lockstep.packing.settings import BenchmarkSettings, SceneJob, Setup, scene_jobs, set_up
+from pack_evaluation.packing.run_file import load_saved_run
+from pack_evaluation.packing.studies import STUDIES
+from pack_evaluation.packing.study.trial import PackingStudy
+from pack_lockstep.benchmarking.benchmark import Verdict, run_benchmark
+from pack_lockstep.benchmarking.pools import LocalPool, Pool
+from pack_lockstep.benchmarking.results_folder import ResultsFolder
+from pack_lockstep.packing.benchmark import PackingBenchmark
+from pack_lockstep.packing.settings import BenchmarkSettings, PackingSetup, SceneJob, scene_jobs, set_up
 from pack_lockstep.packing.trial import run_scene
 
 SHORT = 0.6
@@ -26,12 +32,12 @@ SHORT = 0.6
 MEASURED = ("truth", "estimate")
 
 
-def short(threads: int = 1, **settings: object) -> Setup:
+def short(threads: int = 1, **settings: object) -> PackingSetup:
     """The benchmark's setup, but for goals that soon time out."""
     setup = set_up(BenchmarkSettings(**{"optimizer": "ilqr", "weights": "tuned", **settings}), threads)
     task = setup.config.session.task.model_copy(update={"timeout": SHORT})
     session = setup.config.session.model_copy(update={"task": task})
-    return Setup(setup.settings, setup.cell, setup.config.model_copy(update={"session": session}))
+    return PackingSetup(setup.settings, setup.cell, setup.config.model_copy(update={"session": session}))
 
 
 def assert_same(a: Run, b: Run) -> None:
@@ -47,27 +53,41 @@ def assert_same(a: Run, b: Run) -> None:
     assert a.outcome == b.outcome
 
 
+def measure_scenes(
+    folder: ResultsFolder, setup: PackingSetup, jobs: Sequence[SceneJob], pool: Pool
+) -> list[Verdict]:
+    return list(run_benchmark(PackingBenchmark(setup, tuple(jobs)), folder, pool, {}))
+
+
+def study_of(folder: ResultsFolder) -> PackingStudy:
+    return STUDIES.of_benchmark(folder.kept())[0]
+
+
+def load(folder: ResultsFolder, name: str) -> Run:
+    return load_saved_run(folder.path / "runs" / f"{name}.npz")
+
+
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> BenchmarkFolder:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> ResultsFolder:
     """Two scenes, run by two processes of one thread each."""
-    found = BenchmarkFolder(tmp_path_factory.mktemp("results"))
-    list(measure_scenes(found, short(), scene_jobs(BenchmarkSettings(), 3, 2), LocalPool(2)))
+    found = ResultsFolder(tmp_path_factory.mktemp("results"))
+    measure_scenes(found, short(), scene_jobs(BenchmarkSettings(), 3, 2), LocalPool(2))
     return found
 
 
-def test_a_scene_in_this_process_with_two_threads_is_the_same_bit_for_bit(folder: BenchmarkFolder) -> None:
+def test_a_scene_in_this_process_with_two_threads_is_the_same_bit_for_bit(folder: ResultsFolder) -> None:
     result = run_scene(short(threads=2), SceneJob("seed_3", 3))
     assert result.run.iterations.times.size > 3
-    assert_same(result.run, folder.load("seed_3"))
+    assert_same(result.run, load(folder, "seed_3"))
 
 
-def test_the_trials_are_measured_from_their_runs(folder: BenchmarkFolder) -> None:
-    study = folder.study()
+def test_the_trials_are_measured_from_their_runs(folder: ResultsFolder) -> None:
+    study = study_of(folder)
     assert {trial.name for trial in study.trials} == {"seed_3", "seed_4"}
     assert study.name == "pack_it_in ilqr tuned ideal"
     for trial in study.trials:
         m = trial.measures
-        assert m == measure(folder.load(trial.name))
+        assert m == measure(load(folder, trial.name))
         assert m.exit_reason is ExitReason.TIMEOUT
         assert m.execution_time == pytest.approx(SHORT, abs=0.1)
         assert m.m_pos < 0.002
@@ -76,8 +96,8 @@ def test_the_trials_are_measured_from_their_runs(folder: BenchmarkFolder) -> Non
         assert trial.forces.size == pytest.approx(1000 * m.execution_time, abs=2)
 
 
-def test_the_log_says_what_the_task_said(folder: BenchmarkFolder) -> None:
-    run = folder.load("seed_4")
+def test_the_log_says_what_the_task_said(folder: ResultsFolder) -> None:
+    run = load(folder, "seed_4")
     m = measure(run)
     assert m.success == run.outcome["success"]
     assert m.placements == run.outcome["placements"]
@@ -88,39 +108,40 @@ def test_the_log_says_what_the_task_said(folder: BenchmarkFolder) -> None:
 def test_a_scene_with_objects_that_no_camera_sees_fails_and_names_them(tmp_path: Path) -> None:
     setup = short()
     narrow = setup.cell.mocap.model_copy(update={"target": (5.0, 5.0, 0.1), "half_angle_deg": 1.0})
-    blind = Setup(setup.settings, setup.cell.model_copy(update={"mocap": narrow}), setup.config)
-    folder = BenchmarkFolder(tmp_path)
-    trial = next(iter(measure_scenes(folder, blind, [SceneJob("seed_3", 3)], LocalPool(1))))
+    blind = PackingSetup(setup.settings, setup.cell.model_copy(update={"mocap": narrow}), setup.config)
+    folder = ResultsFolder(tmp_path)
+    measure_scenes(folder, blind, [SceneJob("seed_3", 3)], LocalPool(1))
+    (trial,) = study_of(folder).trials
     assert trial.measures.exit_reason is ExitReason.NO_PLACEMENT
     assert not trial.measures.success
     assert re.match("no camera has seen.* soup_can", trial.message)
 
 
-def test_scenes_that_are_there_are_not_run_again(folder: BenchmarkFolder) -> None:
+def test_scenes_that_are_there_are_not_run_again(folder: ResultsFolder) -> None:
     class NoPool:
         def run(self, work: object, jobs: list[SceneJob]) -> list[object]:
             assert list(jobs) == []
             return []
 
     wanted = scene_jobs(BenchmarkSettings(), 3, 2)
-    assert folder.count([job.name for job in wanted]) == 2
-    assert list(measure_scenes(folder, short(), wanted, NoPool())) == []
+    assert folder.count(job.name for job in wanted) == 2
+    assert measure_scenes(folder, short(), wanted, NoPool()) == []
 
 
-def test_a_scene_of_the_folder_runs_again_from_its_file(folder: BenchmarkFolder) -> None:
+def test_a_scene_of_the_folder_runs_again_from_its_file(folder: ResultsFolder) -> None:
     settings = BenchmarkSettings(scene_dir=folder.path / "scenes")
     job = scene_jobs(settings, 3, 1)[0]
     assert job.name == "seed_3"
-    assert_same(run_scene(short(), job).run, folder.load("seed_3"))
+    assert_same(run_scene(short(), job).run, load(folder, "seed_3"))
 
 
-def test_results_of_other_settings_are_refused(folder: BenchmarkFolder) -> None:
+def test_results_of_other_settings_are_refused(folder: ResultsFolder) -> None:
     other = short(optimizer="sgn")
     with pytest.raises(ConfigError, match="optimizer: ilqr in the file, sgn now"):
-        list(measure_scenes(folder, other, [], LocalPool(1)))
+        measure_scenes(folder, other, [], LocalPool(1))
 
 
-def test_results_and_recordings_are_reported_side_by_side(folder: BenchmarkFolder, tmp_path: Path) -> None:
+def test_results_and_recordings_are_reported_side_by_side(folder: ResultsFolder, tmp_path: Path) -> None:
     summary, sample = tmp_path / "summary.json", bags_path() / "samples" / "packing"
     arguments = ["evaluate", str(folder.path), str(sample), str(tmp_path / "nothing"), "--pictures", "1"]
     outcome = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path), "--json", str(summary)])
@@ -133,10 +154,10 @@ def test_results_and_recordings_are_reported_side_by_side(folder: BenchmarkFolde
     }
     assert len(list((tmp_path / "failures").rglob("*.png"))) == 1
     report = (tmp_path / "report.html").read_text()
-    assert re.findall(r"<b>(seed_\d)</b>", report) == [trial.name for trial in folder.study().trials]
+    assert re.findall(r"<b>(seed_\d)</b>", report) == [trial.name for trial in study_of(folder).trials]
 
 
-def test_a_saved_run_is_evaluated_like_a_recording(folder: BenchmarkFolder, tmp_path: Path) -> None:
+def test_a_saved_run_is_evaluated_like_a_recording(folder: ResultsFolder, tmp_path: Path) -> None:
     run = folder.path / "runs" / "seed_3.npz"
     outcome = CliRunner().invoke(app, ["evaluate", str(run), "-o", str(tmp_path), "--no-video"])
     assert outcome.exit_code == 0, outcome.output

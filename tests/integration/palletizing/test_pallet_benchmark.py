@@ -25,23 +25,26 @@ def orders(tmp_path: Path) -> Path:
 
 def benchmark(orders: Path, *options: str) -> Result:
     """Run the command with gains that the driver refuses at once, so that an order takes no time."""
-    fixed = ["--no-vision", "--motion", "table_4_1", "--output", str(orders.parent / "results.jsonl")]
+    fixed = ["--no-vision", "--motion", "table_4_1", "--output", str(orders.parent / "results")]
     return CliRunner().invoke(app, ["benchmark", "palletizing", "--orders", str(orders), *fixed, *options])
 
 
 def test_orders_that_cannot_be_built_are_all_named_before_anything_runs(tmp_path: Path) -> None:
-    outcome = benchmark(config_path("orders", "stress"), "--output", str(tmp_path / "results.jsonl"))
+    outcome = benchmark(config_path("orders", "stress"), "--output", str(tmp_path / "results"))
     named = {line.split("'")[1] for line in str(outcome.exception).splitlines()}
     assert len(named) == 9
-    assert not (tmp_path / "results.jsonl").exists()
+    assert not (tmp_path / "results").exists()
 
 
 def test_results_are_kept_and_measured_anew_only_where_asked_for(orders: Path) -> None:
-    results, summary = orders.parent / "results.jsonl", orders.parent / "new" / "summary.json"
+    results, summary = orders.parent / "results" / "trials.jsonl", orders.parent / "new" / "summary.json"
     first = benchmark(orders, "--json", str(summary))
     assert first.exit_code == 0, first.output
     assert json.loads(summary.read_text())["orders"] == 1
     kept = results.read_text()
+    report = (results.parent / "report.html").read_text()
+    assert "order_03" in report
+    assert "<td>command</td>" in report
 
     again = benchmark(orders)
     assert "1 of 1 trials are there already" in again.output

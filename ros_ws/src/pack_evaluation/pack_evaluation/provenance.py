@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
 from pack_core.paths import project_root
 
@@ -29,3 +30,8 @@ def checked_out_commit() -> str:
     except (OSError, subprocess.SubprocessError):
         return "unknown"
     return answer.stdout.strip()
+
+
+def provenance(command: str) -> dict[str, Any]:
+    """What made a result: the command line, the checked-out commit, and the versions of packages."""
+    return {"command": command, "commit": checked_out_commit(), "versions": installed_versions()}

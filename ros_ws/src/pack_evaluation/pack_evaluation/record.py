@@ -7,6 +7,7 @@ from typing import Any
 
 import yaml
 
+from pack_core.cells import CELLS
 from pack_core.errors import BagError
 
 RECORD = "run.yaml"
@@ -32,3 +33,14 @@ def _read(path: Path) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise BagError(f"{path} is broken: it should be YAML, a key a line; was it cut off?")
     return found
+
+
+def cell_of(recording: Path) -> str:
+    """The cell that was recorded; raises BagError where run.yaml names one that there is not.
+
+    A bag without run.yaml, and a run that a benchmark saved, are taken for the first cell's.
+    """
+    cell = str(load_record(recording).get("cell", CELLS[0]))
+    if cell not in CELLS:
+        raise BagError(f"{recording}: run.yaml names the cell '{cell}'; known: {', '.join(CELLS)}")
+    return cell

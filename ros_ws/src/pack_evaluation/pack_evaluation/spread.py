@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy.typing as npt
 from scipy.stats import rankdata
 
 Values = Sequence[float] | npt.NDArray[np.float64]
+PARTS = {"mean": "mean", "p95": "95th percentile", "max": "largest"}
+"""What `mean_p95_max` gives, and what tables call it."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,21 @@ def auc(success: Values, failure: Values) -> float | None:
     ranks = rankdata(np.concatenate([high, low]))[: high.size]
     pairs = low.size * high.size
     return float((ranks.sum() - high.size * (high.size + 1) / 2) / pairs)
+
+
+def mean_p95_max(values: Sequence[float]) -> dict[str, float | None]:
+    """Mean, 95th percentile and largest of a measure; None where there are no values."""
+    if not values:
+        return dict.fromkeys(PARTS)
+    array = np.array(values, dtype=float)
+    p95 = float(np.percentile(array, 95))
+    return {"mean": float(array.mean()), "p95": p95, "max": float(array.max())}
+
+
+def spread_text(values: Mapping[str, float | None], digits: int = 2) -> str:
+    """What `mean_p95_max` gives, for a table's cell; a part that there is not is a dash."""
+    parts = (values.get(part) for part in PARTS)
+    return "   ".join("-" if value is None else f"{value:.{digits}f}" for value in parts)
 
 
 def _numbers(values: Values) -> npt.NDArray[np.float64]:

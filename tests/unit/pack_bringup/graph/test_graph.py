@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from pack_bringup.graph.graph import Graph, NodeEntry, load_graph, parse_overrides
+from pack_bringup.graph.graph import Graph, NodeEntry, launch_parameters, load_graph, parse_overrides
 from pack_core.config import parse_config
 from pack_core.errors import ConfigError, PackError
 from pack_core.paths import config_path
@@ -80,3 +80,18 @@ def test_a_malformed_setting_is_answered_with_the_form(setting: str) -> None:
 def test_parameter_files_lie_below_config() -> None:
     for node in load_graph("packing").nodes:
         assert node.parameters_path.is_relative_to(Path(config_path()))
+
+
+def test_what_is_launched_has_the_presets_values_and_those_given_over_them() -> None:
+    given = launch_parameters("packing", "hardware", ["mpc.task.force_stop=30.0", "sim.seed=3"])
+    assert list(given) == [node.name for node in load_graph("packing").nodes]
+    assert given["mpc"]["task.force_stop"] == 30.0
+    assert given["sim"]["seed"] == 3
+    assert given["sim"]["mismatch.friction"]
+    assert given["recorder"]["preset"] == "hardware"
+    assert not given["sim"]["use_sim_time"]
+
+
+def test_a_setting_of_a_node_that_there_is_not_is_refused_at_launch() -> None:
+    with pytest.raises(PackError, match=r"no node 'juggler'; it has: .*recorder"):
+        launch_parameters("blocks", "", ["juggler.balls=3"])

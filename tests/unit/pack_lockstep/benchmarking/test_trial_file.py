@@ -12,18 +12,18 @@ SETTINGS = {"method": "ours", "cell": {"suction": {"pull": math.inf}}, "size": (
 
 def test_trials_are_there_again_when_the_file_is_opened_again(tmp_path: Path) -> None:
     path = tmp_path / "deep" / "trials.jsonl"
-    file = TrialFile(path, SETTINGS)
+    file = TrialFile(path, "packing", SETTINGS)
     file.add({"name": "seed_1", "time": 3.5})
     file.add({"name": "seed_0", "time": math.nan})
-    again = TrialFile(path, SETTINGS)
+    again = TrialFile(path, "packing", SETTINGS)
     assert list(again.trials) == ["seed_1", "seed_0"]
     assert again.trials["seed_1"] == {"name": "seed_1", "time": 3.5}
-    assert read_trials(path)[0]["cell"] == {"suction": {"pull": "inf"}}
+    assert read_trials(path).settings["cell"] == {"suction": {"pull": "inf"}}
 
 
 def test_every_line_is_strict_json(tmp_path: Path) -> None:
     path = tmp_path / "trials.jsonl"
-    TrialFile(path, SETTINGS).add({"name": "a", "value": -math.inf})
+    TrialFile(path, "packing", SETTINGS).add({"name": "a", "value": -math.inf})
 
     def refuse(constant: str) -> None:
         raise AssertionError(constant)
@@ -34,27 +34,27 @@ def test_every_line_is_strict_json(tmp_path: Path) -> None:
 
 def test_a_line_that_was_cut_off_is_taken_out_and_the_trial_runs_again(tmp_path: Path) -> None:
     path = tmp_path / "trials.jsonl"
-    TrialFile(path, SETTINGS).add({"name": "whole"})
+    TrialFile(path, "packing", SETTINGS).add({"name": "whole"})
     with path.open("a") as file:
         file.write('{"name": "cut", "tim')
-    again = TrialFile(path, SETTINGS)
+    again = TrialFile(path, "packing", SETTINGS)
     assert list(again.trials) == ["whole"]
     again.add({"name": "cut"})
-    assert list(TrialFile(path, SETTINGS).trials) == ["whole", "cut"]
+    assert list(TrialFile(path, "packing", SETTINGS).trials) == ["whole", "cut"]
 
 
 def test_other_settings_are_refused_and_named(tmp_path: Path) -> None:
     path = tmp_path / "trials.jsonl"
-    TrialFile(path, SETTINGS)
+    TrialFile(path, "packing", SETTINGS)
     other = {**SETTINGS, "cell": {"suction": {"pull": 30.0}}, "extra": 1}
     with pytest.raises(ConfigError) as error:
-        TrialFile(path, other)
+        TrialFile(path, "packing", other)
     text = str(error.value)
     assert "cell.suction.pull: inf in the file, 30.0 now" in text
     assert "extra: nothing in the file, 1 now" in text
     assert "method" not in text
     assert "--output" in text
-    assert len(TrialFile(path, SETTINGS).trials) == 0
+    assert len(TrialFile(path, "packing", SETTINGS).trials) == 0
 
 
 @pytest.mark.parametrize("content", ["", "not json\n", "[]\n", '{"name": "no header"}\n'])
@@ -62,7 +62,7 @@ def test_what_is_no_file_of_trials_is_refused(tmp_path: Path, content: str) -> N
     path = tmp_path / "trials.jsonl"
     path.write_text(content)
     with pytest.raises(ConfigError, match=r"trials\.jsonl is no file of trials"):
-        TrialFile(path, SETTINGS)
+        TrialFile(path, "packing", SETTINGS)
 
 
 def test_plain_values_stay_as_they_are() -> None:

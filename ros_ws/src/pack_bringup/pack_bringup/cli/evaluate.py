@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from pack_bringup.cli.json_file import write_json
 from pack_bringup.cli.studies import report_studies
 
 if TYPE_CHECKING:
@@ -51,21 +51,21 @@ def evaluate(
     - `pack evaluate bags/benchmarks/*`
     """
     from pack_core.paths import bags_path
-    from pack_lockstep.packing.benchmark import BenchmarkFolder
+    from pack_lockstep.benchmarking.results_folder import ResultsFolder
 
     first = recordings[0]
-    if len(recordings) > 1 or BenchmarkFolder(first).exists:
+    if len(recordings) > 1 or ResultsFolder.is_at(first):
         measures = evaluate_many(recordings, output or bags_path() / "evaluation", pictures)
     else:
         folder = output or (first if first.is_dir() else first.parent)
         measures = evaluate_one(first, folder, video=video, gif=gif, still=still)
     if json_file:
-        json_file.write_text(json.dumps(measures, indent=2) + "\n")
+        write_json(json_file, measures)
 
 
 def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool) -> dict[str, Any]:
     """Report a run and return its measures."""
-    from pack_evaluation.packing.video import write_gif
+    from pack_evaluation.gif import write_gif
 
     evaluator = evaluator_of(bag)
     found = run_evaluation(evaluator, bag, folder, with_video=video or gif)
@@ -78,34 +78,29 @@ def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool
 
 
 def evaluate_many(recordings: list[Path], folder: Path, pictures: int) -> dict[str, Any]:
-    """Report studies and return their summaries by name."""
+    """Report studies and return their summaries: by name or, of several cells, by cell and name."""
     from pack_core.errors import BagError
-    from pack_evaluation.packing.study.summary import summarize
-    from pack_lockstep.packing.studies import gather
+    from pack_lockstep.benchmarking.side_by_side import gather
 
     with Progress(TextColumn("reading"), BarColumn(), MofNCompleteColumn(), transient=True) as bar:
         task = bar.add_task("reading", total=len(recordings))
         found = gather(recordings, lambda _: bar.advance(task))
     for path, reason in found.left_out.items():
         typer.secho(f"left out {path}: {reason}", fg=typer.colors.YELLOW, err=True)
-    if not found.sources:
+    if not found.cells:
         raise BagError(f"none of the {len(recordings)} paths holds a recording or a benchmark's results")
-    report_studies(found.sources, folder, title="Packing runs", pictures=pictures)
-    return {source.study.name: summarize(source.study) for source in found.sources}
+    title = " and ".join(item.evaluator.title for item in found.cells)
+    summaries = report_studies(found.cells, folder, title=f"{title} runs", pictures=pictures)
+    return summaries if len(summaries) > 1 else next(iter(summaries.values()))
 
 
 def evaluator_of(bag: Path) -> Evaluator[Any, Any]:
-    """As the recording's cell wants it, which run.yaml names."""
-    from pack_evaluation.blocks.evaluator import BlocksEvaluator
-    from pack_evaluation.packing.evaluator import PackingEvaluator
-    from pack_evaluation.palletizing.evaluator import PalletEvaluator
-    from pack_evaluation.record import load_record
+    """The evaluator of the recording's cell, which run.yaml names."""
+    from pack_core.cells import cell_part
+    from pack_evaluation.record import cell_of
 
-    by_cell: dict[str, type[Evaluator[Any, Any]]] = {
-        "palletizing": PalletEvaluator,
-        "blocks": BlocksEvaluator,
-    }
-    return by_cell.get(str(load_record(bag).get("cell")), PackingEvaluator)()
+    evaluator: Evaluator[Any, Any] = cell_part(cell_of(bag), "evaluator")
+    return evaluator
 
 
 def run_evaluation(

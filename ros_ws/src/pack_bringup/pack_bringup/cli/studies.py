@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -12,52 +12,50 @@ from rich.markup import escape
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from pack_evaluation.packing.study.failures import FailurePicture
-    from pack_lockstep.packing.studies import Source
+    from pack_evaluation.table import TextTable
+    from pack_lockstep.benchmarking.side_by_side import CellStudies
 
 
 def report_studies(
-    sources: Sequence[Source], folder: Path, *, title: str, pictures: int, videos: int = 0
-) -> None:
-    """Print the tables, write the report and say where it is.
+    cells: Sequence[CellStudies], folder: Path, *, title: str, pictures: int, videos: int = 0
+) -> dict[str, dict[str, Any]]:
+    """Print the tables, write the report, and say where it is.
 
     Args:
-        sources: the studies and their runs.
-        folder: of report.html, figures/ and failures/.
+        cells: the studies of each cell.
+        folder: for report.html, figures/ and pictures of single runs.
         title: of the report.
-        pictures: failures of each study whose end is drawn.
-        videos: failures of each study that are rendered whole.
+        pictures: single runs of each study that the report draws.
+        videos: single runs of each study that are rendered whole.
+
+    Returns:
+        The summaries by cell and name of the study.
     """
-    from pack_evaluation.packing.study.report import write_study_report
-    from pack_evaluation.packing.study.tables import tables
+    from pack_evaluation.study import summaries
+    from pack_evaluation.study_report import study_section, write_study_report
 
-    console, studies = Console(), [source.study for source in sources]
-    for found in tables(studies):
-        view = Table(title=escape(found.title), caption=escape(found.note))
-        for name in found.head:
-            view.add_column(escape(name), overflow="fold")
-        for row in found.rows:
-            view.add_row(*map(escape, row))
-        console.print(view)
-    shown = _draw_failures(sources, folder / "failures", max(pictures, videos), videos)
-    report = write_study_report(studies, folder, title=title, pictures=shown)
-    console.print(f"report: {report}", soft_wrap=True)
+    console, sections = Console(), []
+    for item in cells:
+        below = folder if len(cells) == 1 else folder / item.cell
+        section = study_section(
+            item.evaluator, item.studies, below, pictures=pictures, videos=videos, warn=_warn
+        )
+        for table in section.tables:
+            console.print(_view(table))
+        sections.append(section)
+    report = write_study_report(sections, folder, title)
+    console.print(f"report: {report}", soft_wrap=True, highlight=False)
+    return {item.cell: summaries(item.evaluator, item.studies) for item in cells}
 
 
-def _draw_failures(
-    sources: Sequence[Source], folder: Path, pictures: int, videos: int
-) -> list[FailurePicture]:
-    """Pictures of failures; none where there is no OpenGL to draw with."""
-    from pack_core.errors import PackError
-    from pack_evaluation.packing.study.failures import show_failures
+def _view(table: TextTable) -> Table:
+    view = Table(title=escape(table.title), caption=escape(table.note))
+    for name in table.head:
+        view.add_column(escape(name), overflow="fold")
+    for row in table.rows:
+        view.add_row(*map(escape, row))
+    return view
 
-    shown: list[FailurePicture] = []
-    for i, source in enumerate(sources):
-        failed = source.study.failures[:pictures]
-        try:
-            if failed:
-                shown += show_failures(failed, source.load, folder / str(i + 1), videos=videos)
-        except PackError as error:
-            typer.secho(f"no pictures of failures: {error}", fg=typer.colors.YELLOW, err=True)
-            break
-    return shown
+
+def _warn(text: str) -> None:
+    typer.secho(text, fg=typer.colors.YELLOW, err=True)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.progress import TimeRemainingColumn as Remaining
 
+if TYPE_CHECKING:
+    from pack_lockstep.benchmarking.benchmark import Verdict
+
 
 class TrialProgress:
-    """A context manager; the bar begins with the trials that are there already."""
+    """A bar over all trials, which begins with those that are there already, and a line a trial."""
 
     def __init__(self, total: int, done: int = 0) -> None:
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
@@ -30,8 +33,9 @@ class TrialProgress:
     ) -> None:
         self._bar.stop()
 
-    def add(self, name: str, success: bool, text: str) -> None:
+    def add(self, trial: Verdict) -> None:
         """Show a trial that has ended."""
-        mark = "[green]ok[/]    " if success else "[red]failed[/]"
-        self._bar.console.print(f"{escape(name):12} {mark} {escape(text)}", highlight=False, soft_wrap=True)
+        mark = "[green]ok[/]    " if trial.success else "[red]failed[/]"
+        line = f"{escape(trial.name):12} {mark} {escape(trial.text)}"
+        self._bar.console.print(line, highlight=False, soft_wrap=True)
         self._bar.advance(self._task)

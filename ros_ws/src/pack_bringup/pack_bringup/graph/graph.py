@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
+import yaml
 from pydantic import model_validator
 
 from pack_bringup.graph.executables import find_executable
 from pack_core.cells import cells_with, optional_cell_part
-from pack_core.config import Config, load_config
+from pack_core.config import Config, load_config, merged
 from pack_core.errors import ConfigError, PackError
 from pack_core.paths import config_path
 
@@ -63,7 +64,7 @@ class Graph(Config):
     def only(self, names: Iterable[str]) -> Graph:
         """This graph with no nodes but `names`, still in flow order."""
         wanted = list(names)
-        self._check_names(wanted)
+        self.check_names(wanted)
         return Graph(nodes=tuple(node for node in self.nodes if node.name in wanted))
 
     def commands(self, overrides: Mapping[str, Mapping[str, str]] | None = None) -> dict[str, list[str]]:
@@ -73,10 +74,11 @@ class Graph(Config):
             overrides: by node name, the parameters that go before the files', as YAML text.
         """
         given = overrides or {}
-        self._check_names(given)
+        self.check_names(given)
         return {node.name: node.command(given.get(node.name)) for node in self.nodes}
 
-    def _check_names(self, names: Iterable[str]) -> None:
+    def check_names(self, names: Iterable[str]) -> None:
+        """Refuse names that are no nodes of the graph, with those that are, as a PackError."""
         known = [node.name for node in self.nodes]
         for name in names:
             if name not in known:
@@ -124,3 +126,26 @@ def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
         raise ConfigError(f"cell '{cell}' has no presets; allowed: {', '.join(cells_with('preset'))}")
     overrides: dict[str, dict[str, str]] = part(name)
     return overrides
+
+
+def launch_parameters(cell: str, preset: str, settings: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """What goes over the parameter files when a cell starts, by node and parameter, as values.
+
+    Args:
+        cell: one of the register's cells.
+        preset: name of a file of config/presets; empty: none.
+        settings: `node.parameter=value` each; they go over the preset.
+
+    Raises:
+        PackError: there is no such cell, preset or node, or a setting is not of that form.
+    """
+    graph = load_graph(cell)
+    given = merged(preset_overrides(cell, preset), parse_overrides(settings))
+    graph.check_names(given)
+    return {
+        node.name: {
+            "use_sim_time": node.use_sim_time,
+            **{name: yaml.safe_load(text) for name, text in given.get(node.name, {}).items()},
+        }
+        for node in graph.nodes
+    }

@@ -62,6 +62,9 @@ class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
         write_strip(run, blocks_cell(), path)
 
 
+EVALUATOR = BlocksEvaluator()
+
+
 def _in_words(value: Any) -> str:
     return (
         ", ".join(f"{name} {part}" for name, part in value.items()) if isinstance(value, dict) else str(value)

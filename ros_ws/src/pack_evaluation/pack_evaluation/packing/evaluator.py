@@ -45,3 +45,6 @@ class PackingEvaluator(Evaluator[Run, Measures]):
     def still(self, run: Run, path: Path) -> None:
         """Write one large picture of the moment the object is half way down."""
         write_still(run, path)
+
+
+EVALUATOR = PackingEvaluator()

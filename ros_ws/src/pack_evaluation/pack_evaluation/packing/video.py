@@ -1,8 +1,7 @@
-"""The video of a run: MP4, and from it an animated GIF."""
+"""The video of a run, and a picture of it."""
 
 from __future__ import annotations
 
-import subprocess
 from contextlib import closing
 from pathlib import Path
 
@@ -10,7 +9,6 @@ import imageio_ffmpeg
 import numpy as np
 from PIL import Image
 
-from pack_core.errors import PackError
 from pack_core.rotations import Array
 from pack_evaluation.evaluator import Progress
 from pack_evaluation.packing.drawing import draw, drawing_processes
@@ -61,22 +59,6 @@ def write_still(run: Run, path: Path, time: float | None = None, config: ViewCon
     with View(run, size.model_copy(update=large)) as view:
         picture = view.picture(_half_way(run) if time is None else time)
     Image.fromarray(picture).resize((size.width, size.height), Image.Resampling.LANCZOS).save(path)
-
-
-def write_gif(video: Path, path: Path, *, width: int = 640, fps: int = 10, colours: int = 96) -> None:
-    """Turn a video into an animated GIF with a palette of its own.
-
-    Raises:
-        PackError: the video cannot be read.
-    """
-    filters = (
-        f"fps={fps},scale={width}:-1:flags=lanczos,split[a][b];"
-        f"[a]palettegen=max_colors={colours}[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"
-    )
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", "-i", str(video)]
-    done = subprocess.run([*command, "-vf", filters, str(path)], capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise PackError(f"cannot turn {video} into {path}: {done.stderr.strip()}")
 
 
 def frame_times(run: Run) -> Array:

@@ -49,3 +49,6 @@ class PalletEvaluator(Evaluator[PalletRun, OrderMeasures]):
             plots=[(plot.stem, embedded(plot)) for plot in found.plots],
             video=embedded(found.video) if found.video else "",
         )  # fmt: skip
+
+
+EVALUATOR = PalletEvaluator()

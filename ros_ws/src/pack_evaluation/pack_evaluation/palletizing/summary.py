@@ -8,10 +8,22 @@ from typing import Any
 
 import numpy as np
 
+from pack_evaluation.spread import mean_p95_max
+
+HOLD_LIMIT_MM = 10.0
+"""A stack holds if no box shifts by more on the pallet [mm]."""
+
 
 @dataclass(frozen=True)
 class OrderTrial:
-    """One run of a benchmark: its order file, its seed, its measures and its stack test as plain values."""
+    """One run of an order, its measures as plain values.
+
+    Attributes:
+        order: stem of the order's file, or the order's id in a recording.
+        seed: of where boxes arrived and of the detections' noise.
+        measures: the fields of `OrderMeasures`.
+        hold_mm: how far the finished stack shifts under 0.2 g [mm]; None if that was not tested.
+    """
 
     order: str
     seed: int
@@ -20,7 +32,10 @@ class OrderTrial:
 
 
 def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
-    """The figures of docs/palletizing/measurements.md, over all runs; an order is complete if it is with every seed."""
+    """The figures of docs/palletizing/measurements.md, over all runs.
+
+    An order counts as complete if it is with every seed.
+    """
     boxes = [box for trial in trials for box in trial.measures["boxes"]]
     errors = [box["error_mm"] for box in boxes if box["error_mm"] is not None]
     runs_of = {order: [t for t in trials if t.order == order] for order in sorted({t.order for t in trials})}
@@ -35,9 +50,9 @@ def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
         "tracking_position_mm": _tracking(trials, "position_mm"),
         "tracking_orientation_deg": _tracking(trials, "orientation_deg"),
         "goal_position_mm": _tracking(trials, "goal_mm"),
-        "placed_error_mm": _spread(errors),
-        "placed_angle_deg": _spread([b["angle_deg"] for b in boxes if b["angle_deg"] is not None]),
-        "shift_mm": _spread([shift for trial in trials for shift in trial.measures["shift_mm"]]),
+        "placed_error_mm": mean_p95_max(errors),
+        "placed_angle_deg": mean_p95_max([b["angle_deg"] for b in boxes if b["angle_deg"] is not None]),
+        "shift_mm": mean_p95_max([shift for trial in trials for shift in trial.measures["shift_mm"]]),
         "cycle_s": cycles(boxes),
         "drops": sum(trial.measures["drops"] for trial in trials),
         "unwanted_contacts": sum(trial.measures["touches"] for trial in trials),
@@ -48,10 +63,6 @@ def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
         },
         "per_order": {order: _order(runs) for order, runs in runs_of.items()},
     }
-
-
-HOLD_LIMIT_MM = 10.0
-"""A stack holds if no box shifts by more on the pallet [mm]."""
 
 
 def cycles(boxes: Sequence[Mapping[str, Any]]) -> dict[str, float | None]:
@@ -74,9 +85,9 @@ def _order(runs: Sequence[OrderTrial]) -> dict[str, Any]:
     return {
         "complete": sum(run.measures["is_complete"] for run in runs), "runs": len(runs),
         "boxes_ok": sum(box["is_ok"] for box in boxes), "boxes": len(boxes),
-        "error_mm": _spread(errors), "cycle_s": _mean([b["cycle_s"] for b in boxes if b["cycle_s"]]),
+        "error_mm": mean_p95_max(errors), "cycle_s": _mean([b["cycle_s"] for b in boxes if b["cycle_s"]]),
         "tracking_mm": _tracking(runs, "position_mm"),
-        "shift_mm": _spread([shift for run in runs for shift in run.measures["shift_mm"]]),
+        "shift_mm": mean_p95_max([shift for run in runs for shift in run.measures["shift_mm"]]),
         "faults": [fault for run in runs for fault in run.measures["faults"]],
         "hold_mm": [run.hold_mm for run in runs],
     }  # fmt: skip
@@ -90,14 +101,6 @@ def _tracking(trials: Sequence[OrderTrial], key: str) -> dict[str, float]:
         "mean": float(np.average(means, weights=weights)),
         "max": max(trial.measures[key][1] for trial in trials),
     }
-
-
-def _spread(values: Sequence[float]) -> dict[str, float | None]:
-    if not values:
-        return {"mean": None, "p95": None, "max": None}
-    return {
-        "mean": float(np.mean(values)), "p95": float(np.percentile(values, 95)), "max": float(np.max(values))
-    }  # fmt: skip
 
 
 def _mean(values: Sequence[float]) -> float | None:

@@ -6,34 +6,60 @@ import json
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pack_core.cells import CELLS
 from pack_core.errors import ConfigError
 
 SHOWN = 6
 """Differences that an error names."""
 
 
+@dataclass(frozen=True)
+class TrialLines:
+    """What a file of trials holds.
+
+    Attributes:
+        cell: the cell that was measured.
+        settings: all that decides the results.
+        origin: command, commit and versions of the run that began the file.
+        trials: one mapping a trial, by its `name`, in the order in which they ended.
+    """
+
+    cell: str
+    settings: dict[str, Any]
+    origin: dict[str, Any]
+    trials: dict[str, dict[str, Any]]
+
+
 class TrialFile:
-    """The settings of a benchmark in the first line, a trial in each line after it.
+    """Cell, settings and origin of a benchmark in the first line, a trial in each line after it.
 
     Args:
         path: the file; made if it is missing.
+        cell: the cell that is measured; a file of another one is refused.
         settings: all that decides the results; a file of other settings is refused.
+        origin: command, commit and versions, kept in a new file.
 
     Raises:
-        ConfigError: the file is of other settings, or no file of trials.
+        ConfigError: the file is of another cell or of other settings, or no file of trials.
     """
 
-    def __init__(self, path: Path, settings: Mapping[str, Any]) -> None:
+    def __init__(
+        self, path: Path, cell: str, settings: Mapping[str, Any], origin: Mapping[str, Any] | None = None
+    ) -> None:
         self._path = path
-        wanted = json.loads(json.dumps({"settings": plain(settings)}))
+        wanted = json.loads(json.dumps(plain(settings)))
         if not path.is_file():
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._write(wanted)
-        header, self._trials = _read(path)
-        if differences := _differences(header["settings"], wanted["settings"]):
+            self._write({"cell": cell, "origin": plain(origin or {}), "settings": wanted})
+        found = read_trials(path)
+        self._trials = found.trials
+        if differences := _differences(
+            {"benchmark of": found.cell, **found.settings}, {"benchmark of": cell, **wanted}
+        ):
             shown = "\n  ".join(differences[:SHOWN])
             more = f"\n  and {len(differences) - SHOWN} more" if len(differences) > SHOWN else ""
             raise ConfigError(
@@ -59,14 +85,25 @@ class TrialFile:
             os.fsync(file.fileno())
 
 
-def read_trials(path: Path) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-    """The settings and the trials by name of a finished or interrupted benchmark.
+def read_trials(path: Path) -> TrialLines:
+    """What a finished or interrupted benchmark kept; a last line that was cut off is taken out of the file.
 
     Raises:
         ConfigError: this is no file of trials.
     """
-    header, trials = _read(path)
-    return header["settings"], trials
+    try:
+        text = path.read_text()
+        whole = text[: text.rfind("\n") + 1]
+        if whole != text:
+            os.truncate(path, len(whole.encode()))
+        header, *lines = [json.loads(line) for line in whole.splitlines()]
+        # Files without a cell are from before other cells than the first had folders of results.
+        cell, origin = header.get("cell", CELLS[0]), header.get("origin", {})
+        return TrialLines(cell, header["settings"], origin, {line["name"]: line for line in lines})
+    except (OSError, ValueError, KeyError, AttributeError, TypeError) as error:
+        raise ConfigError(
+            f"{path} is no file of trials: {error!r}; delete it or give another --output"
+        ) from error
 
 
 def plain(value: Any) -> Any:
@@ -78,21 +115,6 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value
-
-
-def _read(path: Path) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-    """The header and the trials; a last line that an interruption cut off is taken out of the file."""
-    try:
-        text = path.read_text()
-        whole = text[: text.rfind("\n") + 1]
-        if whole != text:
-            os.truncate(path, len(whole.encode()))
-        lines = [json.loads(line) for line in whole.splitlines()]
-        return {"settings": lines[0]["settings"]}, {line["name"]: line for line in lines[1:]}
-    except (OSError, ValueError, KeyError, IndexError, TypeError) as error:
-        raise ConfigError(
-            f"{path} is no file of trials: {error!r}; delete it or give another --output"
-        ) from error
 
 
 def _differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:

@@ -24,12 +24,17 @@ class Instance(Hashable, Protocol):
 
     @property
     def seed(self) -> int:
-        """Not negative."""
+        """Not negative; also the planner's."""
         ...
 
     @property
     def name(self) -> str:
         """Tells it from every other one."""
+        ...
+
+    @property
+    def kind(self) -> str:
+        """What instances that differ by their seed alone are called together."""
         ...
 
     def problem(self, cell: BlocksCell) -> Problem:
@@ -52,8 +57,13 @@ class StrewnInstance:
 
     @property
     def name(self) -> str:
-        """By what decides it."""
+        """Number, density and seed, which decide it."""
         return f"{self.blocks}_{self.density:g}_seed{self.seed}"
+
+    @property
+    def kind(self) -> str:
+        """Number and density."""
+        return f"{self.blocks} blocks, density {self.density:g}"
 
     def problem(self, cell: BlocksCell) -> Problem:
         """The problem of the seed."""
@@ -91,22 +101,25 @@ class FileInstance:
         """By the file's name and content, so that a changed file is another instance."""
         return f"{self.stem}_{sha256(self.text.encode()).hexdigest()[:HASH_DIGITS]}_seed{self.seed}"
 
+    @property
+    def kind(self) -> str:
+        """The file's name."""
+        return self.stem
+
     def problem(self, cell: BlocksCell) -> Problem:
-        """The file's."""
+        """The problem of the file."""
         return parse_problem(self.text, self.stem)
 
     @property
     def warm_up(self) -> FileInstance:
-        """Itself."""
+        """The instance itself: its goals are its own."""
         return self
 
 
 def wanted_instances(
     blocks: int, density: float, seeds: Sequence[int], files: Sequence[Path]
-) -> tuple[str, list[Instance]]:
-    """The instances of a benchmark, and what to call them; files take the place of generated ones."""
+) -> list[Instance]:
+    """The instances of a benchmark; files take the place of generated ones."""
     if files:
-        own: list[Instance] = [FileInstance.read(path, seeds[0]) for path in files]
-        return ", ".join(dict.fromkeys(path.stem for path in files)), own
-    strewn: list[Instance] = [StrewnInstance(blocks, density, seed) for seed in seeds]
-    return f"{blocks} blocks, density {density:g}", strewn
+        return [FileInstance.read(path, seeds[0]) for path in files]
+    return [StrewnInstance(blocks, density, seed) for seed in seeds]

@@ -1,80 +1,65 @@
-"""Many scenes of the packing cell: run, kept in a folder, and read back as a study."""
+"""The benchmark of the packing cell: many scenes, each kept as a run and a scene file."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any, ClassVar
 
-from pack_evaluation.packing.run import Run
-from pack_evaluation.packing.run_file import SUFFIX, load_saved_run, save_run
-from pack_evaluation.packing.study.trial import Study, Trial, trial_of
-from pack_lockstep.benchmarking.pools import Pool
-from pack_lockstep.benchmarking.trial_file import TrialFile, read_trials
-from pack_lockstep.packing.settings import SceneJob, Setup
+from pack_evaluation.packing.run_file import SUFFIX, save_run
+from pack_evaluation.packing.studies import RUNS
+from pack_evaluation.packing.study.trial import trial_of
+from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
+from pack_lockstep.packing.settings import PackingSetup, SceneJob
 from pack_lockstep.packing.trial import SceneResult, run_scene, trial_line
 
-TRIALS, RUNS, SCENES = "trials.jsonl", "runs", "scenes"
-ABOUT = ("method", "optimizer", "weights", "preset", "container", "scene_dir")
-"""Settings that reports show."""
+SCENES = "scenes"
 
 
-class BenchmarkFolder:
-    """The results of one benchmark: trials.jsonl, a run and a scene file a trial, and the report."""
+@dataclass(frozen=True)
+class PackingBenchmark(Benchmark[SceneJob, SceneResult]):
+    """Scenes under one setting."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    cell: ClassVar[str] = "packing"
+    files: ClassVar[tuple[str, ...]] = (f"{RUNS}/*{SUFFIX}", f"{SCENES}/*.yaml")
+
+    setup: PackingSetup
+    jobs: tuple[SceneJob, ...]
 
     @property
-    def exists(self) -> bool:
-        """Whether there are results."""
-        return (self.path / TRIALS).is_file()
+    def threads(self) -> int:
+        """Cores that the controller of each scene plans with."""
+        return self.setup.config.session.controller.threads
 
-    def count(self, names: Sequence[str]) -> int:
-        """How many of these trials there are already."""
-        return len(set(names) & read_trials(self.path / TRIALS)[1].keys()) if self.exists else 0
+    @property
+    def folder_name(self) -> str:
+        """Method, optimizer, weights and conditions."""
+        return self.setup.name.replace(" ", "_")
 
-    def clear(self) -> None:
-        """Remove the results, and nothing else that is in the folder."""
-        (self.path / TRIALS).unlink(missing_ok=True)
-        for file in (*self.path.glob(f"{RUNS}/*{SUFFIX}"), *self.path.glob(f"{SCENES}/*.yaml")):
-            file.unlink()
+    def settings(self) -> Mapping[str, Any]:
+        """Settings, cell, parameters of all nodes, and weights."""
+        return self.setup.record()
 
-    def load(self, name: str) -> Run:
-        """A trial's run; raises BagError where it is missing or broken."""
-        return load_saved_run(self.path / RUNS / f"{name}{SUFFIX}")
+    @property
+    def work(self) -> Callable[[SceneJob], SceneResult]:
+        """Runs a scene to its outcome."""
+        return partial(run_scene, self.setup)
 
-    def keep(self, result: SceneResult) -> Trial:
-        """Write a trial's run and scene."""
-        for folder in (RUNS, SCENES):
-            (self.path / folder).mkdir(parents=True, exist_ok=True)
-        (self.path / SCENES / f"{result.job.name}.yaml").write_text(result.scene.to_yaml())
-        save_run(result.run, self.path / RUNS / f"{result.job.name}{SUFFIX}")
-        return trial_of(result.job.name, result.run)
+    def keep(self, result: SceneResult, folder: Path) -> Mapping[str, Any]:
+        """Write the run as arrays and the scene as a file to run again, and return the measures."""
+        for kind in (RUNS, SCENES):
+            (folder / kind).mkdir(parents=True, exist_ok=True)
+        (folder / SCENES / f"{result.job.name}.yaml").write_text(result.scene.to_yaml())
+        save_run(result.run, folder / RUNS / f"{result.job.name}{SUFFIX}")
+        return trial_line(result, trial_of(result.job.name, result.run), self.threads)
 
-    def study(self, names: Sequence[str] | None = None) -> Study:
-        """The trials, all or those named, measured from their runs.
-
-        Raises:
-            PackError: these are no results, or a run is missing.
-        """
-        settings, trials = read_trials(self.path / TRIALS)
-        chosen = list(trials) if names is None else [name for name in names if name in trials]
-        about = {key: settings[key] for key in ABOUT if settings.get(key) is not None}
-        return Study(settings["name"], tuple(trial_of(name, self.load(name)) for name in chosen), about)
-
-
-def measure_scenes(
-    folder: BenchmarkFolder, setup: Setup, jobs: Sequence[SceneJob], pool: Pool
-) -> Iterator[Trial]:
-    """Run the scenes that the folder does not have yet, and keep each when it is done.
-
-    Raises:
-        PackError: the folder is of other settings, or a scene cannot be run.
-    """
-    file = TrialFile(folder.path / TRIALS, setup.record())
-    missing = [job for job in jobs if job.name not in file.trials]
-    for result in pool.run(partial(run_scene, setup), missing):
-        trial = folder.keep(result)
-        file.add(trial_line(result, trial, setup.config.session.controller.threads))
-        yield trial
+    def verdict(self, trial: Mapping[str, Any]) -> Verdict:
+        """How the goal ended, how long it took, how far off and how hard it pushed."""
+        text = (
+            f"{trial['exit_reason']:12} {trial['execution_time_s']:5.1f} s {trial['distance_cm']:5.1f} cm "
+            f"{trial['force_mean_N']:5.1f} N, peak {trial['peak_force_N']:5.0f} N "
+            f"{trial['placements']:2.0f} placements"
+        )
+        return Verdict(trial["name"], trial["success"], text)

@@ -1,12 +1,12 @@
-"""Many orders of the palletizing cell in lockstep: run, kept line by line, read back."""
+"""The benchmark of the palletizing cell: many orders, each built with many seeds."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pack_core.errors import ConfigError, OrderError, PackError
 from pack_core.palletizing.box_body import BoxBody
@@ -16,18 +16,18 @@ from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_evaluation.palletizing.measures import measure_order
 from pack_evaluation.palletizing.run import PalletRun
-from pack_evaluation.palletizing.summary import OrderTrial
-from pack_lockstep.benchmarking.pools import Pool
-from pack_lockstep.benchmarking.trial_file import TrialFile, read_trials
+from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
 from pack_lockstep.palletizing.lockstep import PalletLockstep, PalletLockstepConfig
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 
 
 @dataclass(frozen=True)
-class Setup:
+class PalletSetup:
     """What decides the results, orders and seeds apart."""
 
+    name: str
+    """Short, as in tables: profile, motion, the arm's preset, and how boxes are seen."""
     cell: PalletizingCell
     config: PalletLockstepConfig
     layout: LayoutConfig
@@ -35,7 +35,9 @@ class Setup:
     def record(self) -> dict[str, Any]:
         """All of it as plain values, for the head of the results."""
         parts = {"cell": self.cell, "config": self.config, "layout": self.layout}
-        return {name: part.model_dump(mode="json") for name, part in parts.items()}
+        return {
+            "name": self.name, **{name: part.model_dump(mode="json") for name, part in parts.items()}
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class OrderJob:
 
     @property
     def name(self) -> str:
-        """Of the trial."""
+        """Tells the trial from every other one."""
         return f"{self.path.stem}_seed{self.seed}"
 
 
@@ -74,7 +76,7 @@ def _refusal(path: Path, cell: PalletizingCell) -> str:
     return ""
 
 
-def run_order(setup: Setup, job: OrderJob) -> dict[str, Any]:
+def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
     """Plan and build an order; a line of the results."""
     order = load_order(job.path)
     plan = plan_order(order, setup.layout)
@@ -106,25 +108,42 @@ def stack(order: Order, run: PalletRun) -> dict[BoxBody, Any]:
     }
 
 
-def run_orders(path: Path, setup: Setup, jobs: Sequence[OrderJob], pool: Pool) -> Iterator[OrderTrial]:
-    """Run what the file does not have yet, and keep each when it is done.
+@dataclass(frozen=True)
+class PalletBenchmark(Benchmark[OrderJob, dict[str, Any]]):
+    """Orders under one setting."""
 
-    Raises:
-        PackError: the file is of other settings, or an order cannot be planned.
-    """
-    file = TrialFile(path, setup.record())
-    missing = [job for job in jobs if job.name not in file.trials]
-    for line in pool.run(partial(run_order, setup), missing):
-        file.add(line)
-        yield trial_of(line)
+    cell: ClassVar[str] = "palletizing"
 
+    setup: PalletSetup
+    jobs: tuple[OrderJob, ...]
 
-def kept_trials(path: Path, jobs: Sequence[OrderJob]) -> list[OrderTrial]:
-    """Those of the jobs that the file has."""
-    names = {job.name for job in jobs}
-    return [trial_of(line) for name, line in read_trials(path)[1].items() if name in names]
+    @property
+    def folder_name(self) -> str:
+        """Profile, motion, the arm's preset, and how boxes are seen."""
+        return f"{self.cell}_{self.setup.name.replace(' ', '_')}"
 
+    def settings(self) -> Mapping[str, Any]:
+        """Cell, parameters of all nodes, and the layout planner's."""
+        return self.setup.record()
 
-def trial_of(line: Mapping[str, Any]) -> OrderTrial:
-    """A trial from its line."""
-    return OrderTrial(line["order"], line["seed"], line["measures"], line["hold_mm"])
+    @property
+    def work(self) -> Callable[[OrderJob], dict[str, Any]]:
+        """Plans and builds an order."""
+        return partial(run_order, self.setup)
+
+    def keep(self, result: dict[str, Any], folder: Path) -> Mapping[str, Any]:
+        """The measures; nothing is kept beside them."""
+        return result
+
+    def verdict(self, trial: Mapping[str, Any]) -> Verdict:
+        """How many boxes stand, the worst of them, the cycle, the tracking and every fault."""
+        m = trial["measures"]
+        errors = [box["error_mm"] for box in m["boxes"] if box["error_mm"] is not None]
+        cycles = [box["cycle_s"] for box in m["boxes"] if box["cycle_s"] is not None]
+        text = (
+            f"{m['reward']:2} of {len(m['boxes']):2} boxes  worst {max(errors, default=0.0):5.2f} mm  "
+            f"cycle {sum(cycles) / max(len(cycles), 1):5.1f} s  tracking {m['position_mm'][1]:5.2f} mm  "
+            f"{m['touches']} contacts"
+        )
+        name = f"{trial['order']} seed {trial['seed']}"
+        return Verdict(name, m["is_complete"], "; ".join([text, *m["faults"]]))

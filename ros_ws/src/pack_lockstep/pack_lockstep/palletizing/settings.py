@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from pack_core.config import Config
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.paths import bags_path
 from pack_lockstep.node_parameters import load_parameters
-from pack_lockstep.palletizing.benchmark import Setup
+from pack_lockstep.palletizing.benchmark import PalletSetup
 from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
 from pack_lockstep.palletizing.sight import SightConfig
 from pack_motion.tracking.config import motion_set
@@ -20,13 +17,13 @@ from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.profile import profile_of
 
 
-class CameraParameters(Config):
+class PalletCameraParameters(Config):
     """The part of the simulator's parameters that is the camera's."""
 
     camera: OverheadCameraConfig = OverheadCameraConfig()
 
 
-def set_up(*, profile: str, motion: str, preset: str, vision: bool) -> Setup:
+def set_up(*, profile: str, motion: str, preset: str, vision: bool) -> PalletSetup:
     """Read what a command refers to.
 
     Raises:
@@ -37,17 +34,13 @@ def set_up(*, profile: str, motion: str, preset: str, vision: bool) -> Setup:
     machine = load_parameters("palletizing/fsm", PalletizerConfig).model_copy(update={"profile": profile})
     sight = SightConfig(
         by="vision" if vision else "noise",
-        camera=load_parameters("palletizing/sim", CameraParameters).camera,
+        camera=load_parameters("palletizing/sim", PalletCameraParameters).camera,
         vision=load_parameters("palletizing/vision", VisionConfig),
     )
     config = PalletLockstepConfig(
         motion=motion, palletizer=machine, sight=sight,
         simulator=load_parameters("palletizing/sim", PalletSimulatorConfig),
     )  # fmt: skip
-    return Setup(palletizing_cell(preset), config, load_parameters("palletizing/layout", LayoutConfig))
-
-
-def default_output(*, profile: str, motion: str, preset: str, vision: bool) -> Path:
-    """Where a benchmark's results are kept when no file is given."""
-    sight = "vision" if vision else "noise"
-    return bags_path() / "benchmarks" / f"palletizing_{profile}_{motion}_{preset}_{sight}.jsonl"
+    name = f"{profile} {motion} {preset} {'vision' if vision else 'noise'}"
+    layout = load_parameters("palletizing/layout", LayoutConfig)
+    return PalletSetup(name, palletizing_cell(preset), config, layout)

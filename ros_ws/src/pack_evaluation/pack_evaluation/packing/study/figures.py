@@ -11,14 +11,14 @@ from matplotlib.figure import Figure
 
 from pack_evaluation.packing.study.summary import FAILURE_METRICS
 from pack_evaluation.packing.study.tables import METRIC_NAMES
-from pack_evaluation.packing.study.trial import Study, Trial
+from pack_evaluation.packing.study.trial import PackingStudy, PackingTrial
 
 FIG_5 = ("m_pos_mm", "m_rot_deg", "m_per")
 MAROON = "#800000"
 DPI = 130
 
 
-def write_figures(studies: Sequence[Study], folder: Path) -> list[Path]:
+def write_figures(studies: Sequence[PackingStudy], folder: Path) -> list[Path]:
     """Write every figure as PNG into `folder`, in the order a report shows them."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [_write_packed_by(studies, folder / "packed_by.png")]
@@ -27,7 +27,7 @@ def write_figures(studies: Sequence[Study], folder: Path) -> list[Path]:
     return paths
 
 
-def _write_boxes(study: Study, path: Path) -> Path:
+def _write_boxes(study: PackingStudy, path: Path) -> Path:
     figure = Figure(figsize=(9.0, 3.2), layout="constrained")
     figure.suptitle(study.name)
     for axes, name in zip(figure.subplots(1, len(FIG_5)), FIG_5, strict=True):
@@ -36,7 +36,7 @@ def _write_boxes(study: Study, path: Path) -> Path:
     return path
 
 
-def _draw_boxes(axes: Axes, name: str, study: Study) -> None:
+def _draw_boxes(axes: Axes, name: str, study: PackingStudy) -> None:
     """One metric as in Fig. 5: quartiles, whiskers to 1.5 of their range, median maroon, mean a triangle."""
     groups = {
         f"success ({len(study.successes)})": _values(name, study.successes),
@@ -52,12 +52,12 @@ def _draw_boxes(axes: Axes, name: str, study: Study) -> None:
     axes.grid(axis="y", alpha=0.25)
 
 
-def _values(name: str, trials: Sequence[Trial]) -> list[float]:
+def _values(name: str, trials: Sequence[PackingTrial]) -> list[float]:
     values = [FAILURE_METRICS[name](trial.measures) for trial in trials]
     return [value for value in values if not np.isnan(value)]
 
 
-def _write_packed_by(studies: Sequence[Study], path: Path) -> Path:
+def _write_packed_by(studies: Sequence[PackingStudy], path: Path) -> Path:
     """Share of the scenes that are packed and done, by simulated time."""
     figure = Figure(figsize=(9.0, 3.2), layout="constrained")
     axes = figure.add_subplot()

@@ -12,7 +12,7 @@ import numpy as np
 
 from pack_core.packing.exit_reason import ExitReason
 from pack_evaluation.packing.metrics import Measures
-from pack_evaluation.packing.study.trial import Study
+from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.spread import Split, split, spread
 
 Metric = Callable[[Measures], float]
@@ -27,7 +27,7 @@ FAILURE_METRICS: dict[str, Metric] = {
 """What is compared between successes and failures; the first three are Eqs. 7 to 9."""
 
 
-def summarize(study: Study) -> dict[str, Any]:
+def summarize(study: PackingStudy) -> dict[str, Any]:
     """Counts, the spread of every measure, and the failures by name."""
     measures = [trial.measures for trial in study.trials]
     return {
@@ -52,13 +52,13 @@ def summarize(study: Study) -> dict[str, Any]:
     }
 
 
-def exits(study: Study) -> dict[str, int]:
+def exits(study: PackingStudy) -> dict[str, int]:
     """How many trials ended in each way, in the order of `ExitReason`."""
     counts = Counter(trial.measures.exit_reason for trial in study.trials)
     return {reason.value: counts[reason] for reason in ExitReason if counts[reason]}
 
 
-def contact_force(study: Study) -> dict[str, float | None]:
+def contact_force(study: PackingStudy) -> dict[str, float | None]:
     """Spread over all samples of all trials [N], and over trials their means and their peaks."""
     means = spread([trial.measures.force_mean for trial in study.trials])
     peaks = [trial.measures.force_peak for trial in study.trials]
@@ -71,7 +71,7 @@ def contact_force(study: Study) -> dict[str, float | None]:
     }
 
 
-def failure_metrics(study: Study) -> dict[str, Split]:
+def failure_metrics(study: PackingStudy) -> dict[str, Split]:
     """Eqs. 7 to 9 and their companions, of successes against failures."""
     return {
         name: split(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from pack_core.packing.exit_reason import ExitReason
 from pack_evaluation.packing.study.summary import contact_force, exits, failure_metrics, summarize
-from pack_evaluation.packing.study.trial import Study
+from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.spread import Spread
 from pack_evaluation.table import TextTable
 
@@ -22,12 +22,12 @@ METRIC_NAMES = {
 }
 
 
-def tables(studies: Sequence[Study]) -> tuple[TextTable, ...]:
+def tables(studies: Sequence[PackingStudy]) -> tuple[TextTable, ...]:
     """All tables of some studies."""
     return (results(studies), forces(studies), iterations(studies), *map(metrics, studies))
 
 
-def results(studies: Sequence[Study]) -> TextTable:
+def results(studies: Sequence[PackingStudy]) -> TextTable:
     """Tables II and III: success, exits, execution time, distance, force."""
     counts = [exits(study) for study in studies]
     found = {reason.value for reason in FIXED} | set().union(*counts)
@@ -49,7 +49,7 @@ def results(studies: Sequence[Study]) -> TextTable:
     return TextTable("Packing", note, head, tuple(rows))
 
 
-def forces(studies: Sequence[Study]) -> TextTable:
+def forces(studies: Sequence[PackingStudy]) -> TextTable:
     """Contact force over all samples, and its peaks."""
     columns = ("mean", "deviation", "median", "p95", "mean_peak", "max_peak")
     rows = tuple(
@@ -62,7 +62,7 @@ def forces(studies: Sequence[Study]) -> TextTable:
     return TextTable("Contact force", note, head, rows)
 
 
-def iterations(studies: Sequence[Study]) -> TextTable:
+def iterations(studies: Sequence[PackingStudy]) -> TextTable:
     """Wall clock of the controller, and how many placements it took."""
     rows = []
     for study in studies:
@@ -77,7 +77,7 @@ def iterations(studies: Sequence[Study]) -> TextTable:
     return TextTable("Controller", note, head, tuple(rows))
 
 
-def metrics(study: Study) -> TextTable:
+def metrics(study: PackingStudy) -> TextTable:
     """The failure metrics of section IV-E, of successes against failures."""
     rows = tuple(
         (METRIC_NAMES[name], _pair(item.success), _pair(item.failure), _number(item.auc))

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from pack_core.packing.exit_reason import ExitReason
 from pack_core.rotations import Array
 from pack_evaluation.packing.criteria import Criteria
 from pack_evaluation.packing.metrics import Measures, goal_force, measure
 from pack_evaluation.packing.run import Run
+from pack_evaluation.study import Study
 
 EARLY = (ExitReason.FORCE, ExitReason.DETACHED)
 """Exits whose execution time the paper does not count (section IV-C)."""
 
 
 @dataclass(frozen=True)
-class Trial:
+class PackingTrial:
     """One run, measured.
 
     Attributes:
@@ -39,26 +40,30 @@ class Trial:
         return self.measures.exit_reason in EARLY
 
 
-def trial_of(name: str, run: Run, criteria: Criteria | None = None) -> Trial:
+def trial_of(name: str, run: Run, criteria: Criteria | None = None) -> PackingTrial:
     """Measure a run as part of a study."""
     message = str(run.outcome.get("message", ""))
-    return Trial(name, measure(run, criteria), message, goal_force(run)[1], run.iterations.ms)
+    return PackingTrial(name, measure(run, criteria), message, goal_force(run)[1], run.iterations.ms)
 
 
-@dataclass(frozen=True)
-class Study:
-    """Trials of one method under one setting, a row of the paper's tables; `about` says which."""
+@dataclass(frozen=True, kw_only=True)
+class PackingStudy(Study):
+    """Trials of one method under one setting, a row of the paper's tables.
 
-    name: str
-    trials: tuple[Trial, ...]
-    about: dict[str, Any] = field(default_factory=dict)
+    Attributes:
+        trials: the runs, measured.
+        load: reads a trial's run again, by the trial's name, to draw it.
+    """
+
+    trials: tuple[PackingTrial, ...]
+    load: Callable[[str], Run] | None = None
 
     @property
-    def successes(self) -> tuple[Trial, ...]:
+    def successes(self) -> tuple[PackingTrial, ...]:
         """Trials that reached FINE-TUNE."""
         return tuple(trial for trial in self.trials if trial.measures.success)
 
     @property
-    def failures(self) -> tuple[Trial, ...]:
-        """The others."""
+    def failures(self) -> tuple[PackingTrial, ...]:
+        """Trials that did not reach FINE-TUNE."""
         return tuple(trial for trial in self.trials if not trial.measures.success)

@@ -1,0 +1,65 @@
+"""Tables of many palletizing runs: the measures of every study side by side, and a row an order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pack_evaluation.spread import PARTS, spread_text
+from pack_evaluation.table import TextTable
+
+SPREADS = {
+    "tracking_position_mm": "tracking, position [mm]",
+    "tracking_orientation_deg": "tracking, orientation [deg]",
+    "goal_position_mm": "position at goals [mm]",
+    "placed_error_mm": "placed box, position [mm]",
+    "placed_angle_deg": "placed box, orientation [deg]",
+    "shift_mm": "shift of earlier boxes [mm]",
+}
+CYCLES = {
+    "none_or_flip": "cycle, not set down on the table [s]",
+    "table": "cycle, turned on the table [s]",
+    "mean": "cycle, all boxes [s]",
+    "boxes_per_hour": "boxes an hour",
+}
+
+Summary = Mapping[str, Any]
+
+
+def comparison(summaries: Mapping[str, Summary]) -> TextTable:
+    """A column a study, a row a measure."""
+    found = summaries.values()
+    rows = [
+        ("orders complete with every seed", *(f"{s['orders_complete']} of {s['orders']}" for s in found)),
+        ("boxes in place", *(f"{s['boxes_ok']} of {s['boxes']}" for s in found)),
+        *((name, *(spread_text(s[key], 3) for s in found)) for key, name in SPREADS.items()),
+        *((name, *(_number(s["cycle_s"][key], 3) for s in found)) for key, name in CYCLES.items()),
+        ("stacks that hold 0.2 g", *(_held(s["stack_hold"]) for s in found)),
+        ("drops", *(str(s["drops"]) for s in found)),
+        ("unwanted contacts over 20 N", *(str(s["unwanted_contacts"]) for s in found)),
+    ]
+    note = f"Three numbers in a cell are {', '.join(PARTS.values())}."
+    return TextTable("Orders", note, ("", *summaries), tuple(rows))
+
+
+def orders(name: str, summary: Summary) -> TextTable:
+    """A row an order, over its seeds."""
+    head = ("order", "complete", "boxes", "error [mm]", "cycle [s]", "tracking, largest [mm]", "faults")
+    rows = tuple(
+        (
+            order, f"{s['complete']} of {s['runs']}", f"{s['boxes_ok']} of {s['boxes']}",
+            spread_text(s["error_mm"]), _number(s["cycle_s"]), _number(s["tracking_mm"]["max"]),
+            "; ".join(s["faults"]),
+        )
+        for order, s in summary["per_order"].items()
+    )  # fmt: skip
+    note = f"Errors of placed boxes: {', '.join(PARTS.values())}; cycles are means over the boxes placed."
+    return TextTable(f"Every order: {name}", note, head, rows)
+
+
+def _held(hold: Mapping[str, int]) -> str:
+    return f"{hold['held']} of {hold['tested']}" if hold["tested"] else "-"
+
+
+def _number(value: float | None, digits: int = 2) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

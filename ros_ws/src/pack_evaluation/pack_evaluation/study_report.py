@@ -1,0 +1,86 @@
+"""The report of many runs: one HTML file that needs nothing beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pack_core.errors import PackError
+from pack_evaluation.html import embedded, render
+from pack_evaluation.study import Picture, StudyEvaluator, StudyT
+from pack_evaluation.table import TextTable
+
+TEMPLATE = Path(__file__).with_name("study_report.html.j2")
+REPORT, FIGURES = "report.html", "figures"
+
+
+@dataclass(frozen=True)
+class StudySection:
+    """A cell's part of the report.
+
+    Attributes:
+        title: its heading.
+        tables: studies side by side.
+        figures: PNG files.
+        pictures_title: heading of the pictures.
+        pictures_note: what they show.
+        pictures: of single runs.
+        about: how each study was run, by its name.
+    """
+
+    title: str
+    tables: Sequence[TextTable]
+    figures: Sequence[Path]
+    pictures_title: str
+    pictures_note: str
+    pictures: Sequence[Picture]
+    about: Mapping[str, Mapping[str, Any]]
+
+
+def study_section(
+    evaluator: StudyEvaluator[StudyT, Any],
+    studies: Sequence[StudyT],
+    folder: Path,
+    *,
+    pictures: int,
+    videos: int = 0,
+    warn: Callable[[str], None] = lambda _: None,
+) -> StudySection:
+    """Draw everything that a cell shows of its studies.
+
+    Args:
+        evaluator: the cell's.
+        studies: to be shown side by side.
+        folder: for figures/ and pictures.
+        pictures: runs of each study that are drawn.
+        videos: runs of each study that are rendered as MP4.
+        warn: is told why there are no pictures, e.g. without OpenGL.
+    """
+    (folder / FIGURES).mkdir(parents=True, exist_ok=True)
+    try:
+        shown = evaluator.pictures(studies, folder, count=max(pictures, videos), videos=videos)
+    except PackError as error:
+        warn(f"no pictures of single runs: {error}")
+        shown = evaluator.pictures(studies, folder, count=0, videos=0)
+    return StudySection(
+        evaluator.title, evaluator.tables(studies), evaluator.figures(studies, folder / FIGURES),
+        evaluator.pictures_title, evaluator.pictures_note, shown,
+        {study.name: about for study in studies if (about := {**study.about, **study.origin})},
+    )  # fmt: skip
+
+
+def write_study_report(sections: Sequence[StudySection], folder: Path, title: str) -> Path:
+    """Write `report.html` into a folder and return its path."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / REPORT
+    path.write_text(render(TEMPLATE, title=title, sections=sections, in_words=in_words, embedded=embedded))
+    return path
+
+
+def in_words(value: Any) -> str:
+    """A setting in a table's cell: versions as `name number, name number`."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {part}" for name, part in value.items())
+    return str(value)
