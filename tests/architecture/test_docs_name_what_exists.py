@@ -135,7 +135,7 @@ def test_paths_exist(page: Page, names: set[str]) -> None:
             continue
         pattern = re.sub(r"<\w+>", "*", path.removeprefix("./")).rstrip("/")
         beside = [place for base in (page.path.parent, ROOT) for place in base.glob(pattern)]
-        assert beside or matching(names, pattern), f"{path}: neither beside the page nor anywhere in the project"
+        assert beside or matching(names, pattern), f"{path}: neither beside the page nor in the project"
 
 
 @on_every_page
