@@ -57,7 +57,7 @@ class SerialChain:
 
     @property
     def n(self) -> int:
-        """How many joints."""
+        """Number of joints."""
         return len(self.axes)
 
     def with_tool(self, X_TN: Pose) -> SerialChain:
@@ -66,16 +66,19 @@ class SerialChain:
         return SerialChain(self.axes, self.points, R, self.p_WT + self.R_WT @ X_TN.p)
 
     def links(self, q: Array) -> tuple[Array, Array]:
-        """`R (n, 3, 3)` and `d (n, 3)`: a point x of link i, given at zero, is at `R[i] @ x + d[i]`."""
+        """How every link has moved from where all joints are zero: `R (n, 3, 3)` and `d (n, 3)`.
+
+        A point of link i that is at x where all joints are zero is at `R[i] @ x + d[i]`.
+        """
         return screws.link_transforms(self.axes, self.points, np.asarray(q, dtype=float))
 
     def forward_matrix(self, q: Array) -> tuple[Array, Array]:
-        """Orientation `(3, 3)` and position `(3,)` of the tool."""
+        """R_WT `(3, 3)` and p_WT `(3,)` [m] of the tool."""
         R, d = self.links(q)
         return R[-1] @ self.R_WT, R[-1] @ self.p_WT + d[-1]
 
     def forward(self, q: Array) -> Pose:
-        """Pose of the tool."""
+        """X_WT of the tool."""
         R, p = self.forward_matrix(q)
         return Pose(p, from_matrix(R))
 
@@ -86,7 +89,7 @@ class SerialChain:
         return screws.jacobian(z, p, R[-1] @ self.p_WT + d[-1], self.n - 1)
 
     def bias(self, q: Array, v: Array) -> Array:
-        """`Jdot v` `(6,)` of the tool: its acceleration without joint accelerations."""
+        """`Jdot v` `(6,)`: acceleration of the tool, linear then angular, while no joint accelerates."""
         R, d = self.links(q)
         z, p = screws.world_axes(self.axes, self.points, R, d)
         return screws.bias(z, p, np.asarray(v, dtype=float), R[-1] @ self.p_WT + d[-1], self.n - 1)

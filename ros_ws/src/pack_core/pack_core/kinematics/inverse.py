@@ -1,21 +1,35 @@
-"""What every closed-form inverse offers: all branches, the one that stays, the turns in the limits."""
+"""What every closed-form inverse offers: all branches, the one that stays, the turns in the limits.
+
+Each kind of arm solves for the same three pairs of angles, by Paden-Kahan subproblems: the shoulder (joint
+1), the elbow (joint 3) and the flip of the wrist (joint 5). One of each pair makes a branch.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from itertools import product
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.kinematics import screws
 from pack_core.kinematics.chain import SerialChain
+from pack_core.kinematics.meeting_point import meeting_point
+from pack_core.kinematics.subproblems import angles_to_plane
 from pack_core.rotations import Array, Pose, to_matrix
 
 TURN = 2.0 * np.pi
 Branch = tuple[int, int, int]
-"""Shoulder, elbow and wrist: which of both solutions, 0 or 1 each."""
+"""Shoulder, elbow and wrist flip: which of both solutions, 0 or 1 each."""
 BRANCHES: tuple[Branch, ...] = tuple((s, e, w) for s, e, w in product((0, 1), repeat=3))
+"""In the order of the rows that a solver returns: row 4 s + 2 e + w."""
 Bools = npt.NDArray[np.bool_]
+Solver = Callable[[Array, Array, Array, Array, Array], tuple[Array, Bools]]
+"""Takes axes and points `(6, 3)` and the wrist's centre `(3,)`, all at zero, and rotation `(3, 3)` and
+translation `(3,)` of the last link from there. Returns joint positions `(8, 6)` by branch, limits aside, and
+which of them exist `(8,)`."""
 
 
 class InverseKinematics(ABC):
@@ -25,23 +39,42 @@ class InverseKinematics(ABC):
         chain: the arm and its tool.
         lower: joint limits `(6,)` [rad].
         upper: joint limits `(6,)` [rad].
+        wrist: indices of the joints whose axes meet in the wrist's centre.
+        solver: the compiled solution of this kind of arm.
+
+    Raises:
+        PackError: the axes of the wrist do not meet.
     """
 
-    def __init__(self, chain: SerialChain, lower: Array, upper: Array) -> None:
+    def __init__(
+        self, chain: SerialChain, lower: Array, upper: Array, wrist: Sequence[int], solver: Solver
+    ) -> None:
         self.chain, self.lower, self.upper = chain, np.array(lower), np.array(upper)
+        self._wrist, self._wrist_link, self._solver = meeting_point(chain, wrist), wrist[0], solver
 
     @abstractmethod
-    def _rows(self, R_06: Array, p_06: Array) -> tuple[Array, Bools]:
-        """Solutions `(8, 6)` by branch, limits aside, and which of them exist `(8,)`.
+    def _slopes(self, z: Array, p: Array, w: Array) -> tuple[float, float]:
+        """Derivatives whose signs tell elbow and flip.
 
         Args:
-            R_06: rotation of the last link from where all joints are zero.
-            p_06: translation of the last link from there.
+            z: joint axes as they are now `(6, 3)`.
+            p: a point of each as it is now `(6, 3)`.
+            w: the wrist's centre now `(3,)`.
         """
 
-    @abstractmethod
     def branch(self, q: Array) -> Branch:
-        """The branch that joint positions belong to."""
+        """The branch that joint positions belong to.
+
+        Of both angles that `angles_to_plane` returns, the first is the one at which its component rises with
+        the angle. So the branch is told by the signs of the components' derivatives by the joint's angle; the
+        derivative of h . R(k, angle) a is h . (k x R a).
+        """
+        R, d = self.chain.links(q)
+        z, p = screws.world_axes(self.chain.axes, self.chain.points, R, d)
+        w = R[self._wrist_link] @ self._wrist + d[self._wrist_link]
+        shoulder = (w - p[0]) @ np.cross(z[0], z[1])
+        elbow, flip = self._slopes(z, p, w)
+        return int(shoulder < 0.0), int(elbow < 0.0), int(flip < 0.0)
 
     def solve(self, X_WT: Pose) -> dict[Branch, Array]:
         """Joint positions `(6,)` in (-pi, pi] that bring the tool to a pose, limits aside, by branch."""
@@ -55,10 +88,11 @@ class InverseKinematics(ABC):
 
     def follow_matrix(self, R_WT: Array, p_WT: Array, q_near: Array, branch: Branch) -> Array | None:
         """As `follow`, for a pose given as matrix and position."""
-        rows, found = self._rows(*self._last_link(R_WT, p_WT))
+        rows, found = self._rows(R_WT, p_WT)
         i = 4 * branch[0] + 2 * branch[1] + branch[2]
         if not found[i]:
             return None
+        # Whole turns that bring every joint within half a turn of where it is: the arm does not unwind.
         q: Array = rows[i] + TURN * np.round((q_near - rows[i]) / TURN)
         return q if self.is_within(q) else None
 
@@ -79,9 +113,22 @@ class InverseKinematics(ABC):
         return [np.array(turned) for turned in product(*ranges)]
 
     def _solutions(self, X_WT: Pose) -> tuple[Array, Bools]:
-        rows, found = self._rows(*self._last_link(to_matrix(X_WT.q), X_WT.p))
+        rows, found = self._rows(to_matrix(X_WT.q), X_WT.p)
         return (rows + np.pi) % TURN - np.pi, found
 
-    def _last_link(self, R_WT: Array, p_WT: Array) -> tuple[Array, Array]:
+    def _rows(self, R_WT: Array, p_WT: Array) -> tuple[Array, Bools]:
+        # The tool moves with the last link: R_WT(q) = R R_WT(0) and p_WT(q) = R p_WT(0) + d.
         R = np.ascontiguousarray(R_WT @ self.chain.R_WT.T)
-        return R, p_WT - R @ self.chain.p_WT
+        d = p_WT - R @ self.chain.p_WT
+        rows, found = self._solver(self.chain.axes, self.chain.points, self._wrist, R, d)
+        return np.asarray(rows), np.asarray(found)
+
+
+@numba.njit(cache=True)
+def shoulder_angles(z: Array, r: Array, w0: Array, w: Array) -> Array:
+    """Both angles `(2,)` of joint 1 that let the wrist's centre come from `w0` at zero to `w`; else NaN.
+
+    The joints up to the wrist but the first turn about axes along z[1], so they keep the component of the
+    wrist's centre along it: (w - r[0]) . R1 z[1] = (w0 - r[0]) . z[1], subproblem 4.
+    """
+    return np.asarray(angles_to_plane(z[0], w - r[0], z[1], z[1] @ (w0 - r[0])))

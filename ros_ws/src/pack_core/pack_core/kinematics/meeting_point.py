@@ -11,6 +11,7 @@ from pack_core.kinematics.chain import SerialChain
 from pack_core.rotations import Array
 
 TOLERANCE = 1e-6
+"""How far the point may be from an axis that is said to pass through it [m]."""
 
 
 def meeting_point(chain: SerialChain, joints: Sequence[int]) -> Array:
@@ -19,6 +20,7 @@ def meeting_point(chain: SerialChain, joints: Sequence[int]) -> Array:
     Raises:
         PackError: they do not meet in one point.
     """
+    # x is on axis i when (I - z z') (x - r) = 0: what is across the axis vanishes. Three rows for each axis.
     across = [np.eye(3) - np.outer(chain.axes[i], chain.axes[i]) for i in joints]
     A = np.vstack(across)
     b = np.concatenate([P @ chain.points[i] for P, i in zip(across, joints, strict=True)])

@@ -17,6 +17,8 @@ def chain_from_model(model: mujoco.MjModel, joints: Sequence[str], tool: str) ->
         PackError: a joint is no hinge, or does not carry the tool.
     """
     data = mujoco.MjData(model)
+    # Other joints, such as fingers or gears, stay at their references; those of the chain go to zero, which
+    # need not be their reference.
     data.qpos[:] = model.qpos0
     for name in joints:
         data.qpos[model.joint(name).qposadr[0]] = 0.0

@@ -1,7 +1,7 @@
 """Closed-form inverse of arms whose axes 2, 3 and 4 are parallel, such as the Universal Robots.
 
-Axes 5 and 6 meet. The geometry is read off the chain. After Hawkins, "Analytic inverse kinematics for
-the Universal Robots UR-5/UR-10 arms", 2013, written with Paden-Kahan subproblems.
+Axes 5 and 6 meet in the wrist's centre. The geometry is read off the chain. After Hawkins, "Analytic inverse
+kinematics for the Universal Robots UR-5/UR-10 arms", 2013, written with Paden-Kahan subproblems.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ import numpy as np
 from pack_core.errors import PackError
 from pack_core.kinematics import screws
 from pack_core.kinematics.chain import SerialChain
-from pack_core.kinematics.inverse import Bools, Branch, InverseKinematics
-from pack_core.kinematics.meeting_point import meeting_point
+from pack_core.kinematics.inverse import Bools, InverseKinematics, shoulder_angles
 from pack_core.kinematics.subproblems import angle_about, angles_to_distance, angles_to_plane
 from pack_core.rotations import Array
 
@@ -28,52 +27,46 @@ class ParallelAxes(InverseKinematics):
     """
 
     def __init__(self, chain: SerialChain, lower: Array, upper: Array) -> None:
-        super().__init__(chain, lower, upper)
         z = chain.axes
         are_parallel = chain.n == 6 and max(np.abs(z[2] - z[1]).max(), np.abs(z[3] - z[1]).max()) < TOLERANCE
         if not are_parallel or abs(z[0] @ z[1]) > TOLERANCE:
             raise PackError("such an arm has six joints, axes 2, 3 and 4 of one direction, across axis 1")
-        self._wrist = meeting_point(chain, (4, 5))
+        super().__init__(chain, lower, upper, (4, 5), _solve)
 
-    def _rows(self, R_06: Array, p_06: Array) -> tuple[Array, Bools]:
-        rows, found = _solve(self.chain.axes, self.chain.points, self._wrist, R_06, p_06)
-        return np.asarray(rows), np.asarray(found)
-
-    def branch(self, q: Array) -> Branch:
-        """The branch that joint positions belong to: shoulder, elbow, wrist flip."""
-        R, d = self.chain.links(q)
-        z, p = screws.world_axes(self.chain.axes, self.chain.points, R, d)
-        w = R[4] @ self._wrist + d[4]
-        shoulder = (w - p[0]) @ np.cross(z[0], z[1])
-        elbow = (p[1] - p[2]) @ np.cross(z[2], p[3] - p[2])
-        flip = z[1] @ np.cross(z[4], z[5])
-        return int(shoulder < 0.0), int(elbow < 0.0), int(flip < 0.0)
+    def _slopes(self, z: Array, p: Array, w: Array) -> tuple[float, float]:
+        return (p[1] - p[2]) @ np.cross(z[2], p[3] - p[2]), z[1] @ np.cross(z[4], z[5])
 
 
 @numba.njit(cache=True)
 def _solve(z: Array, r: Array, w0: Array, R: Array, p: Array) -> tuple[Array, Bools]:
+    # Ri is the rotation of joint i, Ei its whole motion; R = R1 R234 R56, where R234 turns about z[1] alone.
     rows, found = np.zeros((8, 6)), np.zeros(8, dtype=np.bool_)
-    w = R @ w0 + p
-    shoulders = angles_to_plane(z[0], w - r[0], z[1], z[1] @ (w0 - r[0]))
+    shoulders = shoulder_angles(z, r, w0, R @ w0 + p)
     if np.isnan(shoulders[0]):
         return rows, found
     for i in range(2):
         q1 = shoulders[i]
         R1 = screws.rotation(z[0], q1)
+        # R6 keeps z[5] and R234 the component along z[1]: z[1] . R5 z[5] = z[1] . R1' R z[5], subproblem 4.
         flips = angles_to_plane(z[4], z[1], z[5], z[1] @ (R1.T @ (R @ z[5])))
         if np.isnan(flips[0]):
             continue
         for k in range(2):
             q5 = flips[k]
             R5 = screws.rotation(z[4], q5)
+            # R' R1 z[1] = R6' R5' z[1], because R234 keeps z[1]: subproblem 1 for the inverse of R6.
             q6 = -angle_about(z[5], R5.T @ z[1], R.T @ (R1 @ z[1]))
             R56 = R5 @ screws.rotation(z[5], q6)
+            # What is left for joints 2, 3 and 4: the rotation R234, and E2 E3 r[3] = v, since E4 keeps r[3].
             turned = R1.T @ R @ R56.T
             d56 = w0 - R56 @ w0
             v = R1.T @ (R @ (R56.T @ (r[3] - d56)) + p - r[0]) + r[0]
+            # E2 keeps the distance from r[1]: |E3 r[3] - r[1]| = |v - r[1]|, subproblem 3.
             elbows = angles_to_distance(z[2], r[3] - r[2], r[1] - r[2], np.sqrt(np.sum((v - r[1]) ** 2)))
             if np.isnan(elbows[0]):
                 continue
+            # Any vector across z[1] shows by how much R234 turns; this one is z[1] x (1, 1, 1), which
+            # would fail only for an arm mounted with z[1] along (1, 1, 1) of the world.
             normal = np.array([z[1][1] - z[1][2], z[1][2] - z[1][0], z[1][0] - z[1][1]])
             lean = angle_about(z[1], normal, turned @ normal)
             for j in range(2):

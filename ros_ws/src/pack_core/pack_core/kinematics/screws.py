@@ -39,6 +39,8 @@ def cross(a: Array, b: Array) -> Array:
 @numba.njit(cache=True)
 def link_transforms(axes: Array, points: Array, q: Array) -> tuple[Array, Array]:
     """How every link has moved from where all joints are zero: `R (n, 3, 3)` and `d (n, 3)`."""
+    # exp(xi_1 q_1) ... exp(xi_i q_i): joint i turns about its line, x -> turn (x - point) + point, and the
+    # joints before it carry the result along.
     n = len(q)
     R, d = np.empty((n, 3, 3)), np.empty((n, 3))
     for i in range(n):
@@ -64,7 +66,10 @@ def world_axes(axes: Array, points: Array, R: Array, d: Array) -> tuple[Array, A
 
 @numba.njit(cache=True)
 def jacobian(z: Array, p: Array, point: Array, link: int) -> Array:
-    """Jacobian `(6, n)` of a point of a link, world axes: linear rows, then angular rows."""
+    """Jacobian `(6, n)` of a point of a link, world axes: linear rows, then angular rows.
+
+    Joint i turns the point with velocity z_i x (point - p_i); joints beyond the link do not move it.
+    """
     J = np.zeros((6, len(z)))
     for i in range(link + 1):
         J[:3, i] = cross(z[i], point - p[i])
@@ -82,6 +87,8 @@ def link_motion(z: Array, p: Array, v: Array) -> tuple[Array, Array, Array, Arra
     """
     n = len(v)
     w, dw, vp, ap = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
+    # From base to tip: the joint's point moves with the link before it, so that
+    # a_i = a_(i-1) + dw x arm + w x (w x arm), and the axis turns with that link, so that dw_i gets w x z v.
     for i in range(n):
         turn = z[i] * v[i]
         if i == 0:
@@ -111,7 +118,10 @@ def bias(z: Array, p: Array, v: Array, point: Array, link: int) -> Array:
 def joint_rates(
     axes: Array, points: Array, p_WT: Array, q: Array, rates: Array, accelerations: Array
 ) -> tuple[Array, Array]:
-    """Joint velocities and accelerations `(T, 6)` for those of the tool `(T, 6)`."""
+    """Joint velocities and accelerations `(T, 6)` for those of the tool `(T, 6)`.
+
+    From xdot = J v and xddot = J a + Jdot v. Raises numpy.linalg.LinAlgError where J is singular.
+    """
     v, a = np.empty_like(q), np.empty_like(q)
     tip = len(axes) - 1
     for i in range(len(q)):

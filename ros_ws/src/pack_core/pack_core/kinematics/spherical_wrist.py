@@ -14,8 +14,7 @@ import numpy as np
 from pack_core.errors import PackError
 from pack_core.kinematics import screws
 from pack_core.kinematics.chain import SerialChain
-from pack_core.kinematics.inverse import Bools, Branch, InverseKinematics
-from pack_core.kinematics.meeting_point import meeting_point
+from pack_core.kinematics.inverse import Bools, InverseKinematics, shoulder_angles
 from pack_core.kinematics.subproblems import angle_about, angles_to_distance, angles_to_plane
 from pack_core.rotations import Array
 
@@ -30,38 +29,29 @@ class SphericalWrist(InverseKinematics):
     """
 
     def __init__(self, chain: SerialChain, lower: Array, upper: Array) -> None:
-        super().__init__(chain, lower, upper)
         z = chain.axes
         if chain.n != 6 or abs(z[0] @ z[1]) > TOLERANCE or abs(abs(z[1] @ z[2]) - 1.0) > TOLERANCE:
             raise PackError("such an arm has six joints, axes 2 and 3 parallel, across axis 1")
-        self._wrist = meeting_point(chain, (3, 4, 5))
+        super().__init__(chain, lower, upper, (3, 4, 5), _solve)
 
-    def _rows(self, R_06: Array, p_06: Array) -> tuple[Array, Bools]:
-        rows, found = _solve(self.chain.axes, self.chain.points, self._wrist, R_06, p_06)
-        return np.asarray(rows), np.asarray(found)
-
-    def branch(self, q: Array) -> Branch:
-        """The branch that joint positions belong to: front or back, elbow, wrist flip."""
-        R, d = self.chain.links(q)
-        z, p = screws.world_axes(self.chain.axes, self.chain.points, R, d)
-        w = R[3] @ self._wrist + d[3]
-        shoulder = (w - p[0]) @ np.cross(z[0], z[1])
-        elbow = (p[1] - p[2]) @ np.cross(z[2], w - p[2])
-        flip = z[3] @ np.cross(z[4], z[5])
-        return int(shoulder < 0.0), int(elbow < 0.0), int(flip < 0.0)
+    def _slopes(self, z: Array, p: Array, w: Array) -> tuple[float, float]:
+        return (p[1] - p[2]) @ np.cross(z[2], w - p[2]), z[3] @ np.cross(z[4], z[5])
 
 
 @numba.njit(cache=True)
 def _solve(z: Array, r: Array, w0: Array, R: Array, p: Array) -> tuple[Array, Bools]:
+    # Ri is the rotation of joint i, Ei its whole motion. Joints 4, 5 and 6 keep the wrist's centre, so that
+    # joints 1, 2 and 3 alone bring it from w0 to w, and the rotation that is then missing is the wrist's.
     rows, found = np.zeros((8, 6)), np.zeros(8, dtype=np.bool_)
     w = R @ w0 + p
-    shoulders = angles_to_plane(z[0], w - r[0], z[1], z[1] @ (w0 - r[0]))
+    shoulders = shoulder_angles(z, r, w0, w)
     if np.isnan(shoulders[0]):
         return rows, found
     for i in range(2):
         q1 = shoulders[i]
         R1 = screws.rotation(z[0], q1)
         u = R1.T @ (w - r[0]) + r[0]
+        # E2 E3 w0 = u, and E2 keeps the distance from r[1]: |E3 w0 - r[1]| = |u - r[1]|, subproblem 3.
         elbows = angles_to_distance(z[2], w0 - r[2], r[1] - r[2], np.sqrt(np.sum((u - r[1]) ** 2)))
         if np.isnan(elbows[0]):
             continue
@@ -71,6 +61,7 @@ def _solve(z: Array, r: Array, w0: Array, R: Array, p: Array) -> tuple[Array, Bo
             q2 = angle_about(z[1], R3 @ (w0 - r[2]) + r[2] - r[1], u - r[1])
             wrist = (R1 @ screws.rotation(z[1], q2) @ R3).T @ R
             aim = wrist @ z[5]
+            # R4 R5 R6 = wrist. R6 keeps z[5], R4 the component along z[3]: z[3] . R5 z[5] = z[3] . aim.
             flips = angles_to_plane(z[4], z[3], z[5], z[3] @ aim)
             if np.isnan(flips[0]):
                 continue
