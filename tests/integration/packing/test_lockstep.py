@@ -20,7 +20,7 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose
 from pack_core.rotations import Array, Pose, angle_between
 from pack_lockstep.packing.lockstep import Lockstep, Step, lockstep_config
-from pack_mpc.task import PackingOutcome
+from pack_mpc.outcome import PackingOutcome
 
 SEED = 0
 FACTOR = 0.3

@@ -49,7 +49,7 @@ class ControllerConfig(_OptimizerSections):
     """Parameters of the controller, and of each optimizer in a section of its name."""
 
     optimizer: OptimizerName = Field(default="sgn", description="what plans; its name in optimizers.py")
-    threads: int = Field(default=2, ge=1, description="of the rollouts")
+    threads: int = Field(default=2, ge=1, description="threads of the rollouts")
     published: PositiveFloat = Field(
         default=0.24, description="part of the horizon that is sent to the driver [s]"
     )
@@ -57,7 +57,13 @@ class ControllerConfig(_OptimizerSections):
 
 @dataclass(frozen=True)
 class ControlPlan:
-    """What one iteration decided, and the wall clock that it took [ms]."""
+    """What one iteration decided.
+
+    Attributes:
+        setpoints: the part of the solution that is sent to the driver.
+        solution: the whole result of the optimizer.
+        iteration_ms: wall-clock time that the iteration took [ms].
+    """
 
     setpoints: Setpoints
     solution: Solution
@@ -70,7 +76,7 @@ class PackingController:
     Args:
         scene: shapes, sizes and masses of the objects that are taken into account.
         cell: the cell's physical facts.
-        weights: of the residuals.
+        weights: weights of the residuals.
         config: parameters.
     """
 
@@ -83,7 +89,7 @@ class PackingController:
         self._in_flight: Setpoints | None = None
 
     def change_cost(self) -> None:
-        """The stage or the target has changed."""
+        """Tell the optimizer that the stage or the target has changed."""
         self._optimizer.change_cost()
 
     def plan(
@@ -96,12 +102,12 @@ class PackingController:
         latency: float,
         reliefs: float = 0.0,
     ) -> ControlPlan:
-        """One iteration.
+        """Run one iteration.
 
         Args:
-            joints: newest measurement.
-            scene: newest estimate.
-            stage: decides the weights.
+            joints: newest measurement of the joints.
+            scene: newest estimate of the objects.
+            stage: stage of the task, which decides the weights.
             target: where the held object shall go.
             stage_age: time since the stage began [s].
             latency: time until the plan will be in force [s]; the state is predicted over it.

@@ -15,11 +15,16 @@ from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_mpc.plant import STATE, PackingPlant
 
+DAMPING = 1e-4
+"""Added to J J' before it is inverted, so that torques stay bounded near a singular posture."""
+DURATIONS = (0.4, 1.0)
+"""Shortest and longest displacement, as shares of the horizon."""
+
 
 class ExplorerConfig(Config):
     """How far explorers go; displacements are drawn from normal distributions."""
 
-    count: NonNegativeInt = Field(default=5, description="explorers an iteration, in INSERT")
+    count: NonNegativeInt = Field(default=5, description="explorers in each iteration of INSERT")
     sideways: NonNegativeFloat = Field(default=0.04, description="deviation along x and y [m]")
     up: NonNegativeFloat = Field(default=0.02, description="deviation along z [m]")
     tilt: NonNegativeFloat = Field(default=0.25, description="deviation of the tilt about x and y [rad]")
@@ -34,14 +39,23 @@ def explore(
 
     Each adds the torque of one smooth displacement d of the held object, whose acceleration is a full
     period of a sine, so that it starts and ends at rest; the inertia is the arm's at `x0`.
+
+    Args:
+        plant: the model with torques.
+        x0: full state `(nx,)`.
+        us: torques of the plan `(T, 7)` [N m].
+        away: horizontal unit vector `(2,)` from the obstacles; zero if there is no clear side.
+        config: how far explorers go.
+        rng: generator of the random displacements.
     """
     deviation = np.array([config.sideways] * 2 + [config.up] + [config.tilt] * 2 + [0.0])
     d = rng.normal(size=(config.count, 6)) * deviation
     d[::2] = _lean(d[::2], away, float(plant.scene.new_object.half_extents[2]))
     steps = len(us)
-    durations = rng.uniform(0.4, 1.0, config.count) * steps
+    durations = rng.uniform(*DURATIONS, config.count) * steps
     phase = np.arange(steps) / durations[:, None]
     profile = np.where(phase < 1.0, np.sin(2 * np.pi * phase), 0.0)
+    # The acceleration a sin(2 pi t / D) moves by a D^2 / (2 pi) within its period D.
     peak = 2 * np.pi * d / (durations[:, None] * plant.timestep) ** 2
     acceleration = profile[..., None] * peak[:, None]
     torques = us + acceleration @ _torque_per_acceleration(plant, x0)
@@ -51,7 +65,9 @@ def explore(
 def _lean(d: Array, away: Array, half_height: float) -> Array:
     """Turn displacements `(n, 6)` into tilts about the object's lower edge, its top over the obstacles."""
     leaned, tilt = d.copy(), np.abs(d[:, 3:4])
+    # For the lower edge to stay, the middle moves by half the height times the tilt, back over the obstacles.
     leaned[:, :2] = 0.5 * d[:, :2] - half_height * tilt * away
+    # This axis of rotation, horizontal and normal to `away`, takes the top over the obstacles.
     leaned[:, 3:5] = tilt * np.array([away[1], -away[0]])
     return leaned
 
@@ -65,7 +81,9 @@ def _torque_per_acceleration(plant: PackingPlant, x0: Array) -> Array:
     body = model.body(plant.scene.new_object.name).id
     mujoco.mj_jacBody(model, data, jacobian[:3], jacobian[3:], body)
     mujoco.mj_fullM(model, data, inertia)
+    # layout.v counts in the state [time, qpos, qvel]: less 1 and nq, it counts degrees of freedom.
     arm = plant.layout.v - 1 - model.nq
     J = jacobian[:, arm]
-    damped = J @ J.T + 1e-4 * np.eye(6)
+    # tau' = a' (J J')^-1 J M: the joint accelerations J^+ a times the inertia; damped near singular postures.
+    damped = J @ J.T + DAMPING * np.eye(6)
     return np.asarray(np.linalg.solve(damped, J) @ inertia[np.ix_(arm, arm)])

@@ -16,10 +16,18 @@ from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_mpc.riccati import backward_pass, forward_pass
 
+REGULARISATION_UP, REGULARISATION_DOWN = 10.0, 5.0
+"""Factors by which the regularisation grows after a failure and shrinks after a step that can be trusted."""
+TRUSTED_STEP = 0.2
+"""Step size above which the quadratic model counts as right."""
+
 
 @dataclass(frozen=True)
 class Linearization:
-    """dx' = A dx + B du, dy = C dx + D du: `A (T,n,n)`, `B (T,n,m)`, `C (T+1,p,n)`, `D (T,p,m)`."""
+    """First-order model along a trajectory: dx_{t+1} = A dx_t + B du_t, dy_t = C dx_t + D du_t.
+
+    `A (T,n,n)`, `B (T,n,m)`, `C (T+1,p,n)`, `D (T,p,m)` for n states, m controls and p outputs.
+    """
 
     A: Array
     B: Array
@@ -29,9 +37,9 @@ class Linearization:
 
 @dataclass(frozen=True)
 class Expansion:
-    """Quadratic model of the cost, running steps and the last one.
+    """Quadratic model of the cost l at every step: its first and second derivatives by state and control.
 
-    `lx (T+1,n)`, `lxx (T+1,n,n)`, `lu (T,m)`, `luu (T,m,m)`, `lux (T,m,n)`.
+    `lx (T+1,n)`, `lxx (T+1,n,n)`, `lu (T,m)`, `luu (T,m,m)`, `lux (T,m,n)`; the last state has no control.
     """
 
     lx: Array
@@ -42,7 +50,11 @@ class Expansion:
 
 
 class Plant(Protocol):
-    """What iLQR needs of the dynamics."""
+    """What iLQR needs of the dynamics.
+
+    Attributes:
+        limits: largest absolute controls `(m,)`.
+    """
 
     limits: Array
 
@@ -68,17 +80,19 @@ class Cost(Protocol):
 
 
 class IlqrConfig(Config):
-    """Parameters of the optimizer."""
+    """Parameters of one iteration."""
 
     keypoint_interval: int = Field(default=10, ge=1, description="steps between finite differences")
     step_sizes: tuple[float, ...] = Field(default=(1.0, 0.3), description="line search")
-    regularisation_min: PositiveFloat = 1e-6
-    regularisation_max: PositiveFloat = 1e4
+    regularisation_min: PositiveFloat = Field(default=1e-6, description="least regularisation of Quu")
+    regularisation_max: PositiveFloat = Field(
+        default=1e4, description="regularisation beyond which an iteration gives up"
+    )
 
 
 @dataclass(frozen=True)
 class Rollout:
-    """A rollout: `xs (T+1,nx)`, `ys (T+1,ny)`, `us (T,m)` and its cost."""
+    """One trajectory: states `xs (T+1,nx)`, outputs `ys (T+1,ny)`, controls `us (T,m)`, and its cost."""
 
     xs: Array
     ys: Array
@@ -88,7 +102,14 @@ class Rollout:
 
 @dataclass(frozen=True)
 class Iteration:
-    """What one iteration gave; `step_size` 0 means that the nominal trajectory stands."""
+    """What one iteration gave.
+
+    Attributes:
+        trajectory: the new nominal trajectory.
+        step_size: step size of the line search; 0 means that the nominal trajectory stands.
+        regularisation: regularisation for the next iteration.
+        warning: what went wrong; empty when all is well.
+    """
 
     trajectory: Rollout
     step_size: float
@@ -97,7 +118,11 @@ class Iteration:
 
 
 def cheapest(plant: Plant, cost: Cost, x0: Array, us: Array) -> tuple[Rollout, int]:
-    """Roll out control sequences `(B, T, m)`; the cheapest, and which it is. Infinite if all diverge."""
+    """Roll out control sequences `(B, T, m)`.
+
+    Returns:
+        The cheapest rollout and its index; its cost is infinite if all of them diverge.
+    """
     xs, ys = plant.rollout(x0, us)
     costs = cost.value(xs, ys, us)
     costs = np.where(np.isfinite(costs), costs, np.inf)
@@ -114,12 +139,13 @@ def iterate(
     Args:
         plant: the dynamics.
         cost: the cost.
-        nominal: where to linearise.
-        columns: components of the state that take part.
-        regularisation: added to Quu's diagonal.
+        nominal: the trajectory along which dynamics and cost are expanded.
+        columns: components of the state that take part; the others count as constant.
+        regularisation: added to the diagonal of Quu, the Hessian by the controls.
         config: parameters.
     """
     steps = len(nominal.us)
+    # Key-points: finite differences are dear, so they are taken at some steps and interpolated (paper, IV-B).
     keypoints = np.unique(np.append(np.arange(0, steps, config.keypoint_interval), steps))
     lin = plant.linearize(nominal.xs, nominal.us, columns, keypoints)
     quadratic = cost.expand(nominal.xs, nominal.ys, nominal.us, lin, columns)
@@ -129,7 +155,7 @@ def iterate(
         gains = _gains(lin, quadratic, regularisation)
         if gains is not None:
             break
-        regularisation *= 10.0
+        regularisation *= REGULARISATION_UP
     else:
         return Iteration(nominal, 0.0, config.regularisation_max, "no descent direction")
     direction = forward_pass(np.ascontiguousarray(lin.A), np.ascontiguousarray(lin.B), *gains)
@@ -137,6 +163,10 @@ def iterate(
 
 
 def _gains(lin: Linearization, cost: Expansion, regularisation: float) -> tuple[Array, Array] | None:
+    """Gains k, K of du = k + K dx; None if Quu is not positive definite at some step.
+
+    The recursion works on z = (x, u): F = [A B], and Q is the Hessian of the step's cost by z.
+    """
     F = np.concatenate([lin.A, lin.B], axis=2)
     q = np.concatenate([cost.lx[:-1], cost.lu], axis=1)
     Q = np.block([[cost.lxx[:-1], cost.lux.swapaxes(1, 2)], [cost.lux, cost.luu]])
@@ -153,6 +183,9 @@ def _line_search(
     us = np.clip(nominal.us + sizes[:, None, None] * direction, -plant.limits, plant.limits)
     trajectory, best = cheapest(plant, cost, nominal.xs[0], us)
     if not trajectory.cost < nominal.cost:
-        return Iteration(nominal, 0.0, min(regularisation * 10.0, config.regularisation_max))
-    relaxed = regularisation / 5.0 if sizes[best] > 0.2 else regularisation
+        raised = regularisation * REGULARISATION_UP
+        return Iteration(nominal, 0.0, min(raised, config.regularisation_max))
+    # A step of some length says that the quadratic model holds: trust it further next time.
+    is_trusted = sizes[best] > TRUSTED_STEP
+    relaxed = regularisation / REGULARISATION_DOWN if is_trusted else regularisation
     return Iteration(trajectory, float(sizes[best]), max(relaxed, config.regularisation_min))

@@ -1,4 +1,4 @@
-"""iLQR on torques, as the paper has it: finite differences over the objects that are touched."""
+"""iLQR on joint torques, as in the paper: finite differences over the arm and the objects that move."""
 
 from __future__ import annotations
 
@@ -22,13 +22,14 @@ from pack_mpc.weights import Stage
 DIVERGED = 20.0
 """Joint speed beyond which a rollout is worthless [rad/s]."""
 REGULARISATION = 1e-4
+"""Regularisation of Quu at the start, and again whenever the cost changes."""
 
 
 class IlqrOptimizerConfig(Config):
-    """Parameters of iLQR."""
+    """Parameters of the optimizer `ilqr`."""
 
-    timestep: PositiveFloat = Field(default=0.006, description="of the model [s]")
-    horizon: PositiveInt = Field(default=100, description="steps")
+    timestep: PositiveFloat = Field(default=0.006, description="time step of the model [s]")
+    horizon: PositiveInt = Field(default=100, description="length of the horizon, in steps")
     touched: NonNegativeFloat = Field(
         default=0.0005, description="an object that moves further over the horizon is in the state [m]"
     )
@@ -49,11 +50,11 @@ class IlqrOptimizer(Optimizer):
         self._last: Rollout | None = None
 
     def change_cost(self) -> None:
-        """A new cost wants a fresh step; the last plan stays, the driver is following it."""
+        """Start the regularisation anew; the last plan stays, as the driver is following it."""
         self._regularisation = REGULARISATION
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
-        """One iteration from state `x0`."""
+        """One iteration from the state `x0`, along the last plan or a cheaper explorer."""
         nominal, warning = self._nominal(x0, cost, stage, target)
         columns = self.plant.columns(self.touched(nominal))
         result = iterate(self.plant, cost, nominal, columns, self._regularisation, self._config.iteration)
@@ -61,7 +62,7 @@ class IlqrOptimizer(Optimizer):
         return self._solution(result, warning)
 
     def touched(self, nominal: Rollout) -> list[str]:
-        """Objects that move along the nominal trajectory."""
+        """Names of the objects that move along the nominal trajectory; only these are differentiated."""
         moved = []
         for name, p in self.plant.layout.object_p.items():
             path = nominal.xs[:, p]
@@ -72,7 +73,10 @@ class IlqrOptimizer(Optimizer):
     def _nominal(
         self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget
     ) -> tuple[Rollout, str]:
-        """The last plan, shifted to now, or a cheaper explorer; gravity compensation if all diverge."""
+        """The last plan, shifted to now, or a cheaper explorer, and a warning if neither can be used.
+
+        In that case the arm rests under gravity compensation, at zero torque.
+        """
         candidates = self._shifted(x0)[None]
         if stage is Stage.INSERT:
             explorers = explore(
@@ -86,6 +90,7 @@ class IlqrOptimizer(Optimizer):
         return nominal, "the last plan diverged from here; started afresh"
 
     def _shifted(self, x0: Array) -> Array:
+        """The last plan's torques `(T, 7)` from the time of `x0` on, zero beyond its end."""
         steps = self._config.horizon
         us = np.zeros((steps, 7))
         if self._last is not None:

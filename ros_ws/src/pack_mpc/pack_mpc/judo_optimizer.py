@@ -34,15 +34,15 @@ WORTHLESS = 1e12
 
 
 class JudoConfig(Config):
-    """judo's overrides for `fr3_pick`; all else as SGN has it."""
+    """Parameters of the optimizer `judo`: judo's own for its task `fr3_pick`, SGN's for the rest."""
 
-    nodes: PositiveInt = Field(default=4, description="knots of the spline")
-    rollouts: PositiveInt = Field(default=64, description="samples an iteration")
-    elites: PositiveInt = Field(default=3, description="whose mean is the plan")
+    nodes: PositiveInt = Field(default=4, description="knots of the twist spline")
+    rollouts: PositiveInt = Field(default=64, description="random splines in each iteration")
+    elites: PositiveInt = Field(default=3, description="cheapest splines, whose mean is the plan")
     sigma_min: PositiveFloat = Field(
-        default=0.01, description="deviation of the samples, of the largest twist"
+        default=0.01, description="least standard deviation of the samples, as a share of the largest twist"
     )
-    sigma_max: PositiveFloat = Field(default=0.3, description="likewise")
+    sigma_max: PositiveFloat = Field(default=0.3, description="largest standard deviation, likewise")
     noise_ramp: PositiveFloat = Field(default=4.0, description="growth of the deviation along the spline")
     sgn: SgnConfig = SgnConfig()
 
@@ -73,7 +73,7 @@ class JudoOptimizer(Optimizer):
         require_judo()
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
-        """One iteration from state `x0`."""
+        """One iteration from the state `x0`: the mean of the cheapest splines is the plan."""
         last, now = self._setpoints, float(x0[0])
         start = now if last is None else last.time
         q_ref = x0[self.plant.layout.q] if last is None else last.at(now)[0]

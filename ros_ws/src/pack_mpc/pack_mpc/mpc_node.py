@@ -106,7 +106,7 @@ class MpcNode(GoalNode):
         session = PackingSession(
             self._scene, self._cell, self._config, PackingMethod.of(request.method), now, request.timeout
         )
-        self._placements.start(session, request.seed)
+        self._placements.start(request.seed)
         self._mailbox.clear_forces()
         self._session = session
         await self.until_goal_ends()

@@ -1,4 +1,4 @@
-"""A placement to go for."""
+"""The placement that a goal pursues."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from pack_core.rotations import Pose
 
 @dataclass(frozen=True)
 class ChosenPlacement:
-    """Where the held object N shall go, and how.
+    """Where the held object N shall go, and by which way.
 
     Attributes:
         X_WN: the packing pose.
         collisions: objects that it overlaps.
         entry: the way down to it.
-        is_rehearsed: whether that way was tried in simulation: it is followed closely then.
+        is_rehearsed: whether that way was tried in simulation; if so, it is followed closely.
     """
 
     X_WN: Pose

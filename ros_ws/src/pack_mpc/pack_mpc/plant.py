@@ -19,12 +19,19 @@ from pack_mpc.ilqr import Linearization
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 EPSILON = 1e-6
-"""Step of the finite differences: larger ones straddle contacts that switch on."""
+"""Step of the finite differences, in each component's unit: larger steps straddle contacts that switch on."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where things are in a full state `[time, qpos, qvel]`."""
+    """Indices into a full state `[time, qpos, qvel]`.
+
+    Attributes:
+        q: positions of the arm's joints `(7,)`.
+        v: velocities of the arm's joints `(7,)`.
+        object_p: position `(3,)` of each object by its name.
+        object_v: linear velocity `(3,)` of each object by its name.
+    """
 
     q: np.ndarray
     v: np.ndarray
@@ -38,9 +45,9 @@ class PackingPlant:
     Args:
         scene: shapes, sizes and masses; poses come with each state.
         cell: the cell's physical facts.
-        timestep: the model's [s].
-        threads: for rollouts.
-        arm: driven by torques, or by the driver's servos.
+        timestep: time step of the model [s].
+        threads: number of threads for rollouts.
+        arm: whether u is torques `(7,)`, or positions and velocities `(14,)` for the driver's servos.
     """
 
     def __init__(
@@ -58,7 +65,7 @@ class PackingPlant:
         self.limits = self.model.actuator_ctrlrange[:, 1].copy()
 
     def sensor(self, name: str) -> slice:
-        """Where a sensor's values are in the output y."""
+        """Indices of a sensor's values in the output y."""
         sensor = self.model.sensor(name)
         return slice(int(sensor.adr[0]), int(sensor.adr[0] + sensor.dim[0]))
 
@@ -77,6 +84,7 @@ class PackingPlant:
         for name in self.scene.names:
             item = scene.objects[name]
             p, v = self.layout.object_p[name], self.layout.object_v[name]
+            # Three of position and four of the quaternion follow one another in qpos.
             x[p[0] : p[0] + 7] = [*item.X_WO.p, *item.X_WO.q]
             x[v] = item.v_WO_W
         return x
@@ -111,10 +119,11 @@ class PackingPlant:
         Args:
             xs: `(T + 1, nx)`.
             us: `(T, nu)`.
-            columns: the n state components that take part.
-            keypoints: rising step indices, first 0 and last T.
+            columns: indices of the n state components that take part.
+            keypoints: step indices in rising order, the first 0 and the last T.
         """
         n, m, k = len(columns), self.nu, len(keypoints)
+        # A key-point takes this many simulated steps: one as it is, one a state component, one a control.
         width = 1 + n + m
         u = np.concatenate([us, us[-1:]])[keypoints]
         states = np.repeat(xs[keypoints], width, axis=0).reshape(k, width, -1)
@@ -132,7 +141,11 @@ class PackingPlant:
         return Linearization(A=f[:-1, :, :n], B=f[:-1, :, n:], C=y[:, :, :n], D=y[:-1, :, n:])
 
     def columns(self, objects: list[str]) -> np.ndarray:
-        """Reduced state: the arm's q and v, position and velocity of the given objects."""
+        """Indices of the reduced state: the arm's q and v, and position and velocity of the given objects.
+
+        Objects that nothing touches, and how objects turn, are left out: each component costs a simulated
+        step at every key-point.
+        """
         parts = [self.layout.q, *(self.layout.object_p[name] for name in objects)]
         parts += [self.layout.v, *(self.layout.object_v[name] for name in objects)]
         return np.concatenate(parts)

@@ -1,4 +1,4 @@
-"""The state when a plan will be in force: the model, driven as the driver drives the arm."""
+"""Predicts the state at which a plan will be in force, with a model driven as the driver drives the arm."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from pack_core.rotations import Array
 from pack_mpc.plant import STATE, PackingPlant
 
 TIMESTEP = 0.006
+"""Time step of the prediction [s]."""
 
 
 class Predictor:
-    """Advances a state under the setpoints in flight.
+    """Advances a state under the setpoints in flight, those that the driver follows while planning goes on.
 
-    The servos are part of the model: evaluated once a step, the driver's damping would be unstable
-    at this step length.
+    The servos are actuators of the model, which MuJoCo integrates implicitly: computed outside of it, once
+    a step, the driver's damping would be unstable at this step length.
     """
 
     def __init__(self, scene: Scene, cell: PackingCell) -> None:
@@ -31,8 +32,8 @@ class Predictor:
 
         Args:
             x: full state `(nx,)`.
-            setpoints: in flight; without any, the arm holds.
-            latency: [s].
+            setpoints: setpoints in flight; None if the arm holds.
+            latency: time to predict [s].
         """
         model, layout, data = self._plant.model, self._plant.layout, self._data
         mujoco.mj_resetData(model, data)

@@ -27,32 +27,43 @@ from pack_mpc.weights import Stage
 
 
 class SgnConfig(Config):
-    """Parameters of SGN; twists are linear [m/s], then angular [rad/s]."""
+    """Parameters of the optimizer `sgn`; a twist is linear [m/s], then angular [rad/s]."""
 
-    timestep: PositiveFloat = Field(default=0.02, description="of the model [s]")
-    horizon: PositiveInt = Field(default=30, description="steps")
-    knots: PositiveInt = Field(default=3, description="of the spline")
-    step_linear: PositiveFloat = Field(default=0.05, description="finite difference [m/s]")
-    step_angular: PositiveFloat = Field(default=0.25, description="finite difference [rad/s]")
-    explorers: NonNegativeInt = Field(default=4, description="random splines an iteration")
-    spread_linear: PositiveFloat = Field(default=0.12, description="deviation of explorers [m/s]")
-    spread_angular: PositiveFloat = Field(default=0.5, description="deviation of explorers [rad/s]")
+    timestep: PositiveFloat = Field(default=0.02, description="time step of the model [s]")
+    horizon: PositiveInt = Field(default=30, description="length of the horizon, in steps")
+    knots: PositiveInt = Field(default=3, description="knots of the twist spline")
+    step_linear: PositiveFloat = Field(default=0.05, description="step of the finite differences [m/s]")
+    step_angular: PositiveFloat = Field(default=0.25, description="step of the finite differences [rad/s]")
+    explorers: NonNegativeInt = Field(default=4, description="random splines in each iteration")
+    spread_linear: PositiveFloat = Field(default=0.12, description="standard deviation of explorers [m/s]")
+    spread_angular: PositiveFloat = Field(default=0.5, description="standard deviation of explorers [rad/s]")
     dampings: tuple[PositiveFloat, ...] = Field(
-        default=(0.001, 0.01, 0.1, 1.0, 10.0), description="of the steps"
+        default=(0.001, 0.01, 0.1, 1.0, 10.0),
+        description="dampings of the Gauss-Newton steps, one rollout each",
     )
-    speed_linear: PositiveFloat = Field(default=0.4, description="largest twist [m/s]")
-    speed_down: PositiveFloat = Field(default=0.4, description="largest twist downwards [m/s]")
+    speed_linear: PositiveFloat = Field(default=0.4, description="largest linear twist [m/s]")
+    speed_down: PositiveFloat = Field(default=0.4, description="largest downward twist [m/s]")
     speed_landing: PositiveFloat = Field(
-        default=0.07, description="largest twist downwards where the object may land [m/s]"
+        default=0.07, description="largest downward twist where the object may land on another [m/s]"
     )
-    speed_angular: PositiveFloat = Field(default=1.5, description="largest twist [rad/s]")
-    effort: NonNegativeFloat = Field(default=0.02, description="cost of squared knots")
-    leash: PositiveFloat = Field(default=0.04, description="how far the reference may lead the arm [m]")
+    speed_angular: PositiveFloat = Field(default=1.5, description="largest angular twist [rad/s]")
+    effort: NonNegativeFloat = Field(default=0.02, description="weight of the squared knots in the cost")
+    leash: PositiveFloat = Field(
+        default=0.04, description="lead limit: how far the reference may be ahead of the arm [m]"
+    )
 
 
 @dataclass(frozen=True)
 class RolloutBatch:
-    """Rollouts: weighted residuals `(B, M)`, costs `(B,)`, outputs, desired positions and velocities."""
+    """B rollouts at once.
+
+    Attributes:
+        residuals: weighted residuals `(B, M)`.
+        costs: `(B,)`; infinite for a rollout that diverged.
+        ys: outputs `(B, T+1, ny)`.
+        q: desired joint positions `(B, T, 7)` [rad].
+        v: desired joint velocities `(B, T, 7)` [rad/s].
+    """
 
     residuals: Array
     costs: Array
@@ -62,7 +73,7 @@ class RolloutBatch:
 
 
 class SgnOptimizer(Optimizer):
-    """Improves a twist spline; the driver's servos are part of the model."""
+    """Improves a twist spline: knots theta `(K, 6)`; the driver's servos are part of its model."""
 
     parameters = SgnConfig
 
@@ -81,7 +92,7 @@ class SgnOptimizer(Optimizer):
         self._setpoints: Setpoints | None = None
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
-        """One iteration from state `x0`."""
+        """One iteration from the state `x0`: the cheapest rollout of both batches is the plan."""
         config = self._config
         down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
         self._lower[2] = -down
@@ -95,6 +106,7 @@ class SgnOptimizer(Optimizer):
         best = int(np.argmin(costs))
         batch, i = (first, best) if best < len(first.costs) else (second, best - len(first.costs))
         self._theta = np.concatenate([thetas, steps])[best]
+        # The last reference holds to the end of the horizon, where no step begins any more.
         offsets = np.append(self._basis.times, self._basis.knots[-1])
         q, v = (np.concatenate([part[i], part[i, -1:]]) for part in (batch.q, batch.v))
         self._setpoints = Setpoints(float(x0[0]), offsets, q, v, np.zeros_like(q))
@@ -102,19 +114,25 @@ class SgnOptimizer(Optimizer):
         return Solution(self._setpoints, path, float(costs[best]), float(best > 0), 0.0)
 
     def _reference(self, x0: Array) -> Array:
-        """Where the reference in force stands at the time of `x0`; the arm's own place without one."""
+        """Joint positions `(7,)` of the reference in force at the time of `x0`; the arm's own without one."""
         plan = self._setpoints
         if plan is None or not 0.0 <= x0[0] - plan.time <= plan.offsets[-1]:
             return np.asarray(x0[self.plant.layout.q])
         return np.array([np.interp(x0[0] - plan.time, plan.offsets, column) for column in plan.q.T])
 
     def _shifted(self, x0: Array) -> Array:
+        """The last plan's knots as seen from the time of `x0`."""
         if self._setpoints is None:
             return np.zeros_like(self._theta)
         return self._basis.shifted(self._theta, float(x0[0]) - self._setpoints.time)
 
     def _first_batch(self, nominal: Array, x0: Array, target: PackingTarget) -> tuple[Array, Array]:
-        """The nominal, a perturbation a parameter, explorers, all within bounds `(B, K, 6)`; the signs."""
+        """The splines of the first batch, all within bounds, and the signs of the perturbations.
+
+        Returns:
+            Splines `(B, K, 6)`: the nominal one, one perturbation for each of its n = 6 K parameters, a
+            halt, a straight way to the target, random explorers; and signs `(n,)`.
+        """
         signs = self._signs(nominal)
         deltas = np.diag(signs * self._steps.ravel()).reshape(-1, *nominal.shape)
         explorers = nominal + self._rng.normal(size=(self._config.explorers, *nominal.shape)) * self._spread
@@ -133,6 +151,7 @@ class SgnOptimizer(Optimizer):
     def _straight(self, x0: Array, target: PackingTarget) -> Array:
         """The spline that heads straight for the target and stops there."""
         twist = np.zeros(6)
+        # The speed that covers the way in half the horizon; bounds cut it, and the last knot is at rest.
         twist[:3] = (target.p_WN - self.plant.held_position(x0)) / (0.5 * self._basis.knots[-1])
         return np.concatenate([np.tile(twist, (len(self._theta) - 1, 1)), np.zeros((1, 6))])
 
@@ -146,8 +165,14 @@ class SgnOptimizer(Optimizer):
         return RolloutBatch(residuals, np.where(np.isfinite(costs), costs, np.inf), ys, q, v)
 
     def _gauss_newton(self, batch: RolloutBatch, thetas: Array, signs: Array) -> Array:
-        """Damped Gauss-Newton steps from the nominal `(D, K, 6)`."""
+        """Gauss-Newton steps from the nominal, one for each damping `(D, K, 6)`.
+
+        With weighted residuals r, J = dr/dtheta and effort e, the cost r'r + e theta'theta has half the
+        gradient g = J'r + e theta and half the Hessian H = J'J + e I. The steps are Levenberg-Marquardt's,
+        -(H + d diag(H))^-1 g, short ones for a large damping d.
+        """
         n, nominal = thetas[0].size, thetas[0]
+        # Rollout 0 is the nominal one, 1 to n are its perturbations.
         J = (batch.residuals[1 : n + 1] - batch.residuals[0]).T / (signs * self._steps.ravel())
         if not np.all(np.isfinite(J)):
             return np.asarray(nominal[None])

@@ -1,4 +1,4 @@
-"""Twist splines: the held object's twist at a few knots, turned into joint references."""
+"""Twist splines: the held object's twist at a few knots in time, turned into joint references."""
 
 from __future__ import annotations
 
@@ -11,24 +11,27 @@ from pack_core.rotations import Array
 from pack_mpc.plant import STATE, PackingPlant
 
 DAMPING = 1e-4
+"""Added to J J' before it is inverted, so that joint speeds stay bounded near a singular posture."""
 NULL_SPACE_RATE = 0.5
 """Rate at which the redundant joint motion returns to the middle of its range [1/s]."""
+LEAD_MIN = 1e-9
+"""Guards the division by the lead of a reference that stands where the arm does [m]."""
 
 
 @dataclass(frozen=True)
 class Basis:
-    """Linear interpolation of knots.
+    """Linear interpolation between knots.
 
     Attributes:
-        times: of the steps `(T,)` [s].
-        knots: times of the knots `(K,)` [s].
+        times: times of the T steps of the horizon `(T,)` [s].
+        knots: times of the K knots `(K,)` [s].
     """
 
     times: Array
     knots: Array
 
     def matrix(self, shift: float = 0.0) -> Array:
-        """Weights `(T, K)` of the knots at each step, `shift` [s] later; held beyond the last knot."""
+        """Weights `(T, K)` of the knots at each step, `shift` [s] later; the last knot holds on."""
         return _hat(self.times + shift, self.knots)
 
     def shifted(self, theta: Array, shift: float) -> Array:
@@ -37,17 +40,24 @@ class Basis:
 
 
 def _hat(times: Array, knots: Array) -> Array:
+    """Hat functions `(T, K)`: column k is 1 at knot k, 0 at the other knots and linear between them."""
     return np.stack([np.interp(times, knots, row) for row in np.eye(len(knots))], axis=1)
 
 
 class ResolvedRateServo:
-    """Joint references around one state: `qd = J^+ twist + null-space motion`, q its integral.
+    """Resolved-rate control (Whitney 1969): joint references that give the held object a twist V.
+
+    With the damped pseudo-inverse J^+ = J' (J J' + d I)^-1, taken at one state for the whole horizon,
+
+        dq/dt = J^+ V + k (I - J^+ J) (q_middle - q)
+
+    whose last term uses the seventh joint, which the twist leaves free; q is the integral.
 
     Args:
         plant: the model with servos.
         x0: full state `(nx,)`.
-        q_ref: where the reference stood `(7,)` [rad].
-        leash: how far the reference may be ahead of the arm, at the held object [m].
+        q_ref: joint positions at which the reference stands `(7,)` [rad].
+        leash: lead limit: how far the reference may be ahead of the arm, measured at the held object [m].
     """
 
     def __init__(self, plant: PackingPlant, x0: Array, q_ref: Array, leash: float) -> None:
@@ -59,21 +69,26 @@ class ResolvedRateServo:
         jacobian = np.zeros((6, model.nv))
         body = model.body(plant.scene.new_object.name).id
         mujoco.mj_jacBody(model, data, jacobian[:3], jacobian[3:], body)
+        # layout.v counts in the state [time, qpos, qvel]: less 1 and nq, it counts degrees of freedom.
         self._J = jacobian[:, plant.layout.v - 1 - model.nq]
         self._inverse = self._J.T @ np.linalg.inv(self._J @ self._J.T + DAMPING * np.eye(6))
         q = x0[plant.layout.q]
         self._posture = NULL_SPACE_RATE * (np.eye(7) - self._inverse @ self._J) @ (self._limits.middle - q)
-        self._start = q + _leashed(q_ref - q, self._J, leash)
+        self._start = q + _limited(q_ref - q, self._J, leash)
 
     def references(self, twists: Array, timestep: float) -> tuple[Array, Array]:
         """Desired positions and velocities `(B, T, 7)` for twists `(B, T, 6)`, linear then angular."""
         limits = self._limits
         v = np.clip(twists @ self._inverse.T + self._posture, -limits.velocity, limits.velocity)
+        # The integral up to the beginning of each step: v itself is what happens during the step.
         q = self._start + timestep * (np.cumsum(v, axis=1) - v)
         return np.clip(q, limits.lower, limits.upper), v
 
 
-def _leashed(lead: Array, J: Array, leash: float) -> Array:
-    """The lead `(7,)` of the reference, shortened so that the held object's is at most `leash`."""
+def _limited(lead: Array, J: Array, limit: float) -> Array:
+    """The lead `(7,)` [rad] of the reference, scaled so that the held object leads by at most `limit` [m].
+
+    The servos press the harder on an obstacle the further the reference leads.
+    """
     length = float(np.linalg.norm(J[:3] @ lead))
-    return lead * min(1.0, leash / max(length, 1e-9))
+    return lead * min(1.0, limit / max(length, LEAD_MIN))

@@ -14,22 +14,32 @@ from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
 UP = np.array([0.0, 0.0, 1.0])
+"""Vertical direction, in the world and, before it is turned, along the object's own z axis."""
 
 
 class StageConfig(Config):
-    """Thresholds of the stage machine."""
+    """When a stage is done, and when it has stalled."""
 
     clearance: PositiveFloat = Field(
         default=0.015, description="pre-packing height over the tallest object [m]"
     )
-    pre_pack_distance: PositiveFloat = Field(default=0.02, description="PRE-PACK is done [m]")
-    insert_height: PositiveFloat = Field(default=0.015, description="INSERT is done, above the base [m]")
-    placed_distance: PositiveFloat = Field(default=0.015, description="placed, from the packing pose [m]")
-    lead_speed: NonNegativeFloat = Field(
-        default=0.1, description="at which a rehearsed entry is led on while it halts [m/s]"
+    pre_pack_distance: PositiveFloat = Field(
+        default=0.02, description="PRE-PACK is done within this distance of its target [m]"
     )
-    stall_time: PositiveFloat = Field(default=2.0, description="INSERT or FINE-TUNE without progress [s]")
-    stall_progress: PositiveFloat = Field(default=0.004, description="what counts as progress [m]")
+    insert_height: PositiveFloat = Field(
+        default=0.015, description="INSERT is done at this height over the place [m]"
+    )
+    placed_distance: PositiveFloat = Field(
+        default=0.015, description="placed within this distance of the packing pose [m]"
+    )
+    lead_speed: NonNegativeFloat = Field(
+        default=0.1,
+        description="speed of the target down a rehearsed entry while the object halts [m/s]",
+    )
+    stall_time: PositiveFloat = Field(
+        default=2.0, description="time without progress after which INSERT or FINE-TUNE has stalled [s]"
+    )
+    stall_progress: PositiveFloat = Field(default=0.004, description="distance that counts as progress [m]")
 
 
 class StageMachine:
@@ -38,10 +48,10 @@ class StageMachine:
     Args:
         scene: the container and the held object.
         config: thresholds.
-        placement: where to go.
-        time: now [s].
-        X_WN: the held object's pose now; the placement's yaw is taken at the nearest heading that
-            looks the same.
+        placement: where the object shall go.
+        time: current time [s].
+        X_WN: the held object's current pose; of the headings at which the object looks as the placement
+            has it, the nearest to this one is taken.
     """
 
     def __init__(
@@ -69,27 +79,30 @@ class StageMachine:
             return PackingTarget(p_WN, self._yaw)
         bottom, half_height = self._bottom, float(self._scene.new_object.half_extents[2])
         entry = self.placement.entry
-        axis, aside = entry.at(self._led(bottom))
+        axis, aside = entry.at(self._wanted_height(bottom))
+        # The entry gives the place of the lower end; half the height along the tilted axis is the middle.
         p_WN[:2] += half_height * axis + aside
         if self.stage is Stage.PRE_PACK:
             p_WN[2] += self._scene.rim + self._config.clearance
-            return (
-                self._straight_up(p_WN[2])
-                if bottom < self._scene.rim
-                else PackingTarget(p_WN, self._yaw, axis)
-            )
+            if bottom < self._scene.rim:  # still among the others, as after an attempt that failed
+                return self._straight_up(p_WN[2])
+            return PackingTarget(p_WN, self._yaw, axis)
         lands = entry.may_land(self._scene.container.height, bottom)
         return PackingTarget(
             p_WN, self._yaw, axis, entry.over, self.placement.collisions, lands, self.placement.is_rehearsed
         )
 
-    def _led(self, bottom: float) -> float:
-        """Height on the entry that is wanted with the lower end at `bottom` [m]: a rehearsal goes on, too."""
+    def _wanted_height(self, bottom: float) -> float:
+        """Height on the entry that is the target with the lower end at `bottom` [m].
+
+        It is the object's own height, so that the entry waits for the object. While the object halts, the
+        target of a rehearsed entry goes on down, as the rehearsal did, and pulls the object after it.
+        """
         lead = self._config.lead_speed * self.halt if self.placement.is_rehearsed else 0.0
         return max(bottom - lead, 0.0)
 
     def _straight_up(self, height: float) -> PackingTarget:
-        """Out from among the others, wedged as it may be: as it is, but at this height [m]."""
+        """The target straight above the object at this height [m], tilted as it is, as it may be wedged."""
         here = self._X_WN
         return PackingTarget(np.array([*here.p[:2], height]), yaw_of(here.q), rotate(here.q, UP)[:2])
 
@@ -102,12 +115,12 @@ class StageMachine:
         return self.stage is Stage.FINE_TUNE and self.distance(p_WN) < self._config.placed_distance
 
     def update(self, time: float, X_WN: Pose, *, may_insert: bool = True) -> bool:
-        """Move on with the held object at X_WN.
+        """Advance to the next stage if this one is done, and look for a stall.
 
         Args:
-            time: now [s].
-            X_WN: where it is.
-            may_insert: False keeps it over the container, while another placement is on its way.
+            time: current time [s].
+            X_WN: the held object's current pose.
+            may_insert: False keeps the object over the container, while another placement is being planned.
 
         Returns:
             Whether the stage changed.
@@ -129,12 +142,12 @@ class StageMachine:
 
     @property
     def is_out(self) -> bool:
-        """Whether the object is above all the others."""
+        """Whether the object's lower end is above all the others and the container."""
         return self._bottom >= self._scene.rim
 
     @property
     def halt(self) -> float:
-        """Time without progress [s]; none in PRE-PACK."""
+        """Time without progress [s]; always 0 in PRE-PACK."""
         return 0.0 if self.stage is Stage.PRE_PACK else self._time - self._progress
 
     def _enter(self, stage: Stage, time: float) -> None:
@@ -146,7 +159,7 @@ class StageMachine:
         return self._is_between_walls(p_WN) and height < self._config.insert_height
 
     def _is_outside(self) -> bool:
-        """Its lower end has come down beside the container: there is no way in from there."""
+        """Whether the lower end has come down beside the container, from where there is no way in."""
         lower_end = self._X_WN.p - float(self._scene.new_object.half_extents[2]) * rotate(self._X_WN.q, UP)
         return self._bottom < self._scene.container.height and not self._is_between_walls(lower_end)
 
@@ -155,14 +168,14 @@ class StageMachine:
         return bool(np.all(p_WN[:2] > container.lower) and np.all(p_WN[:2] < container.upper))
 
     def _watch_progress(self, time: float, remaining: float) -> None:
-        """Follow what has to shrink: the height in INSERT, the distance in FINE-TUNE [m]."""
+        """Note whether what remains has shrunk: the height in INSERT, the distance in FINE-TUNE [m]."""
         if remaining < self._least - self._config.stall_progress:
             self._least, self._progress = remaining, time
         self.is_stalled = time - self._progress > self._config.stall_time
 
     @property
     def _bottom(self) -> float:
-        """Height of the held object's lower end [m]."""
+        """Height of the held object's lower end, were it upright [m]."""
         return float(self._X_WN.p[2]) - float(self._scene.new_object.half_extents[2])
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
 from scipy.signal import lfilter
@@ -15,6 +13,7 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.topics import WRENCH_RATE
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_core.states import SceneState
+from pack_mpc.outcome import PackingOutcome
 from pack_mpc.placement import ChosenPlacement
 from pack_mpc.stages import StageConfig, StageMachine
 from pack_mpc.weights import Stage
@@ -29,40 +28,31 @@ GAIN = _PERIOD / (_PERIOD + FILTER_TIME)
 class TaskConfig(Config):
     """Exit conditions of a goal."""
 
-    timeout: PositiveFloat = Field(default=20.0, description="of simulated time [s]")
+    timeout: PositiveFloat = Field(default=20.0, description="simulated time that a goal may take [s]")
     force_stop: PositiveFloat = Field(
         default=float("inf"), description="external force that ends the goal [N]"
     )
-    avoid_radius: PositiveFloat = Field(default=0.02, description="new placements keep off those tried [m]")
-    patience: PositiveFloat = Field(
-        default=0.5, description="halt that permits as much force as a failed attempt [s]"
+    avoid_radius: PositiveFloat = Field(
+        default=0.02, description="distance that new placements keep from those tried [m]"
     )
-    placement_tries: PositiveInt = Field(default=3, description="refusals in a row before giving up")
+    patience: PositiveFloat = Field(
+        default=0.5,
+        description="time at a halt that relieves the force weight once, as a failed attempt does [s]",
+    )
+    placement_tries: PositiveInt = Field(
+        default=3, description="refused placements in a row that end the goal"
+    )
     stages: StageConfig = StageConfig()
 
 
-@dataclass(frozen=True)
-class PackingOutcome:
-    """How a goal ended."""
-
-    exit_reason: ExitReason
-    success: bool
-    message: str
-    execution_time: float
-    distance: float
-    force_mean: float
-    force_peak: float
-    placements: int
-
-
 class PackingTask:
-    """Follows a goal. The caller brings measurements and placements, this says what to do next.
+    """Follows a goal: the caller brings measurements and placements, and asks what to do next.
 
     Args:
         scene: the container and the held object.
         config: exit conditions.
-        time: when the goal was accepted [s].
-        timeout: overrides the configured one where positive [s].
+        time: time at which the goal was accepted [s].
+        timeout: takes the place of the configured one if it is positive [s].
         lean: tilt of the held object at its entry [rad].
     """
 
@@ -88,12 +78,12 @@ class PackingTask:
 
     @property
     def needs_placement(self) -> bool:
-        """Whether to plan one now: not while the object still moves others on its way out."""
+        """Whether to plan a placement now: not while the object may still move others on its way out."""
         return not self._has_placement and (self.machine is None or self.machine.is_out)
 
     @property
     def avoid(self) -> list[Array]:
-        """Where placements have been tried `(3,)` [m]."""
+        """Positions `(3,)` [m] of the placements that have been tried."""
         return [X_WN.p for X_WN in self.tried]
 
     def place(
@@ -104,9 +94,14 @@ class PackingTask:
         scene: SceneState,
         is_rehearsed: bool = False,
     ) -> None:
-        """Go for the packing pose X_WN and its collision list, leaning `over` `(2,)` at the entry.
+        """Take up a placement that was planned.
 
-        The objects are as they are in `scene`.
+        Args:
+            X_WN: the packing pose.
+            collisions: objects that it overlaps.
+            over: horizontal direction `(2,)` in which the object leans at the entry; zero for none.
+            scene: where the objects are now.
+            is_rehearsed: whether the way down was tried in simulation.
         """
         entry = plan_entry(self._scene, X_WN, collisions, scene.poses(), self.lean, over)
         placement = ChosenPlacement(X_WN, collisions, entry, is_rehearsed)
@@ -115,21 +110,22 @@ class PackingTask:
         self._has_placement, self._refusals = True, 0
 
     def refuse(self, time: float, reason: str) -> None:
-        """There is no placement now; after some tries in a row the goal ends."""
+        """Note that the planner found no placement; some refusals in a row end the goal."""
         self._refusals += 1
         if self._refusals >= self._config.placement_tries:
             self.finish(ExitReason.NO_PLACEMENT, time, reason)
 
     @property
     def avoid_radius(self) -> float:
-        """How far new placements keep off those tried [m]."""
+        """Distance that new placements keep from those tried [m]."""
         return self._config.avoid_radius
 
     @property
     def reliefs(self) -> float:
-        """How often the force's weight is relieved: once a failure, and while the object halts.
+        """Force-weight relief: how many times the force's weight is reduced, whole or in part.
 
-        An entry that was not rehearsed stays gentle: it halts where others are in its way.
+        Each failed attempt counts 1, and a halt counts its time over `patience`. On the way down an entry
+        that was not rehearsed, a halt does not count: other objects may be in its way.
         """
         failures, machine = max(len(self.tried) - 1, 0), self.machine
         if machine is None or not (machine.placement.is_rehearsed or machine.stage is Stage.FINE_TUNE):
@@ -137,9 +133,13 @@ class PackingTask:
         return failures + machine.halt / self._config.patience
 
     def note_forces(self, time: float, forces: Array) -> None:
-        """Note the magnitudes of the external force since the last call `(n,)` [N], at the rate of /wrench.
+        """Note the external force, and end the goal if it is above the force stop.
 
-        The force stop heeds them through a filter of 5 ms, as a robot's own estimate is filtered.
+        The force stop looks at the filtered force, so that one noisy sample does not end a goal.
+
+        Args:
+            time: current time [s].
+            forces: magnitudes since the last call `(n,)` [N], at the rate of /wrench.
         """
         self._forces.extend(forces.tolist())
         smooth, self._filter_state = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._filter_state)
@@ -148,7 +148,7 @@ class PackingTask:
             self.finish(ExitReason.FORCE, time, f"external force {peak:.1f} N above {limit:.1f} N")
 
     def update(self, time: float, X_WN: Pose) -> bool:
-        """Move on with the held object at X_WN.
+        """Advance the goal with the held object at X_WN.
 
         Returns:
             Whether the stage changed.
@@ -165,12 +165,12 @@ class PackingTask:
         return changed
 
     def expire(self, time: float) -> None:
-        """End the goal when its time is up."""
+        """End the goal if its time is up."""
         if self.elapsed(time) > self._timeout:
             self.finish(ExitReason.TIMEOUT, time, self._where())
 
     def finish(self, reason: ExitReason, time: float, message: str) -> None:
-        """End the goal, once."""
+        """End the goal; the first reason stands."""
         if self.outcome is not None:
             return
         self.outcome = PackingOutcome(
@@ -185,7 +185,7 @@ class PackingTask:
         return True
 
     def _middle(self, X_WN: Pose) -> ChosenPlacement:
-        """The container's middle, to go above while the first placement is being planned."""
+        """The middle of the container: the arm goes above it while the first placement is being planned."""
         x, y = self._scene.container.centre
         half_height = float(self._scene.new_object.half_extents[2])
         return ChosenPlacement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))))

@@ -10,7 +10,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import Config
 
 Step = Callable[[float], float | None]
-"""One iteration: takes the latency to plan for [s], returns the latency that it had, or None when
+"""One iteration: takes the latency to plan for [s], and returns the latency that it had [s], or None if
 there was nothing to plan."""
 
 
@@ -18,8 +18,10 @@ class WorkerConfig(Config):
     """Parameters of the worker."""
 
     latency: PositiveFloat = Field(default=0.048, description="first guess of the planning latency [s]")
-    latency_gain: float = Field(default=0.1, gt=0, le=1, description="of the running estimate")
-    latency_max: PositiveFloat = Field(default=0.12, description="the state is predicted no further [s]")
+    latency_gain: float = Field(default=0.1, gt=0, le=1, description="share of a new value in the estimate")
+    latency_max: PositiveFloat = Field(
+        default=0.12, description="longest time over which a state is predicted [s]"
+    )
 
 
 class Worker:
@@ -27,8 +29,8 @@ class Worker:
 
     Args:
         step: one iteration.
-        config: how latency is estimated.
-        on_error: is told when an iteration raised; the worker goes on.
+        config: how the latency is estimated.
+        on_error: called with what an iteration raised; the worker goes on.
     """
 
     def __init__(self, step: Step, config: WorkerConfig, on_error: Callable[[Exception], None]) -> None:
@@ -39,7 +41,7 @@ class Worker:
         self._thread.start()
 
     def wake(self) -> None:
-        """There is something new to plan from."""
+        """Start an iteration: there is something new to plan from."""
         self._wake.set()
 
     def stop(self) -> None:

@@ -26,8 +26,8 @@ from pack_evaluation.packing.run import Run
 from pack_lockstep.packing.presets import Preset
 from pack_lockstep.packing.run_log import RunLog
 from pack_mpc.controller import ControlPlan
+from pack_mpc.outcome import PackingOutcome
 from pack_mpc.session import PackingObservation, PackingSession, SessionConfig
-from pack_mpc.task import PackingOutcome
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
 from pack_planner.placement.placement_result import PlannedPlacement

@@ -1,4 +1,4 @@
-"""The newest value of every kind; a message that must not be used never replaces a good one."""
+"""Keeps the newest message of every kind; one that cannot be used never replaces a good one."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from pack_core.states import SceneState
 from pack_mpc.session import PackingObservation
 
 SCENE_AGE = 0.1
-"""An older estimate is not planned from [s]."""
+"""Age beyond which an estimate of the scene is not planned from [s]."""
 
 
 class Mailbox:
@@ -53,7 +53,7 @@ class Mailbox:
         return self.joints.time if self.joints is not None else 0.0
 
     def missing(self, scene: Scene) -> str:
-        """What has not been heard of the joints and of every object of the scene; empty: nothing."""
+        """What is still missing of the joints and the objects of the scene, in words; empty if nothing is."""
         if self.joints is None:
             return f"no {contracts.JOINT_STATES.name} yet: is sim up?"
         if self._scene is None:
@@ -62,12 +62,12 @@ class Mailbox:
         return f"the cameras have not seen {', '.join(unseen)} yet" if unseen else ""
 
     def clear_forces(self) -> None:
-        """Forget the forces felt so far."""
+        """Forget the forces noted so far, which belong to no goal."""
         with self._lock:
             self._forces.clear()
 
     def observe(self) -> PackingObservation:
-        """The newest of everything; forces since the last call.
+        """The newest of everything, with the forces since the last call.
 
         Raises:
             MessageError: something is missing, or too old to plan from.

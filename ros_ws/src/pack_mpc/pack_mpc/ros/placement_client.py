@@ -1,4 +1,4 @@
-"""Asks the placement planner when the task needs a placement, without waiting for it."""
+"""Asks the placement planner for a placement when the task needs one, without waiting for the answer."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ from pack_core.rotations import Array
 from pack_mpc.session import PackingObservation, PackingSession
 
 UNIT_TOLERANCE = 1e-3
+"""How far the length of a direction may be from 1."""
 
 
 class PlacementClient:
-    """One request at a time; the answer is taken up in the worker's next turn."""
+    """Has one request pending at a time; the worker takes up the answer in its next iteration."""
 
     def __init__(self, node: CellNode) -> None:
         contract = contracts.PLAN_PLACEMENT
@@ -27,12 +28,12 @@ class PlacementClient:
         self._pending: Future | None = None
         self._seed = 0
 
-    def start(self, session: PackingSession, seed: int) -> None:
-        """Begin with a goal's seed."""
+    def start(self, seed: int) -> None:
+        """Begin a goal: its seed decides the random samples of its placements."""
         self._pending, self._seed = None, seed
 
     def serve(self, session: PackingSession, seen: PackingObservation) -> None:
-        """Hand over a finished placement, or ask for one that is needed."""
+        """Hand over the answer if there is one, or send a request if a placement is needed."""
         task = session.task
         if self._pending is not None:
             if self._pending.done():
@@ -65,7 +66,7 @@ class PlacementClient:
 
 
 def from_over(over: Vector3) -> Array:
-    """The horizontal direction in which the object leans `(2,)`.
+    """The horizontal direction `(2,)` in which the object leans at the entry.
 
     Raises:
         MessageError: it is neither a unit vector nor zero.

@@ -11,7 +11,7 @@ from pack_mpc.session import PackingObservation, PackingSession
 
 
 def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> MpcStatus:
-    """One iteration, for plots and the recorder."""
+    """The status of one iteration, for plots and the recorder."""
     task, machine = session.task, session.task.machine
     assert machine is not None
     message = MpcStatus(
@@ -26,7 +26,7 @@ def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPl
 
 
 def to_feedback(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> PackObject.Feedback:
-    """One iteration, for whoever sent the goal."""
+    """The feedback of one iteration, for the client that sent the goal."""
     task, machine = session.task, session.task.machine
     assert machine is not None
     return PackObject.Feedback(
@@ -36,7 +36,7 @@ def to_feedback(session: PackingSession, seen: PackingObservation, plan: Control
 
 
 def to_result(session: PackingSession) -> PackObject.Result:
-    """How a goal ended."""
+    """The result of a goal that has ended."""
     outcome = session.task.outcome
     assert outcome is not None
     return PackObject.Result(
