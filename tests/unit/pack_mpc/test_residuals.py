@@ -7,7 +7,7 @@ from pack_mpc.ilqr import Linearization
 from pack_mpc.residual_terms import RESIDUALS, Force, JointLimit, Obstacle, Position, Upright, Yaw
 from pack_mpc.residuals import Residuals
 from pack_mpc.target import PackingTarget
-from pack_mpc.weights import Stage, WeightSet, load_weights
+from pack_mpc.weights import WeightSet, load_weights
 
 TARGET = PackingTarget(np.array([0.48, 0.02, 0.09]), 0.3, collisions=("tea_box", "soup_can"))
 
@@ -89,15 +89,17 @@ def test_an_obstacle_repels_most_where_the_target_is(plant, joints, state, weigh
 
 def test_each_row_has_the_weight_of_its_residual(plant, joints, state, weights) -> None:
     residuals = Residuals(plant, weights, TARGET)
-    running = weights.of(Stage.INSERT).running
-    x, y, z = running["position"]
-    expected = [
-        x, y, z, *(2 * [running["upright"]]), running["yaw"], *(3 * [running["force"]]),
-        *(7 * [running["joint_limit"]]), *running["joint_velocity"], *(2 * [running["obstacle"]]),
-    ]  # fmt: skip
-    np.testing.assert_array_equal(residuals.spread(running), expected)
+    spread = residuals.spread({term.name: float(i) for i, term in enumerate(RESIDUALS)})
+    rows = [term(plant, TARGET, weights).rows for term in RESIDUALS]
+    np.testing.assert_array_equal(spread, np.repeat(np.arange(len(RESIDUALS)), rows))
     values = residuals.values(plant.state(joints, state), np.zeros(plant.model.nsensordata))
-    assert values.shape == (len(expected),)
+    assert values.shape == spread.shape
+
+
+def test_a_residual_with_one_weight_a_row_has_them_in_order(plant, weights) -> None:
+    nothing = {term.name: 0.0 for term in RESIDUALS}
+    spread = Residuals(plant, weights, TARGET).spread(nothing | {"position": (1.0, 2.0, 3.0)})
+    assert spread[spread > 0.0].tolist() == [1.0, 2.0, 3.0]
 
 
 def test_names_of_residuals_are_unique() -> None:

@@ -23,6 +23,7 @@ from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_mpc.controller import ControlPlan
+from pack_mpc.optimizers import optimizer_class
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
 from pack_mpc.ros.status import to_feedback, to_result, to_status
@@ -52,7 +53,9 @@ class MpcNode(GoalNode):
         super().__init__("mpc", **kwargs)
         self._config = read_parameters(self, MpcNodeConfig)
         self._cell = read_packing_cell(self)
-        load_weights(self._config.weights)  # a set that does not exist is found now, not at the first goal
+        # What does not exist or is not installed is found now, not at the first goal.
+        load_weights(self._config.weights)
+        optimizer_class(self._config.controller.optimizer).require()
         self._scene: Scene | None = None
         self._session: PackingSession | None = None
         self._sending = threading.Lock()
