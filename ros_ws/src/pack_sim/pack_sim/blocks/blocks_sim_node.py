@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
 from pack_interfaces.srv import JawCommand, ResetScene
 from pydantic import Field
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.blocks import jaw
 from pack_core.blocks.cell import blocks_cell
@@ -20,14 +18,12 @@ from pack_core.paths import config_path
 from pack_core.robots.ur10e import LIMITS
 from pack_core.ros.blocks.block_messages import to_tags
 from pack_core.ros.contracts import blocks as contracts
-from pack_core.ros.contracts import motion
-from pack_core.ros.joint_messages import from_trajectory
 from pack_core.ros.params import read_parameters
-from pack_core.ros.run import run_node
 from pack_sim.blocks.ros.blocks_publisher import BlocksPublisher
 from pack_sim.blocks.ros.camera_publisher import CameraPublisher
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
-from pack_sim.ros.physics_node import Pacing, PhysicsNode
+from pack_sim.ros.motion_sim_node import MotionSimNode, run_sim_with_camera
+from pack_sim.ros.physics_node import Pacing
 
 
 class BlocksSimNodeConfig(BlocksSimulatorConfig, Pacing):
@@ -39,11 +35,11 @@ class BlocksSimNodeConfig(BlocksSimulatorConfig, Pacing):
     shadows: bool = Field(default=False, description="in the camera's pictures; they take twice as long")
 
 
-class BlocksSimNode(PhysicsNode):
+class BlocksSimNode(MotionSimNode):
     """The blocks cell's drivers of arm and gripper, and its camera in a thread of its own."""
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__(**kwargs)
+        super().__init__(LIMITS.names, **kwargs)
         self._config = read_parameters(self, BlocksSimNodeConfig)
         self._cell, self._jaw_commands = blocks_cell(), 0
         self._publisher = BlocksPublisher(self, self._config.timestep)
@@ -56,7 +52,7 @@ class BlocksSimNode(PhysicsNode):
             (contracts.TRIGGER, self._trigger),
             (contracts.RESET, self._reset),
         )
-        self.start(motion.SETPOINTS, "motion", services, self._config.real_time_factor)
+        self.follow_motion(services, self._config.real_time_factor, self._camera)
 
     @property
     def simulator(self) -> BlocksSimulator:
@@ -64,25 +60,8 @@ class BlocksSimNode(PhysicsNode):
         return self._simulator
 
     def advance(self) -> float:
-        """Advance by a block of steps and publish what is due; how long it was [s]."""
         self._publisher.step(self._simulator, self._jaw_commands)
         return self._publisher.period
-
-    def accept(self, message: JointTrajectory) -> None:
-        """Hand setpoints to the driver."""
-        reference = from_trajectory(message, LIMITS.names)
-        with self.lock:
-            self._simulator.accept(reference)
-
-    def drop(self) -> None:
-        """Hold the arm."""
-        self._simulator.follower.drop()
-
-    def destroy_node(self) -> None:
-        """Stop the physics and the camera, then the node."""
-        self.stop()
-        self._camera.close()
-        super().destroy_node()
 
     def _build(self, problem: Problem, start: float) -> BlocksSimulator:
         tags = {block.id: number for number, block in enumerate(problem.blocks)}
@@ -120,5 +99,4 @@ class BlocksSimNode(PhysicsNode):
 
 def main() -> int:
     """Entry point of `blocks_sim_node`."""
-    os.environ.setdefault("LP_NUM_THREADS", "1")  # drawing in software leaves the other cores to the physics
-    return run_node(BlocksSimNode)
+    return run_sim_with_camera(BlocksSimNode)

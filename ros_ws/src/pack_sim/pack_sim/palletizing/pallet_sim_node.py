@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 from pack_interfaces.srv import GripperCommand, RemoveBox, ResetCell, SpawnBox
 from pydantic import Field
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.errors import PackError
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots.kr210 import LIMITS
-from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.joint_messages import from_trajectory
 from pack_core.ros.params import read_parameters
-from pack_core.ros.run import run_node
 from pack_sim.palletizing.overhead_camera import OverheadCameraConfig
 from pack_sim.palletizing.ros.camera_publisher import CameraPublisher
 from pack_sim.palletizing.ros.cell_publisher import CellPublisher
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
-from pack_sim.ros.physics_node import Pacing, PhysicsNode
+from pack_sim.ros.motion_sim_node import MotionSimNode, run_sim_with_camera
+from pack_sim.ros.physics_node import Pacing
 
 
 class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
@@ -36,11 +32,11 @@ class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
     camera: OverheadCameraConfig = OverheadCameraConfig()
 
 
-class PalletSimNode(PhysicsNode):
+class PalletSimNode(MotionSimNode):
     """The palletizing cell's driver and gripper, and its camera in a thread of its own."""
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__(**kwargs)
+        super().__init__(LIMITS.names, **kwargs)
         self._config = read_parameters(self, PalletSimNodeConfig)
         self._cell = palletizing_cell(self._config.preset)
         self._publisher = CellPublisher(self, self._config.timestep)
@@ -54,7 +50,7 @@ class PalletSimNode(PhysicsNode):
             (contracts.RESET, self._reset),
             (contracts.TRIGGER, self._trigger),
         )
-        self.start(motion.SETPOINTS, "motion", services, self._config.real_time_factor)
+        self.follow_motion(services, self._config.real_time_factor, self._camera)
 
     @property
     def simulator(self) -> PalletSimulator:
@@ -62,25 +58,8 @@ class PalletSimNode(PhysicsNode):
         return self._simulator
 
     def advance(self) -> float:
-        """Advance by a block of steps and publish what is due; how long it was [s]."""
         self._publisher.step(self._simulator)
         return self._publisher.period
-
-    def accept(self, message: JointTrajectory) -> None:
-        """Hand setpoints to the driver."""
-        reference = from_trajectory(message, LIMITS.names)
-        with self.lock:
-            self._simulator.accept(reference)
-
-    def drop(self) -> None:
-        """Hold the arm."""
-        self._simulator.follower.drop()
-
-    def destroy_node(self) -> None:
-        """Stop the physics and the camera, then the node."""
-        self.stop()
-        self._camera.close()
-        super().destroy_node()
 
     def _command_gripper(
         self, request: GripperCommand.Request, response: GripperCommand.Response
@@ -132,5 +111,4 @@ class PalletSimNode(PhysicsNode):
 
 def main() -> int:
     """Entry point of `pallet_sim_node`."""
-    os.environ.setdefault("LP_NUM_THREADS", "1")  # drawing in software leaves the other cores to the physics
-    return run_node(PalletSimNode)
+    return run_sim_with_camera(PalletSimNode)

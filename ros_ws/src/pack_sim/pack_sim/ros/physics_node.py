@@ -27,7 +27,10 @@ class Pacing(Config):
     """How fast simulated time runs."""
 
     real_time_factor: float = Field(
-        default=1.0, ge=0, le=100, description="1: real time, 0: as fast as it can"
+        default=1.0,
+        ge=0,
+        le=100,
+        description="simulated seconds a second; 1: real time, 0: as fast as it can",
     )
 
 
@@ -43,7 +46,7 @@ class PhysicsNode(CellNode):
 
     @abstractmethod
     def advance(self) -> float:
-        """Advance by a block of steps and publish it, under the lock; how long it was [s]."""
+        """Advance by one tick of /clock and publish what is due, under the lock; how long that was [s]."""
 
     @abstractmethod
     def accept(self, message: JointTrajectory) -> None:
