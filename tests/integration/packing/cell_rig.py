@@ -14,7 +14,7 @@ from pack_core.ros.contracts import packing as contracts
 from pack_mpc.mpc_node import MpcNode
 from pack_perception.mocap.perception_node import PerceptionNode
 from pack_planner.placement.planner_node import PlannerNode
-from pack_sim.packing.sim_node import SimNode
+from pack_sim.packing.sim_node import PackingSimNode
 
 EASY = project_root() / "tests" / "e2e" / "packing" / "easy_scene.yaml"
 
@@ -40,7 +40,9 @@ class Cell(Witness):
     def __init__(self, graph: Graph, factor: float, scene: Path = EASY) -> None:
         super().__init__(graph)
         watched = ["sim", "perception", "planner"]
-        self.sim = graph.start(SimNode, **parameters_of("sim", scene=str(scene), real_time_factor=factor))
+        self.sim = graph.start(
+            PackingSimNode, **parameters_of("sim", scene=str(scene), real_time_factor=factor)
+        )
         self.perception = graph.start(PerceptionNode, **parameters_of("perception"))
         self.planner = graph.start(PlannerNode, **parameters_of("planner"))
         self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched))

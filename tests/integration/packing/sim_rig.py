@@ -14,7 +14,7 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state
 from pack_core.rotations import Array
-from pack_sim.packing.sim_node import SimNode
+from pack_sim.packing.sim_node import PackingSimNode
 
 EXAMPLE = config_path("scenarios", "packing", "example.yaml")
 SENSORS = (
@@ -28,9 +28,9 @@ SPEED = 0.3
 STEPS = 40
 
 
-def start_sim(graph: Graph, factor: float = SLOW) -> SimNode:
+def start_sim(graph: Graph, factor: float = SLOW) -> PackingSimNode:
     """The simulator with the example's scene, once it is heard and hears the probe."""
-    node = graph.start(SimNode, scene=str(EXAMPLE), real_time_factor=factor)
+    node = graph.start(PackingSimNode, scene=str(EXAMPLE), real_time_factor=factor)
     graph.probe.listen(*SENSORS, contracts.DESCRIPTION, shared.DIAGNOSTICS)
     graph.wait_until(
         lambda: all(graph.probe.last(contract) for contract in (*SENSORS, contracts.DESCRIPTION))

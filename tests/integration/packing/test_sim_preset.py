@@ -14,15 +14,15 @@ from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_lockstep.packing.lockstep import lockstep_config
 from pack_lockstep.packing.presets import load_preset
-from pack_sim.packing.sim_node import SimNode
+from pack_sim.packing.sim_node import PackingSimNode
 
 
-def start_hardware(graph: Graph) -> SimNode:
+def start_hardware(graph: Graph) -> PackingSimNode:
     """The node as `pack up packing --preset hardware` starts it."""
     texts = preset_overrides("packing", "hardware")["sim"]
     parameters = {name: yaml.safe_load(text) for name, text in texts.items()}
     graph.probe.listen(contracts.DESCRIPTION, contracts.WRENCH)
-    return graph.start(SimNode, **parameters, scene=str(EXAMPLE), real_time_factor=0.0)
+    return graph.start(PackingSimNode, **parameters, scene=str(EXAMPLE), real_time_factor=0.0)
 
 
 def test_the_node_runs_with_what_the_preset_says(graph: Graph) -> None:

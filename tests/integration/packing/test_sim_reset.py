@@ -16,12 +16,12 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.joint_messages import to_setpoints
 from pack_core.ros.scene_messages import from_scene
 from pack_sim.packing.scene_generator import generate_scene
-from pack_sim.packing.sim_node import SimNode
+from pack_sim.packing.sim_node import PackingSimNode
 
 SENSORS = (contracts.TRUTH, contracts.JOINT_STATES)
 
 
-def reset(graph: Graph, node: SimNode, **fields: object) -> ResetScene.Response:
+def reset(graph: Graph, node: PackingSimNode, **fields: object) -> ResetScene.Response:
     response = graph.call(contracts.RESET, ResetScene.Request(**fields), timeout=30.0)
     answered = node.simulator.time
     graph.wait_until(lambda: min(stamps_of(graph, contract)[-1] for contract in SENSORS) > answered)

@@ -25,7 +25,7 @@ class GoalConfig(Config):
     timeout: NonNegativeFloat = Field(default=0.0, description="simulated [s]; 0: that of the controller")
 
 
-class GoalNode(GoalClient):
+class PackGoalNode(GoalClient):
     """Its goal is in its parameters."""
 
     def __init__(self, **kwargs: Any) -> None:
@@ -37,7 +37,7 @@ class GoalNode(GoalClient):
 def main() -> int:
     """Send one goal to the cell that is running; 0 if the object was packed."""
     try:
-        result = follow_goal(GoalNode, lambda node: None)
+        result = follow_goal(PackGoalNode, lambda node: None)
     except PackError as error:
         sys.stderr.write(f"error: {error}\n")
         return 2

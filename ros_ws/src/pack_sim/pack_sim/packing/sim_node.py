@@ -24,19 +24,19 @@ from pack_sim.packing.simulator import Simulator, SimulatorConfig
 from pack_sim.ros.physics_node import Pacing, PhysicsNode
 
 
-class SimNodeConfig(SimulatorConfig, Pacing):
+class PackingSimNodeConfig(SimulatorConfig, Pacing):
     """Parameters of the node `sim`."""
 
     seed: int = Field(default=0, ge=0, description="seed of the scene and of the sensors' noise")
     scene: str = Field(default="", description="a scene file; empty: a generated one")
 
 
-class SimNode(PhysicsNode):
+class PackingSimNode(PhysicsNode):
     """The packing cell's driver, pump and motion capture."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self._config = read_parameters(self, SimNodeConfig)
+        self._config = read_parameters(self, PackingSimNodeConfig)
         self._cell = read_packing_cell(self)
         self._sensors = SensorPublisher(self, self._config.timestep)
         self._description = self.advertise(contracts.DESCRIPTION)
@@ -103,4 +103,4 @@ class SimNode(PhysicsNode):
 
 def main() -> int:
     """Entry point of `sim_node`."""
-    return run_node(SimNode)
+    return run_node(PackingSimNode)
