@@ -12,17 +12,19 @@ def set_object_poses(model: mujoco.MjModel, data: mujoco.MjData, poses: dict[str
     for name, X_WO in poses.items():
         joint = model.joint(name)
         q, v = joint.qposadr[0], joint.dofadr[0]
-        data.qpos[q : q + 7] = [*X_WO.p, *X_WO.q]
+        data.qpos[q : q + 7] = [*X_WO.p, *X_WO.q]  # a free joint: position, then quaternion wxyz
         data.qvel[v : v + 6] = 0.0
 
 
 def penetrations(model: mujoco.MjModel, data: mujoco.MjData) -> dict[tuple[str, str], float]:
     """Deepest penetration [m] of every pair of geoms that touch at the positions in `data`."""
+    # Positions and collisions alone: mj_forward would also compute forces.
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_collision(model, data)
     deepest: dict[tuple[int, int], float] = {}
     for (a, b), distance in zip(data.contact.geom.tolist(), data.contact.dist.tolist(), strict=True):
+        # MuJoCo's distance is negative where geoms overlap; one pair may touch in several points.
         deepest[a, b] = max(deepest.get((a, b), 0.0), -distance)
     return {(model.geom(a).name, model.geom(b).name): depth for (a, b), depth in deepest.items()}
 

@@ -10,7 +10,8 @@ import numpy.typing as npt
 from pack_core.rotations import Array, Pose
 
 LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""R_WC of a camera that looks along -z of the world, with x to the right and y up in its picture."""
+"""R_WC of a camera that looks along -z of the world, with x to the right and y up in its picture: half a turn
+about x."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ class PinholeCamera:
 
     def scaled(self, width: int) -> PinholeCamera:
         """The same camera with pictures of another width, and the height that goes with it [pixel]."""
+        # The left edge of both pictures is at -0.5, half a pixel before the first pixel's centre.
         s = width / self.width
         u, v = ((x + 0.5) * s - 0.5 for x in self.c)
         return PinholeCamera(self.X_WC, self.f * s, (u, v), width, round(self.height * s))
@@ -53,18 +55,19 @@ class PinholeCamera:
 
     def project(self, p_W: npt.ArrayLike) -> Array:
         """Pixels `(..., 2)` of points `(..., 3)` [m] in front of the camera."""
-        p_C = self.X_WC.inverse().apply(p_W)
+        p_C = self.X_WC.inverse().apply(p_W)  # (u, v) = f (x, y) / z + c
         return np.asarray(self.f * p_C[..., :2] / p_C[..., 2:] + self.c)
 
     def at_height(self, pixels: npt.ArrayLike, z: npt.ArrayLike) -> Array:
         """Points `(..., 3)` at height `z` [m] of the world that are seen at pixels `(..., 2)`."""
         uv = (np.asarray(pixels, dtype=float) - self.c) / self.f
         rays_C = np.concatenate([uv, np.ones((*uv.shape[:-1], 1))], axis=-1)
-        rays_W = self.X_WC.apply(rays_C) - self.X_WC.p
+        rays_W = self.X_WC.apply(rays_C) - self.X_WC.p  # rotated only; from the camera to depth 1
         scale = (np.asarray(z, dtype=float) - self.X_WC.p[2]) / rays_W[..., 2]
         return np.asarray(self.X_WC.p + scale[..., None] * rays_W)
 
 
 def focal_length(fovy_deg: float, height: int) -> float:
-    """Focal length [pixel] of a camera that sees a vertical angle with so many rows."""
+    """Focal length [pixel] of a camera whose picture of `height` rows covers a vertical angle [deg]."""
+    # Half the picture's height subtends half the angle: tan(fovy / 2) = (height / 2) / f.
     return float(0.5 * height / np.tan(np.deg2rad(fovy_deg) / 2))

@@ -15,6 +15,7 @@ from pack_core.errors import ConfigError
 class Config(BaseModel):
     """Base of every configuration class."""
 
+    # Infinity is allowed because it switches a limit off, as in `force_stop: .inf`.
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=True)
 
 
@@ -74,11 +75,13 @@ def validate_config(cls: type[C], data: Mapping[str, Any], source: str) -> C:
 
 
 def _explain(item: Any, source: str) -> str:
+    # pydantic: `loc` is the path of keys to the value, `type` what is wrong, `ctx` what is allowed.
     key = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
         return f"{source}: key '{key}' is not known; remove it or correct its spelling"
     if item["type"] == "missing":
         return f"{source}: key '{key}' is missing"
+    # Sections of several kinds are told apart by one key, which pydantic names in quotes.
     discriminator = item.get("ctx", {}).get("discriminator", "").strip("'")
     if item["type"] == "union_tag_not_found":
         return f"{source}: key '{key}.{discriminator}' is missing"

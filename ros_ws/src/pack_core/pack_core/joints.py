@@ -1,4 +1,4 @@
-"""Joints of an arm: as measured, and where they shall be, now or over a horizon."""
+"""Joints of an arm with n joints: as measured, and where they shall be, now or over a horizon."""
 
 from __future__ import annotations
 
@@ -46,6 +46,8 @@ class JointReference:
         if s == 0.0:
             return self.q[i].copy(), self.v[i].copy(), self.a[i].copy()
         q_0, q_1, v_0, v_1 = self.q[i], self.q[i + 1], self.v[i], self.v[i + 1]
+        # Cubic Hermite over a row distance h, s from 0 to 1: q = q0 + (3 s^2 - 2 s^3)(q1 - q0)
+        # + h s (1 - s)^2 v0 - h s^2 (1 - s) v1, and v is its derivative by time.
         b = s * s * (3.0 - 2.0 * s)
         q = q_0 + b * (q_1 - q_0) + h * s * (1.0 - s) * ((1.0 - s) * v_0 - s * v_1)
         v = (6.0 * s * (1.0 - s) / h) * (q_1 - q_0)
@@ -65,7 +67,7 @@ class JointSetpoint:
 
 @dataclass(frozen=True)
 class JointSample:
-    """Measured joints at `time` [s]: `q` [rad], `v` [rad/s], `tau` [N m], each `(7,)`."""
+    """Measured joints at `time` [s]: `q` [rad], `v` [rad/s], `tau` [N m], each `(n,)`."""
 
     time: float
     q: Array
@@ -75,14 +77,14 @@ class JointSample:
 
 @dataclass(frozen=True)
 class Setpoints:
-    """Joint references over a horizon.
+    """Joint references over a horizon, with feed-forward torques.
 
     Attributes:
         time: of the first row [s].
         offsets: of each row from `time` `(T,)` [s], rising from 0.
-        q: `(T, 7)` [rad].
-        v: `(T, 7)` [rad/s].
-        tau: feed-forward torque `(T, 7)` [N m].
+        q: `(T, n)` [rad].
+        v: `(T, n)` [rad/s].
+        tau: feed-forward torque `(T, n)` [N m].
     """
 
     time: float
@@ -92,7 +94,7 @@ class Setpoints:
     tau: Array
 
     def at(self, time: float) -> tuple[Array, Array, Array]:
-        """Position, velocity and torque `(7,)` at `time` [s]: interpolated, and held beyond the ends."""
+        """Position, velocity and torque `(n,)` at `time` [s]: interpolated, and held beyond the ends."""
         offset, offsets = time - self.time, self.offsets
         last = len(offsets) - 1
         i = min(max(int(np.searchsorted(offsets, offset, side="right")) - 1, 0), last)

@@ -23,6 +23,7 @@ def project_root() -> Path:
     """
     if given := os.environ.get(ROOT_VARIABLE):
         return Path(given).resolve()
+    # `parents` leaves the path itself out: "_" makes the working directory one of them.
     for start in (Path(__file__).resolve(), Path.cwd() / "_"):
         for folder in start.parents:
             if (folder / "config" / "graphs").is_dir():
@@ -34,10 +35,10 @@ def project_root() -> Path:
 
 
 def config_path(*parts: str) -> Path:
-    """A file below `config/`, e.g. `config_path("nodes", "mpc.yaml")`."""
+    """A file below `config/`, for example `config_path("nodes", "packing", "mpc.yaml")`."""
     return project_root().joinpath("config", *parts)
 
 
 def bags_path() -> Path:
-    """The folder that recordings land in."""
+    """The folder that recordings are written to."""
     return project_root() / "bags"

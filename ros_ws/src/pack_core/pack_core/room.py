@@ -10,7 +10,7 @@ import mujoco
 from pack_core.rotations import Array
 
 THICKNESS = 0.04
-"""Of the table top [m]."""
+"""Thickness of a table's top [m]."""
 FLOOR = -0.75
 """Height of the floor under a table [m]."""
 LEG, INSET = 0.03, 0.05
@@ -30,7 +30,7 @@ class Light:
 
 
 def add_sky(spec: mujoco.MjSpec, horizon: Colour, zenith: Colour) -> None:
-    """Add a sky that goes over from one colour to the other."""
+    """Add a sky whose colour goes over from horizon to zenith."""
     spec.add_texture(
         name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
         rgb1=horizon, rgb2=zenith, width=256, height=256,
@@ -41,7 +41,7 @@ def add_tiles(
     spec: mujoco.MjSpec, name: str, colour: Colour, joints: Colour, *,
     pixels: int = 256, repeat: float = 6.0, reflectance: float = 0.0,
 ) -> None:  # fmt: skip
-    """Add a material `name` of tiles with visible joints, `repeat` of them a metre."""
+    """Add a material `name` of tiles with visible joints, `repeat` tiles per metre."""
     spec.add_texture(
         name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
         mark=mujoco.mjtMark.mjMARK_EDGE, markrgb=joints, rgb1=colour, rgb2=colour,
@@ -63,6 +63,7 @@ def add_table(
 ) -> None:
     """Add a table whose top ends at z = 0, and the floor on which it stands, of these materials."""
     (x, y), (length, width) = centre, size
+    # Drawn only, and half a millimetre low, so that what lies at z = 0 covers it.
     draw = dict(type=mujoco.mjtGeom.mjGEOM_BOX, contype=0, conaffinity=0)
     spec.worldbody.add_geom(
         pos=(x, y, -THICKNESS / 2 - 0.0005), size=(length / 2, width / 2, THICKNESS / 2), material=top, **draw

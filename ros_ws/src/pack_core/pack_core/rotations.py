@@ -23,7 +23,8 @@ _LEFT = np.array(
     ],
     dtype=float,
 ).reshape(4, 16)
-"""Matrices that multiply by 1, i, j and k from the left, a row each: `q @ _LEFT` multiplies by q."""
+"""The 4 x 4 matrices that multiply a quaternion by 1, i, j and k from the left, a row each: `q @ _LEFT` is
+L(q) in q r = L(q) r, for any number of quaternions at once."""
 _SKEW = np.array(
     [
         [[0, 0, 0], [0, 0, -1], [0, 1, 0]],
@@ -32,7 +33,7 @@ _SKEW = np.array(
     ],
     dtype=float,
 ).reshape(3, 9)
-"""Matrices of the cross product with x, y and z, a row each."""
+"""The 3 x 3 matrices of the cross products with x, y and z, a row each: `u @ _SKEW` is that of u x v."""
 
 
 def multiply(q_AB: npt.ArrayLike, q_BC: npt.ArrayLike) -> Array:
@@ -53,18 +54,22 @@ def rotate(q_AB: npt.ArrayLike, v_B: npt.ArrayLike) -> Array:
     v = np.asarray(v_B, dtype=float)
     w, u = q[..., :1, None], q[..., 1:]
     u_cross = (u @ _SKEW).reshape(*u.shape, 3)
+    # q v q* = v + 2 w (u x v) + 2 u x (u x v), with t = 2 u x v.
     t = 2.0 * (u_cross @ v[..., None])
     return np.asarray(v + (w * t + u_cross @ t)[..., 0])
 
 
 def to_matrix(q: npt.ArrayLike) -> Array:
     """Rotation matrices `(..., 3, 3)`."""
+    # Column k is the rotated unit vector k; `rotate` returns them as rows.
     quaternions = np.asarray(q, dtype=float)[..., None, :]
     return np.moveaxis(rotate(quaternions, np.eye(3)), -1, -2)
 
 
 def from_matrix(R: npt.ArrayLike) -> Array:
     """Unit quaternion `(4,)` of a rotation matrix `(3, 3)`, with `w >= 0` (Shepperd's method)."""
+    # Each case below is q times four times one of its components. The largest of trace and diagonal tells the
+    # largest component, so that nothing small is divided by when q is normalised.
     m = np.asarray(R, dtype=float)
     diagonal = np.array([np.trace(m), *np.diag(m)])
     k = int(np.argmax(diagonal))
@@ -81,7 +86,7 @@ def from_matrix(R: npt.ArrayLike) -> Array:
 
 
 def normalize(q: npt.ArrayLike) -> Array:
-    """Unit quaternion with `w >= 0`, shape `(..., 4)`."""
+    """Unit quaternion with `w >= 0`, shape `(..., 4)`; q and -q are the same rotation."""
     quaternion = np.asarray(q, dtype=float)
     unit = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
     return np.asarray(np.where(unit[..., :1] < 0.0, -unit, unit))
@@ -90,6 +95,7 @@ def normalize(q: npt.ArrayLike) -> Array:
 def exp(rotation_vector: npt.ArrayLike) -> Array:
     """Unit quaternions `(..., 4)` of rotation vectors `(..., 3)` [rad]."""
     v = np.asarray(rotation_vector, dtype=float)
+    # (cos h, sin h v / |v|) with h = |v| / 2. numpy's sinc(x) is sin(pi x) / (pi x), and 1 at 0.
     half = 0.5 * np.linalg.norm(v, axis=-1, keepdims=True)
     return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * v], axis=-1)
 
@@ -99,7 +105,8 @@ def log(q: npt.ArrayLike) -> Array:
     quaternion = normalize(q)
     w, u = quaternion[..., :1], quaternion[..., 1:]
     sine = np.linalg.norm(u, axis=-1, keepdims=True)
-    angle = 2.0 * np.arctan2(sine, w)
+    angle = 2.0 * np.arctan2(sine, w)  # at most pi, since w >= 0
+    # angle / sine goes to 2 as the angle goes to 0.
     scale = np.where(sine > 1e-9, angle / np.where(sine > 1e-9, sine, 1.0), 2.0)
     return scale * u
 

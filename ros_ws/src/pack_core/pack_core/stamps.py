@@ -17,4 +17,4 @@ def to_seconds(nanoseconds: int) -> float:
 
 def split(seconds: float) -> tuple[int, int]:
     """Seconds as `(sec, nanosec)` with `0 <= nanosec < 1e9`, as builtin_interfaces/Time has them."""
-    return divmod(to_ns(seconds), NS_PER_S)
+    return divmod(to_ns(seconds), NS_PER_S)  # rounds down: times before 0 have nanoseconds from 0 up, too

@@ -1,4 +1,4 @@
-"""Values that cells pass around: where objects, markers and joints are at a time."""
+"""Where the objects of a cell are at a moment, and how that is known."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class ObjectState:
         X_WO: its pose.
         v_WO_W: velocity of its origin `(3,)` [m/s] in world axes.
         w_WO_W: angular velocity `(3,)` [rad/s] in world axes.
-        source: where it comes from.
+        source: how the pose is known.
         age: time since it was last seen [s].
     """
 
@@ -40,11 +40,11 @@ class ObjectState:
 
 @dataclass(frozen=True)
 class SceneState:
-    """All objects, the held one included, at `time` [s]."""
+    """States of all objects by name, the held one included, at `time` [s]."""
 
     time: float
     objects: Mapping[str, ObjectState]
 
     def poses(self) -> dict[str, Pose]:
-        """X_WO by name."""
+        """X_WO of every object by name."""
         return {name: state.X_WO for name, state in self.objects.items()}

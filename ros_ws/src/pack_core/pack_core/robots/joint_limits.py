@@ -1,4 +1,4 @@
-"""What the joints of an arm can do, for every part that must keep within it."""
+"""Limits of an arm's joints."""
 
 from __future__ import annotations
 

@@ -42,8 +42,8 @@ ARM_CONTACT = {"contype": 2, "conaffinity": 0, "condim": 3}
 
 
 @dataclass(frozen=True)
-class Link:
-    """One link: where its joint sits on the last link, and its inertia."""
+class Kr210Link:
+    """One link: where its joint sits on the last link, and its inertia, as published."""
 
     X_PJ: Pose
     """Joint frame in the parent's, at q = 0; the joint turns about z."""
@@ -58,8 +58,8 @@ class Link:
 def _link(
     xyz: tuple[float, ...], rpy: tuple[float, ...], mass: float, com: tuple[float, float, float],
     inertia: tuple[float, float, float], inertia_rpy: tuple[float, float, float],
-) -> Link:  # fmt: skip
-    return Link(Pose(np.array(xyz), from_rpy(rpy)), mass, com, inertia, inertia_rpy)
+) -> Kr210Link:  # fmt: skip
+    return Kr210Link(Pose(np.array(xyz), from_rpy(rpy)), mass, com, inertia, inertia_rpy)
 
 
 HALF, FULL = np.pi / 2, np.pi

@@ -63,7 +63,7 @@ _HOUSINGS: tuple[tuple[Stroke, ...], ...] = (  # radius, both ends in the joint'
 
 
 @dataclass(frozen=True)
-class Link:
+class Ur10eLink:
     """One link; its joint turns about z of its frame J."""
 
     X_PJ: Pose
@@ -75,12 +75,13 @@ class Link:
     """About the centre of mass, in axes of J `(3, 3)` [kg m^2]."""
 
 
-def _links() -> tuple[Link, ...]:
+def _links() -> tuple[Ur10eLink, ...]:
     X_PJ, links = Pose(np.zeros(3)), []
     for a, d, alpha, mass, com, (xx, yy, zz, xy, xz, yz) in _DH:
+        # The tables give mass and inertia in the DH frame D after the link; J is the frame of its own joint.
         X_JD = Pose(np.array([a, 0.0, d]), exp([alpha, 0.0, 0.0]))
         R_JD, moments = to_matrix(X_JD.q), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        links.append(Link(X_PJ, mass, X_JD.apply(com), R_JD @ moments @ R_JD.T))
+        links.append(Ur10eLink(X_PJ, mass, X_JD.apply(com), R_JD @ moments @ R_JD.T))
         X_PJ = X_JD
     return tuple(links)
 

@@ -1,4 +1,4 @@
-"""Messages to values and back. The only place that knows xyzw and stamps.
+"""Messages to values and back; no other module knows that messages have xyzw quaternions and stamps.
 
 Every `from_*` raises MessageError for a message that must not be used.
 """
@@ -18,13 +18,13 @@ WORLD = "world"
 
 
 def to_stamp(seconds: float) -> Time:
-    """Seconds to a stamp."""
+    """A stamp of a time [s]."""
     sec, nanosec = stamps.split(seconds)
     return Time(sec=sec, nanosec=nanosec)
 
 
 def from_stamp(stamp: Time | Duration) -> float:
-    """A stamp or duration in seconds."""
+    """Seconds of a stamp or duration."""
     return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)
 
 
@@ -37,37 +37,38 @@ def finite(values: object, what: str) -> Array:
 
 
 def to_point(p: Array) -> Point:
-    """A point `(3,)`."""
+    """A message of a point `(3,)` [m]."""
     return Point(x=float(p[0]), y=float(p[1]), z=float(p[2]))
 
 
 def to_pose(X: Pose) -> PoseMsg:
-    """A pose."""
+    """A message of a pose."""
     w, x, y, z = X.q.tolist()
     return PoseMsg(position=to_point(X.p), orientation=Quaternion(x=x, y=y, z=z, w=w))
 
 
 def from_pose(message: PoseMsg) -> Pose:
-    """A pose; its quaternion is normalised."""
+    """The pose in a message, its quaternion normalised."""
     p, o = message.position, message.orientation
     q = finite([o.w, o.x, o.y, o.z], "orientation")
+    # Rounding never takes a quaternion this far from length 1; one that nobody filled in may be all zeros.
     if not 0.5 < float(np.linalg.norm(q)) < 2.0:
         raise MessageError(f"orientation is no unit quaternion: {q.tolist()} (wxyz)")
     return Pose(finite([p.x, p.y, p.z], "position"), q)
 
 
 def to_vector(v: Array) -> Vector3:
-    """A vector `(3,)`."""
+    """A message of a vector `(3,)`."""
     return Vector3(x=float(v[0]), y=float(v[1]), z=float(v[2]))
 
 
 def from_vector(v: Vector3, what: str) -> Array:
-    """A vector `(3,)`; `what` names it in errors."""
+    """The vector `(3,)` in a message; `what` names it in errors."""
     return finite([v.x, v.y, v.z], what)
 
 
 def to_wrench(time: float, force: Array, torque: Array, frame: str) -> WrenchStamped:
-    """Force [N] and torque [N m] in a frame."""
+    """A message of a force `(3,)` [N] and torque `(3,)` [N m] in `frame`, measured at `time` [s]."""
     message = WrenchStamped()
     message.header.stamp, message.header.frame_id = to_stamp(time), frame
     message.wrench.force, message.wrench.torque = to_vector(force), to_vector(torque)

@@ -8,7 +8,15 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 
 class Health:
-    """Counters and standing faults of one node."""
+    """What one node reports of itself in /diagnostics.
+
+    Attributes:
+        name: of the node.
+        counts: how often something was refused or failed, by what it was.
+        last: the reason of the last time, by what it was.
+        faults: what is wrong now, in words, by a key with which it is taken back.
+        values: figures to report, by name.
+    """
 
     def __init__(self, name: str) -> None:
         self.name = name

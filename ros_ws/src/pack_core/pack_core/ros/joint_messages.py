@@ -1,4 +1,4 @@
-"""References for an arm's joints, to messages and back."""
+"""Joint states, references and setpoints of an arm, to messages and back."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pack_core.ros.conversions import finite, from_stamp, to_stamp
 
 
 def to_trajectory(reference: JointReference, names: Sequence[str]) -> JointTrajectory:
-    """A reference for the joints `names`."""
+    """A message of a reference for the joints `names`."""
     message = JointTrajectory(joint_names=list(names))
     message.header.stamp = to_stamp(reference.time)
     for offset, q, v, a in zip(reference.offsets, reference.q, reference.v, reference.a, strict=True):
@@ -49,7 +49,7 @@ def from_trajectory(message: JointTrajectory, names: Sequence[str]) -> JointRefe
 
 
 def to_joint_state(sample: JointSample, names: Sequence[str]) -> JointState:
-    """Measured joints of an arm."""
+    """A message of an arm's measured joints, in the order of `names`."""
     message = JointState(
         name=list(names), position=sample.q.tolist(), velocity=sample.v.tolist(), effort=sample.tau.tolist()
     )
@@ -58,7 +58,7 @@ def to_joint_state(sample: JointSample, names: Sequence[str]) -> JointState:
 
 
 def from_joint_state(message: JointState, names: Sequence[str]) -> JointSample:
-    """Measured joints of an arm, in its order."""
+    """The measured joints in a message; MessageError unless they are exactly `names`, in this order."""
     if list(message.name) != list(names):
         raise MessageError(f"joint names are {list(message.name)}; expected {list(names)}")
     columns = [finite(values, f"joint {what}") for what, values in _joint_columns(message)]
@@ -74,7 +74,7 @@ def _joint_columns(message: JointState) -> list[tuple[str, object]]:
 
 
 def to_setpoints(setpoints: Setpoints, names: Sequence[str]) -> JointTrajectory:
-    """Joint references over a horizon, for the joints `names`."""
+    """A message of setpoints over a horizon, for the joints `names`."""
     message = JointTrajectory(joint_names=list(names))
     message.header.stamp = to_stamp(setpoints.time)
     for offset, q, v, tau in zip(setpoints.offsets, setpoints.q, setpoints.v, setpoints.tau, strict=True):
@@ -89,7 +89,11 @@ def to_setpoints(setpoints: Setpoints, names: Sequence[str]) -> JointTrajectory:
 
 
 def from_setpoints(message: JointTrajectory) -> Setpoints:
-    """Joint references as they came; the driver judges their size and limits."""
+    """The setpoints in a message as they came; the driver judges their size and limits.
+
+    Raises:
+        MessageError: no points, or rows of different length.
+    """
     rows = [(from_stamp(p.time_from_start), p.positions, p.velocities, p.effort) for p in message.points]
     try:
         offsets, q, v, tau = (np.array(column, dtype=float) for column in zip(*rows, strict=True))

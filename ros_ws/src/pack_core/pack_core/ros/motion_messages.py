@@ -26,7 +26,7 @@ from pack_core.ros.conversions import (
 
 
 def to_target(target: MotionTarget, time: float) -> MotionTargetMsg:
-    """A target, sent at `time` [s]."""
+    """A message of a target that is sent at `time` [s]."""
     message = MotionTargetMsg(id=target.id, is_checked=target.is_checked, contacts=sorted(target.contacts))
     message.header.stamp, message.header.frame_id = to_stamp(time), WORLD
     move = target.move
@@ -35,7 +35,7 @@ def to_target(target: MotionTarget, time: float) -> MotionTargetMsg:
     if isinstance(move, Transfer):
         message.is_transfer, message.departs = True, move.depart is not None
         message.hover = _to_retreat(move.hover)
-        message.depart = _to_retreat(move.depart or move.hover)
+        message.depart = _to_retreat(move.depart or move.hover)  # unused without `departs`, but never empty
         message.speed, message.acceleration = move.speed, move.acceleration
     if target.carried is not None:
         message.is_carrying = True
@@ -49,7 +49,7 @@ def to_target(target: MotionTarget, time: float) -> MotionTargetMsg:
 
 
 def from_target(message: MotionTargetMsg) -> MotionTarget:
-    """A target; an empty path is a stop.
+    """The target in a message; an empty path means: stop.
 
     Raises:
         MessageError: it has values that must not be used.
@@ -71,7 +71,7 @@ def from_target(message: MotionTargetMsg) -> MotionTarget:
 
 
 def to_obstacle(item: Obstacle) -> BoxObstacle:
-    """An obstacle."""
+    """A message of an obstacle."""
     return BoxObstacle(
         name=item.name, pose=to_pose(item.X_WO), size=to_vector(item.size),
         velocity=to_vector(item.v_WO_W), is_moving=item.is_moving,
@@ -79,7 +79,7 @@ def to_obstacle(item: Obstacle) -> BoxObstacle:
 
 
 def from_obstacles(messages: Iterable[BoxObstacle]) -> tuple[Obstacle, ...]:
-    """Obstacles."""
+    """The obstacles in messages; MessageError or PackError where one has values that must not be used."""
     return tuple(
         Obstacle(
             item.name, from_pose(item.pose), from_vector(item.size, f"size of {item.name}"),

@@ -28,7 +28,10 @@ def read_parameters(node: Node, cls: type[C]) -> C:
 
 
 def unknown_parameters(node: Node) -> list[str]:
-    """What was given to the node and means nothing to it, each in words, once all parameters are declared."""
+    """Parameters that were given to the node and that it does not have, each in words.
+
+    To be called once all parameters are declared.
+    """
     given: dict[str, Any] = node._parameter_overrides  # rclpy has no public name for it
     known = [name for name in node.get_parameters_by_prefix("") if name not in given]
     said = []
@@ -53,7 +56,7 @@ def _declare(node: Node, cls: type[BaseModel], prefix: str) -> dict[str, Any]:
 
 
 def _declare_without_defaults(node: Node, cls: type[BaseModel], prefix: str) -> dict[str, Any]:
-    """The parameters that were given."""
+    """The parameters of an optional section that were given; the others have no value, not even a default."""
     values = {
         name: _value(node, prefix + name, field.description, None) for name, field in cls.model_fields.items()
     }
@@ -61,10 +64,11 @@ def _declare_without_defaults(node: Node, cls: type[BaseModel], prefix: str) -> 
 
 
 def _value(node: Node, name: str, description: str | None, default: Any) -> Any:
+    # Any type is let in, such as 1 where 1.0 is the default; the configuration class judges the value.
     descriptor = ParameterDescriptor(description=description or "", dynamic_typing=True)
     plain = list(default) if isinstance(default, tuple) else default
     value = node.declare_parameter(name, plain, descriptor).value
-    return list(value) if hasattr(value, "typecode") else value
+    return list(value) if hasattr(value, "typecode") else value  # rclpy hands out arrays as array.array
 
 
 def _optional_section(annotation: Any) -> type[BaseModel] | None:

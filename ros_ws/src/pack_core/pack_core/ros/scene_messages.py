@@ -20,7 +20,7 @@ from pack_core.states import ObjectState, SceneState, Source
 
 
 def to_scene(state: SceneState) -> SceneStateMsg:
-    """All objects' states."""
+    """A message of all objects' states."""
     message = SceneStateMsg()
     message.header.stamp, message.header.frame_id = to_stamp(state.time), WORLD
     message.objects = [
@@ -34,7 +34,7 @@ def to_scene(state: SceneState) -> SceneStateMsg:
 
 
 def from_scene(message: SceneStateMsg) -> SceneState:
-    """All objects' states."""
+    """All objects' states in a message; MessageError where a value must not be used."""
     objects = {
         item.name: ObjectState(
             from_pose(item.pose), from_vector(item.twist.linear, f"velocity of {item.name}"),

@@ -11,7 +11,7 @@ from pack_core.ros.conversions import WORLD, finite, from_stamp, to_stamp
 
 
 def to_markers(frame: MarkerFrame) -> MocapMarkers:
-    """A motion capture frame."""
+    """A message of a motion capture frame."""
     message = MocapMarkers(objects=list(frame.objects))
     message.header.stamp, message.header.frame_id = to_stamp(frame.time), WORLD
     message.object_index = frame.object_index.astype(np.uint8).tolist()
@@ -22,7 +22,7 @@ def to_markers(frame: MarkerFrame) -> MocapMarkers:
 
 
 def from_markers(message: MocapMarkers) -> MarkerFrame:
-    """A motion capture frame."""
+    """The motion capture frame in a message; MessageError where its arrays do not belong together."""
     n = len(message.object_index)
     if not n == len(message.marker_index) == len(message.cameras) == len(message.positions) / 3:
         raise MessageError(f"marker arrays differ: {n} objects, {len(message.positions)} coordinates")

@@ -20,14 +20,14 @@ from pack_core.ros.conversions import (
 
 
 def to_expected_box(box: ExpectedBox) -> ExpectedBoxMsg:
-    """The expected box."""
+    """A message of the expected box."""
     message = ExpectedBoxMsg(id=box.id, size=to_vector(box.dims))
     message.header.stamp = to_stamp(box.time)
     return message
 
 
 def from_expected_box(message: ExpectedBoxMsg) -> ExpectedBox:
-    """The expected box."""
+    """The expected box in a message; MessageError where its size must not be used."""
     d_x, d_y, d_z = from_vector(message.size, f"size of box '{message.id}'").tolist()
     if not d_x >= d_y >= d_z > 0.0:
         raise MessageError(f"size of box '{message.id}' is {[d_x, d_y, d_z]}; allowed: d_x >= d_y >= d_z > 0")
@@ -35,7 +35,7 @@ def from_expected_box(message: ExpectedBoxMsg) -> ExpectedBox:
 
 
 def to_detection(detection: BoxDetection) -> BoxDetectionMsg:
-    """A detection or a refusal."""
+    """A message of what was detected, or of why nothing was."""
     message = BoxDetectionMsg(
         box_id=detection.box_id, status=int(detection.status), reason=detection.reason, size=detection.size
     )
@@ -46,7 +46,7 @@ def to_detection(detection: BoxDetection) -> BoxDetectionMsg:
 
 
 def from_detection(message: BoxDetectionMsg) -> BoxDetection:
-    """A detection or a refusal."""
+    """What a message says of a picture; MessageError where a value must not be used."""
     if message.status not in list(DetectionStatus):
         raise MessageError(f"status is {message.status}; allowed: {[s.value for s in DetectionStatus]}")
     status = DetectionStatus(message.status)

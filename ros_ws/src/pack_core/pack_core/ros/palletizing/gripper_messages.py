@@ -9,7 +9,10 @@ from pack_core.ros.conversions import finite, to_stamp
 
 
 def to_gripper_state(time: float, state: GripState) -> GripperState:
-    """A message, stamped with `time` [s]; still closing: neither closed nor with a reason."""
+    """A message of a gripper's state at `time` [s].
+
+    While it is still closing, `is_closed` is false and the reason empty.
+    """
     message = GripperState(
         is_closed=state.is_closed, object=state.held, coaxial_force=state.load.coaxial,
         shear_force=state.load.shear, moment=state.load.moment, release_reason=state.reason,
@@ -19,7 +22,7 @@ def to_gripper_state(time: float, state: GripState) -> GripperState:
 
 
 def from_gripper_state(message: GripperState) -> GripState:
-    """What a message says; the peak since closing is not in it.
+    """The gripper's state in a message, which does not hold the peak load: the load stands for it.
 
     Raises:
         MessageError: a load is not finite.
