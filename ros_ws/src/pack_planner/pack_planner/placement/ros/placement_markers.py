@@ -39,13 +39,21 @@ def _samples(time: float, samples: PlacementSamples) -> Marker:
 
 
 def _chosen(time: float, placement: PlannedPlacement, item: SceneItem) -> Marker:
-    marker = _marker(time, "placement", KINDS[item.geom_type])
+    marker = _marker(time, "placement", _kind(item))
     if placement.X_WO is None:
         marker.action = Marker.DELETE
         return marker
     x, y, z = (2 * item.half_extents).tolist()
     marker.pose, marker.scale, marker.color = to_pose(placement.X_WO), Vector3(x=x, y=y, z=z), CHOSEN
     return marker
+
+
+def _kind(item: SceneItem) -> int:
+    if item.geom_type not in KINDS:
+        raise NotImplementedError(
+            f"no marker for shape {item.geom_type.name}; add one to KINDS in {__name__}"
+        )
+    return KINDS[item.geom_type]
 
 
 def _marker(time: float, namespace: str, kind: int) -> Marker:
