@@ -1,4 +1,4 @@
-"""The controller as a whole, with either optimizer."""
+"""The controller as a whole, with each optimizer."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pack_core.config import validate_config
-from pack_core.errors import ConfigError
+from pack_core.errors import ConfigError, PackError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
@@ -26,18 +26,28 @@ def build(scene: Scene, optimizer: str, threads: int = 2) -> PackingController:
     return PackingController(scene.description(), packing_cell(), load_weights("tuned"), config)
 
 
-@pytest.fixture(params=["ilqr", "sgn"])
-def controller(request, scene: Scene) -> PackingController:
-    return build(scene, request.param)
+@pytest.fixture(params=OPTIMIZERS)
+def optimizer(request: pytest.FixtureRequest) -> str:
+    """The name of each registered optimizer that is installed."""
+    try:
+        optimizer_class(request.param).require()
+    except PackError as error:
+        pytest.skip(str(error))
+    return str(request.param)
 
 
-def test_plans_bring_the_held_object_towards_its_target(controller, joints, state) -> None:
+@pytest.mark.parametrize("optimizer", ["ilqr", "sgn"])
+def test_plans_bring_the_held_object_towards_its_target(scene, optimizer, joints, state) -> None:
+    controller = build(scene, optimizer)
     plan = [controller.plan(joints, state, Stage.PRE_PACK, ABOVE, 0.0, 0.0) for _ in range(3)][-1]
     path = plan.solution.p_WN
     assert np.linalg.norm(path[-1] - ABOVE.p_WN) < 0.5 * np.linalg.norm(path[0] - ABOVE.p_WN)
 
 
-def test_setpoints_respect_every_limit_and_start_when_they_are_in_force(controller, joints, state) -> None:
+def test_setpoints_respect_every_limit_and_start_when_they_are_in_force(
+    scene, optimizer, joints, state
+) -> None:
+    controller = build(scene, optimizer)
     setpoints = controller.plan(joints, state, Stage.INSERT, INSIDE, 0.0, 0.048).setpoints
     assert setpoints.time == pytest.approx(0.048)
     assert np.all((setpoints.q >= PANDA.limits.lower) & (setpoints.q <= PANDA.limits.upper))
@@ -46,7 +56,6 @@ def test_setpoints_respect_every_limit_and_start_when_they_are_in_force(controll
     assert setpoints.offsets[-1] == pytest.approx(ControllerConfig().published, abs=0.013)
 
 
-@pytest.mark.parametrize("optimizer", ["ilqr", "sgn"])
 def test_same_measurements_same_plan_whatever_the_threads(scene, joints, state, optimizer) -> None:
     plans = []
     for threads in (1, 2):
