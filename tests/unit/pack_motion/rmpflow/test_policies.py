@@ -43,6 +43,15 @@ def test_a_point_target_is_approached_at_the_ratio_of_its_gains(
     assert time == pytest.approx(seconds, rel=0.04)
 
 
+def test_the_pull_to_a_point_is_normalised_where_the_thesis_prints_a_spring() -> None:
+    """Eq. 4.7 as printed pulls with K_p times the distance: 14 m/s^2 at 1 cm with Table 4.1."""
+    c = TABLE.fast.target
+    pulls = [policies.target(np.array([d, 0.0, 0.0]), STILL, STILL, c)[0][0] for d in (1e-6, 0.01, 10.0)]
+    assert pulls[0] == pytest.approx(c.accel_p_gain / c.accel_norm_eps * 1e-6, rel=1e-4)
+    assert pulls[1] == pytest.approx(164.7, abs=0.1)
+    assert pulls[2] == pytest.approx(c.accel_p_gain, rel=0.01)
+
+
 def test_a_far_target_weighs_in_its_direction_only_and_a_near_one_in_all() -> None:
     c = TABLE.fast.target
     _, far = policies.target(np.array([1.0, 0.0, 0.0]), STILL, STILL, c)

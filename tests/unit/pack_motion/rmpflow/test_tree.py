@@ -10,7 +10,8 @@ from pack_motion.arm.arm import Arm
 from pack_motion.rmpflow import policies
 from pack_motion.rmpflow.parameters import Policies
 from pack_motion.rmpflow.spheres import Spheres, arm_spheres
-from pack_motion.rmpflow.tree import pull_back
+from pack_motion.rmpflow.tree import arm_arrays, pull_back
+from pack_motion.rmpflow.tree_arrays import JointGoal, JointMotion
 from pack_motion.tracking.config import motion_set
 from pack_motion.tracking.obstacle_field import ObstacleField
 
@@ -31,13 +32,8 @@ def tree(
     arm: Arm, c: Policies, q: Array, v: Array, q_ref: Array, v_ref: Array, a_ref: Array,
     obstacles: tuple[Obstacle, ...] = (), spheres: Spheres | None = None,
 ) -> tuple[Array, Array, float, float]:  # fmt: skip
-    chain, limits, field = arm.chain, arm.limits, ObstacleField.of(obstacles, c.collision)
-    s = spheres or arm_spheres(arm, 5)
-    return pull_back(
-        chain.axes, chain.points, chain.R_WT, chain.p_WT, limits.lower, limits.upper, limits.velocity,
-        q, v, q_ref, v_ref, a_ref, q_ref, s.link, s.p, s.radius, field.R, field.p, field.half, field.v,
-        field.radius, c,
-    )  # fmt: skip
+    boxes, goal = ObstacleField.of(obstacles, c.collision).boxes, JointGoal(q_ref, v_ref, a_ref, q_ref)
+    return pull_back(arm_arrays(arm), JointMotion(q, v), goal, spheres or arm_spheres(arm, 5), boxes, c)
 
 
 @given(v=rates, step=rates)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +15,7 @@ from pack_motion.arm.arm import Arm
 CORNER_RADIUS = 0.01
 
 
-@dataclass(frozen=True)
-class Spheres:
+class Spheres(NamedTuple):
     """Spheres fixed to links, given where all joints are zero.
 
     Attributes:

@@ -8,82 +8,90 @@ from __future__ import annotations
 
 import numba
 import numpy as np
-import numpy.typing as npt
 
 from pack_core.kinematics import screws
 from pack_core.rotations import Array
+from pack_motion.arm.arm import Arm
 from pack_motion.rmpflow import policies
 from pack_motion.rmpflow.box_distance import box_distance, distance_curvature
 from pack_motion.rmpflow.parameters import Policies
+from pack_motion.rmpflow.spheres import Spheres
+from pack_motion.rmpflow.tree_arrays import (
+    ArmArrays,
+    JointGoal,
+    JointMotion,
+    JointPull,
+    LinkMotion,
+    ObstacleBoxes,
+    ToolMotion,
+)
 
-Indices = npt.NDArray[np.int64]
+
+def arm_arrays(arm: Arm) -> ArmArrays:
+    """What the tree needs of an arm."""
+    chain, limits = arm.chain, arm.limits
+    return ArmArrays(
+        chain.axes, chain.points, chain.R_WT, chain.p_WT, limits.lower, limits.upper, limits.velocity
+    )
 
 
 @numba.njit(cache=True)
-def joint_policies(
-    q: Array, v: Array, q_ref: Array, v_ref: Array, a_ref: Array,
-    lower: Array, upper: Array, velocity: Array, c: Policies, M: Array, f: Array,
-) -> None:  # fmt: skip
-    """Adds posture, ends of ranges and speed limits to `M` and `f`."""
-    a = policies.cspace_target(q_ref - q, v_ref - v, a_ref, c.cspace_target)
+def joint_policies(now: JointMotion, goal: JointGoal, arm: ArmArrays, c: Policies, total: JointPull) -> None:
+    """Adds posture, ends of ranges and speed limits to the total."""
+    M, f = total.M, total.f
+    a = policies.cspace_target(goal.posture - now.q, goal.v - now.v, goal.a, c.cspace_target)
     cap = c.joint_velocity_cap
-    for i in range(len(q)):
+    for i in range(len(now.q)):
         M[i, i] += c.cspace_target.metric_scalar + c.cspace_target.inertia
-        f[i] += c.cspace_target.metric_scalar * a[i] + c.cspace_target.inertia * a_ref[i]
-        span = upper[i] - lower[i]
-        for side in (1.0, -1.0):
-            x = (q[i] - lower[i] if side > 0.0 else upper[i] - q[i]) / span
-            push, weight = policies.joint_limit(x, side * v[i] / span, c.joint_limit)
+        f[i] += c.cspace_target.metric_scalar * a[i] + c.cspace_target.inertia * goal.a[i]
+        span = arm.upper[i] - arm.lower[i]
+        for side in (1.0, -1.0):  # from the lower end, then from the upper one
+            x = (now.q[i] - arm.lower[i] if side > 0.0 else arm.upper[i] - now.q[i]) / span
+            push, weight = policies.joint_limit(x, side * now.v[i] / span, c.joint_limit)
+            # x is a share of the range: its Jacobian is side / span
             M[i, i] += weight / span**2
             f[i] += side * weight * push / span
-        highest = cap.max_velocity if cap.max_velocity > 0.0 else velocity[i]
-        push, weight = policies.velocity_cap(v[i], highest, cap)
+        highest = cap.max_velocity if cap.max_velocity > 0.0 else arm.velocity[i]
+        push, weight = policies.velocity_cap(now.v[i], highest, cap)
         M[i, i] += weight
         f[i] += weight * push
 
 
 @numba.njit(cache=True)
-def tool_policies(
-    J: Array, b: Array, v: Array, x: Array, R: Array, x_ref: Array, R_ref: Array, rate_ref: Array,
-    acc_ref: Array, c: Policies, M: Array, f: Array,
-) -> None:  # fmt: skip
-    """Adds the targets of the tool's point and axes, and its damping, to `M` and `f`.
+def tool_policies(J: Array, now: ToolMotion, goal: ToolMotion, c: Policies, total: JointPull) -> None:
+    """Adds the targets of the tool's point and axes, and its damping, to the total.
 
     Args:
         J: Jacobian of the tool `(6, n)`.
-        b: `Jdot v` of the tool `(6,)`.
-        v: joint velocities `(n,)`.
-        x: the tool's point `(3,)`.
-        R: its orientation `(3, 3)`.
-        x_ref: where its point should be `(3,)`.
-        R_ref: how it should be turned `(3, 3)`.
-        rate_ref: how the target moves `(6,)`: linear, then angular.
-        acc_ref: how that changes `(6,)`.
+        now: the tool as it moves.
+        goal: as it should.
         c: parameters.
-        M: metric of the joints `(n, n)`, added to.
-        f: force of the joints `(n,)`, added to.
+        total: of the joints, added to.
     """
-    rate = J @ v
-    d = x_ref - x
-    a, weight = policies.target(d, rate_ref[:3] - rate[:3], acc_ref[:3], c.target)
+    M, f = total.M, total.f
+    rate, b = now.rate, now.acceleration
+    d = goal.p - now.p
+    a, weight = policies.target(d, goal.rate[:3] - rate[:3], goal.acceleration[:3], c.target)
     J_x = np.ascontiguousarray(J[:3])
     JM = J_x.T @ weight
     M += JM @ J_x
     f += JM @ (a - b[:3])
+    # the damping's metric grows with the speed, so that it dominates fast motion and leaves slow motion alone
     speed = np.sqrt(rate[:3] @ rate[:3])
     mass = c.damping.inertia + c.damping.metric_scalar * speed
     M += mass * (J_x.T @ J_x)
     slow = -c.damping.metric_scalar * c.damping.accel_d_gain * speed * speed * rate[:3]
     f += J_x.T @ (slow - mass * b[:3])
     distance = float(np.sqrt(d @ d))
-    w, w_ref = rate[3:], rate_ref[3:]
+    w, w_ref = rate[3:], goal.rate[3:]
     for k in range(3):
-        n, n_ref = np.ascontiguousarray(R[:, k]), np.ascontiguousarray(R_ref[:, k])
+        # an axis n that is fixed to the tool moves with dn = w x n
+        n, n_ref = np.ascontiguousarray(now.R[:, k]), np.ascontiguousarray(goal.R[:, k])
         dn, dn_ref = screws.cross(w, n), screws.cross(w_ref, n_ref)
-        ddn_ref = screws.cross(acc_ref[3:], n_ref) + screws.cross(w_ref, dn_ref)
+        ddn_ref = screws.cross(goal.acceleration[3:], n_ref) + screws.cross(w_ref, dn_ref)
         a, scale = policies.axis_target(n_ref - n, dn_ref - dn, ddn_ref, distance, c.axis_target)
-        J_n = np.empty((3, len(v)))
-        for i in range(len(v)):
+        J_n = np.empty((3, J.shape[1]))
+        for i in range(J.shape[1]):
             J_n[:, i] = screws.cross(np.ascontiguousarray(J[3:, i]), n)
         bias = screws.cross(b[3:], n) + screws.cross(w, dn)
         M += scale * (J_n.T @ J_n)
@@ -92,32 +100,32 @@ def tool_policies(
 
 @numba.njit(cache=True)
 def collision_policies(
-    Rs: Array, ds: Array, z: Array, p: Array, v: Array, sphere_link: Indices, sphere_p: Array,
-    sphere_radius: Array, box_R: Array, box_p: Array, box_half: Array, box_v: Array, box_radius: Array,
-    c: Policies, M: Array, f: Array,
-) -> float:  # fmt: skip
-    """Adds every sphere and obstacle that are near each other to `M` and `f`; returns the least distance."""
-    w, dw, vp, ap = screws.link_motion(z, p, v)
+    links: LinkMotion, spheres: Spheres, boxes: ObstacleBoxes, c: Policies, total: JointPull
+) -> float:
+    """Adds every sphere and obstacle that are near each other to the total; returns the least distance."""
+    M, f, z, p = total.M, total.f, links.axes, links.points
+    w, dw, vp, ap = screws.link_motion(z, p, links.v)
     least = np.inf
-    for s in range(len(sphere_link)):
-        link = sphere_link[s]
-        point = Rs[link] @ sphere_p[s] + ds[link]
+    for s in range(len(spheres.link)):
+        link = spheres.link[s]
+        point = links.R[link] @ spheres.p[s] + links.d[link]
         arm = point - p[link]
         swing = screws.cross(w[link], arm)
         velocity = vp[link] + swing
+        # acceleration of the point at the joints' present speed, theirs being zero: Jdot v
         bias = ap[link] + screws.cross(dw[link], arm) + screws.cross(w[link], swing)
-        for o in range(len(box_p)):
-            gap, g = box_distance(point, box_R[o], box_p[o], box_half[o])
-            x = gap - sphere_radius[s]
+        for o in range(len(boxes.p)):
+            gap, g = box_distance(point, boxes.R[o], boxes.p[o], boxes.half[o])
+            x = gap - spheres.radius[s]
             least = min(least, x)
-            relative = velocity - box_v[o]
-            a, weight = policies.collision(x, g @ relative, box_radius[o], c.collision)
+            relative = velocity - boxes.v[o]
+            a, weight = policies.collision(x, g @ relative, boxes.radius[o], c.collision)
             if weight <= 0.0:
                 continue
-            row = np.zeros(len(v))
-            for i in range(link + 1):
+            row = np.zeros(len(links.v))
+            for i in range(link + 1):  # only joints before the sphere move it
                 row[i] = g @ screws.cross(z[i], point - p[i])
-            bend = g @ bias + distance_curvature(point, relative, box_R[o], box_p[o], box_half[o])
+            bend = g @ bias + distance_curvature(point, relative, boxes.R[o], boxes.p[o], boxes.half[o])
             M += weight * np.outer(row, row)
             f += weight * (a - bend) * row
     return least
@@ -125,46 +133,36 @@ def collision_policies(
 
 @numba.njit(cache=True)
 def pull_back(
-    axes: Array, points: Array, R_WT: Array, p_WT: Array, lower: Array, upper: Array, velocity: Array,
-    q: Array, v: Array, q_ref: Array, v_ref: Array, a_ref: Array, q_posture: Array, sphere_link: Indices,
-    sphere_p: Array, sphere_radius: Array, box_R: Array, box_p: Array, box_half: Array, box_v: Array,
-    box_radius: Array, c: Policies,
-) -> tuple[Array, Array, float, float]:  # fmt: skip
-    """The whole tree: metric `(n, n)`, force `(n,)`, and what became of the tool and the obstacles.
+    arm: ArmArrays, now: JointMotion, goal: JointGoal, spheres: Spheres, boxes: ObstacleBoxes, c: Policies
+) -> tuple[Array, Array, float, float]:
+    """The whole tree, pulled back into joint space.
 
-    The last two are the tool's distance from its target and the least distance to an obstacle [m].
-    The tool's targets are where the reference joints put it; the posture that the joints are drawn to is
-    `q_posture`, which is the reference where it is tracked.
+    Args:
+        arm: its geometry and limits.
+        now: the joints as they move.
+        goal: the reference; the tool's targets are where it puts the tool.
+        spheres: of the arm and the box in its hand.
+        boxes: obstacles.
+        c: parameters of the policies.
+
+    Returns:
+        Metric `(n, n)` and force `(n,)` of the joints, the tool's distance from its target [m], and the
+        least distance from any sphere to any obstacle [m].
     """
-    n = len(q)
-    R, d = screws.link_transforms(axes, points, q)
-    z, p = screws.world_axes(axes, points, R, d)
-    x = R[n - 1] @ p_WT + d[n - 1]
+    n, v = len(now.q), now.v
+    R, d = screws.link_transforms(arm.axes, arm.points, now.q)
+    z, p = screws.world_axes(arm.axes, arm.points, R, d)
+    x = R[n - 1] @ arm.p_WT + d[n - 1]
     J, b = screws.jacobian(z, p, x, n - 1), screws.bias(z, p, v, x, n - 1)
-    R_r, d_r = screws.link_transforms(axes, points, q_ref)
-    z_r, p_r = screws.world_axes(axes, points, R_r, d_r)
-    x_r = R_r[n - 1] @ p_WT + d_r[n - 1]
+    R_r, d_r = screws.link_transforms(arm.axes, arm.points, goal.q)
+    z_r, p_r = screws.world_axes(arm.axes, arm.points, R_r, d_r)
+    x_r = R_r[n - 1] @ arm.p_WT + d_r[n - 1]
     J_r = screws.jacobian(z_r, p_r, x_r, n - 1)
-    acc_r = J_r @ a_ref + screws.bias(z_r, p_r, v_ref, x_r, n - 1)
-    M, f = np.zeros((n, n)), np.zeros(n)
-    joint_policies(q, v, q_posture, v_ref, a_ref, lower, upper, velocity, c, M, f)
-    tool_policies(J, b, v, x, R[n - 1] @ R_WT, x_r, R_r[n - 1] @ R_WT, J_r @ v_ref, acc_r, c, M, f)
-    least = collision_policies(
-        R,
-        d,
-        z,
-        p,
-        v,
-        sphere_link,
-        sphere_p,
-        sphere_radius,
-        box_R,
-        box_p,
-        box_half,
-        box_v,
-        box_radius,
-        c,
-        M,
-        f,
-    )
-    return M, f, float(np.sqrt((x_r - x) @ (x_r - x))), least
+    acc_r = J_r @ goal.a + screws.bias(z_r, p_r, goal.v, x_r, n - 1)
+    total = JointPull(np.zeros((n, n)), np.zeros(n))
+    joint_policies(now, goal, arm, c, total)
+    tool = ToolMotion(x, R[n - 1] @ arm.R_WT, J @ v, b)
+    target = ToolMotion(x_r, R_r[n - 1] @ arm.R_WT, J_r @ goal.v, acc_r)
+    tool_policies(J, tool, target, c, total)
+    least = collision_policies(LinkMotion(R, d, z, p, v), spheres, boxes, c, total)
+    return total.M, total.f, float(np.sqrt((x_r - x) @ (x_r - x))), least

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.motion.world import Obstacle
-from pack_core.rotations import Array, to_matrix
+from pack_core.rotations import to_matrix
 from pack_motion.rmpflow.parameters import Collision
+from pack_motion.rmpflow.tree_arrays import ObstacleBoxes
 
 
 @dataclass(frozen=True)
@@ -18,33 +19,25 @@ class ObstacleField:
 
     Attributes:
         names: of each.
-        R: orientations `(k, 3, 3)`.
-        p: centres `(k, 3)` [m].
-        half: half edge lengths `(k, 3)` [m].
-        v: velocities `(k, 3)` [m/s].
-        radius: distance at which each is felt `(k,)` [m].
+        boxes: their arrays, in the same order.
     """
 
     names: tuple[str, ...]
-    R: Array
-    p: Array
-    half: Array
-    v: Array
-    radius: Array
+    boxes: ObstacleBoxes
 
     @classmethod
     def of(cls, obstacles: Iterable[Obstacle], policy: Collision) -> ObstacleField:
         """Those of the obstacles that the policy feels at all."""
         felt = [(item, _radius(item, policy)) for item in obstacles]
         felt = [(item, radius) for item, radius in felt if radius > 0.0]
-        return cls(
-            tuple(item.name for item, _ in felt),
+        boxes = ObstacleBoxes(
             np.array([to_matrix(item.X_WO.q) for item, _ in felt]).reshape(-1, 3, 3),
             np.array([item.X_WO.p for item, _ in felt]).reshape(-1, 3),
             np.array([0.5 * item.size for item, _ in felt]).reshape(-1, 3),
             np.array([item.v_WO_W for item, _ in felt]).reshape(-1, 3),
             np.array([radius for _, radius in felt]),
         )
+        return cls(tuple(item.name for item, _ in felt), boxes)
 
 
 def _radius(item: Obstacle, policy: Collision) -> float:

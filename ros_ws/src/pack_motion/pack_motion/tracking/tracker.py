@@ -11,7 +11,8 @@ from pack_motion.arm.arm import Arm
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.parameters import Policies
 from pack_motion.rmpflow.spheres import Spheres
-from pack_motion.rmpflow.tree import pull_back
+from pack_motion.rmpflow.tree import arm_arrays, pull_back
+from pack_motion.rmpflow.tree_arrays import JointGoal, JointMotion
 from pack_motion.tracking.config import MotionSet, Resolve
 from pack_motion.tracking.joint_bounds import acceleration_bounds
 from pack_motion.tracking.obstacle_field import ObstacleField
@@ -37,7 +38,7 @@ class Tracker:
     """
 
     def __init__(self, arm: Arm, config: MotionSet, q: Array) -> None:
-        self._arm, self._config = arm, config
+        self._arm, self._config, self._arrays = arm, config, arm_arrays(arm)
         self.state = JointState.at_rest(q)
         self.deviation = 0.0
         """Distance of the commanded tool from the reference [m]."""
@@ -71,17 +72,13 @@ class Tracker:
     def _substep(
         self, h: float, q_ref: Array, v_ref: Array, a_ref: Array, q_posture: Array | None, seen: Surroundings
     ) -> None:
-        arm, field, spheres = self._arm, seen.field, seen.spheres
-        q, v, limits = self.state.q, self.state.v, arm.limits
-        posture = q_ref if q_posture is None else q_posture
+        q, v = self.state.q, self.state.v
+        goal = JointGoal(q_ref, v_ref, a_ref, q_ref if q_posture is None else q_posture)
         M, f, self.deviation, self.least_distance = pull_back(
-            arm.chain.axes, arm.chain.points, arm.chain.R_WT, arm.chain.p_WT,
-            limits.lower, limits.upper, limits.velocity, q, v, q_ref, v_ref, a_ref, posture,
-            spheres.link, spheres.p, spheres.radius,
-            field.R, field.p, field.half, field.v, field.radius, seen.policies,
-        )  # fmt: skip
+            self._arrays, JointMotion(q, v), goal, seen.spheres, seen.field.boxes, seen.policies
+        )
         if self._config.resolve is Resolve.WITHIN_LIMITS:
-            a = resolve_within(M, f, *acceleration_bounds(q, v, h, limits))
+            a = resolve_within(M, f, *acceleration_bounds(q, v, h, self._arm.limits))
             self.state = JointState(q + h * (v + 0.5 * h * a), v + h * a, a)
         else:
             a = resolve_capped(M, f, self._config.max_acceleration_norm)
