@@ -49,7 +49,7 @@ def shortest_way(
 ) -> Way:  # fmt: skip
     """Dijkstra's algorithm from node 0 to node 1 of `(nodes, 3)`."""
     n = nodes.shape[0]
-    picks, places = _grasps_at(nodes, sizes, squares)
+    picks, places = grasps_at(nodes, sizes, squares)
     cost, parent = np.full(n, np.inf), np.full(n, -1)
     used, hits = np.full(n, -1), np.zeros(n, np.uint64)
     is_done = np.zeros(n, np.bool_)
@@ -64,7 +64,7 @@ def shortest_way(
         is_done[i] = True
         for j in range(n):
             if not is_done[j]:
-                price, edge, blocks = _cheapest_edge(
+                price, edge, blocks = cheapest_edge(
                     nodes[i],
                     nodes[j],
                     picks[i],
@@ -82,7 +82,7 @@ def shortest_way(
 
 
 @njit(cache=True)
-def _grasps_at(
+def grasps_at(
     nodes: Array, sizes: Sizes, squares: Array
 ) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.uint64]]:
     """What picking and placing at the nodes hits, by either grasp `(nodes, 2)` each."""
@@ -96,7 +96,7 @@ def _grasps_at(
 
 
 @njit(cache=True)
-def _cheapest_edge(
+def cheapest_edge(
     start: Array, end: Array, picks: npt.NDArray[np.uint64], places: npt.NDArray[np.uint64], squares: Array,
     movable: np.uint64, fixed: np.uint64, is_symmetric: bool, prices: Prices, sizes: Sizes,
 ) -> tuple[float, int, np.uint64]:  # fmt: skip
