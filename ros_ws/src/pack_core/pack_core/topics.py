@@ -2,7 +2,7 @@
 
 This module and its sisters (`pack_core.motion.topics` and `topics` of each cell) need no ROS: the wiring
 tables, the simulators, the runs in lockstep and the evaluation of recordings all read the same names and
-rates from them. They name what is recorded; a topic that only nodes use is named in its wiring table alone.
+rates from them. A topic that only nodes use is named in its wiring table alone.
 Rates are in hertz of simulated time.
 """
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 TAGS, JAW_STATE, TRUTH = "/block_tags", "/gripper/state", "/sim/truth"
-CAMERA_INFO, BLOCK_POSES = "/camera/camera_info", "/block_poses"
-STATUS, RESULT = "/rearrange/status", "/rearrange/result"
+BLOCK_POSES, STATUS, RESULT = "/block_poses", "/rearrange/status", "/rearrange/result"
 
 JAW_RATE = 250.0 / 3.0
 """With every third tick of the clock."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 BOXES, GRIPPER_STATE, TRUTH, CONTACTS = "/sim/boxes", "/gripper/state", "/sim/truth", "/sim/contacts"
-CAMERA_INFO, EXPECTED_BOX, BOX_DETECTION = "/camera/camera_info", "/expected_box", "/box_detection"
+EXPECTED_BOX, BOX_DETECTION = "/expected_box", "/box_detection"
 VISION_OVERLAY, PALLET_STATE, RESULT = "/vision/overlay", "/fsm/state", "/palletize/result"
 
 GRIPPER_RATE = 125.0

@@ -5,13 +5,12 @@ from __future__ import annotations
 from pack_interfaces.action import Rearrange
 from pack_interfaces.msg import BlockSighting, JawState, RearrangeStatus, SceneState
 from pack_interfaces.srv import JawCommand, PlanRearrangement, ResetScene
-from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from pack_core.blocks import topics
-from pack_core.ros.contracts.contract import LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
+from pack_core.ros.contracts.contract import LATCHED, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.motion import MOTION
+from pack_core.ros.contracts.overhead_camera import overhead_camera
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
@@ -25,15 +24,7 @@ JAW_STATE = Contract(
 JAW_COMMAND = Contract(
     "/gripper/command", JawCommand, ("fsm", "user"), ("sim",),
     "an opening and a force; answers at once, the state tells how it went", kind=Kind.SERVICE)
-TRIGGER = Contract(
-    "/camera/trigger", Trigger, ("fsm", "user"), ("sim",),
-    "take a picture now; it follows, stamped with this moment", kind=Kind.SERVICE)
-IMAGE = Contract(
-    "/camera/image_raw", Image, ("sim",), ("tags",),
-    "picture of the overhead camera, rgb8", qos=LATEST, rate="on demand")
-CAMERA_INFO = Contract(
-    topics.CAMERA_INFO, CameraInfo, ("sim",), ("tags", "recorder"),
-    "intrinsics of the overhead camera", qos=LATCHED, rate="with each picture", recorded=True)
+TRIGGER, IMAGE, CAMERA_INFO = overhead_camera("tags")
 BLOCK_POSES = Contract(
     topics.BLOCK_POSES, BlockSighting, ("tags",), ("fsm", "recorder"),
     "poses of the blocks in a picture; those not seen, and those seen twice",

@@ -12,13 +12,13 @@ from pack_interfaces.msg import (
     UnwantedContact,
 )
 from pack_interfaces.srv import GripperCommand, PlanLayout, RemoveBox, ResetCell, SpawnBox
-from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from pack_core.palletizing import topics
 from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.motion import MOTION
+from pack_core.ros.contracts.overhead_camera import overhead_camera
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
@@ -47,15 +47,7 @@ REMOVE_BOX = Contract(
     "/sim/remove", RemoveBox, ("fsm", "user"), ("sim",), "a box is taken out of the cell", kind=Kind.SERVICE)
 RESET = Contract(
     "/sim/reset", ResetCell, ("user",), ("sim",), "no boxes, arm at home", kind=Kind.SERVICE)
-TRIGGER = Contract(
-    "/camera/trigger", Trigger, ("fsm", "user"), ("sim",),
-    "take a picture now; it follows, stamped with this moment", kind=Kind.SERVICE)
-IMAGE = Contract(
-    "/camera/image_raw", Image, ("sim",), ("vision",),
-    "picture of the overhead camera, rgb8", qos=LATEST, rate="on demand")
-CAMERA_INFO = Contract(
-    topics.CAMERA_INFO, CameraInfo, ("sim",), ("vision",),
-    "intrinsics of the overhead camera", qos=LATCHED, rate="with each picture", recorded=True)
+TRIGGER, IMAGE, CAMERA_INFO = overhead_camera("vision")
 EXPECTED_BOX = Contract(
     topics.EXPECTED_BOX, ExpectedBox, ("fsm",), ("vision", "recorder"),
     "the box that is to be found in pictures from its stamp on", qos=LATCHED, rate="each box", recorded=True)
