@@ -19,7 +19,7 @@ from pack_mpc.weights import Stage, load_weights
 
 
 def test_judo_that_is_not_installed_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "judo", None)
+    monkeypatch.setitem(sys.modules, "judo.optimizers.cem", None)
     with pytest.raises(PackError, match=r"uv pip install --no-deps -r requirements/judo\.txt"):
         JudoOptimizer.require()
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import HELD_POSITION, Arm
+from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
 from pack_mpc.plant import PackingPlant
 from pack_mpc.spline import Basis, ResolvedRateServo
@@ -15,7 +15,7 @@ BASIS = Basis(TIMES, np.linspace(0.0, 0.6, 3))
 
 @pytest.fixture(scope="module")
 def plant(scene: Scene) -> PackingPlant:
-    return PackingPlant(scene.description(), packing_cell(), timestep=0.012, threads=1, arm=Arm.SERVO)
+    return PackingPlant(scene.description(), packing_cell(), timestep=0.012, threads=1, arm=ArmRole.SERVO)
 
 
 def test_the_spline_goes_through_its_knots() -> None:

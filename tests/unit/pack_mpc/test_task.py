@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
@@ -56,7 +56,7 @@ def test_a_goal_that_reaches_its_place_is_a_success(task: PackingTask) -> None:
     task.update(12.0, Pose(PLACE.p + np.array([0.03, 0.0, 0.01])))
     task.update(12.1, at(0.005))
     assert task.outcome is not None
-    assert task.outcome.exit_reason is ExitReason.PLACED
+    assert task.outcome.exit_reason is PackingExitReason.PLACED
     assert task.outcome.success
     assert task.outcome.execution_time == pytest.approx(2.1)
     assert task.outcome.distance == pytest.approx(0.005)
@@ -69,7 +69,7 @@ def test_a_time_out_in_fine_tune_is_a_success_and_one_before_is_not(task: Packin
     task.update(30.1, Pose(PLACE.p + np.array([0.03, 0.0, 0.0])))
     early = PackingTask(scene, TaskConfig(), 10.0)
     early.update(30.1, START)
-    assert task.outcome.exit_reason is early.outcome.exit_reason is ExitReason.TIMEOUT
+    assert task.outcome.exit_reason is early.outcome.exit_reason is PackingExitReason.TIMEOUT
     assert task.outcome.success
     assert not early.outcome.success
 
@@ -130,7 +130,7 @@ def test_a_force_above_the_limit_ends_the_goal(task: PackingTask) -> None:
     task.note_forces(10.5, np.full(50, 39.0))
     task.note_forces(10.6, np.array([60.0]))
     assert task.outcome is not None
-    assert task.outcome.exit_reason is ExitReason.FORCE
+    assert task.outcome.exit_reason is PackingExitReason.FORCE
     assert task.outcome.force_mean == pytest.approx((50 * 39.0 + 60.0) / 51)
     assert task.outcome.force_peak == 60.0
 
@@ -155,7 +155,7 @@ def test_refused_placements_end_the_goal_with_the_planners_reason(task: PackingT
     for _ in range(TaskConfig().placement_tries):
         assert task.outcome is None
         task.refuse(10.5, "all 300 samples collide")
-    assert task.outcome.exit_reason is ExitReason.NO_PLACEMENT
+    assert task.outcome.exit_reason is PackingExitReason.NO_PLACEMENT
     assert "300" in task.outcome.message
 
 
@@ -163,10 +163,10 @@ def test_a_goal_expires_without_being_updated(task: PackingTask) -> None:
     task.expire(29.9)
     assert task.outcome is None
     task.expire(30.1)
-    assert task.outcome.exit_reason is ExitReason.TIMEOUT
+    assert task.outcome.exit_reason is PackingExitReason.TIMEOUT
 
 
 def test_a_goal_ends_once(task: PackingTask) -> None:
-    task.finish(ExitReason.CANCELED, 10.5, "on request")
-    task.finish(ExitReason.FAULT, 10.6, "later")
-    assert task.outcome.exit_reason is ExitReason.CANCELED
+    task.finish(PackingExitReason.CANCELED, 10.5, "on request")
+    task.finish(PackingExitReason.FAULT, 10.6, "later")
+    assert task.outcome.exit_reason is PackingExitReason.CANCELED

@@ -62,7 +62,7 @@ def test_unknown_weights_are_refused() -> None:
 def test_an_optimizer_that_is_not_installed_is_an_error_before_anything_runs(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setitem(sys.modules, "judo", None)
+    monkeypatch.setitem(sys.modules, "judo.optimizers.cem", None)
     with pytest.raises(PackError, match=r"requirements/judo\.txt"):
         set_up(BenchmarkSettings(optimizer="judo"), 1)
 
