@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_evaluation.packing.criteria import Criteria, judge
 from pack_evaluation.packing.from_bag import load_run
-from pack_evaluation.packing.metrics import goal_force, measure
+from pack_evaluation.packing.measures import goal_force, measure
 from replay.sample import COUNTS, sample, sample_path
 
 
@@ -13,7 +13,7 @@ def test_the_evaluation_agrees_with_what_the_controller_reported() -> None:
     run = load_run(sample_path())
     m = measure(run)
     assert m.success == run.outcome["success"]
-    assert m.exit_reason is ExitReason(run.outcome["exit_reason"])
+    assert m.exit_reason is PackingExitReason(run.outcome["exit_reason"])
     assert m.execution_time == pytest.approx(run.outcome["execution_time"])
     assert m.distance == pytest.approx(run.outcome["distance"], abs=2e-3)
     assert np.max(goal_force(run)[1]) == pytest.approx(run.outcome["force_peak"])
@@ -22,4 +22,4 @@ def test_the_evaluation_agrees_with_what_the_controller_reported() -> None:
 
 def test_the_recorded_motion_alone_says_how_the_goal_ended() -> None:
     run = load_run(sample_path())
-    assert judge(run, Criteria()) is ExitReason(run.outcome["exit_reason"])
+    assert judge(run, Criteria()) is PackingExitReason(run.outcome["exit_reason"])

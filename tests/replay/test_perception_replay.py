@@ -7,7 +7,7 @@ from pack_core.errors import BagError
 from pack_core.packing.topics import JOINT_STATES, MARKERS
 from pack_evaluation.bag import Bag
 from pack_evaluation.track import Track
-from pack_lockstep.packing.presets import Preset
+from pack_lockstep.packing.presets import PackingPreset
 from pack_lockstep.packing.replay.perception import TOPICS, estimate_again, replay_perception
 from replay.sample import COUNTS, sample, sample_run
 
@@ -15,7 +15,7 @@ from replay.sample import COUNTS, sample, sample_run
 @pytest.fixture(scope="module")
 def estimated() -> dict[str, Track]:
     """The estimate after every marker frame, by object."""
-    return estimate_again(sample(), Preset())
+    return estimate_again(sample(), PackingPreset())
 
 
 def without(topic: str, keep: int) -> Bag:
@@ -50,7 +50,7 @@ def test_the_replayed_estimate_stays_close_to_the_truth(estimated: dict[str, Tra
 
 
 def test_under_another_preset_the_core_estimates_something_else() -> None:
-    lazy = Preset(perception={"correction": {"pose_gain": 1e-4, "twist_gain": 0.0}})
+    lazy = PackingPreset(perception={"correction": {"pose_gain": 1e-4, "twist_gain": 0.0}})
     assert not replay_perception(sample(), lazy).agrees
 
 

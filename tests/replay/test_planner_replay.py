@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.packing.topics import SCENE
-from pack_lockstep.packing.presets import Preset, load_preset
+from pack_lockstep.packing.presets import PackingPreset, load_preset
 from pack_lockstep.packing.replay.planner import replay_planner, requests
 from replay.sample import COUNTS, SEED, sample, sample_run
 
@@ -22,7 +22,7 @@ def test_another_seed_gives_another_placement() -> None:
 
 def test_a_preset_that_changes_the_planner_gives_another_placement() -> None:
     assert replay_planner(sample(), seed=SEED, preset=load_preset("ideal")).agrees
-    assert not replay_planner(sample(), seed=SEED, preset=Preset(planner={"samples": 20})).agrees
+    assert not replay_planner(sample(), seed=SEED, preset=PackingPreset(planner={"samples": 20})).agrees
 
 
 def test_what_is_done_before_the_first_answer_is_no_placement() -> None:

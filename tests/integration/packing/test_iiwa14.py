@@ -6,7 +6,7 @@ import pytest
 
 from pack_core.bodies import body_pose
 from pack_core.packing.method import PackingMethod
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.rotations import rotate
 from pack_lockstep.packing.lockstep import Lockstep, lockstep_config
 from pack_lockstep.packing.presets import load_preset
@@ -18,7 +18,7 @@ PRESET = load_preset("iiwa14")
 
 def test_at_home_the_tool_points_down_over_the_middle_of_the_container() -> None:
     cell = PRESET.packing_cell()
-    model = build_model(cell.scene, cell, timestep=0.002, arm=Arm.DRIVEN, held=Held.RIGID)
+    model = build_model(cell.scene, cell, timestep=0.002, arm=ArmRole.DRIVEN, held=HeldRole.RIGID)
     data = mujoco.MjData(model)
     for name, position in zip(cell.robot.arm.joints, cell.robot.home, strict=True):
         data.joint(name).qpos = position

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 
 from pack_bringup.cli.main import app
 from pack_core.errors import ConfigError
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.paths import bags_path
-from pack_evaluation.packing.metrics import goal_force, measure
+from pack_evaluation.packing.measures import goal_force, measure
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.run_file import load_saved_run
 from pack_evaluation.packing.studies import STUDIES
@@ -88,7 +88,7 @@ def test_the_trials_are_measured_from_their_runs(folder: ResultsFolder) -> None:
     for trial in study.trials:
         m = trial.measures
         assert m == measure(load(folder, trial.name))
-        assert m.exit_reason is ExitReason.TIMEOUT
+        assert m.exit_reason is PackingExitReason.TIMEOUT
         assert m.execution_time == pytest.approx(SHORT, abs=0.1)
         assert m.m_pos < 0.002
         assert m.m_per >= 0.0
@@ -112,7 +112,7 @@ def test_a_scene_with_objects_that_no_camera_sees_fails_and_names_them(tmp_path:
     folder = ResultsFolder(tmp_path)
     measure_scenes(folder, blind, [SceneJob("seed_3", 3)], LocalPool(1))
     (trial,) = study_of(folder).trials
-    assert trial.measures.exit_reason is ExitReason.NO_PLACEMENT
+    assert trial.measures.exit_reason is PackingExitReason.NO_PLACEMENT
     assert not trial.measures.success
     assert re.match("no camera has seen.* soup_can", trial.message)
 

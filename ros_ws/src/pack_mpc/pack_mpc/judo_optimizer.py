@@ -18,7 +18,7 @@ from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import HELD_POSITION, Arm
+from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
@@ -58,7 +58,7 @@ class JudoOptimizer(Optimizer):
 
     def __init__(self, scene: Scene, cell: PackingCell, config: JudoConfig, threads: int) -> None:
         sgn = config.sgn
-        self.plant = PackingPlant(scene, cell, timestep=sgn.timestep, threads=threads, arm=Arm.SERVO)
+        self.plant = PackingPlant(scene, cell, timestep=sgn.timestep, threads=threads, arm=ArmRole.SERVO)
         self._sgn = sgn
         self._method = _make_method(config)
         times = np.asarray(sgn.timestep * np.arange(sgn.horizon), dtype=float)

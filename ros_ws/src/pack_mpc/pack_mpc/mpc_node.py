@@ -13,7 +13,7 @@ from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
@@ -127,7 +127,7 @@ class MpcNode(GoalNode):
             return None
         seen = self._mailbox.observe()
         if self.is_cancel_requested:
-            session.task.finish(ExitReason.CANCELED, seen.joints.time, "on request")
+            session.task.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
         self._placements.serve(session, seen)
         plan = session.step(seen, latency)
         if session.task.outcome is not None:
@@ -170,7 +170,7 @@ class MpcNode(GoalNode):
     def on_lost_peers(self, peers: list[str]) -> None:
         session = self._session
         if session is not None:
-            session.task.finish(ExitReason.FAULT, self._mailbox.time, f"silent: {', '.join(peers)}")
+            session.task.finish(PackingExitReason.FAULT, self._mailbox.time, f"silent: {', '.join(peers)}")
             self._end(session)
 
     def _expire(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class PackingOutcome:
         placements: how many placements were tried.
     """
 
-    exit_reason: ExitReason
+    exit_reason: PackingExitReason
     success: bool
     message: str
     execution_time: float

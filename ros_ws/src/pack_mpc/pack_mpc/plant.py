@@ -10,7 +10,7 @@ from mujoco.rollout import Rollout
 
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.rollouts import SleepingRollouts
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
@@ -51,10 +51,10 @@ class PackingPlant:
     """
 
     def __init__(
-        self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, arm: Arm = Arm.DRIVEN
+        self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, arm: ArmRole = ArmRole.DRIVEN
     ) -> None:
         self.scene, self.arm = scene, cell.robot.arm
-        self.model = build_model(scene, cell, timestep=timestep, arm=arm, held=Held.RIGID)
+        self.model = build_model(scene, cell, timestep=timestep, arm=arm, held=HeldRole.RIGID)
         self.nu = int(self.model.nu)
         self.timestep = timestep
         self._datas = [mujoco.MjData(self.model) for _ in range(threads)]

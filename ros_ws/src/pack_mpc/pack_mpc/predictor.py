@@ -7,7 +7,7 @@ import numpy as np
 
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import Arm
+from pack_core.packing.model import ArmRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.plant import STATE, PackingPlant
@@ -24,7 +24,7 @@ class Predictor:
     """
 
     def __init__(self, scene: Scene, cell: PackingCell) -> None:
-        self._plant = PackingPlant(scene, cell, timestep=TIMESTEP, threads=1, arm=Arm.SERVO)
+        self._plant = PackingPlant(scene, cell, timestep=TIMESTEP, threads=1, arm=ArmRole.SERVO)
         self._data = mujoco.MjData(self._plant.model)
 
     def predict(self, x: Array, setpoints: Setpoints | None, latency: float) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from pack_core.config import Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
@@ -86,7 +86,7 @@ class PackingSession:
         X_WN = seen.scene.objects[self.scene.new_object.name].X_WO
         task.note_forces(time, seen.forces)
         if not seen.is_held:
-            task.finish(ExitReason.DETACHED, time, "the pump lost the object")
+            task.finish(PackingExitReason.DETACHED, time, "the pump lost the object")
         if task.update(time, X_WN):
             self.controller.change_cost()
         machine = task.machine

@@ -15,7 +15,7 @@ from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, Pos
 from pack_core.config import Config
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import HELD_POSITION, Arm
+from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
@@ -79,7 +79,7 @@ class SgnOptimizer(Optimizer):
 
     def __init__(self, scene: Scene, cell: PackingCell, config: SgnConfig, threads: int) -> None:
         self._config = config
-        self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads, arm=Arm.SERVO)
+        self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads, arm=ArmRole.SERVO)
         times = np.asarray(config.timestep * np.arange(config.horizon), dtype=float)
         end = config.horizon * config.timestep
         self._basis = Basis(times, np.linspace(0.0, end, config.knots))

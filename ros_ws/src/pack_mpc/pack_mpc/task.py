@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from pack_core.config import Config
 from pack_core.packing.entry import plan_entry
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import WRENCH_RATE
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
@@ -113,7 +113,7 @@ class PackingTask:
         """Note that the planner found no placement; some refusals in a row end the goal."""
         self._refusals += 1
         if self._refusals >= self._config.placement_tries:
-            self.finish(ExitReason.NO_PLACEMENT, time, reason)
+            self.finish(PackingExitReason.NO_PLACEMENT, time, reason)
 
     @property
     def avoid_radius(self) -> float:
@@ -145,7 +145,7 @@ class PackingTask:
         smooth, self._filter_state = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._filter_state)
         peak, limit = float(np.max(smooth, initial=0.0)), self._config.force_stop
         if peak > limit:
-            self.finish(ExitReason.FORCE, time, f"external force {peak:.1f} N above {limit:.1f} N")
+            self.finish(PackingExitReason.FORCE, time, f"external force {peak:.1f} N above {limit:.1f} N")
 
     def update(self, time: float, X_WN: Pose) -> bool:
         """Advance the goal with the held object at X_WN.
@@ -158,7 +158,9 @@ class PackingTask:
         self.distance = machine.distance(X_WN.p)
         self._has_succeeded |= machine.stage is Stage.FINE_TUNE
         if machine.is_placed(X_WN.p):
-            self.finish(ExitReason.PLACED, time, f"within {self._config.stages.placed_distance * 1e3:.0f} mm")
+            self.finish(
+                PackingExitReason.PLACED, time, f"within {self._config.stages.placed_distance * 1e3:.0f} mm"
+            )
         elif machine.is_stalled:
             changed = self._retreat(machine, time, X_WN)
         self.expire(time)
@@ -167,9 +169,9 @@ class PackingTask:
     def expire(self, time: float) -> None:
         """End the goal if its time is up."""
         if self.elapsed(time) > self._timeout:
-            self.finish(ExitReason.TIMEOUT, time, self._where())
+            self.finish(PackingExitReason.TIMEOUT, time, self._where())
 
-    def finish(self, reason: ExitReason, time: float, message: str) -> None:
+    def finish(self, reason: PackingExitReason, time: float, message: str) -> None:
         """End the goal; the first reason stands."""
         if self.outcome is not None:
             return

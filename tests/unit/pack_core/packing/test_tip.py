@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pack_core.bodies import body_pose
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell, Tip, packing_cell
-from pack_core.packing.model import Arm, Held, build_model, held_pose
+from pack_core.packing.model import ArmRole, HeldRole, build_model, held_pose
 from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
 from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose, angle_between, exp
@@ -33,7 +33,7 @@ def cell_without_objects(cell: PackingCell = CELL, mass: float = HELD.mass) -> P
 
 def hanging(cell: PackingCell) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The arm at home, too heavy to be moved, with the object on the cup and no gravity."""
-    model = build_model(cell.scene, cell, timestep=0.001, arm=Arm.GUIDED, held=Held.COMPLIANT)
+    model = build_model(cell.scene, cell, timestep=0.001, arm=ArmRole.GUIDED, held=HeldRole.COMPLIANT)
     data = mujoco.MjData(model)
     for name, angle in zip(PANDA.joints, cell.robot.home, strict=True):
         data.joint(name).qpos[0] = angle
@@ -115,12 +115,12 @@ HANGING = hanging(cell_without_objects())
 def test_a_cup_without_springs_cannot_be_compliant() -> None:
     cell = packing_cell()
     with pytest.raises(ConfigError, match=r"`tip` in config/cells/packing\.yaml"):
-        build_model(cell.scene, cell, timestep=0.001, arm=Arm.DRIVEN, held=Held.COMPLIANT)
+        build_model(cell.scene, cell, timestep=0.001, arm=ArmRole.DRIVEN, held=HeldRole.COMPLIANT)
 
 
 def test_a_rigid_grip_stays_rigid_in_a_cell_with_springs() -> None:
     rigid = [
-        build_model(cell.scene, cell, timestep=0.001, arm=Arm.DRIVEN, held=Held.RIGID)
+        build_model(cell.scene, cell, timestep=0.001, arm=ArmRole.DRIVEN, held=HeldRole.RIGID)
         for cell in (packing_cell(), CELL)
     ]
     assert rigid[0].nq == rigid[1].nq

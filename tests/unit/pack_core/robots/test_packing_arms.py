@@ -8,7 +8,7 @@ import pytest
 
 from pack_core.errors import ConfigError, MessageError
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.paths import project_root
 from pack_core.robots.iiwa14 import IIWA14
 from pack_core.robots.packing_arms import PACKING_ARMS, arm_of
@@ -53,7 +53,9 @@ def test_a_bent_iiwa_has_its_flange_where_plane_geometry_puts_it() -> None:
 @pytest.mark.parametrize("arm", ARMS, ids=lambda arm: arm.name)
 def test_an_arm_in_the_cell_has_the_joints_and_limits_of_its_data(arm: SevenAxisArm) -> None:
     cell = packing_cell().with_arm(arm.name)
-    model = build_model(cell.scene.description(), cell, timestep=0.002, arm=Arm.DRIVEN, held=Held.RIGID)
+    model = build_model(
+        cell.scene.description(), cell, timestep=0.002, arm=ArmRole.DRIVEN, held=HeldRole.RIGID
+    )
     assert [model.joint(i).name for i in range(model.njnt) if model.joint(i).name in arm.joints] == [
         *arm.joints
     ]

@@ -5,10 +5,10 @@ import pytest
 
 from pack_core.errors import BagError
 from pack_core.packing import topics
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_evaluation.force import FILTER_TIME
 from pack_evaluation.packing.from_bag import load_run
-from pack_evaluation.packing.metrics import measure
+from pack_evaluation.packing.measures import measure
 from unit.pack_evaluation.packing.messages import HEIGHTS, OUTCOME, TARGET, GoalWriter
 
 
@@ -19,7 +19,7 @@ def test_a_recorded_goal_measures_what_was_written(tmp_path: Path) -> None:
     run = load_run(tmp_path)
     m = measure(run)
     assert (run.start, run.end) == pytest.approx((3.0, 4.0))
-    assert (m.success, m.exit_reason, m.iterations, m.placements) == (True, ExitReason.PLACED, 10, 1)
+    assert (m.success, m.exit_reason, m.iterations, m.placements) == (True, PackingExitReason.PLACED, 10, 1)
     assert m.distance == pytest.approx(HEIGHTS[1])
     assert m.force_mean == pytest.approx(1.0, abs=0.02)
     k = np.exp(-0.010 / FILTER_TIME)
@@ -47,7 +47,7 @@ def test_the_result_of_an_earlier_goal_is_not_taken_for_that_of_an_unfinished_on
     writer.close()
     run = load_run(tmp_path)
     assert run.outcome == {}
-    assert measure(run).exit_reason is ExitReason.UNFINISHED
+    assert measure(run).exit_reason is PackingExitReason.UNFINISHED
 
 
 def test_a_goal_without_any_placement_is_a_run_without_iterations(tmp_path: Path) -> None:
@@ -57,7 +57,7 @@ def test_a_goal_without_any_placement_is_a_run_without_iterations(tmp_path: Path
     run = load_run(tmp_path)
     assert run.iterations.times.size == 0
     assert (run.start, run.end) == pytest.approx((2.0, 3.0))
-    assert measure(run).exit_reason is ExitReason.NO_PLACEMENT
+    assert measure(run).exit_reason is PackingExitReason.NO_PLACEMENT
 
 
 def test_a_bag_without_a_goal_is_refused_in_words(tmp_path: Path) -> None:

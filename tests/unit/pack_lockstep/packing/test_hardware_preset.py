@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from pack_core.bodies import set_object_poses
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
 from pack_lockstep.packing.lockstep import lockstep_config
 from pack_lockstep.packing.presets import load_preset
 from pack_perception.mocap.rigid_body_fit import FitConfig
-from pack_sim.packing.mocap import Mocap
+from pack_sim.packing.mocap import MocapSystem
 from pack_sim.packing.scene_generator import generate_scene
 
 HARDWARE, IDEAL = load_preset("hardware"), load_preset("ideal")
@@ -29,7 +29,7 @@ def scenes() -> list[Scene]:
 
 def posed(scene: Scene, height: float | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The arm at home, or with the held object's bottom at a height in the middle of the container."""
-    model = build_model(scene, CELL, timestep=0.001, arm=Arm.DRIVEN, held=Held.RIGID)
+    model = build_model(scene, CELL, timestep=0.001, arm=ArmRole.DRIVEN, held=HeldRole.RIGID)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())
     q = np.array([model.joint(name).qposadr[0] for name in PANDA.joints])
@@ -51,7 +51,7 @@ def posed(scene: Scene, height: float | None = None) -> tuple[mujoco.MjModel, mu
 def hidden(preset, scene: Scene, height: float | None = None) -> set[str]:
     """Objects of which fewer markers are seen than a pose needs."""
     config = lockstep_config(preset)
-    mocap = Mocap(scene, preset.packing_cell(), config.simulator.mocap, np.random.default_rng(0))
+    mocap = MocapSystem(scene, preset.packing_cell(), config.simulator.mocap, np.random.default_rng(0))
     frame = mocap.capture(*posed(scene, height), 0.0)
     counts = np.bincount(frame.object_index, minlength=len(frame.objects))
     fit: FitConfig = config.estimator.fit

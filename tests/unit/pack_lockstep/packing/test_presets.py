@@ -4,7 +4,7 @@ from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
 from pack_core.paths import config_path
 from pack_lockstep.packing.lockstep import lockstep_config
-from pack_lockstep.packing.presets import Preset, load_preset
+from pack_lockstep.packing.presets import PackingPreset, load_preset
 from pack_mpc.session import SessionConfig
 from pack_sim.packing.simulator import SimulatorConfig
 
@@ -25,7 +25,7 @@ def test_every_preset_makes_a_cell_and_a_configuration(name: str) -> None:
 
 
 def test_a_preset_changes_what_it_names_and_nothing_else() -> None:
-    preset = Preset(cell={"suction": {"shear": 12.0}}, sim={"mocap": {"latency": 0.05}})
+    preset = PackingPreset(cell={"suction": {"shear": 12.0}}, sim={"mocap": {"latency": 0.05}})
     suction, before = preset.packing_cell().suction, packing_cell().suction
     assert (suction.shear, suction.pull, suction.moment) == (12.0, before.pull, before.moment)
     mocap = preset.parameters("sim", SimulatorConfig).mocap
@@ -33,7 +33,7 @@ def test_a_preset_changes_what_it_names_and_nothing_else() -> None:
 
 
 def test_values_over_a_preset_leave_the_preset_as_it_was() -> None:
-    preset = Preset(mpc={"weights": "tuned"})
+    preset = PackingPreset(mpc={"weights": "tuned"})
     assert preset.over("mpc", {"weights": "table_1"}).parameters("mpc", SessionConfig).weights == "table_1"
     assert preset.parameters("mpc", SessionConfig).weights == "tuned"
 
@@ -41,12 +41,12 @@ def test_values_over_a_preset_leave_the_preset_as_it_was() -> None:
 @pytest.mark.parametrize(
     ("preset", "error"),
     [
-        (Preset(sim={"moccap": {}}), "'sim' has no moccap"),
-        (Preset(sim={"mocap": {"speed": 1}}), r"mocap\.speed' is not known"),
-        (Preset(sim={"mocap": {"rate": -1}}), r"mocap\.rate' is -1"),
+        (PackingPreset(sim={"moccap": {}}), "'sim' has no moccap"),
+        (PackingPreset(sim={"mocap": {"speed": 1}}), r"mocap\.speed' is not known"),
+        (PackingPreset(sim={"mocap": {"rate": -1}}), r"mocap\.rate' is -1"),
     ],
 )
-def test_a_misspelt_or_impossible_value_is_refused(preset: Preset, error: str) -> None:
+def test_a_misspelt_or_impossible_value_is_refused(preset: PackingPreset, error: str) -> None:
     with pytest.raises(ConfigError, match=error):
         preset.parameters("sim", SimulatorConfig)
 

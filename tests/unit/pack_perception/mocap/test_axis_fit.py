@@ -13,7 +13,7 @@ from pack_core.packing.objects import TOP_MARKERS, Box, Cylinder
 from pack_core.rotations import Array, Pose, angle_between, exp, from_yaw, log, multiply, rotate
 from pack_perception.mocap.alignment import Mask
 from pack_perception.mocap.axis_fit import AxisFitConfig, Z, fit_with_axis
-from pack_perception.mocap.rigid_body_fit import Refusal
+from pack_perception.mocap.rigid_body_fit import FitRefusal
 
 CONFIG = AxisFitConfig()
 SCENE = packing_cell().scene
@@ -39,13 +39,13 @@ def those(*markers: int) -> Mask:
 
 def fit(
     item: Box | Cylinder, p_WM: Array, visible: Mask, expected: Pose, *, is_known: bool
-) -> Pose | Refusal:
+) -> Pose | FitRefusal:
     pose, known = np.concatenate([expected.p, expected.q]), np.array([is_known])
     fits = fit_with_axis(item.markers()[None], p_WM[None], visible[None], pose[None], known, CONFIG)
     return fits.refusals[0] or Pose(fits.p_WB[0], fits.q_WB[0])
 
 
-def fit_standing(item: Box | Cylinder, p_WM: Array, *markers: int) -> Pose | Refusal:
+def fit_standing(item: Box | Cylinder, p_WM: Array, *markers: int) -> Pose | FitRefusal:
     """What is believed at first sight, when an object is somewhere else as far as anybody knows."""
     return fit(item, p_WM, those(*markers), standing(item, np.array([-5.0, 3.0]), 0.0), is_known=False)
 
@@ -79,7 +79,7 @@ def test_any_pose_is_recovered_from_two_markers_when_its_axis_is_known(
     p_WM = np.where(those(*pair)[:, None], X_WB.apply(item.markers()), 99.0)
     found = fit(item, p_WM, those(*pair), expected, is_known=True)
     if np.linalg.norm(np.diff(item.markers()[pair, :2], axis=0)) < 2 * CONFIG.min_spread:
-        assert found is Refusal.COLLINEAR
+        assert found is FitRefusal.COLLINEAR
         return
     assert isinstance(found, Pose)
     assert np.allclose(found.p, X_WB.p, atol=1e-7)
@@ -148,7 +148,7 @@ def test_a_fallen_object_is_not_taken_for_standing(
     q = exp(np.array(turn))
     corners = item.half_extents * np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T
     X_WB = Pose(np.array([0.5, 0.0, -rotate(q, corners)[:, 2].min()]), q)
-    assert isinstance(fit_standing(item, X_WB.apply(item.markers()), *pair), Refusal)
+    assert isinstance(fit_standing(item, X_WB.apply(item.markers()), *pair), FitRefusal)
 
 
 @pytest.mark.parametrize(("share", "is_believed"), [(0.9, True), (1.1, False)])
@@ -161,26 +161,26 @@ def test_a_leaning_object_is_refused_when_its_markers_are_higher_than_the_residu
     q = exp(np.array([0.0, -np.arcsin(share * CONFIG.max_residual / (x + BOX.markers()[2, 0])), 0.0]))
     X_WB = Pose(np.array([-x, 0.0, 0.0]) - rotate(q, edge), q)
     found = fit_standing(BOX, X_WB.apply(BOX.markers()), 2, 3)
-    assert (found is not Refusal.NOT_STANDING) is is_believed
+    assert (found is not FitRefusal.NOT_STANDING) is is_believed
 
 
 def test_an_object_on_top_of_something_is_not_taken_for_standing_on_the_base() -> None:
     lifted = standing(BOX, HERE, 0.3).apply(BOX.markers()) + np.array([0.0, 0.0, 0.004])
-    assert fit_standing(BOX, lifted, 0, 1) is Refusal.NOT_STANDING
+    assert fit_standing(BOX, lifted, 0, 1) is FitRefusal.NOT_STANDING
 
 
 def test_mistaken_markers_are_refused_where_they_are_at_another_distance() -> None:
     p_WM = standing(BOX, HERE, 0.3).apply(BOX.markers())
     p_WM[[2, 3]] = p_WM[[3, 2]]
-    assert fit_standing(BOX, p_WM, 0, 2) is Refusal.RESIDUAL
+    assert fit_standing(BOX, p_WM, 0, 2) is FitRefusal.RESIDUAL
 
 
 def test_one_marker_tells_no_yaw_and_is_refused() -> None:
-    assert fit_standing(BOX, standing(BOX, HERE, 0.0).apply(BOX.markers()), 3) is Refusal.TOO_FEW
+    assert fit_standing(BOX, standing(BOX, HERE, 0.0).apply(BOX.markers()), 3) is FitRefusal.TOO_FEW
 
 
 def test_markers_above_each_other_tell_no_yaw_and_are_refused() -> None:
     p_BM = np.array([[0.03, 0.0, 0.01], [0.03, 0.0, 0.05]])[None]
     two, known = np.ones((1, 2), dtype=bool), np.ones(1, dtype=bool)
     fits = fit_with_axis(p_BM, p_BM, two, np.eye(1, 7, 3), known, CONFIG)
-    assert fits.refusals == (Refusal.COLLINEAR,)
+    assert fits.refusals == (FitRefusal.COLLINEAR,)

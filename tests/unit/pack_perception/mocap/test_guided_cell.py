@@ -7,7 +7,7 @@ import pytest
 
 from pack_core.joints import JointSample
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import Held
+from pack_core.packing.model import HeldRole
 from pack_perception.mocap.guided_cell import GuidedCell
 from unit.pack_perception.mocap.pushing import standing_scene
 
@@ -22,7 +22,7 @@ def sample(time: float) -> JointSample:
 @pytest.fixture
 def cell() -> GuidedCell:
     """All objects where they stand, the arm at home."""
-    cell = GuidedCell(SCENE.description(), packing_cell(), Held.RIGID, step=0.004)
+    cell = GuidedCell(SCENE.description(), packing_cell(), HeldRole.RIGID, step=0.004)
     poses = np.array([[*X.p, *X.q] for X in SCENE.poses().values()])
     cell.correct(np.arange(len(poses)), poses, np.zeros((len(poses), 6)))
     cell.set_arm(sample(0.0))
@@ -57,7 +57,8 @@ def test_twists_are_in_world_axes(cell: GuidedCell) -> None:
 
 def test_the_new_object_is_free_only_when_it_is_not_held() -> None:
     free = {
-        held: GuidedCell(SCENE, packing_cell(), held, step=0.004).free for held in (Held.RIGID, Held.FREE)
+        held: GuidedCell(SCENE, packing_cell(), held, step=0.004).free
+        for held in (HeldRole.RIGID, HeldRole.FREE)
     }
-    assert free[Held.RIGID] == SCENE.names
-    assert free[Held.FREE] == [*SCENE.names, SCENE.new_object.name]
+    assert free[HeldRole.RIGID] == SCENE.names
+    assert free[HeldRole.FREE] == [*SCENE.names, SCENE.new_object.name]

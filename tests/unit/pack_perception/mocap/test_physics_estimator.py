@@ -15,7 +15,7 @@ from pack_core.rotations import angle_between
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.estimator_report import Correction
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
-from pack_perception.mocap.rigid_body_fit import Refusal
+from pack_perception.mocap.rigid_body_fit import FitRefusal
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
 from unit.pack_perception.mocap.pushing import (
     CONTACT,
@@ -130,7 +130,7 @@ def test_two_markers_place_what_stands_and_nobody_calls_it_tracked(
     few = {"tea_box": (0, 1), "soup_can": (1, 2), "sugar_box": (3,)}
     corrections = [c for moment in moments[:250] for c in show(estimator, moment, few)]
     assert corrections[-1].partly == ("soup_can", "tea_box")
-    assert corrections[-1].refused == {"sugar_box": Refusal.TOO_FEW}
+    assert corrections[-1].refused == {"sugar_box": FitRefusal.TOO_FEW}
     state = estimator.state(estimator.time)
     assert "sugar_box" not in state.objects
     for name in ("tea_box", "soup_can"):
@@ -166,7 +166,7 @@ def test_two_markers_of_what_does_not_stand_give_no_pose(
         frames = [only(frame, "cracker_box", (0, 1)) for frame in moment.frames]
         named = [replace(frame, objects=tuple(SWAP.get(n, n) for n in frame.objects)) for frame in frames]
         corrections += show(estimator, replace(moment, frames=named), {"cracker_box": (0, 1)})
-    assert corrections[-1].refused["tea_box"] is Refusal.NOT_STANDING
+    assert corrections[-1].refused["tea_box"] is FitRefusal.NOT_STANDING
     assert "tea_box" not in estimator.state(estimator.time).objects
 
 

@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from pack_core.packing.cell import packing_cell
 from pack_core.rotations import Array, Pose, angle_between, exp
 from pack_perception.mocap.alignment import Mask
-from pack_perception.mocap.rigid_body_fit import FitConfig, Refusal, fit_rigid_bodies
+from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, fit_rigid_bodies
 
 CONFIG = FitConfig()
 SCENE = packing_cell().scene
@@ -21,7 +21,7 @@ vectors = arrays(float, 3, elements=st.floats(-1.0, 1.0))
 subsets = arrays(bool, 6).filter(lambda mask: mask.sum() >= 3)
 
 
-def fit(p_BM: Array, p_WM: Array, visible: Mask) -> tuple[Pose | Refusal, float]:
+def fit(p_BM: Array, p_WM: Array, visible: Mask) -> tuple[Pose | FitRefusal, float]:
     fits = fit_rigid_bodies(p_BM[None], p_WM[None], visible[None], CONFIG)
     return fits.refusals[0] or Pose(fits.p_WB[0], fits.q_WB[0]), float(fits.residual[0])
 
@@ -48,7 +48,7 @@ def test_bodies_in_one_batch_do_not_disturb_each_other() -> None:
     visible = np.ones(p_BM.shape[:2], dtype=bool)
     visible[2] = False
     fits = fit_rigid_bodies(p_BM, p_WM, visible, CONFIG)
-    assert [r for r in fits.refusals if r] == [Refusal.TOO_FEW]
+    assert [r for r in fits.refusals if r] == [FitRefusal.TOO_FEW]
     for i in (0, 1, 3, 4, 5):
         assert np.allclose(fits.p_WB[i], truth[i].p, atol=1e-9)
 
@@ -68,12 +68,12 @@ def test_noise_moves_the_pose_by_about_its_own_size() -> None:
 def test_two_markers_are_refused() -> None:
     p_BM = ITEMS[0].markers()
     visible = np.array([True, True, False, False, False, False])
-    assert fit(p_BM, p_BM, visible)[0] is Refusal.TOO_FEW
+    assert fit(p_BM, p_BM, visible)[0] is FitRefusal.TOO_FEW
 
 
 def test_markers_on_a_line_are_refused() -> None:
     p_BM = np.linspace(0.0, 0.1, 4)[:, None] * np.array([1.0, 2.0, 0.5])
-    assert fit(p_BM, p_BM, np.ones(4, dtype=bool))[0] is Refusal.COLLINEAR
+    assert fit(p_BM, p_BM, np.ones(4, dtype=bool))[0] is FitRefusal.COLLINEAR
 
 
 @pytest.mark.parametrize("swap", [(0, 1), (2, 5)])
@@ -81,10 +81,10 @@ def test_mistaken_markers_are_refused(swap: tuple[int, int]) -> None:
     p_BM = ITEMS[2].markers()
     p_WM = p_BM.copy()
     p_WM[list(swap)] = p_WM[list(swap[::-1])]
-    assert fit(p_BM, p_WM, np.ones(6, dtype=bool))[0] is Refusal.RESIDUAL
+    assert fit(p_BM, p_WM, np.ones(6, dtype=bool))[0] is FitRefusal.RESIDUAL
 
 
 def test_a_mirrored_body_is_never_fitted_by_a_reflection() -> None:
     p_BM = ITEMS[2].markers()
     found, _ = fit(p_BM, p_BM * np.array([1.0, 1.0, -1.0]), np.ones(6, dtype=bool))
-    assert found is Refusal.RESIDUAL
+    assert found is FitRefusal.RESIDUAL

@@ -7,7 +7,7 @@ import pytest
 
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell, Suction, Tip, packing_cell
-from pack_core.packing.model import Held
+from pack_core.packing.model import HeldRole
 from pack_core.packing.scene import Scene
 from pack_core.packing.tip import TIP_JOINTS
 from pack_core.rotations import Array, Pose, angle_between
@@ -83,7 +83,7 @@ def test_a_run_that_is_observed_takes_the_same_course() -> None:
 
 
 def test_the_planners_model_has_no_springs() -> None:
-    assert build(packing_cell())._held is Held.RIGID
+    assert build(packing_cell())._held is HeldRole.RIGID
 
 
 def test_a_payload_heavier_than_described_pulls_at_the_sensor() -> None:

@@ -9,7 +9,7 @@ import pytest
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_sim.packing.mismatch import MismatchConfig, actual, believed, joint_friction
 
@@ -77,7 +77,7 @@ def test_the_description_keeps_nominal_frictions_and_masses_and_has_no_poses() -
 
 def test_an_object_slides_on_the_base_with_its_own_friction() -> None:
     true = actual(SCENE, MISMATCH, rng())
-    model = build_model(true, packing_cell(), timestep=0.002, arm=Arm.ABSENT, held=Held.FREE)
+    model = build_model(true, packing_cell(), timestep=0.002, arm=ArmRole.ABSENT, held=HeldRole.FREE)
     data = mujoco.MjData(model)
     for i, item in enumerate(items_of(true)):
         data.joint(item.name).qpos[:3] = [0.2 * i - 2.0, 0.0, item.half_extents[2] - 1e-4]

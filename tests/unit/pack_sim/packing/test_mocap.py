@@ -9,12 +9,12 @@ import pytest
 from pack_core.bodies import body_pose, set_object_poses
 from pack_core.packing.cell import PackingCell, packing_cell
 from pack_core.packing.markers import MarkerFrame
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.objects import Cylinder
 from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose
-from pack_sim.packing.mocap import Mocap, MocapConfig
+from pack_sim.packing.mocap import MocapConfig, MocapSystem
 
 CELL = packing_cell()
 HOME = np.array(CELL.robot.home)
@@ -34,10 +34,10 @@ def cell_with(cameras: list[tuple[float, float, float]]) -> PackingCell:
 
 
 def posed(
-    scene: Scene, q: Array, held: Held = Held.RIGID, poses: dict[str, Pose] | None = None
+    scene: Scene, q: Array, held: HeldRole = HeldRole.RIGID, poses: dict[str, Pose] | None = None
 ) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The cell with the arm at `q` and the can in the middle of the container."""
-    model = build_model(scene, CELL, timestep=0.001, arm=Arm.DRIVEN, held=held)
+    model = build_model(scene, CELL, timestep=0.001, arm=ArmRole.DRIVEN, held=held)
     data = mujoco.MjData(model)
     for name, angle in zip(PANDA.joints, q, strict=True):
         data.joint(name).qpos[0] = angle
@@ -50,7 +50,7 @@ def posed(
 def frame_of(
     scene: Scene, q: Array, config: MocapConfig | None = None, cell: PackingCell = CELL
 ) -> MarkerFrame:
-    mocap = Mocap(scene, cell, config or MocapConfig(), np.random.default_rng(0))
+    mocap = MocapSystem(scene, cell, config or MocapConfig(), np.random.default_rng(0))
     return mocap.capture(*posed(scene, q), 0.0)
 
 
@@ -68,8 +68,8 @@ def test_the_held_object_is_tracked_on_the_cup_and_off_it_alike() -> None:
     scene = scene_with(CAN)
     held = scene.new_object.name
     model, data = posed(scene, HOME)
-    free = posed(scene, HOME, Held.FREE, {held: body_pose(data, held)})
-    mocap = Mocap(scene, CELL, MocapConfig(), np.random.default_rng(0))
+    free = posed(scene, HOME, HeldRole.FREE, {held: body_pose(data, held)})
+    mocap = MocapSystem(scene, CELL, MocapConfig(), np.random.default_rng(0))
     p_WM = mocap.marker_positions(data)
     assert np.allclose(p_WM, mocap.marker_positions(free[1]))
     assert np.array_equal(mocap.visible_counts(model, data, p_WM), mocap.visible_counts(*free, p_WM))
@@ -86,7 +86,7 @@ def test_a_marker_that_one_camera_sees_is_not_published() -> None:
 
 def test_the_container_hides_what_is_behind_its_wall() -> None:
     scene, cell = scene_with(LOW), cell_with([BESIDE, BESIDE])
-    mocap = Mocap(scene, cell, MocapConfig(), np.random.default_rng(0))
+    mocap = MocapSystem(scene, cell, MocapConfig(), np.random.default_rng(0))
     behind, above = [0.62, 0.0, 0.05], [0.62, 0.0, 0.14]
     counts = mocap.visible_counts(*posed(scene, RAISED), np.array([behind, above]))
     assert counts.tolist() == [0, 2]
@@ -100,7 +100,7 @@ def test_arm_pump_and_held_object_hide_what_is_behind_them(obstacle: str) -> Non
     p_WM, p_WG = np.array([0.52, 0.0, LOW.height + 0.004]), data.geom_xpos[geoms[0]]
     p_WC = p_WG + 0.8 * (p_WG - p_WM)
     cell = cell_with([(float(p_WC[0]), float(p_WC[1]), float(p_WC[2]))] * 2)
-    mocap = Mocap(scene, cell, MocapConfig(), np.random.default_rng(0))
+    mocap = MocapSystem(scene, cell, MocapConfig(), np.random.default_rng(0))
     counts = []
     for alpha in (1.0, 0.0):
         model.geom_rgba[:, 3] = 0.0
@@ -112,7 +112,9 @@ def test_arm_pump_and_held_object_hide_what_is_behind_them(obstacle: str) -> Non
 def test_without_side_markers_only_tops_are_seen() -> None:
     scene = scene_with(LOW)
     bare = CELL.mocap.model_copy(update={"has_side_markers": False})
-    mocap = Mocap(scene, CELL.model_copy(update={"mocap": bare}), MocapConfig(), np.random.default_rng(0))
+    mocap = MocapSystem(
+        scene, CELL.model_copy(update={"mocap": bare}), MocapConfig(), np.random.default_rng(0)
+    )
     model, data = posed(scene, RAISED)
     frame = mocap.capture(model, data, 0.0)
     assert markers_of(frame, "can") == markers_of(frame, scene.new_object.name) == {0, 1, 2, 3}
@@ -122,13 +124,13 @@ def test_without_side_markers_only_tops_are_seen() -> None:
 
 def test_a_point_outside_the_field_of_view_is_not_seen() -> None:
     scene = scene_with(LOW)
-    mocap = Mocap(scene, CELL, MocapConfig(), np.random.default_rng(0))
+    mocap = MocapSystem(scene, CELL, MocapConfig(), np.random.default_rng(0))
     assert mocap.visible_counts(*posed(scene, RAISED), np.array([[6.0, 6.0, 0.1]])).tolist() == [0]
 
 
 def test_noise_has_the_configured_size_and_is_centred() -> None:
     scene, config = scene_with(LOW), MocapConfig(noise_std=0.001)
-    mocap = Mocap(scene, CELL, config, np.random.default_rng(3))
+    mocap = MocapSystem(scene, CELL, config, np.random.default_rng(3))
     model, data = posed(scene, RAISED)
     truth = mocap.marker_positions(data)
     frames = [mocap.capture(model, data, 0.0) for _ in range(300)]
@@ -146,7 +148,7 @@ def test_the_same_seed_gives_the_same_frame() -> None:
 def test_frames_come_at_the_rate_and_as_late_as_configured() -> None:
     config = MocapConfig(rate=120.0, latency=0.010)
     scene = scene_with(LOW)
-    mocap = Mocap(scene, CELL, config, np.random.default_rng(0))
+    mocap = MocapSystem(scene, CELL, config, np.random.default_rng(0))
     model, data = posed(scene, RAISED)
     delays = []
     for step in range(1000):

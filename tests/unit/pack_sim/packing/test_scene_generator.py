@@ -9,7 +9,7 @@ import pytest
 from pack_core.bodies import body_pose, penetrations, set_object_poses
 from pack_core.errors import PackError
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import parse_scene
 from pack_core.rotations import Pose, from_yaw, rotate
@@ -35,7 +35,7 @@ def overlaps_at(scene: Scene, model: mujoco.MjModel, data: mujoco.MjData, pose: 
 
 def is_free_on_a_grid(scene: Scene) -> bool:
     """Some grid place and yaw puts the new object down without contact."""
-    model = build_model(scene, packing_cell(), timestep=0.002, arm=Arm.ABSENT, held=Held.FREE)
+    model = build_model(scene, packing_cell(), timestep=0.002, arm=ArmRole.ABSENT, held=HeldRole.FREE)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())
     xs, ys = (
@@ -71,7 +71,7 @@ def test_objects_stand_upright(scenes: list[Scene]) -> None:
 
 def test_objects_stay_where_they_are_when_simulated(scenes: list[Scene]) -> None:
     for scene in scenes:
-        model = build_model(scene, packing_cell(), timestep=0.002, arm=Arm.ABSENT, held=Held.ABSENT)
+        model = build_model(scene, packing_cell(), timestep=0.002, arm=ArmRole.ABSENT, held=HeldRole.ABSENT)
         data = mujoco.MjData(model)
         set_object_poses(model, data, scene.poses())
         mujoco.mj_step(model, data, 500)

@@ -42,7 +42,7 @@ class Tip(Config):
     damping_time: PositiveFloat
 
 
-class Mocap(Config):
+class MocapCameras(Config):
     """The motion capture system.
 
     Attributes:
@@ -66,7 +66,7 @@ class PackingCell(Config):
     suction: Suction
     tip: Tip | None
     """None: what is held is fixed to the cup."""
-    mocap: Mocap
+    mocap: MocapCameras
     scene: Scene
     """The five objects, the container and the new object, without poses."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 
 
-class ExitReason(Enum):
+class PackingExitReason(Enum):
     """How a goal ended; `UNFINISHED` where a recording stops before its end."""
 
     PLACED = "placed"

@@ -26,7 +26,7 @@ WALLS = ("wall_left", "wall_right", "wall_near", "wall_far")
 UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
 
 
-class Arm(Enum):
+class ArmRole(Enum):
     """How the arm takes part in a model."""
 
     ABSENT = "absent"
@@ -38,7 +38,7 @@ class Arm(Enum):
     """Heavy joints without actuators, for a caller that sets their positions and velocities."""
 
 
-class Held(Enum):
+class HeldRole(Enum):
     """How the new object takes part in a model."""
 
     RIGID = "rigid"
@@ -53,7 +53,13 @@ class Held(Enum):
 
 
 def build_model(
-    scene: Scene, cell: PackingCell, *, timestep: float, arm: Arm, held: Held, surroundings: bool = False
+    scene: Scene,
+    cell: PackingCell,
+    *,
+    timestep: float,
+    arm: ArmRole,
+    held: HeldRole,
+    surroundings: bool = False,
 ) -> mujoco.MjModel:
     """Compile a model of the cell.
 
@@ -62,7 +68,7 @@ def build_model(
         cell: the cell's physical facts.
         timestep: step of the integrator [s].
         arm: how the arm takes part; an object that is held needs one.
-        held: how the new object takes part; `Held.COMPLIANT` needs a cell with a `tip`.
+        held: how the new object takes part; `HeldRole.COMPLIANT` needs a cell with a `tip`.
         surroundings: add floor, table, lights and materials, for pictures.
 
     Returns:
@@ -80,13 +86,13 @@ def build_model(
     _add_container(spec, scene.container, scene.friction)
     for item in scene.objects:
         _add_object(spec.worldbody.add_body(name=item.name), item, scene, free=True)
-    tool = None if arm is Arm.ABSENT else _add_arm(spec, cell)
+    tool = None if arm is ArmRole.ABSENT else _add_arm(spec, cell)
     _add_new_object(spec, tool, scene, held, cell.tip)
-    if arm is Arm.DRIVEN:
+    if arm is ArmRole.DRIVEN:
         add_motors(spec, cell.robot.arm)
-    elif arm is Arm.SERVO:
+    elif arm is ArmRole.SERVO:
         add_servos(spec, cell.robot)
-    elif arm is Arm.GUIDED:
+    elif arm is ArmRole.GUIDED:
         make_heavy(spec, cell.robot.arm)
     if surroundings:
         add_surroundings(spec, scene.container)
@@ -135,17 +141,17 @@ def _add_container(spec: mujoco.MjSpec, container: Container, friction: float) -
 
 
 def _add_new_object(
-    spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: Held, tip: Tip | None
+    spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: HeldRole, tip: Tip | None
 ) -> None:
     item = scene.new_object
-    if held in (Held.FREE, Held.STEERED):
-        is_steered = held is Held.STEERED
+    if held in (HeldRole.FREE, HeldRole.STEERED):
+        is_steered = held is HeldRole.STEERED
         body = spec.worldbody.add_body(name=item.name, gravcomp=is_steered)
         _add_object(body, item, scene, free=True)
         if is_steered:
             add_steering(spec, body)
-    elif held is not Held.ABSENT and tool is not None:
-        X_TN, is_rigid = held_pose(scene), held is Held.RIGID
+    elif held is not HeldRole.ABSENT and tool is not None:
+        X_TN, is_rigid = held_pose(scene), held is HeldRole.RIGID
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)
         _add_object(body, item, scene, free=False)
         if not is_rigid:

@@ -13,7 +13,7 @@ from pack_core.errors import ConfigError, PackError
 from pack_core.packing.cell import PackingCell, packing_cell
 from pack_core.packing.fit import fitting_yaws
 from pack_core.packing.free_space import base_height, is_inside, outlines
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 
 TOLERANCE = 0.005
@@ -95,7 +95,7 @@ def _check_inside(scene: Scene) -> None:
 
 
 def _check_overlaps(scene: Scene, cell: PackingCell) -> None:
-    model = build_model(scene, cell, timestep=0.002, arm=Arm.ABSENT, held=Held.ABSENT)
+    model = build_model(scene, cell, timestep=0.002, arm=ArmRole.ABSENT, held=HeldRole.ABSENT)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())
     for (a, b), depth in penetrations(model, data).items():
@@ -108,7 +108,7 @@ def _check_overlaps(scene: Scene, cell: PackingCell) -> None:
 
 def _check_start(scene: Scene, cell: PackingCell) -> None:
     """Nothing touches the arm at home and what it holds."""
-    model = build_model(scene, cell, timestep=0.002, arm=Arm.DRIVEN, held=Held.RIGID)
+    model = build_model(scene, cell, timestep=0.002, arm=ArmRole.DRIVEN, held=HeldRole.RIGID)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())
     for name, position in zip(cell.robot.arm.joints, cell.robot.home, strict=True):

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_evaluation.packing.run import Run
 from pack_evaluation.track import Track
 
@@ -26,24 +26,26 @@ def is_packed(run: Run) -> bool:
     return bool(run.outcome.get("success", False)) or PACKED_STAGE in run.iterations.stages
 
 
-def exit_reason(run: Run, criteria: Criteria) -> ExitReason:
+def exit_reason(run: Run, criteria: Criteria) -> PackingExitReason:
     """How the goal ended: what was recorded, else what the recorded motion says."""
     if "exit_reason" in run.outcome:
-        return ExitReason(run.outcome["exit_reason"])
+        return PackingExitReason(run.outcome["exit_reason"])
     return judge(run, criteria)
 
 
-def judge(run: Run, criteria: Criteria) -> ExitReason:
+def judge(run: Run, criteria: Criteria) -> PackingExitReason:
     """How the goal ended by the recorded motion alone."""
     iterations = run.iterations
     if not iterations.times.size:
-        return ExitReason.NO_PLACEMENT
+        return PackingExitReason.NO_PLACEMENT
     if run.release_reason:
-        return ExitReason.DETACHED
+        return PackingExitReason.DETACHED
     rows = (run.force_times >= run.start) & (run.force_times <= run.end)
     if np.any(run.force[rows] > criteria.force):
-        return ExitReason.FORCE
+        return PackingExitReason.FORCE
     held: Track = run.estimate[run.held].at(np.array([run.end]))
     if iterations.stages[-1] == PACKED_STAGE and held.distance_to(iterations.p_WT[-1])[0] < criteria.distance:
-        return ExitReason.PLACED
-    return ExitReason.TIMEOUT if run.end - run.start >= criteria.timeout else ExitReason.UNFINISHED
+        return PackingExitReason.PLACED
+    return (
+        PackingExitReason.TIMEOUT if run.end - run.start >= criteria.timeout else PackingExitReason.UNFINISHED
+    )

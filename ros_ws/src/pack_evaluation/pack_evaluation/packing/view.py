@@ -14,7 +14,7 @@ from pack_core.bodies import set_object_poses
 from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import WALLS, Arm, Held, build_model
+from pack_core.packing.model import WALLS, ArmRole, HeldRole, build_model
 from pack_core.rotations import Pose, to_matrix
 from pack_evaluation.packing.run import Run
 
@@ -46,7 +46,7 @@ class View:
         self._run, self._config = run, config or ViewConfig()
         cell = packing_cell().with_arm(run.arm)
         self._model = build_model(
-            run.scene, cell, timestep=0.002, arm=Arm.DRIVEN, held=Held.FREE, surroundings=True
+            run.scene, cell, timestep=0.002, arm=ArmRole.DRIVEN, held=HeldRole.FREE, surroundings=True
         )
         visual = self._model.vis
         visual.quality.shadowsize = self._config.shadow_size

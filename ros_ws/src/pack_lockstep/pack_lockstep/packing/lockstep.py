@@ -15,7 +15,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 from pack_core.config import Config
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
@@ -23,8 +23,8 @@ from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Run
-from pack_lockstep.packing.presets import Preset
-from pack_lockstep.packing.run_log import RunLog
+from pack_lockstep.packing.presets import PackingPreset
+from pack_lockstep.packing.run_log import PackingRunLog
 from pack_mpc.controller import ControlPlan
 from pack_mpc.outcome import PackingOutcome
 from pack_mpc.session import PackingObservation, PackingSession, SessionConfig
@@ -82,7 +82,7 @@ class Lockstep:
         self, cell: PackingCell, scene: Scene, config: LockstepConfig, method: PackingMethod, seed: int
     ) -> None:
         self._config, self._seed = config, seed
-        self._log = RunLog()
+        self._log = PackingRunLog()
         self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
         description = self.simulator.description
         self._estimator = PhysicsEstimator(description, cell, config.estimator)
@@ -155,7 +155,9 @@ class Lockstep:
         known = self._estimator.state(self.simulator.time).objects
         if unseen := [name for name in scene.names if name not in known]:
             self.session.task.finish(
-                ExitReason.NO_PLACEMENT, self.simulator.time, f"no camera has seen {', '.join(unseen)} yet"
+                PackingExitReason.NO_PLACEMENT,
+                self.simulator.time,
+                f"no camera has seen {', '.join(unseen)} yet",
             )
 
     def _serve_placement(self, seen: PackingObservation) -> None:
@@ -181,9 +183,9 @@ class Lockstep:
         )  # fmt: skip
 
 
-def lockstep_config(preset: Preset | None = None) -> LockstepConfig:
+def lockstep_config(preset: PackingPreset | None = None) -> LockstepConfig:
     """The nodes' own configuration, from `config/nodes`, under a preset."""
-    given = preset or Preset()
+    given = preset or PackingPreset()
     return LockstepConfig(
         simulator=given.parameters("sim", SimulatorConfig),
         estimator=given.parameters("perception", EstimatorConfig),

@@ -18,7 +18,7 @@ C = TypeVar("C", bound=BaseModel)
 Section = dict[str, Any]
 
 
-class Preset(Config):
+class PackingPreset(Config):
     """What differs from the configuration files, in their own keys.
 
     Attributes:
@@ -32,7 +32,7 @@ class Preset(Config):
     planner: Section = Field(default_factory=dict)
     mpc: Section = Field(default_factory=dict)
 
-    def over(self, section: str, values: Mapping[str, Any]) -> Preset:
+    def over(self, section: str, values: Mapping[str, Any]) -> PackingPreset:
         """The same preset with more values in one of its sections."""
         return self.model_copy(update={section: merged(getattr(self, section), values)})
 
@@ -55,7 +55,7 @@ class Preset(Config):
         return validate_config(cls, merged(known, own), f"{source} with a preset")
 
 
-def load_preset(name: str) -> Preset:
+def load_preset(name: str) -> PackingPreset:
     """The preset `config/presets/<name>.yaml`.
 
     Raises:
@@ -65,4 +65,4 @@ def load_preset(name: str) -> Preset:
     if not path.is_file():
         known = ", ".join(sorted(item.stem for item in path.parent.glob("*.yaml")))
         raise ConfigError(f"no preset '{name}'; allowed: {known} (files in {path.parent})")
-    return load_config(Preset, path)
+    return load_config(PackingPreset, path)

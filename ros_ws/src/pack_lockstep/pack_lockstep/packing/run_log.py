@@ -33,7 +33,7 @@ class _Iteration:
     plan: ControlPlan
 
 
-class RunLog:
+class PackingRunLog:
     """Grows with the run; `to_run` turns it into arrays."""
 
     def __init__(self) -> None:

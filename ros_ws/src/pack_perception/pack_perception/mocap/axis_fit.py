@@ -18,7 +18,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import Config
 from pack_core.rotations import Array, rotate
 from pack_perception.mocap.alignment import Mask, align
-from pack_perception.mocap.rigid_body_fit import Fits, Refusal
+from pack_perception.mocap.rigid_body_fit import FitRefusal, Fits
 
 Z = np.array([0.0, 0.0, 1.0])
 STANDING_ARM = 1.0
@@ -57,10 +57,10 @@ def fit_with_axis(
     found = align(p_BM, p_WM, visible, (arms**2)[:, None, None] * axes[:, :, None] * Z)
     lifts = p_WM[:, :, 2] - expected[:, None, 2] - rotate(expected[:, None, 3:], p_BM)[:, :, 2]
     refusals = tuple(
-        Refusal.TOO_FEW if count < config.min_markers
-        else Refusal.COLLINEAR if width < config.min_spread
-        else Refusal.NOT_STANDING if not known and lift > config.max_residual
-        else Refusal.RESIDUAL if miss > config.max_residual
+        FitRefusal.TOO_FEW if count < config.min_markers
+        else FitRefusal.COLLINEAR if width < config.min_spread
+        else FitRefusal.NOT_STANDING if not known and lift > config.max_residual
+        else FitRefusal.RESIDUAL if miss > config.max_residual
         else None
         for count, width, known, lift, miss in zip(
             visible.sum(axis=1), _rms_from_centre(p_BM[:, :, :2], visible), is_known,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from pack_perception.mocap.rigid_body_fit import Refusal
+from pack_perception.mocap.rigid_body_fit import FitRefusal
 
 
 @dataclass(frozen=True)
@@ -33,5 +33,5 @@ class Correction:
 
     seen: tuple[str, ...] = ()
     partly: tuple[str, ...] = ()
-    refused: dict[str, Refusal] = field(default_factory=dict)
+    refused: dict[str, FitRefusal] = field(default_factory=dict)
     is_unused: bool = False

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from pack_core.bodies import body_pose
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, conjugate, exp, multiply, rotate
 
@@ -38,16 +38,16 @@ class GuidedCell:
         free: names of the objects that physics moves.
     """
 
-    def __init__(self, scene: Scene, cell: PackingCell, held: Held, step: float) -> None:
+    def __init__(self, scene: Scene, cell: PackingCell, held: HeldRole, step: float) -> None:
         self._step = step
-        self._model = build_model(scene, cell, timestep=step, arm=Arm.GUIDED, held=held)
+        self._model = build_model(scene, cell, timestep=step, arm=ArmRole.GUIDED, held=held)
         self._model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self._data, self._posed = mujoco.MjData(self._model), mujoco.MjData(self._model)
         joints = cell.robot.arm.joints
         first = self._model.joint(joints[0])
         self._arm_q = slice(first.qposadr[0], first.qposadr[0] + len(joints))
         self._arm_v = slice(first.dofadr[0], first.dofadr[0] + len(joints))
-        items = [*scene.objects] if held is Held.RIGID else [*scene.objects, scene.new_object]
+        items = [*scene.objects] if held is HeldRole.RIGID else [*scene.objects, scene.new_object]
         self.free = [item.name for item in items]
         self._q = _addresses([self._model.joint(name).qposadr[0] for name in self.free], 7)
         self._v = _addresses([self._model.joint(name).dofadr[0] for name in self.free], 6)

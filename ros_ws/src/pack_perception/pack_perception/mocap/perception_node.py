@@ -23,7 +23,7 @@ from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import to_scene
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
-from pack_perception.mocap.rigid_body_fit import Refusal
+from pack_perception.mocap.rigid_body_fit import FitRefusal
 
 
 class PerceptionNodeConfig(EstimatorConfig):
@@ -85,7 +85,7 @@ class PerceptionNode(CellNode):
             correction = estimator.correct(self._frames.popleft())
             self._unused_frames += correction.is_unused
             for name, refusal in correction.refused.items():
-                if refusal is Refusal.RESIDUAL:
+                if refusal is FitRefusal.RESIDUAL:
                     self.health.count("refused fit", f"{refusal.value} '{name}'")
             if not correction.is_unused:
                 self._publish(estimator)

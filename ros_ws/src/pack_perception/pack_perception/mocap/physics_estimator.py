@@ -14,7 +14,7 @@ from pack_core.config import Config
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.markers import MarkerFrame
-from pack_core.packing.model import Held, held_pose
+from pack_core.packing.model import HeldRole, held_pose
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState, Source
@@ -152,7 +152,7 @@ class PhysicsEstimator:
         self._seen, self._fitted = np.full((2, len(self._markers.names)), -np.inf)
         self._started = 0.0
         self._grip = GripTracker(self._config.grip, held_pose(self._scene))
-        self._use(GuidedCell(self._scene, self._cell, Held.RIGID, self._config.step))
+        self._use(GuidedCell(self._scene, self._cell, HeldRole.RIGID, self._config.step))
 
     def _use(self, physics: GuidedCell) -> None:
         self._physics = physics
@@ -199,7 +199,7 @@ class PhysicsEstimator:
         """Go on with the new object as one of the free ones; the next frame puts it where it is."""
         assert self._joints is not None
         poses, twists = self._estimates()
-        self._use(GuidedCell(self._scene, self._cell, Held.FREE, self._config.step))
+        self._use(GuidedCell(self._scene, self._cell, HeldRole.FREE, self._config.step))
         known = np.flatnonzero(self._is_known)
         self._physics.correct(known, poses[known], twists[known])
         self._note(self._joints)

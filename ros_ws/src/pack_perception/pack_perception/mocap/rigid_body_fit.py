@@ -22,7 +22,7 @@ class FitConfig(Config):
     max_residual: PositiveFloat = Field(default=0.003, description="rms distance of a marker [m]")
 
 
-class Refusal(Enum):
+class FitRefusal(Enum):
     """Why there is no fit."""
 
     TOO_FEW = "too few markers"
@@ -45,7 +45,7 @@ class Fits:
     p_WB: Array
     q_WB: Array
     residual: Array
-    refusals: tuple[Refusal | None, ...]
+    refusals: tuple[FitRefusal | None, ...]
 
 
 def fit_rigid_bodies(p_BM: Array, p_WM: Array, visible: Mask, config: FitConfig) -> Fits:
@@ -59,9 +59,9 @@ def fit_rigid_bodies(p_BM: Array, p_WM: Array, visible: Mask, config: FitConfig)
     """
     found = align(p_BM, p_WM, visible)
     refusals = tuple(
-        Refusal.TOO_FEW if count < config.min_markers
-        else Refusal.COLLINEAR if width < config.min_spread
-        else Refusal.RESIDUAL if miss > config.max_residual
+        FitRefusal.TOO_FEW if count < config.min_markers
+        else FitRefusal.COLLINEAR if width < config.min_spread
+        else FitRefusal.RESIDUAL if miss > config.max_residual
         else None
         for count, width, miss in zip(visible.sum(axis=1), found.spread, found.residual, strict=True)
     )  # fmt: skip

@@ -9,14 +9,14 @@ import numpy as np
 from pack_core.rotations import Array
 from pack_perception.mocap.alignment import Mask
 from pack_perception.mocap.axis_fit import AxisFitConfig, fit_with_axis
-from pack_perception.mocap.rigid_body_fit import FitConfig, Refusal, fit_rigid_bodies
+from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, fit_rigid_bodies
 
-TOO_LITTLE = (Refusal.TOO_FEW, Refusal.COLLINEAR)
+TOO_LITTLE = (FitRefusal.TOO_FEW, FitRefusal.COLLINEAR)
 """What an expected axis may make up for; markers that do not match the object are never used."""
 
 
 @dataclass(frozen=True)
-class Sighting:
+class MarkerSighting:
     """Poses of n objects; rows that were refused are not to be used.
 
     Attributes:
@@ -27,7 +27,7 @@ class Sighting:
 
     poses: Array
     is_partial: Mask
-    refusals: tuple[Refusal | None, ...]
+    refusals: tuple[FitRefusal | None, ...]
 
     @property
     def is_placed(self) -> Mask:
@@ -43,7 +43,7 @@ def sight(
     is_known: Mask,
     fit: FitConfig,
     axis: AxisFitConfig,
-) -> Sighting:
+) -> MarkerSighting:
     """Fit every object freely, and with its expected axis where its markers are too few for that.
 
     Args:
@@ -63,4 +63,4 @@ def sight(
     is_partial = np.zeros(len(poses), dtype=bool)
     for i, refusal in zip(rows, led.refusals, strict=True):
         refusals[i], is_partial[i] = refusal, refusal is None
-    return Sighting(poses, is_partial, tuple(refusals))
+    return MarkerSighting(poses, is_partial, tuple(refusals))

@@ -9,7 +9,7 @@ import numpy as np
 
 from pack_core.bodies import penetrations, set_object_poses
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.rollouts import SleepingRollouts
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
@@ -20,9 +20,11 @@ STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 class BatchPhysics:
     """Rollouts of one scene; the same for any number of threads."""
 
-    def __init__(self, scene: Scene, cell: PackingCell, *, timestep: float, held: Held, threads: int) -> None:
+    def __init__(
+        self, scene: Scene, cell: PackingCell, *, timestep: float, held: HeldRole, threads: int
+    ) -> None:
         """Build the model; `threads` 0 uses all cores."""
-        self._model = build_model(scene, cell, timestep=timestep, arm=Arm.ABSENT, held=held)
+        self._model = build_model(scene, cell, timestep=timestep, arm=ArmRole.ABSENT, held=held)
         self._data = mujoco.MjData(self._model)
         self._rollouts = SleepingRollouts(self._model, threads or len(os.sched_getaffinity(0)))
         self._size = mujoco.mj_stateSize(self._model, STATE)

@@ -21,7 +21,7 @@ WALL_LIMIT = 0.003
 
 
 @dataclass(frozen=True)
-class Verdict:
+class FeasibilityVerdict:
     """What is wrong with each sample; `faults` has a mask `(S,)` for every reason."""
 
     faults: dict[str, npt.NDArray[np.bool_]]
@@ -38,7 +38,7 @@ class Verdict:
         return f"none of {total} samples: " + ", ".join(f"{fault} in {n}" for n, fault in counts if n)
 
 
-def judge(scene: Scene, settled: Array, penetration: Array) -> Verdict:
+def judge(scene: Scene, settled: Array, penetration: Array) -> FeasibilityVerdict:
     """Judge settled samples.
 
     Args:
@@ -47,7 +47,7 @@ def judge(scene: Scene, settled: Array, penetration: Array) -> Verdict:
         penetration: lasting penetration K `(S,)` [m].
     """
     new, others = settled[:, -1], settled[:, :-1]
-    return Verdict(
+    return FeasibilityVerdict(
         {
             "objects still overlap": penetration > 0.0,
             "an object is pushed out of the container": ~np.all(_is_contained(scene, others), axis=1),

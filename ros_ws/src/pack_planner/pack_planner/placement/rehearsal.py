@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.entry import Entry
-from pack_core.packing.model import Held
+from pack_core.packing.model import HeldRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_planner.placement.batch_physics import BatchPhysics
@@ -55,7 +55,7 @@ class Rehearsal:
     def __init__(self, scene: Scene, cell: PackingCell, threads: int) -> None:
         """Build the model; `threads` 0 uses all cores."""
         self._scene = scene
-        self._physics = BatchPhysics(scene, cell, timestep=TIMESTEP, held=Held.STEERED, threads=threads)
+        self._physics = BatchPhysics(scene, cell, timestep=TIMESTEP, held=HeldRole.STEERED, threads=threads)
 
     def run(self, poses: Mapping[str, Pose], goals: Sequence[Pose], entries: Sequence[Entry]) -> Rehearsed:
         """Lower the object to each goal X_WN by its entry, the others standing at `poses` to begin with."""

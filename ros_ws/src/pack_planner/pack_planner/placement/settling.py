@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import Held
+from pack_core.packing.model import HeldRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_planner.placement.batch_physics import BatchPhysics
@@ -20,7 +20,7 @@ class Settling:
     def __init__(self, scene: Scene, cell: PackingCell, timestep: float, threads: int) -> None:
         """Build the model; `threads` 0 uses all cores."""
         self.names = [*scene.names, scene.new_object.name]
-        self._physics = BatchPhysics(scene, cell, timestep=timestep, held=Held.FREE, threads=threads)
+        self._physics = BatchPhysics(scene, cell, timestep=timestep, held=HeldRole.FREE, threads=threads)
 
     def start(self, poses: dict[str, Pose]) -> Array:
         """The state `(nstate,)` with the objects at rest at X_WO."""

@@ -32,7 +32,7 @@ class MocapConfig(Config):
     min_cameras: PositiveInt = Field(default=2, description="cameras that must see a marker")
 
 
-class Mocap:
+class MocapSystem:
     """Cameras around the cell that track every object of the scene, the new one included.
 
     A camera sees a marker that lies in its field of view and that a ray from the camera reaches;

@@ -15,7 +15,7 @@ from pack_core.bodies import body_pose, set_object_poses
 from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import base_height, footprint, free_places, is_blocked, is_inside
-from pack_core.packing.model import Arm, Held, build_model
+from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, rotate
 
@@ -50,7 +50,7 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
     """
     description = cell.scene.description()
     slippery = description.model_copy(update={"friction": SHAKING_FRICTION})
-    model = build_model(slippery, cell, timestep=TIMESTEP, arm=Arm.ABSENT, held=Held.ABSENT)
+    model = build_model(slippery, cell, timestep=TIMESTEP, arm=ArmRole.ABSENT, held=HeldRole.ABSENT)
     for attempt in range(MAX_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
         dropped = _drop(description, rng)

@@ -12,7 +12,7 @@ from pack_core.bodies import body_pose, set_object_poses
 from pack_core.config import Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import Arm, Held, build_model, held_pose
+from pack_core.packing.model import ArmRole, HeldRole, build_model, held_pose
 from pack_core.packing.scene import Scene
 from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
 from pack_core.rotations import Array, Pose, angle_between, conjugate, rotate
@@ -21,7 +21,7 @@ from pack_sim.packing.governor import ContactGovernor
 from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.joint_controller import JointController
 from pack_sim.packing.mismatch import MismatchConfig, actual, believed, joint_friction
-from pack_sim.packing.mocap import Mocap, MocapConfig
+from pack_sim.packing.mocap import MocapConfig, MocapSystem
 from pack_sim.packing.payload import PayloadCompensation
 from pack_sim.packing.pump import PumpModel
 from pack_sim.packing.wrench_sensor import WrenchSensor, WrenchSensorConfig
@@ -79,9 +79,9 @@ class Simulator:
         governor = None if config.governor is None else ContactGovernor(config.governor, config.timestep)
         self.controller = JointController(cell.robot, config.watchdog, governor, config.friction_compensation)
         self.pump = PumpModel(cell.suction, config.timestep)
-        self.mocap = Mocap(self.scene, cell, config.mocap, rng)
+        self.mocap = MocapSystem(self.scene, cell, config.mocap, rng)
         self._wrench_sensor = WrenchSensor(config.wrench_sensor, config.timestep, wrench_rng)
-        self._held = Held.RIGID if cell.tip is None else Held.COMPLIANT
+        self._held = HeldRole.RIGID if cell.tip is None else HeldRole.COMPLIANT
         self.model = self._compile(self._held)
         self.data = mujoco.MjData(self.model)
         self.data.time = time
@@ -121,7 +121,7 @@ class Simulator:
         if self.pump.state.is_closed:
             force, torque = self._cup_load()
             if not self.pump.update(force, torque):
-                self._swap(Held.FREE)
+                self._swap(HeldRole.FREE)
         self.mocap.update(self.model, data, self.time)
 
     def joints(self) -> JointSample:
@@ -153,7 +153,7 @@ class Simulator:
         """Open the pump; the object falls or stays where it stands."""
         if self.pump.state.is_closed:
             self.pump.open(reason)
-            self._swap(Held.FREE)
+            self._swap(HeldRole.FREE)
 
     def grip(self) -> str:
         """Close the pump.
@@ -176,8 +176,10 @@ class Simulator:
     def _names(self) -> list[str]:
         return [*self.scene.names, self.scene.new_object.name]
 
-    def _compile(self, held: Held) -> mujoco.MjModel:
-        model = build_model(self.scene, self.cell, timestep=self.config.timestep, arm=Arm.DRIVEN, held=held)
+    def _compile(self, held: HeldRole) -> mujoco.MjModel:
+        model = build_model(
+            self.scene, self.cell, timestep=self.config.timestep, arm=ArmRole.DRIVEN, held=held
+        )
         for name, friction in zip(self.cell.robot.arm.joints, self._joint_friction, strict=True):
             dof = model.joint(name).dofadr[0]
             model.dof_frictionloss[dof], model.dof_solimp[dof, :2] = friction, STICTION
@@ -202,7 +204,7 @@ class Simulator:
         mujoco.mj_jacBody(self.model, self.data, J[:3], J[3:], self.model.body("tool").id)
         return J[:, self._v]
 
-    def _swap(self, held: Held) -> None:
+    def _swap(self, held: HeldRole) -> None:
         """Go on with the new object held or free, everything else as it is."""
         joints, truth = self.joints(), self.truth()
         self.model = self._compile(held)
@@ -210,9 +212,9 @@ class Simulator:
         self.data.time = joints.time
         self._index()
         self.data.qpos[self._q], self.data.qvel[self._v] = joints.q, joints.v
-        for name in self._names if held is Held.FREE else self.scene.names:
+        for name in self._names if held is HeldRole.FREE else self.scene.names:
             self._place(name, truth.objects[name])
-        if held is Held.COMPLIANT:
+        if held is HeldRole.COMPLIANT:
             self._hang(truth.objects[self.scene.new_object.name].X_WO)
         mujoco.mj_forward(self.model, self.data)
 

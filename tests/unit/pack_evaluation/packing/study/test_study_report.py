@@ -1,7 +1,7 @@
 import re
 from pathlib import Path
 
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_evaluation.packing.studies import STUDIES
 from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.study_report import study_section, write_study_report
@@ -10,7 +10,11 @@ from unit.pack_evaluation.packing.study.test_summary import failed, packed
 
 
 def test_a_report_needs_nothing_beside_it_and_shows_every_failure(tmp_path: Path) -> None:
-    trials = (packed("seed_1"), failed("seed_2", ExitReason.TIMEOUT), failed("seed_3", ExitReason.FORCE))
+    trials = (
+        packed("seed_1"),
+        failed("seed_2", PackingExitReason.TIMEOUT),
+        failed("seed_3", PackingExitReason.FORCE),
+    )
     study = PackingStudy(
         name="pack_it_in, ilqr", trials=trials, about={"weights": "tuned"}, origin={"commit": "1a2b"},
         load=lambda _: make_run(),

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_evaluation.packing.study.summary import contact_force, exits, summarize
 from pack_evaluation.packing.study.tables import tables
 from pack_evaluation.packing.study.trial import PackingStudy, PackingTrial, trial_of
@@ -18,7 +18,7 @@ def packed(name: str, seconds: float = 4.0, force: float = 0.0) -> PackingTrial:
     return trial_of(name, run)
 
 
-def failed(name: str, reason: ExitReason, seconds: float = 4.0) -> PackingTrial:
+def failed(name: str, reason: PackingExitReason, seconds: float = 4.0) -> PackingTrial:
     outcome = {"exit_reason": reason.value, "success": False, "message": "stuck"}
     run = make_run(end=START + seconds, iterations=iterations(("PRE_PACK", "INSERT")), outcome=outcome)
     return trial_of(name, run)
@@ -29,7 +29,7 @@ def study_of(name: str, *trials: PackingTrial) -> PackingStudy:
 
 
 def test_successes_and_exits_are_counted() -> None:
-    study = study_of("ours", packed("a"), packed("b"), failed("c", ExitReason.TIMEOUT))
+    study = study_of("ours", packed("a"), packed("b"), failed("c", PackingExitReason.TIMEOUT))
     summary = summarize(study)
     assert (summary["scenes"], summary["success"], summary["first_attempt"]) == (3, 2, 2)
     assert summary["exits"] == exits(study) == {"placed": 2, "timeout": 1}
@@ -37,7 +37,7 @@ def test_successes_and_exits_are_counted() -> None:
 
 
 def test_force_stops_and_detachments_do_not_count_in_the_execution_time() -> None:
-    early = [failed("c", ExitReason.FORCE, 1.0), failed("d", ExitReason.DETACHED, 1.0)]
+    early = [failed("c", PackingExitReason.FORCE, 1.0), failed("d", PackingExitReason.DETACHED, 1.0)]
     summary = summarize(study_of("ours", packed("a", 3.0), packed("b", 5.0), *early))
     assert summary["execution_time_s"]["mean"] == pytest.approx(4.0)
 
@@ -56,7 +56,7 @@ def test_mean_force_pools_samples_and_the_mean_of_trials_pools_trials() -> None:
 
 
 def test_failure_metrics_are_split_by_outcome() -> None:
-    bad = failed("bad", ExitReason.TIMEOUT)
+    bad = failed("bad", PackingExitReason.TIMEOUT)
     bad = replace(bad, measures=replace(bad.measures, m_rot=np.deg2rad(5.0)))
     metric = summarize(study_of("ours", packed("a"), packed("b"), bad))["failure_metrics"]["m_rot_deg"]
     assert metric["success"]["mean"] == 0.0
@@ -72,9 +72,9 @@ def test_a_study_without_trials_has_a_summary_and_tables() -> None:
 
 
 def test_the_first_table_has_a_row_a_study_and_a_column_an_exit() -> None:
-    ours = study_of("ours", packed("a"), failed("b", ExitReason.NO_PLACEMENT))
+    ours = study_of("ours", packed("a"), failed("b", PackingExitReason.NO_PLACEMENT))
     theirs = PackingStudy(
-        name="theirs", trials=(failed("a", ExitReason.FORCE), failed("b", ExitReason.TIMEOUT))
+        name="theirs", trials=(failed("a", PackingExitReason.FORCE), failed("b", PackingExitReason.TIMEOUT))
     )
     table = tables([ours, theirs])[0]
     columns = dict(zip(table.head, zip(*table.rows, strict=True), strict=True))

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pack_lockstep.packing.replay.comparison import Replay, Row, expected_count
+from pack_lockstep.packing.replay.comparison import ComparisonRow, Replay, expected_count
 
 
 def frames(rate: float, seconds: float = 4.0) -> np.ndarray:
@@ -22,8 +22,8 @@ def test_single_messages_and_a_long_gap_are_missed(rate: float) -> None:
 
 
 def test_a_replay_that_compared_nothing_does_not_agree() -> None:
-    good = Row("a", 10, 0.1, 0.2, 1.0)
+    good = ComparisonRow("a", 10, 0.1, 0.2, 1.0)
     assert Replay("perception", {}, (good,)).agrees
     assert not Replay("perception", {}, ()).agrees
-    assert not Replay("perception", {}, (good, Row("b", 0, 0.0, 0.0, 1.0))).agrees
-    assert not Replay("perception", {}, (good, Row("b", 10, 0.5, 1.1, 1.0))).agrees
+    assert not Replay("perception", {}, (good, ComparisonRow("b", 0, 0.0, 0.0, 1.0))).agrees
+    assert not Replay("perception", {}, (good, ComparisonRow("b", 10, 0.5, 1.1, 1.0))).agrees

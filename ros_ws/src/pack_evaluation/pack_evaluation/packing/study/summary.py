@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from pack_core.packing.exit_reason import ExitReason
-from pack_evaluation.packing.metrics import Measures
+from pack_core.packing.exit_reason import PackingExitReason
+from pack_evaluation.packing.measures import PackingMeasures
 from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.spread import Split, split, spread
 
-Metric = Callable[[Measures], float]
+Metric = Callable[[PackingMeasures], float]
 
 FAILURE_METRICS: dict[str, Metric] = {
     "m_pos_mm": lambda m: 1e3 * m.m_pos,
@@ -55,7 +55,7 @@ def summarize(study: PackingStudy) -> dict[str, Any]:
 def exits(study: PackingStudy) -> dict[str, int]:
     """How many trials ended in each way, in the order of `ExitReason`."""
     counts = Counter(trial.measures.exit_reason for trial in study.trials)
-    return {reason.value: counts[reason] for reason in ExitReason if counts[reason]}
+    return {reason.value: counts[reason] for reason in PackingExitReason if counts[reason]}
 
 
 def contact_force(study: PackingStudy) -> dict[str, float | None]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_evaluation.packing.study.summary import contact_force, exits, failure_metrics, summarize
 from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.spread import Spread
 from pack_evaluation.table import TextTable
 
-FIXED = (ExitReason.FORCE, ExitReason.DETACHED, ExitReason.TIMEOUT)
+FIXED = (PackingExitReason.FORCE, PackingExitReason.DETACHED, PackingExitReason.TIMEOUT)
 """Exits that have a column even where none ended so."""
 METRIC_NAMES = {
     "m_pos_mm": "M_pos [mm] (Eq. 7)",
@@ -31,7 +31,7 @@ def results(studies: Sequence[PackingStudy]) -> TextTable:
     """Tables II and III: success, exits, execution time, distance, force."""
     counts = [exits(study) for study in studies]
     found = {reason.value for reason in FIXED} | set().union(*counts)
-    kinds = [r.value for r in ExitReason if r.value in found and r is not ExitReason.PLACED]
+    kinds = [r.value for r in PackingExitReason if r.value in found and r is not PackingExitReason.PLACED]
     rows = []
     for study, count in zip(studies, counts, strict=True):
         s = summarize(study)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pack_core.packing.exit_reason import ExitReason
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.rotations import Array
 from pack_evaluation.packing.criteria import Criteria
-from pack_evaluation.packing.metrics import Measures, goal_force, measure
+from pack_evaluation.packing.measures import PackingMeasures, goal_force, measure
 from pack_evaluation.packing.run import Run
 from pack_evaluation.study import Study
 
-EARLY = (ExitReason.FORCE, ExitReason.DETACHED)
+EARLY = (PackingExitReason.FORCE, PackingExitReason.DETACHED)
 """Exits whose execution time the paper does not count (section IV-C)."""
 
 
@@ -29,7 +29,7 @@ class PackingTrial:
     """
 
     name: str
-    measures: Measures
+    measures: PackingMeasures
     message: str
     forces: Array
     iterations_ms: Array

@@ -16,7 +16,7 @@ MAX_MISSING = 0.01
 
 
 @dataclass(frozen=True)
-class Row:
+class ComparisonRow:
     """One thing compared.
 
     Attributes:
@@ -51,7 +51,7 @@ class Replay:
 
     node: str
     inputs: dict[str, int]
-    rows: tuple[Row, ...]
+    rows: tuple[ComparisonRow, ...]
 
     @property
     def agrees(self) -> bool:

@@ -17,8 +17,8 @@ from pack_core.states import SceneState
 from pack_evaluation.bag import Bag
 from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.track import Track, to_tracks
-from pack_lockstep.packing.presets import Preset
-from pack_lockstep.packing.replay.comparison import Replay, Row, check_frames
+from pack_lockstep.packing.presets import PackingPreset
+from pack_lockstep.packing.replay.comparison import ComparisonRow, Replay, check_frames
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 
 TOPICS = (DESCRIPTION, JOINT_STATES, MARKERS)
@@ -27,7 +27,7 @@ LIMIT_MM = 1.0
 """Of the 95th percentile: node and core take steps on joint samples of their own, which contact magnifies."""
 
 
-def replay_perception(bag: Bag, preset: Preset | None = None) -> Replay:
+def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
     """Estimate again, with the node's parameters under a preset, and compare within the goal.
 
     Args:
@@ -42,7 +42,7 @@ def replay_perception(bag: Bag, preset: Preset | None = None) -> Replay:
     counts = {
         topic: check_frames(bag, topic, times) for topic, times in ((JOINT_STATES, joints), (MARKERS, frames))
     }
-    run, estimated = to_run(bag), estimate_again(bag, preset or Preset())
+    run, estimated = to_run(bag), estimate_again(bag, preset or PackingPreset())
     rows = tuple(
         _compare(name, track.between(run.start, run.end), estimated.get(name))
         for name, track in run.estimate.items()
@@ -50,7 +50,7 @@ def replay_perception(bag: Bag, preset: Preset | None = None) -> Replay:
     return Replay("perception", counts, rows)
 
 
-def estimate_again(bag: Bag, preset: Preset) -> dict[str, Track]:
+def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
     """The estimate after every marker frame by object, the messages fed in as they were recorded."""
     scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
     config = preset.parameters("perception", EstimatorConfig)
@@ -74,9 +74,9 @@ def _advance(estimator: PhysicsEstimator, joints: JointSample) -> None:
         estimator.advance(joints)
 
 
-def _compare(name: str, recorded: Track, again: Track | None) -> Row:
+def _compare(name: str, recorded: Track, again: Track | None) -> ComparisonRow:
     if again is None or not recorded.times.size:
-        return Row(name, 0, float("nan"), float("nan"), LIMIT_MM)
+        return ComparisonRow(name, 0, float("nan"), float("nan"), LIMIT_MM)
     errors = 1e3 * again.at(recorded.times).distance_to(recorded.p)
     worst = float(np.percentile(errors, PERCENT))
-    return Row(name, errors.size, float(errors.mean()), worst, LIMIT_MM)
+    return ComparisonRow(name, errors.size, float(errors.mean()), worst, LIMIT_MM)

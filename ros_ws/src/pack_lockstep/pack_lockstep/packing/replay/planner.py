@@ -17,8 +17,8 @@ from pack_evaluation.bag import Bag
 from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.packing.run import Run
 from pack_lockstep.node_parameters import parameters_of
-from pack_lockstep.packing.presets import Preset
-from pack_lockstep.packing.replay.comparison import Replay, Row, check_frames
+from pack_lockstep.packing.presets import PackingPreset
+from pack_lockstep.packing.replay.comparison import ComparisonRow, Replay, check_frames
 from pack_mpc.session import SessionConfig
 from pack_mpc.weights import load_weights
 from pack_planner.placement.placement_planner import (
@@ -51,7 +51,11 @@ class Request:
 
 
 def replay_planner(
-    bag: Bag, *, seed: int, method: PackingMethod = PackingMethod.PACK_IT_IN, preset: Preset | None = None
+    bag: Bag,
+    *,
+    seed: int,
+    method: PackingMethod = PackingMethod.PACK_IT_IN,
+    preset: PackingPreset | None = None,
 ) -> Replay:
     """Plan again, with the nodes' parameters under a preset, each placement of the goal.
 
@@ -68,7 +72,7 @@ def replay_planner(
     min_rate = float(parameters_of("packing/perception")[0]["min_rate"])
     count = check_frames(bag, SCENE, [scene.time for scene in scenes], min_rate)
     scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
-    given = preset or Preset()
+    given = preset or PackingPreset()
     config = given.parameters("planner", PlacementPlannerConfig)
     planner = PlacementPlanners(scene, given.packing_cell(), config).of(method.placement_variant)
     session = given.parameters("mpc", SessionConfig)
@@ -109,7 +113,7 @@ def _near(scenes: list[SceneState], time: float) -> list[SceneState]:
 def _compare(
     planner: PlacementPlanner, session: SessionConfig, request: Request, scenes: list[SceneState],
     seed: int,
-) -> Row:  # fmt: skip
+) -> ComparisonRow:  # fmt: skip
     """The nearest placement among those that the scenes give; stops at the one that was recorded."""
     radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
     best, planned = float("inf"), 0
@@ -123,4 +127,4 @@ def _compare(
             best = min(best, 1e3 * float(np.linalg.norm(placement.X_WO.p - request.p_WT)))
         if best <= LIMIT_MM:
             break
-    return Row(f"placement {len(request.tried) + 1}", planned, best, best, LIMIT_MM)
+    return ComparisonRow(f"placement {len(request.tried) + 1}", planned, best, best, LIMIT_MM)

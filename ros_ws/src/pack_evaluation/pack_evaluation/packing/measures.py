@@ -1,0 +1,146 @@
+"""The measures of a run: those of the paper's tables, and of its Eqs. 7 to 9."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.rotations import Array
+from pack_evaluation.force import low_pass
+from pack_evaluation.packing.criteria import Criteria, exit_reason, is_packed
+from pack_evaluation.packing.run import Run
+from pack_evaluation.table import MeasureText, number, yes_or_no
+
+NAN = float("nan")
+DEG = math.degrees(1.0)
+"""Degrees in a radian."""
+
+
+@dataclass(frozen=True)
+class PackingMeasures:
+    """What is measured of a run, most important first; NaN where there is nothing to measure."""
+
+    success: Annotated[bool, MeasureText("packed", yes_or_no, "stage FINE-TUNE was reached")]
+    exit_reason: Annotated[PackingExitReason, MeasureText("exit", lambda e: e.value, "how the goal ended")]
+    execution_time: Annotated[
+        float, MeasureText("execution time", number("s"), "simulated, from the goal to its end")
+    ]
+    """[s]"""
+    distance: Annotated[
+        float,
+        MeasureText("final distance", number("cm", factor=1e2), "from the object to its packing pose, true"),
+    ]
+    """[m]"""
+    force_mean: Annotated[
+        float, MeasureText("force, mean", number("N"), "load on the cup less the object's weight")
+    ]
+    """[N]"""
+    force_p95: Annotated[float, MeasureText("force, 95 %", number("N"), "percentile of it")]
+    """[N]"""
+    force_peak: Annotated[
+        float, MeasureText("force, peak", number("N"), "its maximum, behind a 5 ms low-pass")
+    ]
+    """[N]"""
+    iteration_ms: Annotated[
+        float,
+        MeasureText("MPC iteration", number("ms", 1), lambda m: f"wall clock, median of {m.iterations}"),
+    ]
+    iteration_ms_p95: Annotated[
+        float, MeasureText("MPC iteration, 95 %", number("ms", 1), "percentile of it")
+    ]
+    iterations: int
+    """How many the controller made."""
+    placements: Annotated[int, MeasureText("placements", str, "packing poses that were tried")]
+    displacement: Annotated[
+        float,
+        MeasureText("displacement", number("cm", factor=1e2), "of the objects in the container, summed"),
+    ]
+    """[m]"""
+    m_pos: Annotated[
+        float, MeasureText("M_pos", number("mm", factor=1e3), "error of the estimated positions (Eq. 7)")
+    ]
+    """[m]"""
+    m_rot: Annotated[
+        float, MeasureText("M_rot", number("deg", factor=DEG), "error of the held object's rotation (Eq. 8)")
+    ]
+    """[rad]"""
+    m_per: Annotated[
+        float, MeasureText("M_per", number("objects"), "not seen but predicted, on average (Eq. 9)")
+    ]
+    real_time_factor: Annotated[
+        float, MeasureText("real-time factor", number(""), "simulated seconds a second, achieved")
+    ]
+
+
+def measure(run: Run, criteria: Criteria | None = None) -> PackingMeasures:
+    """Measure a run; the same function serves live runs, `pack evaluate` and the benchmarks."""
+    times, force = goal_force(run)
+    iterations = run.iterations
+    placements = iterations.placements[-1] if iterations.times.size else run.outcome.get("placements", 0)
+    return PackingMeasures(
+        success=is_packed(run), exit_reason=exit_reason(run, criteria or Criteria()),
+        execution_time=run.end - run.start, distance=final_distance(run),
+        force_mean=_mean(force), force_p95=_percentile(force, 95),
+        force_peak=_percentile(low_pass(times, force), 100),
+        iteration_ms=_percentile(iterations.ms, 50), iteration_ms_p95=_percentile(iterations.ms, 95),
+        iterations=iterations.times.size, placements=int(placements),
+        m_pos=position_error(run), m_rot=rotation_error(run), m_per=predicted_objects(run),
+        displacement=sum(object_displacements(run).values()), real_time_factor=_mean(run.real_time_factors),
+    )  # fmt: skip
+
+
+def goal_force(run: Run) -> tuple[Array, Array]:
+    """Times `(n,)` [s] and magnitudes `(n,)` [N] of the force within the goal."""
+    rows = (run.force_times >= run.start) & (run.force_times <= run.end)
+    return run.force_times[rows], run.force[rows]
+
+
+def final_distance(run: Run) -> float:
+    """Distance [m] from the held object, as it truly is, to its packing pose at the end."""
+    if not run.iterations.placements.any():
+        return NAN
+    return float(run.truth[run.held].at(np.array([run.end])).distance_to(run.iterations.p_WT[-1])[0])
+
+
+def position_error(run: Run) -> float:
+    """M_pos (Eq. 7) [m]: over the objects in the container, estimate against truth."""
+    errors = []
+    for name in _estimated(run):
+        estimate = run.estimate[name].between(run.start, run.end)
+        errors.append(estimate.distance_to(run.truth[name].at(estimate.times).p))
+    return _mean(np.concatenate(errors)) if errors else NAN
+
+
+def rotation_error(run: Run) -> float:
+    """M_rot (Eq. 8) [rad]: angle between estimated and true orientation of the held object."""
+    estimate = run.estimate[run.held].between(run.start, run.end)
+    return _mean(estimate.angle_to(run.truth[run.held].at(estimate.times)))
+
+
+def predicted_objects(run: Run) -> float:
+    """M_per (Eq. 9): objects in the container that were not seen, their mean number over time."""
+    windows = [run.estimate[name].between(run.start, run.end) for name in _estimated(run)]
+    return float(sum(_mean(window.is_predicted.astype(float)) for window in windows))
+
+
+def object_displacements(run: Run) -> dict[str, float]:
+    """Distance [m] between where each object in the container stood and where it stands at the end."""
+    ends = np.array([run.start, run.end])
+    return {name: float(run.truth[name].at(ends).displacement()[-1]) for name in run.scene.names}
+
+
+def _estimated(run: Run) -> list[str]:
+    """Objects in the container of which there is an estimate: those that some camera has seen."""
+    return [name for name in run.scene.names if name in run.estimate]
+
+
+def _mean(values: Array) -> float:
+    return float(np.mean(values)) if values.size else NAN
+
+
+def _percentile(values: Array, percent: float) -> float:
+    return float(np.percentile(values, percent)) if values.size else NAN
