@@ -10,17 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from pack_evaluation.record import load_record
-from pack_evaluation.table import Row
+from pack_evaluation.table import Row, measure_rows
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 VIDEO, REPORT, PLOTS = "run.mp4", "report.html", "plots"
-Progress = Callable[[float], None]
+OnProgress = Callable[[float], None]
 """Is told the fraction done."""
 
 
-class Recorded(Protocol):
+class RecordedRun(Protocol):
     """A run as it was read from a recording."""
 
     @property
@@ -28,7 +28,7 @@ class Recorded(Protocol):
         """Whether the recording was cut off."""
 
 
-RunT = TypeVar("RunT", bound=Recorded)
+RunT = TypeVar("RunT", bound=RecordedRun)
 MeasuresT = TypeVar("MeasuresT", bound="DataclassInstance")
 
 
@@ -56,7 +56,7 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
     """How the recordings of one cell are evaluated."""
 
     def evaluate(
-        self, path: Path, output: Path, *, with_video: bool = True, progress: Progress = lambda _: None
+        self, path: Path, output: Path, *, with_video: bool = True, progress: OnProgress = lambda _: None
     ) -> Evaluation[RunT, MeasuresT]:
         """Measure a recording and write its report.
 
@@ -77,29 +77,29 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
         if video:
             self.film(run, video, progress)
         plots = self.draw(run, output / PLOTS)
-        rows, record = self.rows(measures), load_record(path)
+        rows, record = measure_rows(measures), load_record(path)
         found = Evaluation(run, measures, rows, record, plots, video, output / REPORT)
         found.report.write_text(self.page(found))
         return found
 
     @abstractmethod
     def load(self, path: Path) -> RunT:
-        """The run in a recording."""
+        """The run in a recording.
+
+        Raises:
+            BagError: the recording is missing, broken, or of another version.
+        """
 
     @abstractmethod
     def measure(self, run: RunT) -> MeasuresT:
-        """Its measures."""
-
-    @abstractmethod
-    def rows(self, measures: MeasuresT) -> tuple[Row, ...]:
-        """The measures in words."""
+        """Everything that is measured of a run."""
 
     @abstractmethod
     def draw(self, run: RunT, folder: Path) -> list[Path]:
         """Write the plots into a folder that exists, in the order a report shows them."""
 
     @abstractmethod
-    def film(self, run: RunT, path: Path, progress: Progress) -> None:
+    def film(self, run: RunT, path: Path, progress: OnProgress) -> None:
         """Render the run as MP4."""
 
     @abstractmethod

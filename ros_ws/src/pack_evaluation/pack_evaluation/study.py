@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
+from pack_core.errors import ConfigError
 from pack_evaluation.table import TextTable
 
 RECORDINGS = "recordings"
@@ -29,6 +30,21 @@ class KeptTrials:
     settings: Mapping[str, Any]
     origin: Mapping[str, Any]
     trials: Sequence[Mapping[str, Any]]
+
+    def require(self, keys: Iterable[str]) -> None:
+        """Refuse trials that another version kept, by what they lack.
+
+        Raises:
+            ConfigError: a trial lacks one of the keys.
+        """
+        wanted = set(keys)
+        for trial in self.trials:
+            if missing := sorted(wanted - trial.keys()):
+                commit = self.origin.get("commit", "unknown")
+                raise ConfigError(
+                    f"{self.folder}: trial {trial['name']} lacks {', '.join(missing)}; "
+                    f"another version kept it (commit {commit}): measure anew with --fresh"
+                )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +120,7 @@ class StudyEvaluator(ABC, Generic[StudyT, RecordingT]):
         """The studies side by side."""
 
     def figures(self, studies: Sequence[StudyT], folder: Path) -> list[Path]:
-        """Write figures as PNG into a folder that exists, in the order in which a report shows them."""
+        """Write figures as PNG into a folder, made for them, in the order in which a report shows them."""
         return []
 
     def pictures(self, studies: Sequence[StudyT], folder: Path, *, count: int, videos: int) -> list[Picture]:

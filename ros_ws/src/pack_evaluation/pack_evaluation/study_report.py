@@ -58,7 +58,6 @@ def study_section(
         videos: runs of each study that are rendered as MP4.
         warn: is told why there are no pictures, e.g. without OpenGL.
     """
-    (folder / FIGURES).mkdir(parents=True, exist_ok=True)
     try:
         shown = evaluator.pictures(studies, folder, count=max(pictures, videos), videos=videos)
     except PackError as error:

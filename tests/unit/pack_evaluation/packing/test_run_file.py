@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from pack_core.errors import BagError
-from pack_evaluation.packing.metrics import measure
+from pack_evaluation.packing.measures import measure
 from pack_evaluation.packing.run import Iterations
 from pack_evaluation.packing.run_file import load_saved_run, save_run
 from unit.pack_evaluation.packing.runs import iterations, make_run

@@ -9,30 +9,25 @@ from typing import Any
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.problem import Block
 from pack_evaluation.blocks.from_bag import BlocksRun, load_blocks_run
-from pack_evaluation.blocks.measures import BlocksMeasures, measure, rows
+from pack_evaluation.blocks.measures import BlocksMeasures, measure
 from pack_evaluation.blocks.plan_drawing import write_plan
 from pack_evaluation.blocks.video import write_strip, write_video
-from pack_evaluation.evaluator import Evaluation, Evaluator, Progress
+from pack_evaluation.evaluator import Evaluation, Evaluator, OnProgress
 from pack_evaluation.html import embedded, render
-from pack_evaluation.table import Row
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
 
 class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
-    """Of the blocks cell."""
+    """One rearrangement."""
 
     def load(self, path: Path) -> BlocksRun:
         """The rearrangement in a recording."""
         return load_blocks_run(path)
 
     def measure(self, run: BlocksRun) -> BlocksMeasures:
-        """Its measures."""
+        """Everything that is measured of the run."""
         return measure(run)
-
-    def rows(self, measures: BlocksMeasures) -> tuple[Row, ...]:
-        """The measures in words."""
-        return rows(measures)
 
     def draw(self, run: BlocksRun, folder: Path) -> list[Path]:
         """Every plan, from where its blocks stood when it was made."""
@@ -44,7 +39,7 @@ class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
             drawn.append(write_plan(problem, plan, folder / f"plan_{number}.png"))
         return drawn
 
-    def film(self, run: BlocksRun, path: Path, progress: Progress) -> None:
+    def film(self, run: BlocksRun, path: Path, progress: OnProgress) -> None:
         """Render the run as MP4."""
         write_video(run, blocks_cell(), path, progress)
 

@@ -2,59 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from pack_core.blocks.planar import turn_between
 from pack_evaluation.blocks.from_bag import BlocksRun
-from pack_evaluation.table import Row
+from pack_evaluation.table import MeasureText, mean_and_max, number, yes_or_no
+
+
+def _worst(unit: str) -> Callable[[Mapping[str, float]], str]:
+    return lambda by_id: f"{max(by_id.values()):.2f} {unit}"
 
 
 @dataclass(frozen=True)
 class BlocksMeasures:
-    """Errors are true ones, from the simulator; perception's are against the truth at the exposure.
+    """What is measured of a rearrangement, most important first.
 
-    Attributes:
-        success: the executor says that all blocks are in place.
-        exit_reason: how it ended.
-        message: the same in words.
-        error_mm: distance of every block from its goal, by id.
-        turn_deg: turn of every block from its goal, by id.
-        actions: carried out.
-        planned: actions of the first plan.
-        lower_bound: no plan has fewer.
-        plans: asked for.
-        failed_grasps: grasps that held nothing.
-        refusals: actions that the arm could not do.
-        deviations: actions after which the table was not as predicted.
-        disturbances: actions that moved a block they were not on.
-        pictures: taken.
-        unclear: blocks not seen, or seen twice, over all pictures.
-        seen_mm: errors of perceived centres: mean, largest.
-        seen_deg: errors of perceived yaws: mean, largest.
-        duration_s: simulated.
+    Errors are true ones, from the simulator; perception's are against the truth at the exposure.
     """
 
-    success: bool
+    success: Annotated[bool, MeasureText("arranged", yes_or_no, lambda m: m.message)]
     exit_reason: str
+    """How it ended, by the executor's own account; `message` says the same in words."""
     message: str
-    error_mm: dict[str, float]
-    turn_deg: dict[str, float]
-    actions: int
+    error_mm: Annotated[
+        dict[str, float], MeasureText("position", _worst("mm"), "of the worst block from its goal, true")
+    ]
+    """By the block's id."""
+    turn_deg: Annotated[
+        dict[str, float], MeasureText("turn", _worst("deg"), "of the worst block from its goal, true")
+    ]
+    """By the block's id."""
+    actions: Annotated[
+        int,
+        MeasureText(
+            "actions", str, lambda m: f"carried out; first plan {m.planned}, no plan under {m.lower_bound}"
+        ),
+    ]
     planned: int
+    """Actions of the first plan; no plan has fewer than `lower_bound`."""
     lower_bound: int
-    plans: int
-    failed_grasps: int
-    refusals: int
-    deviations: int
-    disturbances: int
-    pictures: int
+    plans: Annotated[int, MeasureText("plans", str, "asked for, with the last one that finds nothing to do")]
+    failed_grasps: Annotated[int, MeasureText("failed grasps", str, "held nothing, or lost it")]
+    refusals: Annotated[
+        int, MeasureText("refusals", str, "actions that the arm could not do, and that were planned around")
+    ]
+    deviations: Annotated[
+        int, MeasureText("deviations", str, "actions after which the table was not as predicted")
+    ]
+    disturbances: Annotated[
+        int, MeasureText("disturbances", str, "actions that moved a block they were not on by 1 mm")
+    ]
+    pictures: Annotated[
+        int,
+        MeasureText("pictures", str, lambda m: f"{m.unclear} blocks not seen, or seen twice, in all of them"),
+    ]
     unclear: int
-    seen_mm: tuple[float, float]
-    seen_deg: tuple[float, float]
-    duration_s: float
+    seen_mm: Annotated[
+        tuple[float, float],
+        MeasureText("perceived centre", mean_and_max("mm"), "mean, largest error against the truth"),
+    ]
+    seen_deg: Annotated[
+        tuple[float, float],
+        MeasureText("perceived yaw", mean_and_max("deg"), "mean, largest error against the truth"),
+    ]
+    duration_s: Annotated[float, MeasureText("duration", number("s", 1), "simulated")]
 
 
 def measure(run: BlocksRun) -> BlocksMeasures:
@@ -63,38 +78,18 @@ def measure(run: BlocksRun) -> BlocksMeasures:
     final = run.poses_at(float(run.times[-1]))
     first = run.plans[0] if run.plans else None
     seen_mm, seen_deg = _perception_errors(run)
+    turns = {name: turn_between(final[name], goal, problem.symmetry) for name, goal in problem.goals.items()}
     return BlocksMeasures(
-        result["success"], result["exit_reason"], result["message"],
-        {name: 1000 * final[name].distance_to(goal) for name, goal in problem.goals.items()},
-        {
-            name: float(np.rad2deg(abs(turn_between(final[name], goal, problem.symmetry))))
-            for name, goal in problem.goals.items()
-        },
-        result["picks"] + result["pushes"], len(first.actions) if first else 0,
-        first.lower_bound if first else 0, result["plans"], result["failed_grasps"],
-        result["refusals"], result["deviations"], result["disturbances"], len(run.sights),
-        sum(len(sight.unclear) for sight in run.sights), _mean_max(seen_mm), _mean_max(seen_deg),
-        result["execution_time"],
+        success=result["success"], exit_reason=result["exit_reason"], message=result["message"],
+        error_mm={name: 1000 * final[name].distance_to(goal) for name, goal in problem.goals.items()},
+        turn_deg={name: float(np.rad2deg(abs(turn))) for name, turn in turns.items()},
+        actions=result["picks"] + result["pushes"], planned=len(first.actions) if first else 0,
+        lower_bound=first.lower_bound if first else 0, plans=result["plans"],
+        failed_grasps=result["failed_grasps"], refusals=result["refusals"],
+        deviations=result["deviations"], disturbances=result["disturbances"], pictures=len(run.sights),
+        unclear=sum(len(sight.unclear) for sight in run.sights), seen_mm=_mean_max(seen_mm),
+        seen_deg=_mean_max(seen_deg), duration_s=result["execution_time"],
     )  # fmt: skip
-
-
-def rows(m: BlocksMeasures) -> tuple[Row, ...]:
-    """The measures in words, most important first."""
-    return (
-        Row("arranged", "yes" if m.success else "no", m.message),
-        Row("position", f"{max(m.error_mm.values()):.2f} mm", "of the worst block from its goal, true"),
-        Row("turn", f"{max(m.turn_deg.values()):.2f} deg", "of the worst block from its goal, true"),
-        Row("actions", f"{m.actions}", f"carried out; first plan {m.planned}, no plan under {m.lower_bound}"),
-        Row("plans", str(m.plans), "asked for, with the last one that finds nothing to do"),
-        Row("failed grasps", str(m.failed_grasps), "held nothing, or lost it"),
-        Row("refusals", str(m.refusals), "actions that the arm could not do, and that were planned around"),
-        Row("deviations", str(m.deviations), "actions after which the table was not as predicted"),
-        Row("disturbances", str(m.disturbances), "actions that moved a block they were not on by 1 mm"),
-        Row("pictures", str(m.pictures), f"{m.unclear} blocks not seen, or seen twice, in all of them"),
-        Row("perceived centre", _pair(m.seen_mm, "mm"), "mean, largest error against the truth"),
-        Row("perceived yaw", _pair(m.seen_deg, "deg"), "mean, largest error against the truth"),
-        Row("duration", f"{m.duration_s:.1f} s", "simulated"),
-    )
 
 
 def _perception_errors(run: BlocksRun) -> tuple[list[float], list[float]]:
@@ -109,7 +104,3 @@ def _perception_errors(run: BlocksRun) -> tuple[list[float], list[float]]:
 
 def _mean_max(values: Sequence[float]) -> tuple[float, float]:
     return (float(np.mean(values)), float(np.max(values))) if values else (np.nan, np.nan)
-
-
-def _pair(values: tuple[float, float], unit: str) -> str:
-    return f"{values[0]:.3f}, {values[1]:.3f} {unit}"

@@ -14,7 +14,7 @@ from pack_evaluation.blocks.from_bag import load_blocks_run
 from pack_evaluation.blocks.measures import BlocksMeasures, measure
 from pack_evaluation.blocks.plan_drawing import write_plan
 from pack_evaluation.blocks.study_tables import comparison, instances, recordings
-from pack_evaluation.blocks.summary import summarize, summarize_recordings
+from pack_evaluation.blocks.summary import OF_PLANS, summarize, summarize_recordings
 from pack_evaluation.study import RECORDINGS, KeptTrials, Picture, Study, StudyEvaluator
 from pack_evaluation.table import TextTable
 
@@ -47,6 +47,7 @@ class BlocksStudies(StudyEvaluator[BlocksStudy, Recording]):
 
     def of_benchmark(self, kept: KeptTrials) -> list[BlocksStudy]:
         """One study a method."""
+        kept.require({"method", "kind", "problem", "execution", *OF_PLANS})
         methods = dict.fromkeys(trial["method"] for trial in kept.trials)
         return [
             BlocksStudy(name=method, detail=_detail(found, kept.settings), origin=kept.origin, trials=found)

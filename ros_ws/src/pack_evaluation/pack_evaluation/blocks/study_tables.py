@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pack_evaluation.blocks.measures import BlocksMeasures, rows
+from pack_evaluation.blocks.measures import BlocksMeasures
 from pack_evaluation.blocks.summary import OF_EXECUTIONS, OF_PLANS
 from pack_evaluation.spread import PARTS, spread_text
-from pack_evaluation.table import TextTable
+from pack_evaluation.table import TextTable, measure_rows
 
 COUNTS = {
     "solved": ("solved", "instances"),
@@ -51,7 +51,7 @@ def instances(trials: Mapping[str, Sequence[Mapping[str, Any]]]) -> TextTable:
 
 def recordings(measured: Sequence[tuple[str, BlocksMeasures]]) -> TextTable:
     """A row a measure, a column a recording."""
-    by_recording = [{row.name: row.value for row in rows(measures)} for _, measures in measured]
+    by_recording = [{row.name: row.value for row in measure_rows(measures)} for _, measures in measured]
     names = dict.fromkeys(name for values in by_recording for name in values)
     lines = tuple((name, *(values.get(name, "-") for values in by_recording)) for name in names)
     return TextTable("Recordings", "Every run with all nodes.", ("", *(name for name, _ in measured)), lines)

@@ -12,7 +12,7 @@ import numpy as np
 from pack_core.blocks.cell import BlocksCell
 from pack_evaluation.blocks.from_bag import BlocksRun
 from pack_evaluation.blocks.view import RunView
-from pack_evaluation.evaluator import Progress
+from pack_evaluation.evaluator import OnProgress
 
 WIDTH, HEIGHT = 960, 540
 FPS = 25
@@ -24,7 +24,7 @@ ROWS, COLUMNS = 2, 3
 STRIP_SIZE = (640, 480)
 
 
-def write_video(run: BlocksRun, cell: BlocksCell, path: Path, progress: Progress = lambda _: None) -> None:
+def write_video(run: BlocksRun, cell: BlocksCell, path: Path, progress: OnProgress = lambda _: None) -> None:
     """Render the run as H.264 MP4."""
     times = np.arange(run.times[0], run.times[-1], SPEED / FPS)
     video = imageio_ffmpeg.write_frames(

@@ -10,7 +10,7 @@ import yaml
 
 from pack_evaluation.evaluator import Evaluation
 from pack_evaluation.html import embedded, render
-from pack_evaluation.packing.metrics import Measures, object_displacements
+from pack_evaluation.packing.measures import PackingMeasures, object_displacements
 from pack_evaluation.packing.run import Run
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
@@ -27,7 +27,7 @@ class ObjectRow:
     moved: str
 
 
-def packing_page(found: Evaluation[Run, Measures]) -> str:
+def packing_page(found: Evaluation[Run, PackingMeasures]) -> str:
     """The report of an evaluated goal."""
     run, record = found.run, found.record
     about = {key: value for key, value in record.items() if key != "configuration"}

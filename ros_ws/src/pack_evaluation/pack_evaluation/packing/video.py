@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from pack_core.rotations import Array
-from pack_evaluation.evaluator import Progress
+from pack_evaluation.evaluator import OnProgress
 from pack_evaluation.packing.drawing import draw, drawing_processes
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.view import View, ViewConfig
@@ -25,7 +25,7 @@ STILL_SCALE = 2
 
 
 def write_video(
-    run: Run, path: Path, config: ViewConfig | None = None, progress: Progress = lambda _: None
+    run: Run, path: Path, config: ViewConfig | None = None, progress: OnProgress = lambda _: None
 ) -> None:
     """Render the run as H.264 MP4, on all cores.
 

@@ -4,39 +4,33 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pack_evaluation.evaluator import Evaluation, Evaluator, Progress
+from pack_evaluation.evaluator import Evaluation, Evaluator, OnProgress
 from pack_evaluation.html import embedded, render
 from pack_evaluation.palletizing.from_bag import load_pallet_run
 from pack_evaluation.palletizing.measures import OrderMeasures, measure_order
 from pack_evaluation.palletizing.plots import write_plots
 from pack_evaluation.palletizing.run import PalletRun
-from pack_evaluation.palletizing.table import order_rows
 from pack_evaluation.palletizing.video import write_video
-from pack_evaluation.table import Row
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
 
 class PalletEvaluator(Evaluator[PalletRun, OrderMeasures]):
-    """Of the palletizing cell."""
+    """One order."""
 
     def load(self, path: Path) -> PalletRun:
         """The order in a recording."""
         return load_pallet_run(path)
 
     def measure(self, run: PalletRun) -> OrderMeasures:
-        """Its measures."""
+        """Everything that is measured of the run."""
         return measure_order(run)
-
-    def rows(self, measures: OrderMeasures) -> tuple[Row, ...]:
-        """The measures in words."""
-        return order_rows(measures)
 
     def draw(self, run: PalletRun, folder: Path) -> list[Path]:
         """Write the plots."""
         return write_plots(run, folder)
 
-    def film(self, run: PalletRun, path: Path, progress: Progress) -> None:
+    def film(self, run: PalletRun, path: Path, progress: OnProgress) -> None:
         """Render the run as MP4."""
         write_video(run, path, progress)
 

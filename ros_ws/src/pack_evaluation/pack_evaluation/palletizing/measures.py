@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 
 from pack_core.config import Config
 from pack_core.rotations import Array, angle_between
 from pack_evaluation.palletizing.run import BoxRecord, PalletRun, ToolTrack
+from pack_evaluation.table import MeasureText, mean_and_max, number, yes_or_no
 
 CLEAR_STATE = "17 pre deposit"
 """From here to its end nothing but the box in the hand may move the stack: shifts are taken between these."""
@@ -54,39 +57,63 @@ class BoxMeasures:
     moment_Nm: float | None
 
 
+def _errors(boxes: Sequence[BoxMeasures]) -> str:
+    return _mean_and_max([box.error_mm for box in boxes if box.error_mm is not None], "mm")
+
+
+def _cycles(boxes: Sequence[BoxMeasures]) -> str:
+    return _mean_and_max([box.cycle_s for box in boxes if box.cycle_s is not None], "s")
+
+
+def _shifts(values: Sequence[float]) -> str:
+    return _mean_and_max(values, "mm")
+
+
+def _mean_and_max(values: Sequence[float], unit: str) -> str:
+    return f"{np.mean(values):.2f}, {np.max(values):.2f} {unit}" if values else "-"
+
+
 @dataclass(frozen=True)
 class OrderMeasures:
-    """One run.
+    """What is measured of an order, most important first."""
 
-    Attributes:
-        is_complete: every box was placed within the criteria.
-        reward: boxes within the criteria (section 8.7).
-        penalty: boxes that are not.
-        boxes: one by one.
-        position_mm: tracking error of the tool, mean and largest over all steps.
-        orientation_deg: the same, of its orientation.
-        goal_mm: position error where a gripper acted, mean and largest.
-        shift_mm: by how far each placement moved boxes that stood already, the largest of each.
-        drops: boxes that the gripper lost.
-        touches: unwanted contacts.
-        interruptions: how often setpoints came too late and the driver held the arm in a move.
-        faults: every fault with its reason.
-        duration_s: of the run.
-    """
-
-    is_complete: bool
-    reward: int
-    penalty: int
-    boxes: tuple[BoxMeasures, ...]
-    position_mm: tuple[float, float]
-    orientation_deg: tuple[float, float]
-    goal_mm: tuple[float, float]
-    shift_mm: tuple[float, ...]
-    drops: int
-    touches: int
-    interruptions: int
-    faults: tuple[str, ...]
-    duration_s: float
+    is_complete: Annotated[bool, MeasureText("complete", yes_or_no, "every box within 5 mm and 1 degree")]
+    reward: Annotated[int, MeasureText("reward", str, "boxes within these bounds (section 8.7)")]
+    penalty: Annotated[int, MeasureText("penalty", str, "boxes not within them")]
+    boxes: Annotated[
+        tuple[BoxMeasures, ...],
+        MeasureText("placement error", _errors, "mean, largest; at the end, true"),
+        MeasureText("cycle", _cycles, "mean, longest; simulated"),
+    ]
+    position_mm: Annotated[
+        tuple[float, float],
+        MeasureText(
+            "tracking, position",
+            mean_and_max("mm"),
+            "mean, largest; commanded to measured tool",
+        ),
+    ]
+    orientation_deg: Annotated[
+        tuple[float, float], MeasureText("tracking, orientation", mean_and_max("deg"), "mean, largest")
+    ]
+    goal_mm: Annotated[
+        tuple[float, float],
+        MeasureText("at goals", mean_and_max("mm"), "mean, largest; where the gripper acted"),
+    ]
+    shift_mm: Annotated[
+        tuple[float, ...],
+        MeasureText("shift of earlier boxes", _shifts, "mean, largest of what each placement moved"),
+    ]
+    drops: Annotated[int, MeasureText("drops", str, "boxes that the gripper lost")]
+    touches: Annotated[int, MeasureText("unwanted contacts", str, "over 20 N")]
+    interruptions: Annotated[
+        int, MeasureText("interruptions", str, "setpoints too late, the driver held the arm: a slow machine")
+    ]
+    faults: Annotated[
+        tuple[str, ...],
+        MeasureText("faults", lambda found: str(len(found)), lambda m: "; ".join(m.faults) or "none"),
+    ]
+    duration_s: Annotated[float, MeasureText("duration", number("s", 1), "simulated")]
 
 
 def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> OrderMeasures:

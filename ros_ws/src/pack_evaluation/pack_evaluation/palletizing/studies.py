@@ -29,6 +29,7 @@ class PalletStudies(StudyEvaluator[PalletStudy, OrderTrial]):
 
     def of_benchmark(self, kept: KeptTrials) -> list[PalletStudy]:
         """One study: the orders under one setting."""
+        kept.require({"order", "seed", "measures", "hold_mm"})
         trials = tuple(
             OrderTrial(trial["order"], trial["seed"], trial["measures"], trial["hold_mm"])
             for trial in kept.trials

@@ -12,7 +12,7 @@ import numpy as np
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.view import CellView
-from pack_evaluation.evaluator import Progress
+from pack_evaluation.evaluator import OnProgress
 from pack_evaluation.palletizing.run import PalletRun
 
 WIDTH, HEIGHT = 960, 540
@@ -22,7 +22,7 @@ SPEED = 4.0
 """Simulated seconds a second of the video: an order takes minutes."""
 
 
-def write_video(run: PalletRun, path: Path, progress: Progress = lambda _: None) -> None:
+def write_video(run: PalletRun, path: Path, progress: OnProgress = lambda _: None) -> None:
     """Render the run as H.264 MP4.
 
     Raises:
