@@ -16,7 +16,7 @@ from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.view import CellView, Picture
 from pack_core.paths import config_path
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pack_perception.boxes.box_vision import BoxVision, Sighting, VisionConfig
+from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig
 from pack_perception.boxes.segmentation import SegmentationConfig
 
 Dims = tuple[float, float, float]
@@ -130,7 +130,7 @@ class Stage:
             picture += rng.normal(0.0, self._light.noise, picture.shape)
         return np.clip(np.round(picture), 0, 255).astype(np.uint8)
 
-    def look(self, spawn: Spawn, rng: np.random.Generator, dims: Dims | None = None) -> Sighting:
+    def look(self, spawn: Spawn, rng: np.random.Generator, dims: Dims | None = None) -> IllustratedDetection:
         """Look for a spawned box, expected to be of its own size or another."""
         box = ExpectedBox(spawn.id, dims or spawn.dims, 0.0)
         return self.vision.detect(self.picture([spawn], rng), self.camera, box, TABLE.height, 1.0)

@@ -20,13 +20,13 @@ from pack_perception.boxes.face_edges import corners_of, find_edges, rough_corne
 from pack_perception.boxes.segmentation import Picture, Segmentation, SegmentationConfig, segment
 from pack_perception.boxes.top_face import TopPose, Viewpoint, top_poses
 from pack_perception.boxes.trust import (
-    Refusal,
+    DetectionRefusal,
     TrustConfig,
-    check_edges,
-    check_size,
-    checked_edges,
-    checked_outline,
+    all_edges,
+    doubt_of_edges,
+    doubt_of_size,
     middle_brightness,
+    outline_of,
 )
 
 PAD_DOWN = exp([0.0, np.pi, 0.0])
@@ -42,7 +42,7 @@ class VisionConfig(Config):
 
 
 @dataclass(frozen=True)
-class Sighting:
+class IllustratedDetection:
     """A detection, and the pictures that show how it came about."""
 
     detection: BoxDetection
@@ -57,36 +57,41 @@ class BoxVision:
 
     def detect(
         self, picture: Picture, camera: PinholeCamera, box: ExpectedBox, table_height: float, time: float
-    ) -> Sighting:
+    ) -> IllustratedDetection:
         """Look for the expected box in a picture `(H, W, 3)` RGB taken at `time` [s]."""
         found = segment(picture, self._config.segmentation)
         top = table_height + box.dims[2]
-        try:
-            pose = self._locate(found, camera, box, top)
-        except Refusal as refusal:
-            detection = BoxDetection(time, box.id, refusal.status, refusal.reason, None, None, refusal.size)
-            return Sighting(detection, draw_debug_images(picture, found, None, detection))
+        pose = self._locate(found, camera, box, top)
+        if isinstance(pose, DetectionRefusal):
+            detection = BoxDetection(time, box.id, pose.status, pose.reason, None, None, pose.size)
+            return IllustratedDetection(detection, draw_debug_images(picture, found, None, detection))
         X_WB = Pose(np.array([*pose.centre, top - 0.5 * box.dims[2]]), from_yaw(pose.yaw))
         X_WT = Pose(np.array([*pose.centre, top]), multiply(from_yaw(pose.yaw), PAD_DOWN))
         detection = BoxDetection(time, box.id, DetectionStatus.DETECTED, "", X_WB, X_WT, pose.size)
         outline = camera.project(X_WB.apply(0.5 * np.array(box.dims) * CORNERS))
-        return Sighting(detection, draw_debug_images(picture, found, outline, detection))
+        return IllustratedDetection(detection, draw_debug_images(picture, found, outline, detection))
 
-    def _locate(self, found: Segmentation, camera: PinholeCamera, box: ExpectedBox, top: float) -> TopPose:
-        """The pose of the top face at height `top` [m]; raises Refusal where it must not be trusted."""
+    def _locate(
+        self, found: Segmentation, camera: PinholeCamera, box: ExpectedBox, top: float
+    ) -> TopPose | DetectionRefusal:
+        """The pose of the top face at height `top` [m], or why it must not be trusted."""
         trust = self._config.trust
-        outline = checked_outline(found, trust)
+        outline = outline_of(found, trust)
+        if isinstance(outline, DetectionRefusal):
+            return outline
         face = TopFace(found.value, found.corner, camera, top, found.is_dark)
-        corners = rough_corners(outline, face)
-        for _ in range(2):  # the second time from where the edges are
-            edges = checked_edges(find_edges(face, corners, self._config.edge))
-            corners = corners_of(edges)
+        rough = all_edges(find_edges(face, rough_corners(outline, face), self._config.edge))
+        if isinstance(rough, DetectionRefusal):
+            return rough
+        edges = all_edges(find_edges(face, corners_of(rough), self._config.edge))  # from where they are
+        if isinstance(edges, DetectionRefusal):
+            return edges
+        corners = corners_of(edges)
         camera_height = float(camera.X_WC.p[2]) - top + box.dims[2]
         view = Viewpoint(camera.X_WC.p[:2], box.dims[2] / camera_height)
         pose = _likeliest(top_poses(edges, box.dims[:2], view), face.pixel)
-        check_size(pose, box, face.pixel, trust)
-        check_edges(edges, pose, middle_brightness(face, corners), trust)
-        return pose
+        doubt = doubt_of_size(pose, box, face.pixel, trust)
+        return doubt or doubt_of_edges(edges, pose, middle_brightness(face, corners), trust) or pose
 
 
 CORNERS: Array = np.array([[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])

@@ -20,7 +20,7 @@ from pack_core.ros.conversions import from_stamp
 from pack_core.ros.palletizing.detection_messages import from_expected_box, to_detection
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_perception.boxes.box_vision import BoxVision, Sighting, VisionConfig
+from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig
 from pack_perception.boxes.ros.debug_publisher import DebugPublisher
 
 
@@ -85,7 +85,7 @@ class BoxVisionNode(CellNode):
             self.health.count("refused detection", f"box '{detection.box_id}': {detection.reason}")
             self.get_logger().warning(f"box '{detection.box_id}' refused: {detection.reason}")
 
-    def _write(self, sighting: Sighting) -> None:
+    def _write(self, sighting: IllustratedDetection) -> None:
         if not self._config.pictures:
             return
         stem = f"{sighting.detection.time:010.3f}_{sighting.detection.box_id}".replace("/", "_")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -14,8 +15,6 @@ from pack_core.rotations import Array
 from pack_perception.boxes.edge_line import EdgeLine, TopFace
 from pack_perception.boxes.segmentation import Segmentation
 from pack_perception.boxes.top_face import TopPose
-
-NOTHING = (0.0, 0.0)
 
 
 class TrustConfig(Config):
@@ -33,49 +32,58 @@ class TrustConfig(Config):
     size_tolerance: PositiveFloat = Field(0.001, description="of the measured size; at least a pixel [m]")
 
 
-class Refusal(Exception):
-    """Why there is no detection; `size` is what was measured of the top face [m]."""
+@dataclass(frozen=True)
+class DetectionRefusal:
+    """Why there is no detection.
 
-    def __init__(self, status: DetectionStatus, reason: str, size: tuple[float, float] = NOTHING) -> None:
-        super().__init__(reason)
-        self.status, self.reason, self.size = status, reason, size
+    Attributes:
+        status: what kind of reason it is.
+        reason: in words.
+        size: what was measured of the top face, along and across [m]; zeros where nothing was.
+    """
+
+    status: DetectionStatus
+    reason: str
+    size: tuple[float, float] = (0.0, 0.0)
 
 
-def checked_outline(found: Segmentation, trust: TrustConfig) -> Array:
+def outline_of(found: Segmentation, trust: TrustConfig) -> Array | DetectionRefusal:
     """The outline `(n, 2)` in the region of the one thing on the table.
 
-    Raises:
-        Refusal: there is none, there are several, or it is cut off or no rectangle.
+    Refused where there is none, where there are several, and where it is cut off or no rectangle.
     """
     if found.contrast < trust.min_contrast or not found.contours:
         reason = f"nothing stands out from the table: contrast {found.contrast:.0f} of 255"
-        raise Refusal(DetectionStatus.NOT_FOUND, reason)
+        return DetectionRefusal(DetectionStatus.NOT_FOUND, reason)
     outline = found.contours[0]
     height, width = found.mask.shape
     if outline.min() <= 0 or np.any(outline.max(axis=0) >= (width - 1, height - 1)):
         reason = "what stands out reaches the border of the part of the picture that is looked at"
-        raise Refusal(DetectionStatus.DOUBTFUL, reason)
+        return DetectionRefusal(DetectionStatus.DOUBTFUL, reason)
     if len(found.contours) > 1:
         reason = f"{len(found.contours)} things stand out from the table; allowed: one box"
-        raise Refusal(DetectionStatus.DOUBTFUL, reason)
+        return DetectionRefusal(DetectionStatus.DOUBTFUL, reason)
     sides = cv2.minAreaRect(outline)[1]
     fill = cv2.contourArea(outline) / max(sides[0] * sides[1], 1.0)
     if fill < trust.min_fill:
         reason = f"what stands out fills {fill:.0%} of a rectangle; allowed: at least {trust.min_fill:.0%}"
-        raise Refusal(DetectionStatus.DOUBTFUL, reason)
+        return DetectionRefusal(DetectionStatus.DOUBTFUL, reason)
     return np.asarray(outline, dtype=float)
 
 
-def checked_edges(edges: Sequence[EdgeLine | None]) -> list[EdgeLine]:
-    """All four edges; raises Refusal where one was not found."""
+def all_edges(edges: Sequence[EdgeLine | None]) -> list[EdgeLine] | DetectionRefusal:
+    """All four edges, or a refusal where one was not found."""
     lines = [edge for edge in edges if edge is not None]
     if len(lines) < len(edges):
-        raise Refusal(DetectionStatus.DOUBTFUL, f"only {len(lines)} of 4 edges are straight lines")
+        reason = f"only {len(lines)} of 4 edges are straight lines"
+        return DetectionRefusal(DetectionStatus.DOUBTFUL, reason)
     return lines
 
 
-def check_size(pose: TopPose, box: ExpectedBox, pixel: float, trust: TrustConfig) -> None:
-    """Raise Refusal unless the top face has the expected size."""
+def doubt_of_size(
+    pose: TopPose, box: ExpectedBox, pixel: float, trust: TrustConfig
+) -> DetectionRefusal | None:
+    """A refusal unless the top face has the expected size; `pixel` is that of the picture on it [m]."""
     tolerance = max(trust.size_tolerance, pixel)
     if pose.mismatch > tolerance:
         along, across = pose.size
@@ -83,11 +91,14 @@ def check_size(pose: TopPose, box: ExpectedBox, pixel: float, trust: TrustConfig
             f"the top face measures {along * 1e3:.1f} x {across * 1e3:.1f} mm; box '{box.id}' has "
             f"{box.dims[0] * 1e3:.1f} x {box.dims[1] * 1e3:.1f} mm, allowed: {tolerance * 1e3:.1f} mm off"
         )
-        raise Refusal(DetectionStatus.WRONG_SIZE, reason, pose.size)
+        return DetectionRefusal(DetectionStatus.WRONG_SIZE, reason, pose.size)
+    return None
 
 
-def check_edges(edges: Sequence[EdgeLine], pose: TopPose, middle: float, trust: TrustConfig) -> None:
-    """Raise Refusal unless the edges that the pose rests on are clear, straight, square and the box's own.
+def doubt_of_edges(
+    edges: Sequence[EdgeLine], pose: TopPose, middle: float, trust: TrustConfig
+) -> DetectionRefusal | None:
+    """A refusal unless the edges that the pose rests on are clear, straight, square and the box's own.
 
     Args:
         edges: all four.
@@ -98,6 +109,7 @@ def check_edges(edges: Sequence[EdgeLine], pose: TopPose, middle: float, trust: 
     for k in pose.sure:
         edge = edges[k]
         angle = np.arctan2(edge.direction[1], edge.direction[0])
+        # edges repeat every quarter turn: the difference is brought to -45 to 45 degrees
         skew = np.rad2deg((angle - pose.yaw + 0.25 * np.pi) % (0.5 * np.pi) - 0.25 * np.pi)
         unevenness = abs(edge.inside - middle) / max(edge.contrast, 1.0)
         faults = {
@@ -113,7 +125,8 @@ def check_edges(edges: Sequence[EdgeLine], pose: TopPose, middle: float, trust: 
         }
         for fault, is_so in faults.items():
             if is_so:
-                raise Refusal(DetectionStatus.DOUBTFUL, f"edge {k + 1} has {fault}", pose.size)
+                return DetectionRefusal(DetectionStatus.DOUBTFUL, f"edge {k + 1} has {fault}", pose.size)
+    return None
 
 
 def middle_brightness(face: TopFace, corners: Array) -> float:
