@@ -5,10 +5,10 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.rotations import Pose, from_yaw, rotate, to_matrix
 from pallet_fsm.orientations import CUBE, box_orientations
-from pallet_fsm.tool_poses import PoseConfig, grasps, placements, stands
+from pallet_fsm.tool_poses import ToolPoseConfig, grasps, placements, stands
 from unit.pallet_fsm.fake_cell import given_order
 
-CELL, CONFIG = palletizing_cell(), PoseConfig()
+CELL, CONFIG = palletizing_cell(), ToolPoseConfig()
 BOXES = [item for number in range(1, 26) for item in given_order(number).boxes]
 TURNED = [item for item in BOXES if item.turn.handling is Handling.TABLE]
 Z = np.array([0.0, 0.0, 1.0])

@@ -20,7 +20,7 @@ Picture = npt.NDArray[np.uint8]
 Snapshot = TypeVar("Snapshot", contravariant=True)
 
 
-class Camera(Protocol[Snapshot]):
+class SnapshotCamera(Protocol[Snapshot]):
     """Draws snapshots."""
 
     def picture(self, snapshot: Snapshot, /) -> Picture:
@@ -42,7 +42,7 @@ class CameraThread(Generic[Snapshot]):
 
     def __init__(
         self,
-        camera: AbstractContextManager[Camera[Snapshot]],
+        camera: AbstractContextManager[SnapshotCamera[Snapshot]],
         on_picture: Callable[[float, Picture], None],
         on_error: Callable[[str], None],
     ) -> None:

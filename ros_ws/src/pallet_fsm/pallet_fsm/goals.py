@@ -9,7 +9,7 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Array, Pose
 from pallet_fsm.orientations import by_turning
 from pallet_fsm.states import State
-from pallet_fsm.tool_poses import PoseConfig, Stand, grasps, placements, stands
+from pallet_fsm.tool_poses import Stand, ToolPoseConfig, grasps, placements, stands
 from pallet_fsm.work_item import WorkItem
 
 
@@ -38,7 +38,7 @@ class Goals:
         config: distances.
     """
 
-    def __init__(self, cell: PalletizingCell, config: PoseConfig) -> None:
+    def __init__(self, cell: PalletizingCell, config: ToolPoseConfig) -> None:
         self._cell, self._config = cell, config
 
     def grasps(self, item: WorkItem, X_WT: Pose) -> list[Pose]:

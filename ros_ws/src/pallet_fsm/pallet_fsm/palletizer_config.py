@@ -9,7 +9,7 @@ from pallet_fsm.blended_moves import BlendedConfig
 from pallet_fsm.feeder import FeederConfig
 from pallet_fsm.mover import MoverConfig
 from pallet_fsm.thesis_config import ThesisConfig
-from pallet_fsm.tool_poses import PoseConfig
+from pallet_fsm.tool_poses import ToolPoseConfig
 
 
 class PalletizerConfig(Config):
@@ -19,7 +19,7 @@ class PalletizerConfig(Config):
     tries: int = Field(default=3, ge=1, description="for each kind of fault and box")
     dwell: NonNegativeFloat = Field(default=0.3, description="for the vacuum to build up or break down [s]")
     grip_patience: PositiveFloat = Field(default=2.0, description="for the gripper to close or open [s]")
-    poses: PoseConfig = PoseConfig()
+    poses: ToolPoseConfig = ToolPoseConfig()
     blended: BlendedConfig = BlendedConfig()
     thesis: ThesisConfig = ThesisConfig()
     feeder: FeederConfig = FeederConfig()

@@ -22,7 +22,7 @@ LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """q_WT of a tool that looks down with its x axis along the world's."""
 
 
-class PoseConfig(Config):
+class ToolPoseConfig(Config):
     """Distances between boxes, pad and tables."""
 
     pad_gap: NonNegativeFloat = Field(default=0.001, description="pad over the face when it grips [m]")
@@ -45,7 +45,7 @@ class Stand:
     approach: Array
 
 
-def grasps(X_WB: Pose, dims: Array, config: PoseConfig) -> list[Pose]:
+def grasps(X_WB: Pose, dims: Array, config: ToolPoseConfig) -> list[Pose]:
     """Tool poses X_WT over the middle of the upper face of a box that stands on a level plane."""
     heights = np.abs(to_matrix(X_WB.q)) @ dims
     p_WT = X_WB.p + np.array([0.0, 0.0, heights[2] / 2.0 + config.pad_gap])
@@ -53,7 +53,9 @@ def grasps(X_WB: Pose, dims: Array, config: PoseConfig) -> list[Pose]:
     return [Pose(p_WT, multiply(from_yaw(yaw + n * np.pi / 2), LOOKING_DOWN)) for n in range(4)]
 
 
-def placements(placed: PlacedBox, box: OrderBox, X_TB: Pose, X_WP: Pose, config: PoseConfig) -> list[Pose]:
+def placements(
+    placed: PlacedBox, box: OrderBox, X_TB: Pose, X_WP: Pose, config: ToolPoseConfig
+) -> list[Pose]:
     """Tool poses X_WT, looking down, at which the box in the hand is let go over its place."""
     p_WB = X_WP.apply(placed.centre) + np.array([0.0, 0.0, config.drop])
     poses = [
@@ -63,7 +65,7 @@ def placements(placed: PlacedBox, box: OrderBox, X_TB: Pose, X_WP: Pose, config:
     return [X_WT for X_WT in poses if points_along(X_WT, DOWN)]
 
 
-def stands(box: OrderBox, X_TB: Pose, cell: PalletizingCell, config: PoseConfig) -> list[Stand]:
+def stands(box: OrderBox, X_TB: Pose, cell: PalletizingCell, config: ToolPoseConfig) -> list[Stand]:
     """Ways to stand the box up at an edge of table B, so that its height is that on the pallet.
 
     The tool comes in horizontally, away from the arm; the gripped face looks back at it, a little
@@ -82,7 +84,7 @@ def stands(box: OrderBox, X_TB: Pose, cell: PalletizingCell, config: PoseConfig)
 
 
 def _standing_place(
-    box: OrderBox, q_WB: Array, axis: int, cell: PalletizingCell, config: PoseConfig
+    box: OrderBox, q_WB: Array, axis: int, cell: PalletizingCell, config: ToolPoseConfig
 ) -> Array:
     """The middle of a box `(3,)` [m] that stands at the table's edge and its corner next to the arm."""
     table, edges = cell.reorientation_table, np.abs(to_matrix(q_WB)) @ np.array(box.dims)
