@@ -13,8 +13,9 @@ import pytest
 
 from closing_line import ClosingLine
 
-FIRST_TO_LAST = ("integration", "replay", "architecture", "unit", "e2e")
-"""Folders in the order in which they run: long tests first, so that no worker waits for the other long."""
+FIRST_TO_LAST = ("e2e", "unit", "architecture", "replay", "integration")
+"""Folders in the order in which they run: while one worker runs the demos, which are long and need most of
+the machine, the other one runs what waits for no clock."""
 LOCKS = pytest.StashKey[Path]()
 
 
@@ -51,6 +52,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return item.get_closest_marker("alone") is not None, position
 
     items.sort(key=rank)
+
+
+@pytest.hookimpl(optionalhook=True)  # of pytest-xdist
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """Give whole files to a worker, and all demos to one, as each of them starts five or six processes."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduler(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return "demos" if "_demo.py::" in nodeid else super()._split_scope(nodeid)
+
+    return Scheduler(config, log)
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

@@ -5,7 +5,7 @@ import pytest
 from e2e.packing.cell import Cell
 from pack_evaluation.bag import read_bag
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.e2e, pytest.mark.alone, pytest.mark.timeout(400)]
 WATCHERS = {
     "sim": ("perception", "planner", "mpc", "recorder"),
     "perception": ("planner", "mpc", "recorder"),

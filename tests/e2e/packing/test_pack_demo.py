@@ -15,11 +15,13 @@ from pack_core.packing.scene_file import load_scene
 from pack_evaluation.packing.from_bag import load_run
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
-PACK = [sys.executable, "-c", "from pack_bringup.cli.main import main; main()"]
+PACK = [sys.executable, "-m", "e2e.small_videos"]
+TESTS = Path(__file__).parents[2]
 
 
 def pack(*arguments: str | Path) -> subprocess.Popen[str]:
     environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
+    environment["PYTHONPATH"] = f"{TESTS}{os.pathsep}{environment.get('PYTHONPATH', '')}"
     return subprocess.Popen(
         [*PACK, *map(str, arguments)], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         env=environment,
