@@ -19,10 +19,11 @@ MOTION_TARGET = Contract(
     qos=EVENTS, rate="each move", recorded=True)
 MOTION_STATUS = Contract(
     topics.MOTION_STATUS, MotionStatus, ("motion",), ("fsm", "recorder", "user"),
-    "state, running segment, measured errors, reasons", qos=STREAM, rate=hz(topics.JOINT_RATE), recorded=True)
+    "state of the move, running segment, measured errors, reason of a refusal", qos=STREAM,
+    rate=hz(topics.JOINT_RATE), recorded=True)
 MOTION_OBSTACLES = Contract(
     topics.MOTION_OBSTACLES, BoxObstacles, ("user",), ("motion", "recorder"),
-    "where things that move are", qos=LATEST, rate="as seen", recorded=True)
+    "where moving obstacles are now", qos=LATEST, rate="as seen", recorded=True)
 SETPOINTS = Contract(
     topics.SETPOINTS, JointTrajectory, ("motion",), ("sim", "recorder"),
     "joint positions, velocities and accelerations, stamped with their start, which has come",

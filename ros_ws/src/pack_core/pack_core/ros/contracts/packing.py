@@ -36,7 +36,7 @@ SCENE = Contract(
     rate=hz(topics.MARKER_RATE), recorded=True)
 WRENCH = Contract(
     topics.WRENCH, WrenchStamped, ("sim",), ("mpc", "recorder"),
-    "load on the cup less the held object's weight, in the cup's frame",
+    "force and torque on the suction cup, less the held object's weight, in the cup's frame",
     qos=STREAM, rate=hz(topics.WRENCH_RATE), recorded=True)
 GRIPPER_STATE = Contract(
     topics.GRIPPER_STATE, GripperState, ("sim",), ("mpc", "recorder"),
@@ -56,13 +56,16 @@ RESULT = Contract(
     "how the last goal ended, as JSON with the fields of the action's result", qos=LATCHED,
     rate="each goal", recorded=True)
 PLAN_PLACEMENT = Contract(
-    "/plan_placement", PlanPlacement, ("mpc", "user"), ("planner",), "Algorithm 1", kind=Kind.SERVICE)
+    "/plan_placement", PlanPlacement, ("mpc", "user"), ("planner",),
+    "find a packing pose for the held object, by Algorithm 1", kind=Kind.SERVICE)
 RESET = Contract(
-    "/sim/reset", ResetScene, ("user",), ("sim",), "new scene, arm at home", kind=Kind.SERVICE)
+    "/sim/reset", ResetScene, ("user",), ("sim",), "begin with another scene, arm at home",
+    kind=Kind.SERVICE)
 GRIPPER_COMMAND = Contract(
     "/gripper/command", GripperCommand, ("user",), ("sim",), "close or open the pump", kind=Kind.SERVICE)
 PACK_OBJECT = Contract(
-    "/pack_object", PackObject, ("user",), ("mpc",), "pack the held object", kind=Kind.ACTION)
+    "/pack_object", PackObject, ("user",), ("mpc",), "pack the held object into the container",
+    kind=Kind.ACTION)
 # fmt: on
 
 CONTRACTS = (*SHARED, *contracts_in(globals()))

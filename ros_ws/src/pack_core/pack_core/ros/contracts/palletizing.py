@@ -27,7 +27,7 @@ BOXES = Contract(
     "name, size and mass of every box in the cell, as YAML", qos=LATCHED, rate="on change", recorded=True)
 GRIPPER_STATE = Contract(
     topics.GRIPPER_STATE, GripperState, ("sim",), ("fsm", "recorder"),
-    "what the gripper holds and how hard it is loaded; neither closed nor a reason: still closing",
+    "what the gripper holds and how hard it is loaded; still closing: neither closed nor with a reason",
     qos=STREAM, rate=hz(topics.GRIPPER_RATE), recorded=True)
 TRUTH = Contract(
     topics.TRUTH, SceneState, ("sim",), ("recorder",),
@@ -35,7 +35,7 @@ TRUTH = Contract(
     qos=STREAM, rate=hz(topics.TRUTH_RATE), recorded=True)
 CONTACTS = Contract(
     topics.CONTACTS, UnwantedContact, ("sim",), ("recorder",),
-    "arm, tool or carried box against what they should not touch, over a force",
+    "arm, tool or carried box touched something that they should not, with more than a set force",
     qos=STREAM, rate="each contact", recorded=True)
 GRIPPER_COMMAND = Contract(
     "/gripper/command", GripperCommand, ("fsm", "user"), ("sim",),
@@ -46,7 +46,7 @@ SPAWN_BOX = Contract(
 REMOVE_BOX = Contract(
     "/sim/remove", RemoveBox, ("fsm", "user"), ("sim",), "a box is taken out of the cell", kind=Kind.SERVICE)
 RESET = Contract(
-    "/sim/reset", ResetCell, ("user",), ("sim",), "no boxes, arm at home", kind=Kind.SERVICE)
+    "/sim/reset", ResetCell, ("user",), ("sim",), "empty the cell and bring the arm home", kind=Kind.SERVICE)
 TRIGGER, IMAGE, CAMERA_INFO = overhead_camera("vision")
 EXPECTED_BOX = Contract(
     topics.EXPECTED_BOX, ExpectedBox, ("fsm",), ("vision", "recorder"),
@@ -56,19 +56,20 @@ BOX_DETECTION = Contract(
     "the expected box's pose, or why there is none", qos=STREAM, rate="each picture", recorded=True)
 VISION_FRAME = Contract(
     "/vision/frame", CompressedImage, ("vision",), ("user",),
-    "the whole picture, reduced", qos=LATEST, rate="each picture")
+    "the whole picture, at lower resolution", qos=LATEST, rate="each picture")
 VISION_ROI = Contract(
     "/vision/roi", CompressedImage, ("vision",), ("user",),
-    "the part of it that is looked at", qos=LATEST, rate="each picture")
+    "the part of the picture in which the box is searched", qos=LATEST, rate="each picture")
 VISION_MASK = Contract(
     "/vision/mask", CompressedImage, ("vision",), ("user",),
-    "what counts as box", qos=LATEST, rate="each picture")
+    "the pixels of that part that are taken for the box", qos=LATEST, rate="each picture")
 VISION_OVERLAY = Contract(
     topics.VISION_OVERLAY, CompressedImage, ("vision",), ("recorder", "user"),
-    "the part with what was found drawn into it", qos=LATEST, rate="each picture", recorded=True)
+    "that part with what was found drawn into it", qos=LATEST, rate="each picture", recorded=True)
 PLAN_LAYOUT = Contract(
     "/plan_layout", PlanLayout, ("fsm", "user"), ("layout",),
-    "gaps between an order's boxes, a sequence, a side for each to come from", kind=Kind.SERVICE)
+    "where an order's boxes stand, with gaps, in which sequence they come, and from which side",
+    kind=Kind.SERVICE)
 PALLET_STATE = Contract(
     topics.PALLET_STATE, PalletState, ("fsm",), ("recorder", "user"),
     "the machine entered a state: which, for which box, on what event, and why if it is a fault",

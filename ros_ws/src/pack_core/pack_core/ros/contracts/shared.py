@@ -15,7 +15,8 @@ CLOCK = Contract(
     rate=hz(topics.CLOCK_RATE), recorded=True)
 REAL_TIME_FACTOR = Contract(
     topics.REAL_TIME_FACTOR, Float64, ("sim",), ("recorder", "user"),
-    "simulated seconds a second, achieved", qos=STREAM, rate="1 Hz of wall clock", recorded=True)
+    "simulated seconds per second of wall clock, as achieved", qos=STREAM,
+    rate="1 Hz of wall clock", recorded=True)
 DIAGNOSTICS = Contract(
     topics.DIAGNOSTICS, DiagnosticArray, ("all",), ("recorder", "user"),
     "health of every node: counts of refused messages, silent peers", qos=EVENTS,
