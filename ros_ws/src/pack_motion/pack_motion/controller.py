@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from pack_core.errors import PackError
 from pack_core.joints import JointSample, JointSetpoint
 from pack_core.motion.moves import JointMove, Mode, Path
-from pack_core.motion.target import Acceptance, MotionState, MotionStatus, MotionTarget
+from pack_core.motion.target import Acceptance, MotionStatus, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array
 from pack_motion.arm.arm import Arm
 from pack_motion.interruption import left_of, rising, standing_plan
-from pack_motion.progress import Progress
+from pack_motion.move_monitor import MoveMonitor
 from pack_motion.reference.path_planner import Plan
-from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.spheres import arm_spheres
-from pack_motion.stuck import StuckDetector
-from pack_motion.target_planner import TargetPlanner
+from pack_motion.target_planner import PreparedTarget, TargetPlanner
 from pack_motion.tracking.config import MotionSet
 from pack_motion.tracking.obstacle_field import ObstacleField
 from pack_motion.tracking.pursuit import Pursuit, pursuit_of
@@ -29,15 +27,6 @@ from pack_motion.tracking.tracker import Surroundings, Tracker
 
 LONGEST_STEP = 0.1
 """A longer step is a gap in time that must not be integrated over [s]."""
-
-
-@dataclass(frozen=True)
-class PreparedTarget:
-    """A target with its plan, or why there is none."""
-
-    target: MotionTarget
-    plan: Plan | None
-    reason: str
 
 
 class MotionController:
@@ -65,12 +54,11 @@ class MotionController:
         self._resumed: MotionTarget | None = None
         self._pursuit: Pursuit
         self._tracker = Tracker(self._arm, self._config, np.array(q, dtype=float))
-        self._progress, self._stuck = Progress(self._arm), StuckDetector(self._config.stuck)
-        self._state, self._reason = MotionState.IDLE, ""
+        self._monitor = MoveMonitor(self._arm, self._config.stuck)
         self._moving: dict[str, Obstacle] = {}
         standing = MotionTarget(0, Path((JointMove(self._tracker.state.q),)), is_checked=False)
         self._follow(standing, self._planner.plan(self._tracker.state, standing))
-        self._state, self._is_pursuing = MotionState.IDLE, False
+        self._monitor.stand()
 
     @property
     def commanded(self) -> JointState:
@@ -106,24 +94,17 @@ class MotionController:
 
     def prepare(self, target: MotionTarget) -> PreparedTarget:
         """Plan a target from the present commanded state; changes nothing, and may take its time."""
-        ways: tuple[MotionTarget, ...] = (target,)
+        others: tuple[MotionTarget, ...] = ()
         if target is self._resumed:
-            ways += rising(target, self._arm.chain.forward(self.commanded.q))
-        refusals = []
-        for way in ways:
-            try:
-                return PreparedTarget(target, self._planner.plan(self.commanded, way), "")
-            except MoveRefused as refusal:
-                refusals.append(str(refusal))
-        return PreparedTarget(target, None, refusals[0])
+            others = rising(target, self._arm.chain.forward(self.commanded.q))
+        return self._planner.prepare(self.commanded, target, others)
 
     def take(self, prepared: PreparedTarget) -> Acceptance:
         """Follow a prepared target from the next step on; no step may have moved the arm since."""
         target, plan = prepared.target, prepared.plan
         if plan is None:
-            self._state, self._reason, self._answered = MotionState.REFUSED, prepared.reason, target.id
-            self._is_pursuing = False
-            return Acceptance(False, self._reason)
+            self._monitor.refuse(target.id, prepared.reason)
+            return Acceptance(False, prepared.reason)
         self._follow(target, plan)
         return Acceptance(True, "", plan.trajectory.duration)
 
@@ -141,14 +122,13 @@ class MotionController:
 
     def hold(self, reason: str) -> None:
         """The arm is not where it was told to be: its driver holds it, until `resume`."""
-        self._left = left_of(self._target, self.plan, self._pursuit.segment, self._state)
-        self._is_held, self._is_pursuing = True, False
-        if self._left is not None:
-            self._state, self._reason = MotionState.HELD, reason
+        self._left = left_of(self._target, self.plan, self._pursuit.segment, self._monitor.state)
+        self._is_held = True
+        self._monitor.hold(reason, is_unfinished=self._left is not None)
 
     def see(self, sample: JointSample) -> None:
         """Take a measurement of the arm that is held."""
-        self._progress.see(sample, self.plan.X_WT)
+        self._monitor.progress.see(sample, self.plan.X_WT)
 
     def resume(self, time: float, q: Array) -> MotionTarget | None:
         """Go on from where the arm came to rest.
@@ -162,12 +142,11 @@ class MotionController:
         """
         plan = standing_plan(q, self.plan, self._pursuit.segment)
         self._time, self._is_held = time, False
-        self._tracker, self._progress = Tracker(self._arm, self._config, q), Progress(self._arm)
+        self._tracker = Tracker(self._arm, self._config, q)
         self._pursuit = pursuit_of(plan, self._arm, self._config)
         left, self._left = self._left, None
         self._resumed = left
-        if left is None and self._state is MotionState.HELD:
-            self._state, self._reason = MotionState.IDLE, ""
+        self._monitor.resume(is_unfinished=left is not None)
         return left
 
     def observe(self, obstacles: Iterable[Obstacle]) -> None:
@@ -199,20 +178,13 @@ class MotionController:
             self._refresh_field()
         seen = Surroundings(self._config.policies(mode), self._spheres, self._field)
         tracker.step(h, before, after, posture, seen)
-        self._progress.record(time, tracker.state)
-        self._judge(h, sample)
+        self._monitor.progress.record(time, tracker.state)
+        self._monitor.judge(h, sample, pursuit, self._target, (tracker.least_distance, self._field.names))
         return JointSetpoint(time, tracker.state.q, tracker.state.v, tracker.state.a)
 
     def status(self) -> MotionStatus:
         """Where the move stands."""
-        progress, pursuit = self._progress, self._pursuit
-        return MotionStatus(
-            time=self._time, id=self._answered, state=self._state, segment=pursuit.segment,
-            label=pursuit.plan.segments[pursuit.segment].label, remaining=pursuit.remaining,
-            position_error=progress.position_error, orientation_error=progress.orientation_error,
-            path_error=progress.path_error, reached_steps=progress.reached_steps, reason=self._reason,
-            X_WT=progress.X_WT,
-        )  # fmt: skip
+        return self._monitor.status(self._time, self._pursuit)
 
     def _follow(self, target: MotionTarget, plan: Plan) -> None:
         self._target = target
@@ -220,35 +192,10 @@ class MotionController:
         self._spheres = self._arm_spheres.with_carried(self._arm, target.carried)
         self._mode = plan.segments[self._pursuit.segment].mode
         self._refresh_field()
-        self._progress.restart()
-        self._stuck.restart()
-        self._state, self._reason, self._answered = MotionState.MOVING, "", target.id
-        self._is_pursuing = True
+        self._monitor.begin(target.id)
 
     def _refresh_field(self) -> None:
         known = {item.name: item for item in self._target.obstacles} | self._moving
         self._field: ObstacleField = ObstacleField.of(
             known.values(), self._config.policies(self._mode).collision
         )
-
-    def _judge(self, h: float, sample: JointSample) -> None:
-        """Bring the status up to date."""
-        pursuit, progress, target = self._pursuit, self._progress, self._target
-        progress.measure(sample, pursuit.plan.X_WT, target.tolerance, pursuit.is_over)
-        if not self._is_pursuing:
-            return
-        is_reached = progress.reached_steps >= target.tolerance.steps
-        wrong = self._stuck.update(h, pursuit.rate, pursuit.is_over, is_reached)
-        if is_reached:
-            self._state, self._reason = MotionState.REACHED, ""
-        elif wrong:
-            self._state, self._reason = MotionState.STUCK, self._explained(wrong)
-        else:
-            self._state = MotionState.SETTLING if pursuit.is_over else MotionState.MOVING
-            self._reason = ""
-
-    def _explained(self, wrong: str) -> str:
-        error = f"the tool is {1000 * self._progress.position_error:.0f} mm from its target"
-        near = self._tracker.least_distance
-        around = f"; the nearest of {', '.join(self._field.names)} is {1000 * near:.0f} mm away"
-        return f"{wrong}: {error}{around if np.isfinite(near) else ''}"

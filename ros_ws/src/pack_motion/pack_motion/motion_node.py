@@ -23,9 +23,10 @@ from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_motion.arm.arms import load_arm
-from pack_motion.controller import MotionController, PreparedTarget
+from pack_motion.controller import MotionController
 from pack_motion.planning_thread import PlanningThread
 from pack_motion.setpoint_stream import SetpointStream
+from pack_motion.target_planner import PreparedTarget
 from pack_motion.tracking.config import motion_set
 from pack_motion.warm_up import warm_up
 

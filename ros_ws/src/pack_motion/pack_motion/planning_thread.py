@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 
 from pack_core.motion.target import MotionTarget
-from pack_motion.controller import PreparedTarget
+from pack_motion.target_planner import PreparedTarget
 
 
 class PlanningThread:

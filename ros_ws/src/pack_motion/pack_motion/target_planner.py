@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 from pack_core.motion.moves import JointMove, Path
 from pack_core.motion.target import MotionTarget
 from pack_motion.arm.arm import Arm
@@ -10,6 +13,15 @@ from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.reference.path_planner import PathPlanner, Plan
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
+
+
+@dataclass(frozen=True)
+class PreparedTarget:
+    """A target with its plan, or why there is none."""
+
+    target: MotionTarget
+    plan: Plan | None
+    reason: str
 
 
 class TargetPlanner:
@@ -40,6 +52,24 @@ class TargetPlanner:
         if conflict is not None:
             raise MoveRefused(conflict.text)
         return plan
+
+    def prepare(
+        self, start: JointState, target: MotionTarget, others: Sequence[MotionTarget]
+    ) -> PreparedTarget:
+        """The target with a plan from `start`, or with the reason why there is none.
+
+        Args:
+            start: of the joints.
+            target: what is wanted.
+            others: ways to the same end that are tried where the target itself is refused.
+        """
+        refusals = []
+        for way in (target, *others):
+            try:
+                return PreparedTarget(target, self.plan(start, way), "")
+            except MoveRefused as refusal:
+                refusals.append(str(refusal))
+        return PreparedTarget(target, None, refusals[0])
 
     def stop(self, start: JointState) -> Plan:
         """The fastest stop from `start`."""

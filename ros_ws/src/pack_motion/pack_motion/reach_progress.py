@@ -16,7 +16,7 @@ MEMORY = 64
 """Commanded states that are kept, to be compared with measurements that come later."""
 
 
-class Progress:
+class ReachProgress:
     """Compares what the joints do with what they were told and with where they are going."""
 
     def __init__(self, arm: Arm) -> None:
