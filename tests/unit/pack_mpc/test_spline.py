@@ -41,7 +41,7 @@ def test_a_constant_twist_moves_the_held_object_as_it_says(plant, joints, state,
     np.testing.assert_allclose(moved, 0.6 * twist[:3], atol=6e-3)
 
 
-def test_a_reference_far_ahead_is_leashed(plant, joints, state) -> None:
+def test_the_lead_of_a_reference_far_ahead_is_limited(plant, joints, state) -> None:
     x0 = plant.state(joints, state)
     servo = ResolvedRateServo(plant, x0, x0[plant.layout.q] + 0.5, leash=0.04)
     q, _ = servo.references(np.zeros((1, 1, 6)), 0.012)

@@ -72,7 +72,7 @@ class MpcNode(GoalNode):
 
     @property
     def missing(self) -> str:
-        """What a goal needs and has not been heard of yet; empty: nothing."""
+        """What a goal needs and is still missing, in words; empty if nothing is."""
         if self._scene is None:
             return f"no {contracts.DESCRIPTION.name} yet: is sim up?"
         return self._mailbox.missing(self._scene)
@@ -83,7 +83,7 @@ class MpcNode(GoalNode):
         return not self.missing
 
     def destroy_node(self) -> None:
-        """Stop the worker, then the node."""
+        """Stop the worker before the node that it publishes with."""
         self._worker.stop()
         super().destroy_node()
 
@@ -121,7 +121,7 @@ class MpcNode(GoalNode):
         return f"{result.exit_reason}, {result.message}"
 
     def _iterate(self, latency: float) -> float | None:
-        """One turn of the worker."""
+        """Plan once from the newest messages, in the worker's thread; the latency is returned [s]."""
         session = self._session
         if session is None or self.silent_peers:
             return None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
 from scipy.signal import lfilter
@@ -29,9 +31,7 @@ class TaskConfig(Config):
     """Exit conditions of a goal."""
 
     timeout: PositiveFloat = Field(default=20.0, description="simulated time that a goal may take [s]")
-    force_stop: PositiveFloat = Field(
-        default=float("inf"), description="external force that ends the goal [N]"
-    )
+    force_stop: PositiveFloat = Field(default=math.inf, description="external force that ends the goal [N]")
     avoid_radius: PositiveFloat = Field(
         default=0.02, description="distance that new placements keep from those tried [m]"
     )
