@@ -22,7 +22,7 @@ from pack_core.ros.motion_messages import to_status
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
 from pack_core.rotations import Pose
 from pack_planner.layout.layout_node import LayoutNode
-from pallet_fsm.fsm_node import FsmNode
+from pallet_fsm.fsm_node import PalletFsmNode
 from pallet_fsm.tool_poses import LOOKING_DOWN
 
 ORDER = config_path("orders", "order_03.json")
@@ -31,11 +31,11 @@ FAULT_TIME = 0.5
 
 
 @pytest.fixture
-def fsm(graph: Graph) -> FsmNode:
+def fsm(graph: Graph) -> PalletFsmNode:
     """The machine and the layout; the probe speaks for arm and gripper."""
     graph.probe.listen(contracts.PALLET_STATE, motion_contracts.MOTION_TARGET, contracts.RESULT)
     graph.start(LayoutNode)
-    node = graph.start(FsmNode, watched=["layout"], fault_time=FAULT_TIME)
+    node = graph.start(PalletFsmNode, watched=["layout"], fault_time=FAULT_TIME)
     graph.connect(motion_contracts.MOTION_STATUS, contracts.GRIPPER_STATE)
     return node
 
@@ -62,13 +62,13 @@ def accepted(graph: Graph, **fields: str) -> object:
     return handle
 
 
-def test_an_order_before_the_arm_was_heard_is_not_taken(graph: Graph, fsm: FsmNode) -> None:
+def test_an_order_before_the_arm_was_heard_is_not_taken(graph: Graph, fsm: PalletFsmNode) -> None:
     assert not graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
 
 
 def test_an_order_without_a_layout_service_is_not_taken(graph: Graph) -> None:
     graph.probe.listen(shared.DIAGNOSTICS)
-    graph.start(FsmNode)
+    graph.start(PalletFsmNode)
     graph.connect(motion_contracts.MOTION_STATUS, contracts.GRIPPER_STATE)
 
     def says_why() -> bool:
@@ -81,7 +81,7 @@ def test_an_order_without_a_layout_service_is_not_taken(graph: Graph) -> None:
 
 
 def test_a_node_that_dies_while_the_layout_is_planned_ends_the_order(
-    graph: Graph, fsm: FsmNode, monkeypatch: pytest.MonkeyPatch
+    graph: Graph, fsm: PalletFsmNode, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(fsm._layout, "call_async", lambda _: Future(executor=fsm.executor))
     handle = accepted(graph, file=str(ORDER))
@@ -140,7 +140,7 @@ def spoiled(change: str) -> str:
     ],
 )
 def test_a_wrong_order_ends_with_the_reason_and_nothing_moves(
-    graph: Graph, fsm: FsmNode, fields: dict[str, str], reason: str
+    graph: Graph, fsm: PalletFsmNode, fields: dict[str, str], reason: str
 ) -> None:
     result = graph.result_of(accepted(graph, **fields))
     assert not result.success
@@ -151,7 +151,7 @@ def test_a_wrong_order_ends_with_the_reason_and_nothing_moves(
 
 @pytest.mark.parametrize("number", range(1, 5))
 def test_plans_that_would_not_stand_are_refused_with_the_boxes_named(
-    graph: Graph, fsm: FsmNode, number: int
+    graph: Graph, fsm: PalletFsmNode, number: int
 ) -> None:
     file = config_path("orders", "stress", f"order_{number:02}.json")
     result = graph.result_of(accepted(graph, file=str(file)))
@@ -160,7 +160,9 @@ def test_plans_that_would_not_stand_are_refused_with_the_boxes_named(
     assert any(name in result.message for name in names)
 
 
-def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(graph: Graph, fsm: FsmNode) -> None:
+def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(
+    graph: Graph, fsm: PalletFsmNode
+) -> None:
     handle = accepted(graph, file=str(ORDER))
     graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
     first = graph.probe.mail[contracts.PALLET_STATE.name][0]
@@ -173,7 +175,7 @@ def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(graph: Gra
     assert isinstance(graph.probe.last(contracts.RESULT), String)
 
 
-def test_a_node_that_is_soon_heard_again_costs_nothing(graph: Graph, fsm: FsmNode) -> None:
+def test_a_node_that_is_soon_heard_again_costs_nothing(graph: Graph, fsm: PalletFsmNode) -> None:
     handle = accepted(graph, file=str(ORDER))
     graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
     fsm.on_peer("vision", is_alive=False)

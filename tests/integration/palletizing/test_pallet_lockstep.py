@@ -14,10 +14,10 @@ from pack_core.rotations import angle_between
 from pack_evaluation.palletizing.measures import OrderMeasures, measure_order
 from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.palletizing.benchmark import OrderJob, plan_order, run_order
+from pack_lockstep.palletizing.box_finder import BoxFinderConfig, open_box_finder
 from pack_lockstep.palletizing.lockstep import PalletLockstep
 from pack_lockstep.palletizing.settings import set_up
-from pack_lockstep.palletizing.sight import SightConfig, open_sight
-from pack_sim.palletizing.overhead_camera import OverheadCameraConfig
+from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 
 
@@ -69,8 +69,8 @@ def test_a_box_is_found_in_a_picture_where_it_stands() -> None:
     cell = palletizing_cell()
     simulator = PalletSimulator(cell, PalletSimulatorConfig(), seed=3)
     X_WB = simulator.spawn(BoxBody("a", (0.4, 0.3, 0.2), 5.0))
-    config = SightConfig(by="vision", camera=OverheadCameraConfig(width=1920))
-    with open_sight(cell, config, np.random.default_rng(0)) as sight:
+    config = BoxFinderConfig(by="vision", camera=PalletCameraConfig(width=1920))
+    with open_box_finder(cell, config, np.random.default_rng(0)) as sight:
         found = sight.detect(ExpectedBox("a", (0.4, 0.3, 0.2), 0.0), simulator)
     assert found.status is DetectionStatus.DETECTED
     assert found.X_WB is not None

@@ -2,15 +2,15 @@ from __future__ import annotations
 
 import pytest
 
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.arm.arms import load_arm
 
 
 @pytest.fixture(scope="session")
-def arm() -> Arm:
+def arm() -> MotionArm:
     return load_arm("palletizing")
 
 
 @pytest.fixture(scope="session")
-def small_arm() -> Arm:
+def small_arm() -> MotionArm:
     return load_arm("blocks")

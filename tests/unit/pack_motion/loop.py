@@ -11,7 +11,7 @@ from pack_core.joints import JointSample
 from pack_core.motion.target import Acceptance, MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose, from_rpy
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 
@@ -29,7 +29,7 @@ def pose(x: float, y: float, z: float, yaw: float = 0.0) -> Pose:
 class Loop:
     """A kinematic closed loop."""
 
-    arm: Arm
+    arm: MotionArm
     name: str = "shipped"
     time: float = 0.0
     q: list[Array] = field(default_factory=list)

@@ -9,7 +9,7 @@ from pack_core.motion.moves import JointMove, Line, Path, PoseMove
 from pack_core.motion.target import MotionState, MotionTarget, Tolerance
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.rmpflow.box_distance import box_distance
 from unit.pack_motion.loop import PERIOD, Loop, pose
 
@@ -27,7 +27,7 @@ def clearance(loop: Loop, obstacle: Obstacle) -> float:
     return min(box_distance(p, *box)[0] for p in loop.tool)
 
 
-def test_a_target_is_reached_as_planned_within_all_limits(arm: Arm) -> None:
+def test_a_target_is_reached_as_planned_within_all_limits(arm: MotionArm) -> None:
     loop = Loop(arm)
     acceptance = loop.run(MotionTarget(7, PICK))
     status = loop.controller.status()
@@ -40,21 +40,21 @@ def test_a_target_is_reached_as_planned_within_all_limits(arm: Arm) -> None:
     assert list(dict.fromkeys(loop.labels)) == ["transit", "down"]
 
 
-def test_what_is_commanded_stays_on_the_planned_line(arm: Arm) -> None:
+def test_what_is_commanded_stays_on_the_planned_line(arm: MotionArm) -> None:
     loop = Loop(arm)
     loop.run(MotionTarget(7, PICK))
     line = loop.tool[[label == "down" for label in loop.labels]]
     assert np.abs(line[:, :2] - GOAL.p[:2]).max() < 2e-5
 
 
-def test_the_same_commands_give_the_same_setpoints_bit_for_bit(arm: Arm) -> None:
+def test_the_same_commands_give_the_same_setpoints_bit_for_bit(arm: MotionArm) -> None:
     runs = [Loop(arm), Loop(arm)]
     for loop in runs:
         loop.run(MotionTarget(7, PICK))
     np.testing.assert_array_equal(runs[0].q, runs[1].q)
 
 
-def test_a_new_target_is_taken_up_in_motion_without_a_jump(arm: Arm) -> None:
+def test_a_new_target_is_taken_up_in_motion_without_a_jump(arm: MotionArm) -> None:
     loop = Loop(arm)
     loop.run(MotionTarget(7, PICK), limit=1.0)
     assert np.abs(loop.v[-1]).max() > 0.5
@@ -63,7 +63,7 @@ def test_a_new_target_is_taken_up_in_motion_without_a_jump(arm: Arm) -> None:
     assert np.all(loop.accelerations <= 1.0)
 
 
-def test_stop_brings_the_arm_to_rest_within_its_limits(arm: Arm) -> None:
+def test_stop_brings_the_arm_to_rest_within_its_limits(arm: MotionArm) -> None:
     loop = Loop(arm)
     loop.run(MotionTarget(7, PICK), limit=1.0)
     loop.controller.stop()
@@ -74,7 +74,7 @@ def test_stop_brings_the_arm_to_rest_within_its_limits(arm: Arm) -> None:
     assert np.all(loop.accelerations <= 1.0)
 
 
-def test_a_refused_target_changes_nothing_but_the_status(arm: Arm) -> None:
+def test_a_refused_target_changes_nothing_but_the_status(arm: MotionArm) -> None:
     loop = Loop(arm)
     loop.run(MotionTarget(7, PICK), limit=1.0)
     acceptance = loop.controller.command(target(PoseMove(pose(9.0, 0.0, 1.0), label="far")))
@@ -87,7 +87,7 @@ def test_a_refused_target_changes_nothing_but_the_status(arm: Arm) -> None:
     assert np.linalg.norm(loop.tool[-1] - GOAL.p) < 1e-5
 
 
-def test_an_unclear_path_is_refused_unless_it_is_not_to_be_checked(arm: Arm) -> None:
+def test_an_unclear_path_is_refused_unless_it_is_not_to_be_checked(arm: MotionArm) -> None:
     wall = Obstacle("wall", Pose(np.array([-1.5, 2.9, 1.0])), np.array([0.1, 1.0, 2.0]))
     loop = Loop(arm)
     refused = loop.controller.command(MotionTarget(1, PICK, obstacles=(wall,)))
@@ -96,7 +96,7 @@ def test_an_unclear_path_is_refused_unless_it_is_not_to_be_checked(arm: Arm) -> 
     assert loop.controller.command(MotionTarget(1, PICK, obstacles=(wall,), is_checked=False)).is_accepted
 
 
-def test_reached_means_measured_errors_within_tolerance_for_so_many_steps(arm: Arm) -> None:
+def test_reached_means_measured_errors_within_tolerance_for_so_many_steps(arm: MotionArm) -> None:
     loop = Loop(arm)
     loop.controller.command(MotionTarget(7, Path((JointMove(arm.home),)), tolerance=Tolerance(steps=5)))
     off = JointSample(0.0, arm.home + np.array([0.002, 0, 0, 0, 0, 0]), np.zeros(6), np.zeros(6))
@@ -109,7 +109,7 @@ def test_reached_means_measured_errors_within_tolerance_for_so_many_steps(arm: A
     assert loop.controller.status().state is MotionState.REACHED
 
 
-def test_an_arm_that_does_not_arrive_is_stuck(arm: Arm) -> None:
+def test_an_arm_that_does_not_arrive_is_stuck(arm: MotionArm) -> None:
     loop = Loop(arm)
     loop.controller.command(target(PoseMove(AWAY)))
     start = JointSample(0.0, arm.home, np.zeros(6), np.zeros(6))
@@ -120,21 +120,21 @@ def test_an_arm_that_does_not_arrive_is_stuck(arm: Arm) -> None:
     assert "mm from its target" in status.reason
 
 
-def test_time_must_go_forward_in_short_steps(arm: Arm) -> None:
+def test_time_must_go_forward_in_short_steps(arm: MotionArm) -> None:
     loop, sample = Loop(arm), JointSample(0.0, arm.home, np.zeros(6), np.zeros(6))
     for time in (0.0, -1.0, 5.0):
         with pytest.raises(PackError, match="allowed: forward"):
             loop.controller.step(time, sample)
 
 
-def midway(arm: Arm) -> Array:
+def midway(arm: MotionArm) -> Array:
     """A point that the tool passes on its way."""
     loop = Loop(arm)
     loop.run(target(PoseMove(HOVER)))
     return np.asarray(loop.tool[len(loop.q) // 2])
 
 
-def test_an_obstacle_put_into_the_path_is_driven_around(arm: Arm) -> None:
+def test_an_obstacle_put_into_the_path_is_driven_around(arm: MotionArm) -> None:
     thing = Obstacle(
         "thing", Pose(midway(arm) - np.array([0, 0, 0.15])), np.array([0.15, 0.15, 0.4]), is_moving=True
     )
@@ -147,7 +147,7 @@ def test_an_obstacle_put_into_the_path_is_driven_around(arm: Arm) -> None:
     assert np.all(loop.accelerations <= 1.001)
 
 
-def test_an_obstacle_that_comes_along_is_kept_clear_of(arm: Arm) -> None:
+def test_an_obstacle_that_comes_along_is_kept_clear_of(arm: MotionArm) -> None:
     start, v = midway(arm) + np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.25, 0.0])
     size, gaps = np.full(3, 0.3), []
 
@@ -165,7 +165,7 @@ def test_an_obstacle_that_comes_along_is_kept_clear_of(arm: Arm) -> None:
     assert np.all(loop.accelerations <= 1.001)
 
 
-def test_a_wall_that_cannot_be_passed_leaves_the_arm_stuck_before_it_until_it_goes(arm: Arm) -> None:
+def test_a_wall_that_cannot_be_passed_leaves_the_arm_stuck_before_it_until_it_goes(arm: MotionArm) -> None:
     wall = Obstacle("wall", Pose(midway(arm)), np.array([0.1, 2.5, 3.0]), is_moving=True)
     loop = Loop(arm)
     loop.run(target(PoseMove(HOVER)), lambda _: [wall], limit=12.0)
@@ -179,7 +179,7 @@ def test_a_wall_that_cannot_be_passed_leaves_the_arm_stuck_before_it_until_it_go
     assert loop.controller.status().state is MotionState.REACHED
 
 
-def test_the_literal_table_breaks_the_real_limits_of_the_arm(arm: Arm) -> None:
+def test_the_literal_table_breaks_the_real_limits_of_the_arm(arm: MotionArm) -> None:
     """The ablation is what it is said to be: fast, and far beyond what the joints can do."""
     loop = Loop(arm, "table_4_1")
     loop.run(target(PoseMove(HOVER)))

@@ -10,7 +10,7 @@ from pack_core.motion.moves import Line, Path, PoseMove
 from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.controller import MotionController
 from pack_motion.interruption import RISES, rising
 from pack_motion.setpoint_stream import REST_SPEED, SetpointStream
@@ -20,17 +20,17 @@ from unit.pack_motion.loop import pose
 PERIOD, HORIZON = 0.004, 0.024
 
 
-def sample(arm: Arm, time: float) -> JointSample:
+def sample(arm: MotionArm, time: float) -> JointSample:
     return JointSample(time, arm.home, np.zeros(6), np.zeros(6))
 
 
 @pytest.fixture
-def stream(arm: Arm) -> SetpointStream:
+def stream(arm: MotionArm) -> SetpointStream:
     controller = MotionController(arm, motion_set("shipped"), 1.0, arm.home)
     return SetpointStream(controller, PERIOD, HORIZON, arm.limits.velocity)
 
 
-def test_rows_reach_from_a_time_that_has_come_to_the_horizon(arm: Arm, stream: SetpointStream) -> None:
+def test_rows_reach_from_a_time_that_has_come_to_the_horizon(arm: MotionArm, stream: SetpointStream) -> None:
     for time in (1.0, 1.004, 1.011, 1.030):
         reference = stream.advance(sample(arm, time))
         assert time - PERIOD - 1e-9 <= reference.time <= time + 1e-9
@@ -38,7 +38,7 @@ def test_rows_reach_from_a_time_that_has_come_to_the_horizon(arm: Arm, stream: S
         np.testing.assert_allclose(np.diff(reference.offsets), PERIOD, atol=1e-9)
 
 
-def test_a_row_once_given_out_never_changes(arm: Arm, stream: SetpointStream) -> None:
+def test_a_row_once_given_out_never_changes(arm: MotionArm, stream: SetpointStream) -> None:
     stream.controller.command(MotionTarget(1, Path((PoseMove(pose(-2.5, 2.5, 1.1)),))))
     first, second = (stream.advance(sample(arm, time)) for time in (1.0, 1.008))
     shared = len(first.q) - 2
@@ -46,13 +46,13 @@ def test_a_row_once_given_out_never_changes(arm: Arm, stream: SetpointStream) ->
     assert np.abs(second.v[-1]).max() > 0.0
 
 
-def test_only_time_that_goes_back_begins_anew(arm: Arm, stream: SetpointStream) -> None:
+def test_only_time_that_goes_back_begins_anew(arm: MotionArm, stream: SetpointStream) -> None:
     stream.advance(sample(arm, 1.0))
     assert not stream.has_begun_anew(sample(arm, 0.99))
     assert stream.has_begun_anew(sample(arm, 0.5))
 
 
-def test_an_arm_that_stands_goes_on_after_any_gap(arm: Arm, stream: SetpointStream) -> None:
+def test_an_arm_that_stands_goes_on_after_any_gap(arm: MotionArm, stream: SetpointStream) -> None:
     stream.advance(sample(arm, 1.0))
     reference = stream.advance(sample(arm, 9.0))
     assert reference is not None
@@ -94,7 +94,7 @@ MOVE = Path((PoseMove(GOAL, label="there"), Line(LAST, label="down", entry_speed
 @pytest.mark.parametrize("lost", ["setpoints", "measurements"])
 @pytest.mark.parametrize("label", ["there", "down"])
 def test_a_move_that_is_interrupted_is_held_until_the_arm_stands_and_then_goes_on(
-    arm: Arm, stream: SetpointStream, lost: str, label: str
+    arm: MotionArm, stream: SetpointStream, lost: str, label: str
 ) -> None:
     driver, controller = Driver(stream, 1.0, arm.home), stream.controller
     controller.command(MotionTarget(5, MOVE))
@@ -117,7 +117,9 @@ def test_a_move_that_is_interrupted_is_held_until_the_arm_stands_and_then_goes_o
     assert np.linalg.norm(arm.chain.forward(driver.q).p - LAST.p) < 1e-4
 
 
-def test_of_a_move_that_is_stopped_while_it_is_held_nothing_is_left(arm: Arm, stream: SetpointStream) -> None:
+def test_of_a_move_that_is_stopped_while_it_is_held_nothing_is_left(
+    arm: MotionArm, stream: SetpointStream
+) -> None:
     driver, controller = Driver(stream, 1.0, arm.home), stream.controller
     controller.command(MotionTarget(5, MOVE))
     while np.abs(driver.v).max() < 0.5:
@@ -135,7 +137,7 @@ def test_of_a_move_that_is_stopped_while_it_is_held_nothing_is_left(arm: Arm, st
 
 
 def test_an_arm_that_is_moved_by_force_is_followed_and_moves_nowhere_by_itself(
-    arm: Arm, stream: SetpointStream
+    arm: MotionArm, stream: SetpointStream
 ) -> None:
     driver = Driver(stream, 1.0, arm.home)
     driver.tick()
@@ -158,7 +160,9 @@ def interrupted(driver: Driver, move: Path, label: str) -> MotionTarget:
     return driver.stream.left
 
 
-def test_an_arm_that_came_to_rest_too_low_rises_before_it_goes_on(arm: Arm, stream: SetpointStream) -> None:
+def test_an_arm_that_came_to_rest_too_low_rises_before_it_goes_on(
+    arm: MotionArm, stream: SetpointStream
+) -> None:
     """A box as high as the tool stands in the straight way of the joints to a goal on the same level."""
     low = pose(-1.9, 2.75, 0.95)
     driver, controller = Driver(stream, 1.0, arm.home), stream.controller
@@ -174,7 +178,7 @@ def test_an_arm_that_came_to_rest_too_low_rises_before_it_goes_on(arm: Arm, stre
 
 
 def test_a_rounded_corner_that_was_interrupted_is_no_reason_to_refuse(
-    arm: Arm, stream: SetpointStream
+    arm: MotionArm, stream: SetpointStream
 ) -> None:
     aside = pose(-2.4, 2.4, 0.9)
     move = Path(

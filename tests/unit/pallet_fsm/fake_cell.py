@@ -21,12 +21,12 @@ from pallet_fsm.ports import (
     CloseGripper,
     Command,
     DiscardBox,
-    Look,
-    MoveArm,
-    Observation,
     OpenGripper,
+    PalletObservation,
+    PursueTarget,
     SpawnBox,
     StopArm,
+    TakePicture,
 )
 from pallet_fsm.tool_poses import LOOKING_DOWN
 
@@ -38,8 +38,8 @@ HOME = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
 REACH = 0.01
 MUTES = {
     SpawnBox: "feeder",
-    Look: "camera",
-    MoveArm: "motion",
+    TakePicture: "camera",
+    PursueTarget: "motion",
     CloseGripper: "gripper",
     OpenGripper: "gripper",
 }
@@ -100,17 +100,17 @@ class FakeCell:
         self._segments: list[tuple[str, Pose]] = []
         self._rng = np.random.default_rng(0)
 
-    def observe(self) -> Observation:
+    def observe(self) -> PalletObservation:
         self.time += PERIOD
         self._advance()
-        return Observation(self.time, self._status(), self.grip, self.spawned, self.detection)
+        return PalletObservation(self.time, self._status(), self.grip, self.spawned, self.detection)
 
     def obey(self, command: Command) -> None:
         actions: dict[type, Callable[[], None]] = {
             SpawnBox: lambda: self._spawn(command.name, command.dims),
             DiscardBox: lambda: self._discard(command.name),
-            Look: lambda: self._look(command.expected),
-            MoveArm: lambda: self._take(command.target),
+            TakePicture: lambda: self._look(command.expected),
+            PursueTarget: lambda: self._take(command.target),
             StopArm: self._stop,
             CloseGripper: self._close,
             OpenGripper: lambda: self._open(ASKED),

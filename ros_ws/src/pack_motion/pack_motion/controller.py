@@ -13,17 +13,17 @@ from pack_core.motion.moves import JointMove, Mode, Path
 from pack_core.motion.target import Acceptance, MotionStatus, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.interruption import left_of, rising, standing_plan
 from pack_motion.move_monitor import MoveMonitor
-from pack_motion.reference.path_planner import Plan
+from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.spheres import arm_spheres
 from pack_motion.target_planner import PreparedTarget, TargetPlanner
 from pack_motion.tracking.config import MotionSet
 from pack_motion.tracking.obstacle_field import ObstacleField
 from pack_motion.tracking.pursuit import Pursuit, pursuit_of
-from pack_motion.tracking.tracker import Surroundings, Tracker
+from pack_motion.tracking.tracker import PolicyInputs, Tracker
 
 LONGEST_STEP = 0.1
 """A longer step is a gap in time that must not be integrated over [s]."""
@@ -39,7 +39,7 @@ class MotionController:
         q: where the arm stands `(n,)` [rad].
     """
 
-    def __init__(self, arm: Arm, config: MotionSet, time: float, q: Array) -> None:
+    def __init__(self, arm: MotionArm, config: MotionSet, time: float, q: Array) -> None:
         self._arm, self._config = arm, config
         self._planner = TargetPlanner(arm, config.clearance)
         self._arm_spheres = arm_spheres(arm, config.first_sphere_link)
@@ -81,7 +81,7 @@ class MotionController:
         return self._is_held
 
     @property
-    def plan(self) -> Plan:
+    def plan(self) -> MotionPlan:
         """What is being followed."""
         return self._pursuit.plan
 
@@ -176,7 +176,7 @@ class MotionController:
         if mode is not self._mode:
             self._mode = mode
             self._refresh_field()
-        seen = Surroundings(self._config.policies(mode), self._spheres, self._field)
+        seen = PolicyInputs(self._config.policies(mode), self._spheres, self._field)
         tracker.step(h, before, after, posture, seen)
         self._monitor.progress.record(time, tracker.state)
         self._monitor.judge(h, sample, pursuit, self._target, (tracker.least_distance, self._field.names))
@@ -186,7 +186,7 @@ class MotionController:
         """Where the move stands."""
         return self._monitor.status(self._time, self._pursuit)
 
-    def _follow(self, target: MotionTarget, plan: Plan) -> None:
+    def _follow(self, target: MotionTarget, plan: MotionPlan) -> None:
         self._target = target
         self._pursuit = pursuit_of(plan, self._arm, self._config)
         self._spheres = self._arm_spheres.with_carried(self._arm, target.carried)

@@ -9,8 +9,8 @@ import numpy as np
 from pack_core.motion.moves import UP, JointMove, Line, Path
 from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.rotations import Array, Pose
-from pack_motion.reference.path_planner import Plan
-from pack_motion.reference.trajectory import Trajectory
+from pack_motion.reference.path_planner import MotionPlan
+from pack_motion.reference.trajectory import ReferenceTrajectory
 
 UNFINISHED = (MotionState.MOVING, MotionState.SETTLING)
 """States in which something of a move is left."""
@@ -20,7 +20,7 @@ RISES = (0.1, 0.2, 0.3, 0.5, 0.7)
 """Heights that the tool rises by before it goes on, where it cannot go on at once [m]."""
 
 
-def left_of(target: MotionTarget, plan: Plan, segment: int, state: MotionState) -> MotionTarget | None:
+def left_of(target: MotionTarget, plan: MotionPlan, segment: int, state: MotionState) -> MotionTarget | None:
     """The segments of a plan from the running one on, under the target's number; None where none is left.
 
     A line that is begun anew is not quite the old one, so that the corner after it is not rounded.
@@ -43,9 +43,11 @@ def rising(target: MotionTarget, X_WT: Pose) -> tuple[MotionTarget, ...]:
     return tuple(replace(target, move=Path((rise, *target.move.segments))) for rise in rises)
 
 
-def standing_plan(q: Array, interrupted: Plan, segment: int) -> Plan:
+def standing_plan(q: Array, interrupted: MotionPlan, segment: int) -> MotionPlan:
     """Stand at `q` `(n,)` [rad] in the middle of another plan: its goal and the running label stay."""
     rest = np.zeros((2, len(q)))
-    trajectory = Trajectory(np.array([0.0, SHORT]), rest + q, rest, rest, np.zeros(2, dtype=np.int64))
+    trajectory = ReferenceTrajectory(
+        np.array([0.0, SHORT]), rest + q, rest, rest, np.zeros(2, dtype=np.int64)
+    )
     label = interrupted.segments[segment].label
-    return Plan(trajectory, (JointMove(q, label=label),), interrupted.X_WT)
+    return MotionPlan(trajectory, (JointMove(q, label=label),), interrupted.X_WT)

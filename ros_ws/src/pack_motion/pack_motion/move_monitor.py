@@ -8,7 +8,7 @@ import numpy as np
 
 from pack_core.joints import JointSample
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.reach_progress import ReachProgress
 from pack_motion.stuck import StuckDetector
 from pack_motion.tracking.config import Stuck
@@ -27,7 +27,7 @@ class MoveMonitor:
         progress: how that is being reached, as measured.
     """
 
-    def __init__(self, arm: Arm, config: Stuck) -> None:
+    def __init__(self, arm: MotionArm, config: Stuck) -> None:
         self._arm = arm
         self._stuck = StuckDetector(config)
         self._reason, self._id = "", 0

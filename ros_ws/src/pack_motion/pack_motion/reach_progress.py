@@ -9,7 +9,7 @@ import numpy as np
 from pack_core.joints import JointSample
 from pack_core.motion.target import Tolerance
 from pack_core.rotations import Array, Pose, angle_between
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.trajectory import JointState
 
 MEMORY = 64
@@ -19,7 +19,7 @@ MEMORY = 64
 class ReachProgress:
     """Compares what the joints do with what they were told and with where they are going."""
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: MotionArm) -> None:
         self._arm = arm
         self._commanded: deque[tuple[float, JointState]] = deque(maxlen=MEMORY)
         self.X_WT = Pose(np.zeros(3))

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from pack_core.motion.moves import JointMove, Path
 from pack_core.motion.target import MotionTarget
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
 from pack_motion.clearance.transfer import TransferPlanner
-from pack_motion.reference.path_planner import PathPlanner, Plan
+from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
 
@@ -20,7 +20,7 @@ class PreparedTarget:
     """A target with its plan, or why there is none."""
 
     target: MotionTarget
-    plan: Plan | None
+    plan: MotionPlan | None
     reason: str
 
 
@@ -32,13 +32,13 @@ class TargetPlanner:
         clearance: of moves that are checked [m].
     """
 
-    def __init__(self, arm: Arm, clearance: float) -> None:
+    def __init__(self, arm: MotionArm, clearance: float) -> None:
         self._arm = arm
         self._paths = PathPlanner(arm)
         self._check = ClearanceCheck(arm, clearance)
         self._transfers = TransferPlanner(arm, self._paths, self._check)
 
-    def plan(self, start: JointState, target: MotionTarget) -> Plan:
+    def plan(self, start: JointState, target: MotionTarget) -> MotionPlan:
         """The plan for a target from `start`.
 
         Raises:
@@ -71,8 +71,8 @@ class TargetPlanner:
                 refusals.append(str(refusal))
         return PreparedTarget(target, None, refusals[0])
 
-    def stop(self, start: JointState) -> Plan:
+    def stop(self, start: JointState) -> MotionPlan:
         """The fastest stop from `start`."""
         trajectory = self._paths.stop(start)
         goal = JointMove(trajectory.end.q, label="stop")
-        return Plan(trajectory, (goal,), self._arm.chain.forward(trajectory.end.q))
+        return MotionPlan(trajectory, (goal,), self._arm.chain.forward(trajectory.end.q))

@@ -9,12 +9,12 @@ from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.target import MotionTarget
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Pose
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import MotionSet
 
 
-def warm_up(arm: Arm, config: MotionSet) -> None:
+def warm_up(arm: MotionArm, config: MotionSet) -> None:
     """Plan and step with an arm that is not there; half a minute where nothing has been compiled yet."""
     controller = MotionController(arm, config, 0.0, arm.home)
     X_WT = arm.chain.forward(arm.home)

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from pack_core.robots.joint_limits import JointLimits
-from pack_core.robots.servo import Servo
+from pack_core.robots.servo import JointServoGains
 from pack_core.rotations import Array
 
 
@@ -22,7 +22,9 @@ class JointServo:
         timestep: between two calls of `torque` [s].
     """
 
-    def __init__(self, model: mujoco.MjModel, limits: JointLimits, servo: Servo, timestep: float) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, limits: JointLimits, servo: JointServoGains, timestep: float
+    ) -> None:
         self._model, self._data = model, mujoco.MjData(model)
         self._q, self._v = _indices(model, limits.names)
         self._kp, self._kd = servo.stiffness, servo.damping

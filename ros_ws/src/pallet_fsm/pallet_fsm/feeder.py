@@ -6,7 +6,7 @@ from pydantic import NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
-from pallet_fsm.ports import Command, Look, Observation, SpawnBox
+from pallet_fsm.ports import Command, PalletObservation, SpawnBox, TakePicture
 from pallet_fsm.work_item import WorkItem
 
 
@@ -61,7 +61,7 @@ class Feeder:
             return
         if time >= self._arrival + self._config.settle:
             self._looked = time
-            self._commands.append(Look(ExpectedBox(self.item.name, self.item.box.dims, time)))
+            self._commands.append(TakePicture(ExpectedBox(self.item.name, self.item.box.dims, time)))
 
     def is_late(self, time: float) -> bool:
         """Whether the box has not come in time."""
@@ -72,7 +72,7 @@ class Feeder:
         waits = self.answer is None and self._looked is not None
         return waits and time > (self._looked or 0.0) + self._config.patience
 
-    def observe(self, seen: Observation) -> None:
+    def observe(self, seen: PalletObservation) -> None:
         """Take note of arrivals and answers."""
         if self.item is not None:
             if self._arrival is None and seen.spawned == self.item.name:

@@ -29,7 +29,7 @@ from pallet_fsm.ros.requests import requested_config, requested_order
 from pallet_fsm.ros.results import to_result
 
 
-class FsmNodeConfig(PalletizerConfig):
+class PalletFsmNodeConfig(PalletizerConfig):
     """Parameters of the node `fsm`."""
 
     watched: tuple[str, ...] = Field(
@@ -39,12 +39,12 @@ class FsmNodeConfig(PalletizerConfig):
     fault_time: float = Field(default=2.0, gt=0, description="silence that ends an order [s of wall clock]")
 
 
-class FsmNode(GoalNode):
+class PalletFsmNode(GoalNode):
     """Builds one order at a time."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("fsm", **kwargs)
-        self._config = read_parameters(self, FsmNodeConfig)
+        self._config = read_parameters(self, PalletFsmNodeConfig)
         profile_of(self._config.profile)
         self._planning: Future | None = None
         self._run: OrderRun | None = None
@@ -120,4 +120,4 @@ class FsmNode(GoalNode):
 
 def main() -> int:
     """Entry point of `fsm_node`."""
-    return run_node(FsmNode)
+    return run_node(PalletFsmNode)

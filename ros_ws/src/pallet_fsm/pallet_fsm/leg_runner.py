@@ -11,7 +11,7 @@ from pallet_fsm.goals import Goals
 from pallet_fsm.mover import Mover
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.ports import MoveArm, Observation
+from pallet_fsm.ports import PalletObservation, PursueTarget
 from pallet_fsm.profile import Profile
 from pallet_fsm.states import ROWS, Grip, Place, State
 from pallet_fsm.surroundings import TABLES
@@ -59,7 +59,7 @@ class LegRunner:
         place = ROWS[state].place
         self._touched = frozenset({TABLES[place]}) if place in TABLES else frozenset()
 
-    def follow(self, state: State, item: WorkItem, seen: Observation) -> Event | MoveArm | None:
+    def follow(self, state: State, item: WorkItem, seen: PalletObservation) -> Event | PursueTarget | None:
         """Begin a leg in `state` or follow the one that runs."""
         if self._mover.leg is None:
             return self._begin(state, item, seen)
@@ -70,7 +70,7 @@ class LegRunner:
             self._touched = self._touched_at(leg.end, item)
         return outcome
 
-    def _begin(self, state: State, item: WorkItem, seen: Observation) -> Event | MoveArm:
+    def _begin(self, state: State, item: WorkItem, seen: PalletObservation) -> Event | PursueTarget:
         target: WorkItem | None = item
         if state in (State.RETREAT, State.RETURN):
             target = self._book.upcoming if item.is_finished else None

@@ -11,7 +11,7 @@ from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
 from pack_core.motion.world import CarriedBox, Obstacle
 from pallet_fsm.checkers import TOLERANCES, TargetChecker
 from pallet_fsm.goals import Leg
-from pallet_fsm.ports import MoveArm
+from pallet_fsm.ports import PursueTarget
 from pallet_fsm.profile import Profile
 from pallet_fsm.states import ROWS, Check, Part, State
 from pallet_fsm.transitions import Event
@@ -52,13 +52,13 @@ class Mover:
         carried: CarriedBox | None,
         obstacles: tuple[Obstacle, ...],
         time: float,
-    ) -> MoveArm | Event:
+    ) -> PursueTarget | Event:
         """Offer the first of some legs, each with the names of what it may touch."""
         self._rest, self._refusals, self.reason = list(legs), [], ""
         self._surroundings = carried, obstacles
         return self._offer(time) or self._trouble(Event.NOT_CLEAR, "there is no way to hold the box so")
 
-    def follow(self, status: MotionStatus, state: State) -> Event | MoveArm | None:
+    def follow(self, status: MotionStatus, state: State) -> Event | PursueTarget | None:
         """What becomes of the leg while the machine is in `state`."""
         if self.leg is None or status.id != self._id:
             return self._wait(status.time)
@@ -74,7 +74,7 @@ class Mover:
             return self._arrive(status)
         return Event.REACHED if self._has_passed(status, state) else None
 
-    def _offer(self, time: float) -> MoveArm | None:
+    def _offer(self, time: float) -> PursueTarget | None:
         if not self._rest:
             return None
         (self.leg, contacts), self._rest = self._rest[0], self._rest[1:]
@@ -82,7 +82,9 @@ class Mover:
         check = ROWS[self.leg.end].check or Check.TRANSIT
         self._checker = TargetChecker(self.leg.X_WT, check)
         carried, obstacles = self._surroundings
-        return MoveArm(MotionTarget(self._id, self.leg.move, carried, obstacles, contacts, TOLERANCES[check]))
+        return PursueTarget(
+            MotionTarget(self._id, self.leg.move, carried, obstacles, contacts, TOLERANCES[check])
+        )
 
     def _wait(self, time: float) -> Event | None:
         if self.leg is not None and time > self._sent + self._config.answer_time:

@@ -17,7 +17,7 @@ from pallet_fsm.leg_runner import LegRunner
 from pallet_fsm.machine import Machine
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.ports import Command, DiscardBox, MoveArm, Observation, StopArm
+from pallet_fsm.ports import Command, DiscardBox, PalletObservation, PursueTarget, StopArm
 from pallet_fsm.profile import profile_of
 from pallet_fsm.report import BoxOutcome, OrderReport
 from pallet_fsm.states import FAULTS, HOLDING, ROWS, Grip, Place, State
@@ -65,7 +65,7 @@ class Palletizer:
         """Stop safely at the next step."""
         self._halt = reason
 
-    def step(self, seen: Observation) -> tuple[Command, ...]:
+    def step(self, seen: PalletObservation) -> tuple[Command, ...]:
         """Go on as far as what is seen allows; what is to be done now."""
         self._commands = []
         self._feeder.observe(seen)
@@ -75,7 +75,7 @@ class Palletizer:
             self._feed_ahead(seen.time)
         return (*self._commands, *self._feeder.commands())
 
-    def _happened(self, seen: Observation) -> tuple[Event, str] | None:
+    def _happened(self, seen: PalletObservation) -> tuple[Event, str] | None:
         """The event that takes the machine on, and its reason; None while there is none."""
         state = self.machine.state
         if state in FAULTS:
@@ -107,7 +107,7 @@ class Palletizer:
         is_wrong = answer.status is DetectionStatus.WRONG_SIZE
         return Event.WRONG_SIZE if is_wrong else Event.NO_DETECTION, answer.reason
 
-    def _motion(self, state: State, seen: Observation) -> tuple[Event, str] | None:
+    def _motion(self, state: State, seen: PalletObservation) -> tuple[Event, str] | None:
         if self._hand.is_busy:
             event = self._hand.look(seen.grip, seen.time)
             return (event, self._hand.reason) if event is not None else None
@@ -118,7 +118,7 @@ class Palletizer:
                 seen.grip.reason or "nothing in the hand",
             )
         outcome = self._legs.follow(state, self.item, seen)
-        if isinstance(outcome, MoveArm):
+        if isinstance(outcome, PursueTarget):
             self._commands.append(outcome)
             return None
         if outcome is Event.REACHED and ROWS[state].grip in (Grip.CLOSE, Grip.OPEN):
@@ -126,7 +126,7 @@ class Palletizer:
             return None
         return None if outcome is None else (outcome, self._legs.reason)
 
-    def _fire(self, event: Event, reason: str, seen: Observation) -> None:
+    def _fire(self, event: Event, reason: str, seen: PalletObservation) -> None:
         before = self.machine.state
         self._take_effect(event, before, seen)
         state = self.machine.fire(event, seen.time, self.item.name, reason)
@@ -138,7 +138,7 @@ class Palletizer:
         elif state is State.SAFE_STOP:
             self._commands.append(StopArm())
 
-    def _take_effect(self, event: Event, state: State, seen: Observation) -> None:
+    def _take_effect(self, event: Event, state: State, seen: PalletObservation) -> None:
         """What an event makes of the box in work."""
         item, X_WT = self.item, seen.motion.X_WT
         if event is Event.GRIPPED:

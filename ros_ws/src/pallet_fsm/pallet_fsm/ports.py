@@ -10,7 +10,7 @@ from pack_core.palletizing.grip import GripState
 
 
 @dataclass(frozen=True)
-class Observation:
+class PalletObservation:
     """What is known now.
 
     Attributes:
@@ -45,14 +45,14 @@ class DiscardBox:
 
 
 @dataclass(frozen=True)
-class Look:
+class TakePicture:
     """Take a picture of table A and find the box in it."""
 
     expected: ExpectedBox
 
 
 @dataclass(frozen=True)
-class MoveArm:
+class PursueTarget:
     """Pursue a motion target."""
 
     target: MotionTarget
@@ -73,4 +73,4 @@ class OpenGripper:
     """Let go."""
 
 
-Command = SpawnBox | DiscardBox | Look | MoveArm | StopArm | CloseGripper | OpenGripper
+Command = SpawnBox | DiscardBox | TakePicture | PursueTarget | StopArm | CloseGripper | OpenGripper

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.cell import PalletizingCell, Table
+from pack_core.palletizing.cell import BoxTable, PalletizingCell
 from pack_core.palletizing.orders.order import OrderBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array, Pose
@@ -44,7 +44,7 @@ def neighbours(placed: PlacedBox, others: Mapping[str, PlacedBox]) -> frozenset[
     return frozenset(near - {placed.id}) | {PALLET}
 
 
-def _table(name: str, table: Table) -> Obstacle:
+def _table(name: str, table: BoxTable) -> Obstacle:
     return _block(name, table.centre, table.size, table.height)
 
 

@@ -8,12 +8,12 @@ from pack_core.blocks.model import arm_model
 from pack_core.robots import robotiq_2f85
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS, thickness_at
 from pack_core.rotations import Array
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 
 OPENING = 0.0588
 
 
-def in_tool(arm: Arm, opening: float) -> tuple[Array, Array]:
+def in_tool(arm: MotionArm, opening: float) -> tuple[Array, Array]:
     """Lower and upper corners `(k, 3)` of the fingers' boxes in the tool's frame, whose axes they share."""
     fingers = arm.fingers
     assert fingers is not None
@@ -23,7 +23,7 @@ def in_tool(arm: Arm, opening: float) -> tuple[Array, Array]:
     return centres - half[:, :, 0], centres + half[:, :, 0]
 
 
-def test_between_open_fingers_there_is_just_the_opening(small_arm: Arm) -> None:
+def test_between_open_fingers_there_is_just_the_opening(small_arm: MotionArm) -> None:
     lower, upper = in_tool(small_arm, OPENING)
     right, left = lower[:, 0] >= 0, upper[:, 0] <= 0
     assert np.all(right | left)
@@ -31,7 +31,7 @@ def test_between_open_fingers_there_is_just_the_opening(small_arm: Arm) -> None:
     assert upper[left, 0].max() == pytest.approx(-OPENING / 2, abs=1e-6)
 
 
-def test_boxes_are_as_thick_as_the_finger_slopes(small_arm: Arm) -> None:
+def test_boxes_are_as_thick_as_the_finger_slopes(small_arm: MotionArm) -> None:
     lower, upper = in_tool(small_arm, OPENING)
     for height in (0.001, 0.01, 0.02, 0.03):
         around = (upper[:, 0] > 0) & (lower[:, 2] <= -height) & (upper[:, 2] >= -height)
@@ -40,7 +40,7 @@ def test_boxes_are_as_thick_as_the_finger_slopes(small_arm: Arm) -> None:
         assert thickness <= thickness_at(height + 0.002) + 1e-9
 
 
-def test_boxes_beside_a_block_fit_into_the_room_that_the_planner_gives_them(small_arm: Arm) -> None:
+def test_boxes_beside_a_block_fit_into_the_room_that_the_planner_gives_them(small_arm: MotionArm) -> None:
     footprint = GripperFootprint()
     _, upper = in_tool(small_arm, footprint.grasp_opening(0.0508))
     beside = (upper[:, 0] > 0) & (-upper[:, 2] < footprint.insertion - 1e-6)
@@ -48,7 +48,7 @@ def test_boxes_beside_a_block_fit_into_the_room_that_the_planner_gives_them(smal
     assert upper[beside, 1].max() <= footprint.slab_width / 2
 
 
-def test_every_point_of_the_fingers_is_in_a_box(small_arm: Arm) -> None:
+def test_every_point_of_the_fingers_is_in_a_box(small_arm: MotionArm) -> None:
     model = arm_model(blocks_cell())
     data = mujoco.MjData(model)
     for name in FINGER_JOINTS:

@@ -9,8 +9,8 @@ from pack_core.motion.moves import JointMove, Line, Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Pose, from_yaw
-from pack_motion.arm.arm import Arm
-from pack_motion.reference.path_planner import Plan
+from pack_motion.arm.arm import MotionArm
+from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
 from pack_motion.target_planner import TargetPlanner
@@ -32,16 +32,18 @@ def block(name: str, x: float, y: float, yaw: float = 0.0) -> Obstacle:
 class Bench:
     """Plans from the arm's look-out."""
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: MotionArm) -> None:
         self.arm, self.planner = arm, TargetPlanner(arm, motion_set("shipped").clearance)
 
-    def plan(self, move: Path, *blocks: Obstacle, opening: float = WIDE, start: Plan | None = None) -> Plan:
+    def plan(
+        self, move: Path, *blocks: Obstacle, opening: float = WIDE, start: MotionPlan | None = None
+    ) -> MotionPlan:
         state = start.trajectory.end if start else JointState.at_rest(self.arm.home)
         return self.planner.plan(state, MotionTarget(1, move, obstacles=(TABLE, *blocks), opening=opening))
 
 
 @pytest.fixture(scope="module")
-def bench(small_arm: Arm) -> Bench:
+def bench(small_arm: MotionArm) -> Bench:
     return Bench(small_arm)
 
 

@@ -6,12 +6,12 @@ import pytest
 from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, Pose
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding, with_carried
 from pack_motion.clearance.conflict import Conflict
 from pack_motion.clearance.separation import gaps_along
 from pack_motion.clearance.transfer import TransferPlanner
-from pack_motion.reference.path_planner import PathPlanner, Plan
+from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import motion_set
@@ -42,13 +42,13 @@ def transfer() -> Transfer:
 class Bench:
     """Everything that plans for one arm."""
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: MotionArm) -> None:
         self.arm = arm
         self.paths, self.check = PathPlanner(arm), ClearanceCheck(arm, CLEARANCE)
         self.transfers = TransferPlanner(arm, self.paths, self.check)
         self.at_pick = self.paths.plan(JointState.at_rest(arm.home), Path((PoseMove(PICK),))).trajectory.end
 
-    def plan(self, *obstacles: Obstacle) -> Plan:
+    def plan(self, *obstacles: Obstacle) -> MotionPlan:
         around = Surrounding((TABLE, DECK, *obstacles), BOX, CONTACTS)
         return self.transfers.plan(JointState.at_rest(self.at_pick.q), transfer(), around)
 
@@ -58,7 +58,7 @@ class Bench:
         plan = self.paths.plan(JointState.at_rest(self.at_pick.q), Path((PoseMove(goal, label="over"),)))
         return self.check.conflict(plan, Surrounding((obstacle,), BOX, contacts))
 
-    def least_gap(self, plan: Plan, obstacle: Obstacle) -> float:
+    def least_gap(self, plan: MotionPlan, obstacle: Obstacle) -> float:
         """From the arm and its box, at every row of the transit [m]."""
         bodies, chain = with_carried(self.arm, Surrounding(carried=BOX)), self.arm.chain
         q = plan.trajectory.q[plan.trajectory.segment == 1]
@@ -70,11 +70,11 @@ class Bench:
 
 
 @pytest.fixture(scope="module")
-def bench(arm: Arm) -> Bench:
+def bench(arm: MotionArm) -> Bench:
     return Bench(arm)
 
 
-def heights(plan: Plan) -> Array:
+def heights(plan: MotionPlan) -> Array:
     """How far it lifts and from how high it comes in [m]."""
     segments = plan.segments
     return np.array([segments[0].X_WT.p[2] - PICK.p[2], segments[1].X_WT.p[2] - 0.37])  # type: ignore[union-attr]

@@ -7,26 +7,26 @@ from hypothesis import strategies as st
 
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
 from pack_core.rotations import Array, angle_between
-from pack_motion.arm.arm import Arm
-from pack_motion.reference.path_planner import PathPlanner, Plan
+from pack_motion.arm.arm import MotionArm
+from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.trajectory import JointState, Trajectory
+from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
 from unit.pack_motion.loop import pose
 
 ABOVE, ON = pose(-2.5, 2.5, 1.0, 0.1), pose(-2.5, 2.5, 0.8, 0.1)
 places = st.tuples(st.floats(-2.9, -2.1), st.floats(2.2, 2.8), st.floats(0.8, 1.6), st.floats(-1.5, 1.5))
 
 
-def planned(arm: Arm, *segments: Segment, q: Array | None = None) -> Plan:
+def planned(arm: MotionArm, *segments: Segment, q: Array | None = None) -> MotionPlan:
     start = JointState.at_rest(arm.home if q is None else q)
     return PathPlanner(arm).plan(start, Path(segments))
 
 
-def tool(arm: Arm, trajectory: Trajectory) -> Array:
+def tool(arm: MotionArm, trajectory: ReferenceTrajectory) -> Array:
     return np.array([arm.chain.forward_matrix(q)[1] for q in trajectory.q])
 
 
-def assert_is_consistent(arm: Arm, rows: Trajectory) -> None:
+def assert_is_consistent(arm: MotionArm, rows: ReferenceTrajectory) -> None:
     """Rows are each other's derivatives, within all limits."""
     h = np.diff(rows.times)[:, None]
     mean_v, mean_a = (0.5 * (x[1:] + x[:-1]) for x in (rows.v, rows.a))
@@ -39,7 +39,9 @@ def assert_is_consistent(arm: Arm, rows: Trajectory) -> None:
 
 @given(place=places)
 @settings(max_examples=15, deadline=None)
-def test_references_keep_every_joint_limit_and_end_at_the_goal(arm: Arm, place: tuple[float, ...]) -> None:
+def test_references_keep_every_joint_limit_and_end_at_the_goal(
+    arm: MotionArm, place: tuple[float, ...]
+) -> None:
     x, y, z, yaw = place
     goal = pose(x, y, z, yaw)
     plan = planned(arm, PoseMove(pose(x, y, z + 0.2, yaw)), Line(goal, entry_speed=0.25))
@@ -49,7 +51,7 @@ def test_references_keep_every_joint_limit_and_end_at_the_goal(arm: Arm, place: 
     assert angle_between(plan.X_WT.q, goal.q) < 1e-6
 
 
-def test_lines_are_straight_and_keep_the_orientation(arm: Arm) -> None:
+def test_lines_are_straight_and_keep_the_orientation(arm: MotionArm) -> None:
     plan = planned(arm, PoseMove(ABOVE), Line(ON, entry_speed=0.25))
     line = plan.trajectory.segment == 1
     way = tool(arm, plan.trajectory)[line]
@@ -59,14 +61,14 @@ def test_lines_are_straight_and_keep_the_orientation(arm: Arm) -> None:
     assert max(turned) < 1e-6
 
 
-def test_between_rows_the_line_is_straight_too(arm: Arm) -> None:
+def test_between_rows_the_line_is_straight_too(arm: MotionArm) -> None:
     plan = planned(arm, PoseMove(ABOVE), Line(ON, entry_speed=0.25))
     times = np.arange(plan.trajectory.duration - 0.3, plan.trajectory.duration, 0.0011)
     way = np.array([arm.chain.forward(plan.trajectory.at(t)[0].q).p for t in times])
     assert np.abs(way[:, :2] - ON.p[:2]).max() < 1e-6
 
 
-def test_the_hover_pose_is_passed_at_the_line_s_speed(arm: Arm) -> None:
+def test_the_hover_pose_is_passed_at_the_line_s_speed(arm: MotionArm) -> None:
     plan = planned(arm, PoseMove(ABOVE), Line(ON, acceleration=1.5, entry_speed=0.25))
     first = int(np.argmax(plan.trajectory.segment == 1)) - 1
     q, v = plan.trajectory.q[first], plan.trajectory.v[first]
@@ -74,7 +76,7 @@ def test_the_hover_pose_is_passed_at_the_line_s_speed(arm: Arm) -> None:
     np.testing.assert_allclose(rate, [0, 0, -0.25, 0, 0, 0], atol=1e-6)
 
 
-def test_a_line_is_left_at_its_exit_speed(arm: Arm) -> None:
+def test_a_line_is_left_at_its_exit_speed(arm: MotionArm) -> None:
     q = planned(arm, PoseMove(ON)).trajectory.end.q
     plan = planned(arm, Line(ABOVE, acceleration=1.5, exit_speed=0.3), PoseMove(pose(-2.3, 2.3, 1.4)), q=q)
     last = int(np.argmax(plan.trajectory.segment == 1)) - 1
@@ -83,7 +85,7 @@ def test_a_line_is_left_at_its_exit_speed(arm: Arm) -> None:
     assert_is_consistent(arm, plan.trajectory)
 
 
-def test_a_rounded_corner_is_passed_at_speed_within_its_length(arm: Arm) -> None:
+def test_a_rounded_corner_is_passed_at_speed_within_its_length(arm: MotionArm) -> None:
     corner, end = pose(-2.5, 2.5, 0.95, 0.1), pose(-2.4, 2.5, 0.90, 0.1)
     lines = Line(corner, exit_speed=0.1, blend=0.02), Line(end, speed=0.1)
     plan = planned(arm, PoseMove(ABOVE), *lines)
@@ -95,14 +97,14 @@ def test_a_rounded_corner_is_passed_at_speed_within_its_length(arm: Arm) -> None
     assert_is_consistent(arm, plan.trajectory)
 
 
-def test_a_sharp_corner_is_a_stop(arm: Arm) -> None:
+def test_a_sharp_corner_is_a_stop(arm: MotionArm) -> None:
     corner, end = pose(-2.5, 2.5, 0.95, 0.1), pose(-2.4, 2.5, 0.90, 0.1)
     plan = planned(arm, PoseMove(ABOVE), Line(corner, exit_speed=0.1), Line(end))
     at_corner = int(np.argmax(plan.trajectory.segment == 2)) - 1
     assert np.abs(plan.trajectory.v[at_corner]).max() < 1e-6
 
 
-def test_poses_in_a_row_are_passed_without_a_stop(arm: Arm) -> None:
+def test_poses_in_a_row_are_passed_without_a_stop(arm: MotionArm) -> None:
     via, goal = pose(-1.5, 2.9, 1.5, 0.3), pose(-2.5, 2.4, 1.3, 0.6)
     passing = planned(arm, PoseMove(via), PoseMove(goal)).trajectory
     stopping = planned(arm, PoseMove(via, stop=True), PoseMove(goal)).trajectory
@@ -113,7 +115,7 @@ def test_poses_in_a_row_are_passed_without_a_stop(arm: Arm) -> None:
     assert_is_consistent(arm, passing)
 
 
-def test_a_line_from_a_moving_arm_brakes_first(arm: Arm) -> None:
+def test_a_line_from_a_moving_arm_brakes_first(arm: MotionArm) -> None:
     moving = planned(arm, PoseMove(ABOVE)).trajectory.at(0.8)[0]
     plan = PathPlanner(arm).plan(moving, Path((PoseMove(ABOVE), Line(ON))))
     np.testing.assert_array_equal(plan.trajectory.v[0], moving.v)
@@ -122,7 +124,7 @@ def test_a_line_from_a_moving_arm_brakes_first(arm: Arm) -> None:
     assert_is_consistent(arm, braking)
 
 
-def test_less_speed_and_acceleration_take_longer(arm: Arm) -> None:
+def test_less_speed_and_acceleration_take_longer(arm: MotionArm) -> None:
     fast, slow = (planned(arm, PoseMove(ABOVE, speed=share, acceleration=share)) for share in (1.0, 0.5))
     assert slow.trajectory.duration > 1.3 * fast.trajectory.duration
     assert np.all(np.abs(slow.trajectory.v) <= 0.5 * arm.limits.velocity)
@@ -136,12 +138,12 @@ def test_less_speed_and_acceleration_take_longer(arm: Arm) -> None:
         (Line(pose(0.0, -2.5, 0.2), label="beyond"), "'beyond'.*reach"),
     ],
 )
-def test_what_cannot_be_reached_is_refused_by_name(arm: Arm, segment: Segment, reason: str) -> None:
+def test_what_cannot_be_reached_is_refused_by_name(arm: MotionArm, segment: Segment, reason: str) -> None:
     with pytest.raises(MoveRefused, match=reason):
         planned(arm, segment)
 
 
-def test_the_small_arm_moves_by_the_same_planner(small_arm: Arm) -> None:
+def test_the_small_arm_moves_by_the_same_planner(small_arm: MotionArm) -> None:
     above, on = pose(0.65, 0.0, 0.2, 0.4), pose(0.65, 0.0, 0.05, 0.4)
     plan = planned(small_arm, PoseMove(above), Line(on, speed=0.25, entry_speed=0.1))
     assert_is_consistent(small_arm, plan.trajectory)

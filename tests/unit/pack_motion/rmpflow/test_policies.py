@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_motion.rmpflow import policies
-from pack_motion.rmpflow.parameters import Target
+from pack_motion.rmpflow.parameters import PointTarget
 from pack_motion.tracking.config import motion_set
 
 TABLE = motion_set("table_4_1")
@@ -12,7 +12,7 @@ STILL = np.zeros(3)
 ISAAC, CUMOTION = (30.0, 85.0), (80.0, 120.0)
 
 
-def time_to_close(gains: Target, distance: float, until: float, h: float = 1e-4) -> tuple[float, float]:
+def time_to_close(gains: PointTarget, distance: float, until: float, h: float = 1e-4) -> tuple[float, float]:
     """Time to come within `until`, and the highest speed, of a point that only has this policy."""
     x, v, time, highest = distance, 0.0, 0.0, 0.0
     while x > until:

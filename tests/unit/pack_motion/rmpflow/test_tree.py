@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, Pose, exp, to_matrix
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.rmpflow import policies
 from pack_motion.rmpflow.parameters import Policies
 from pack_motion.rmpflow.spheres import Spheres, arm_spheres
@@ -29,7 +29,7 @@ Q = np.array([0.3, -1.2, 1.4, 0.5, 0.8, -0.4])
 
 
 def tree(
-    arm: Arm, c: Policies, q: Array, v: Array, q_ref: Array, v_ref: Array, a_ref: Array,
+    arm: MotionArm, c: Policies, q: Array, v: Array, q_ref: Array, v_ref: Array, a_ref: Array,
     obstacles: tuple[Obstacle, ...] = (), spheres: Spheres | None = None,
 ) -> tuple[Array, Array, float, float]:  # fmt: skip
     boxes, goal = ObstacleField.of(obstacles, c.collision).boxes, JointGoal(q_ref, v_ref, a_ref, q_ref)
@@ -38,7 +38,7 @@ def tree(
 
 @given(v=rates, step=rates)
 @settings(max_examples=20, deadline=None)
-def test_point_and_axes_get_the_accelerations_they_ask_for(arm: Arm, v: Array, step: Array) -> None:
+def test_point_and_axes_get_the_accelerations_they_ask_for(arm: MotionArm, v: Array, step: Array) -> None:
     """Six tasks for six joints: whatever their weights, all are met, and `Jdot v` is accounted for."""
     c = SILENT._replace(
         target=C.target._replace(min_metric_alpha=1.0, proximity_metric_boost_scalar=1.0),
@@ -56,13 +56,13 @@ def test_point_and_axes_get_the_accelerations_they_ask_for(arm: Arm, v: Array, s
 
 @given(v=rates, a_ref=rates)
 @settings(max_examples=20, deadline=None)
-def test_a_reference_that_is_kept_up_with_is_followed_exactly(arm: Arm, v: Array, a_ref: Array) -> None:
+def test_a_reference_that_is_kept_up_with_is_followed_exactly(arm: MotionArm, v: Array, a_ref: Array) -> None:
     c = motion_set("shipped").fast
     M, f, _, _ = tree(arm, c, Q, 0.5 * v, Q, 0.5 * v, a_ref)
     np.testing.assert_allclose(np.linalg.solve(M, f), a_ref, atol=2e-3)
 
 
-def test_the_metric_is_symmetric_and_positive(arm: Arm) -> None:
+def test_the_metric_is_symmetric_and_positive(arm: MotionArm) -> None:
     wall = Obstacle("wall", Pose(arm.chain.forward(Q).p + np.array([0.0, 0.0, -0.3])), np.full(3, 0.2))
     M, _, _, least = tree(arm, C, Q, np.full(6, 0.3), Q + 0.1, np.zeros(6), np.zeros(6), (wall,))
     np.testing.assert_allclose(M, M.T, rtol=1e-9, atol=1e-9 * np.abs(M).max())
@@ -70,7 +70,7 @@ def test_the_metric_is_symmetric_and_positive(arm: Arm) -> None:
     assert np.isfinite(least)
 
 
-def test_an_obstacle_alone_accelerates_the_nearest_sphere_away_from_it(arm: Arm) -> None:
+def test_an_obstacle_alone_accelerates_the_nearest_sphere_away_from_it(arm: MotionArm) -> None:
     p = arm.chain.forward(Q).p
     sphere = Spheres(np.array([5]), arm.chain.p_WT[None].copy(), np.array([0.01]))
     R = to_matrix(exp(np.array([0.2, 0.1, 0.4])))
@@ -88,7 +88,7 @@ def test_an_obstacle_alone_accelerates_the_nearest_sphere_away_from_it(arm: Arm)
     assert np.isclose(R[:, 0] @ moved, asked, rtol=1e-6)
 
 
-def test_the_carried_box_has_spheres_within_it(arm: Arm) -> None:
+def test_the_carried_box_has_spheres_within_it(arm: MotionArm) -> None:
     box = CarriedBox(Pose(np.array([0.0, 0.0, 0.1])), np.array([0.4, 0.3, 0.2]))
     spheres = arm_spheres(arm, 2)
     both = spheres.with_carried(arm, box)

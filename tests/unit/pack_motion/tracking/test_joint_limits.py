@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pack_core.rotations import Array
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.tracking.joint_bounds import acceleration_bounds
 from pack_motion.tracking.resolve import resolve_capped, resolve_within
 
@@ -14,7 +14,7 @@ H = 0.004
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_no_wish_drives_a_joint_beyond_its_range_speed_or_acceleration(arm: Arm, seed: int) -> None:
+def test_no_wish_drives_a_joint_beyond_its_range_speed_or_acceleration(arm: MotionArm, seed: int) -> None:
     rng, limits = np.random.default_rng(seed), arm.limits
     q, v = arm.home.copy(), np.zeros(6)
     for k in range(3000):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from pack_core.palletizing.orders.order import Pallet
+from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 
-PALLET = Pallet(length=1.2, width=0.8, deck_height=0.144)
+PALLET = OrderPallet(length=1.2, width=0.8, deck_height=0.144)
 
 
 def block(

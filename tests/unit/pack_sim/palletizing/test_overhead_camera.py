@@ -13,10 +13,10 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_sim.camera_thread import CameraThread
-from pack_sim.palletizing.overhead_camera import OverheadCamera, OverheadCameraConfig, camera_of
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, camera_of
 from pack_sim.palletizing.snapshot import Snapshot
 
-CONFIG = OverheadCameraConfig(width=960)
+CONFIG = PalletCameraConfig(width=960)
 BOX = BoxBody("box", (0.5, 0.35, 0.3), 8.0)
 X_WB = Pose(np.array([-2.45, 2.56, 0.85]), from_yaw(np.deg2rad(8.0)))
 
@@ -33,7 +33,7 @@ def top_corners() -> Array:
 @pytest.fixture(scope="module")
 def pictures() -> tuple[Picture, Picture]:
     """Of the empty table, and of one with a box."""
-    with OverheadCamera(palletizing_cell(), CONFIG) as camera:
+    with PalletCamera(palletizing_cell(), CONFIG) as camera:
         return camera.picture(seen({})), camera.picture(seen({BOX: X_WB}))
 
 
@@ -75,7 +75,7 @@ def test_a_scaled_camera_sees_the_same_with_other_pixels() -> None:
 def test_one_picture_at_a_time_is_taken_and_delivered_with_its_time() -> None:
     taken: queue.Queue[tuple[float, Picture]] = queue.Queue()
     errors: list[str] = []
-    camera = OverheadCamera(palletizing_cell(), CONFIG)
+    camera = PalletCamera(palletizing_cell(), CONFIG)
     thread = CameraThread(camera, lambda *args: taken.put(args), errors.append)
     assert thread.expose(1.5, seen({BOX: X_WB}))
     assert not thread.expose(1.5, seen({}))

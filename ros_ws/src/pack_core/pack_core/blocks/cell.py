@@ -12,7 +12,7 @@ from pack_core.config import Config, load_config
 from pack_core.paths import config_path
 from pack_core.pose_config import PoseConfig
 from pack_core.robots.robotiq_2f85 import MAX_FORCE, MAX_SPEED
-from pack_core.robots.servo import Servo
+from pack_core.robots.servo import JointServoGains
 
 Joints = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
 
@@ -97,7 +97,7 @@ class BlocksCell(Config):
     workspace: Workspace
     camera: Camera
     contact: Contact
-    servo: Servo
+    servo: JointServoGains
 
 
 @cache

@@ -13,7 +13,7 @@ from pack_core.config import Config, load_values, validate_config
 from pack_core.palletizing.grip import GripLimits
 from pack_core.paths import config_path
 from pack_core.robots.gears import Gears
-from pack_core.robots.servo import Servo
+from pack_core.robots.servo import JointServoGains
 from pack_core.robots.surface_gripper import GripperTool, gripper_tool
 from pack_core.rotations import Pose
 
@@ -23,7 +23,7 @@ Pair = tuple[float, float]
 Size = tuple[PositiveFloat, PositiveFloat]
 
 
-class Arm(Config):
+class ArmMount(Config):
     """Where the KR 210 stands, and where it starts."""
 
     base: Point
@@ -36,7 +36,7 @@ class Arm(Config):
         return Pose(np.array(self.base))
 
 
-class Table(Config):
+class BoxTable(Config):
     """A table with a level rectangular top."""
 
     centre: Pair
@@ -44,7 +44,7 @@ class Table(Config):
     height: PositiveFloat
 
 
-class Pallet(Config):
+class PalletPlace(Config):
     """A pallet on the floor; its frame P has its origin at a corner of the deck, x along the length."""
 
     corner: Pair
@@ -57,7 +57,7 @@ class Pallet(Config):
         return Pose(np.array([*self.corner, self.deck_height]))
 
 
-class Camera(Config):
+class OverheadCameraMount(Config):
     """The overhead camera, which looks straight down at the middle of the picking table."""
 
     height: PositiveFloat
@@ -74,7 +74,7 @@ class Spawn(Config):
     yaw_deg: NonNegativeFloat
 
 
-class Contact(Config):
+class BoxContact(Config):
     """How boxes, tables and pallet touch."""
 
     friction: PositiveFloat
@@ -98,7 +98,7 @@ class Calibration(Config):
     """About the middle between tables and pallet."""
 
 
-class Preset(Config):
+class ArmPreset(Config):
     """How the real arm differs from the ideal one."""
 
     gears: Gears | None
@@ -109,18 +109,18 @@ class Preset(Config):
 class PalletizingCell(Config):
     """The palletizing cell."""
 
-    arm: Arm
+    arm: ArmMount
     tool: SerializeAsAny[GripperTool]
     """The gripper; which one `tool.kind` says."""
     grip: GripLimits
-    picking_table: Table
-    reorientation_table: Table
-    pallet: Pallet
-    camera: Camera
+    picking_table: BoxTable
+    reorientation_table: BoxTable
+    pallet: PalletPlace
+    camera: OverheadCameraMount
     spawn: Spawn
-    servo: Servo
-    contact: Contact
-    presets: dict[str, Preset]
+    servo: JointServoGains
+    contact: BoxContact
+    presets: dict[str, ArmPreset]
     preset: str = "rigid"
     """Which of the presets the arm is."""
 
@@ -137,7 +137,7 @@ class PalletizingCell(Config):
         return self
 
     @property
-    def imperfections(self) -> Preset:
+    def imperfections(self) -> ArmPreset:
         """How the real arm differs from the ideal one."""
         return self.presets[self.preset]
 

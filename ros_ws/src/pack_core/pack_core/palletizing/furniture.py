@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.palletizing.cell import Pallet, PalletizingCell, Table
+from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
 from pack_core.robots.kr210 import ARM_BITS
 
 BOX = mujoco.mjtGeom.mjGEOM_BOX
@@ -33,7 +33,7 @@ def add_furniture(spec: mujoco.MjSpec, cell: PalletizingCell, *, look: bool) -> 
     _add_pallet(spec, cell.pallet, look=look)
 
 
-def _add_table(spec: mujoco.MjSpec, name: str, table: Table, *, look: bool) -> None:
+def _add_table(spec: mujoco.MjSpec, name: str, table: BoxTable, *, look: bool) -> None:
     body = spec.worldbody.add_body(name=name, pos=(*table.centre, table.height))
     x, y = 0.5 * np.array(table.size)
     body.add_geom(name=name, type=BOX, pos=(0, 0, -TOP / 2), size=(x, y, TOP / 2), rgba=RUBBER, **SOLID)
@@ -48,7 +48,7 @@ def _add_table(spec: mujoco.MjSpec, name: str, table: Table, *, look: bool) -> N
                       rgba=FRAME, **DRAWN)  # fmt: skip
 
 
-def _add_pallet(spec: mujoco.MjSpec, pallet: Pallet, *, look: bool) -> None:
+def _add_pallet(spec: mujoco.MjSpec, pallet: PalletPlace, *, look: bool) -> None:
     """A solid block to touch; boards and blocks to see."""
     (l, w), h = 0.5 * np.array(pallet.size), pallet.deck_height
     x, y = pallet.corner

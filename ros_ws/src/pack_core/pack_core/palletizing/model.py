@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import mujoco
 
 from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.cell import Contact, PalletizingCell
+from pack_core.palletizing.cell import BoxContact, PalletizingCell
 from pack_core.palletizing.furniture import add_furniture
 from pack_core.palletizing.look import add_surroundings
 from pack_core.robots.gears import Gears
@@ -90,7 +90,7 @@ def _add_motors(spec: mujoco.MjSpec) -> None:
         ).set_to_motor()
 
 
-def _set_solver(spec: mujoco.MjSpec, contact: Contact, timestep: float) -> None:
+def _set_solver(spec: mujoco.MjSpec, contact: BoxContact, timestep: float) -> None:
     option = spec.option
     option.timestep = timestep
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -104,7 +104,7 @@ def _set_solver(spec: mujoco.MjSpec, contact: Contact, timestep: float) -> None:
         option.sleep_tolerance = contact.sleep_speed
 
 
-def _set_contacts(spec: mujoco.MjSpec, contact: Contact) -> None:
+def _set_contacts(spec: mujoco.MjSpec, contact: BoxContact) -> None:
     for geom in spec.geoms:
         geom.friction = (contact.friction, 0.005, 0.0001)
         geom.solref, geom.solimp = contact.solref, (*contact.solimp, 0.5, 2.0)

@@ -11,7 +11,7 @@ from pack_core.config import Config
 from pack_core.rotations import Array
 
 
-class Servo(Config):
+class JointServoGains(Config):
     """A position loop on every joint, as stiff as its frequency says, with a slow integral."""
 
     inertia: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)]

@@ -13,7 +13,7 @@ from matplotlib.patches import FancyArrowPatch, Polygon, Rectangle
 
 from pack_core.palletizing.orders.layers import layers_of
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, PlannedBox
-from pack_core.palletizing.orders.order import Order, Pallet
+from pack_core.palletizing.orders.order import Order, OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 
 CARD, EDGE, BELOW, TARGET, CORRIDOR = "#d9b38c", "#5c4326", "#eeeeee", "#e08a3c", "#4c9f70"
@@ -54,7 +54,7 @@ def draw_layers(order: Order, plan: LayoutPlan) -> Figure:
     return figure
 
 
-def draw_insertion(item: PlannedBox, placed: Sequence[PlacedBox], pallet: Pallet) -> Figure:
+def draw_insertion(item: PlannedBox, placed: Sequence[PlacedBox], pallet: OrderPallet) -> Figure:
     """One box's way in: its place, the corridor, and the boxes beside it."""
     figure = Figure(figsize=(6.4, 4.8), layout="constrained")
     FigureCanvasAgg(figure)
@@ -71,7 +71,7 @@ def draw_insertion(item: PlannedBox, placed: Sequence[PlacedBox], pallet: Pallet
     return figure
 
 
-def _draw_pallet(axes: Axes, pallet: Pallet) -> None:
+def _draw_pallet(axes: Axes, pallet: OrderPallet) -> None:
     axes.add_patch(
         Rectangle((0, 0), pallet.length, pallet.width, fill=False, edgecolor="#888888", linestyle="--")
     )

@@ -23,8 +23,8 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
 from pack_evaluation.palletizing.run import PalletRun
-from pack_lockstep.palletizing.run_log import RunLog
-from pack_lockstep.palletizing.sight import Sight, SightConfig, open_sight
+from pack_lockstep.palletizing.box_finder import BoxFinder, BoxFinderConfig, open_box_finder
+from pack_lockstep.palletizing.run_log import PalletRunLog
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
@@ -35,12 +35,12 @@ from pallet_fsm.ports import (
     CloseGripper,
     Command,
     DiscardBox,
-    Look,
-    MoveArm,
-    Observation,
     OpenGripper,
+    PalletObservation,
+    PursueTarget,
     SpawnBox,
     StopArm,
+    TakePicture,
 )
 from pallet_fsm.states import State
 
@@ -51,7 +51,7 @@ class PalletLockstepConfig(Config):
     period: PositiveFloat = Field(default=0.004, description="between two setpoints for the arm [s]")
     settle: NonNegativeFloat = Field(default=0.5, description="after the order, for the stack to rest [s]")
     motion: str = Field(default="shipped", description="a set of config/motion")
-    sight: SightConfig = SightConfig()
+    sight: BoxFinderConfig = BoxFinderConfig()
     simulator: PalletSimulatorConfig = PalletSimulatorConfig()
     palletizer: PalletizerConfig = PalletizerConfig()
 
@@ -91,7 +91,7 @@ class PalletLockstep:
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
         self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
         self.palletizer = Palletizer(order, plan, cell, config.palletizer, self.simulator.time)
-        self._log = RunLog(self.simulator, config.period)
+        self._log = PalletRunLog(self.simulator, config.period)
         self._seed = seed
         self._rng = np.random.default_rng([seed, zlib.crc32(order.order_id.encode())])
         self._spawned = ""
@@ -100,19 +100,19 @@ class PalletLockstep:
 
     def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
         """Run to the end; `on_tick` sees every cycle."""
-        with open_sight(self._cell, self._config.sight, self._rng) as sight:
+        with open_box_finder(self._cell, self._config.sight, self._rng) as sight:
             while not self.palletizer.machine.is_over:
                 self._turn(sight, on_tick)
         for _ in range(round(self._config.settle / self._config.period)):
             self._advance()
         return self._log.run(self._seed, self.palletizer.report())
 
-    def _turn(self, sight: Sight, on_tick: Callable[[Tick], None] | None) -> None:
+    def _turn(self, sight: BoxFinder, on_tick: Callable[[Tick], None] | None) -> None:
         """One cycle: what is seen, what is to be done, one period of motion and physics."""
         simulator, machine = self.simulator, self.palletizer.machine
         if self._pending is not None and simulator.time >= self._pending[0]:
             self._detection, self._pending = self._pending[1], None
-        seen = Observation(
+        seen = PalletObservation(
             simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection
         )
         for command in self.palletizer.step(seen):
@@ -121,17 +121,17 @@ class PalletLockstep:
             on_tick(Tick(seen.time, machine.state, machine.visits[-1].box, seen.motion))
         self._advance()
 
-    def _obey(self, command: Command, sight: Sight) -> None:
+    def _obey(self, command: Command, sight: BoxFinder) -> None:
         match command:
             case SpawnBox(name, dims, mass):
                 self.simulator.spawn(BoxBody(name, dims, mass))
                 self._spawned = name
             case DiscardBox(name):
                 self.simulator.remove(name)
-            case Look(expected):
+            case TakePicture(expected):
                 detection = sight.detect(expected, self.simulator)
                 self._pending = self.simulator.time + self._config.sight.latency, detection
-            case MoveArm(target):
+            case PursueTarget(target):
                 self.motion.command(target)
             case StopArm():
                 self.motion.stop()

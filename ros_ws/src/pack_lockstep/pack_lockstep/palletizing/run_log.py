@@ -21,7 +21,7 @@ from pack_sim.palletizing.simulator import PalletSimulator
 from pallet_fsm.report import BoxReport, OrderReport
 
 
-class RunLog:
+class PalletRunLog:
     """Takes note of the arm in every step, and of the boxes as often as /sim/truth would.
 
     Args:

@@ -6,12 +6,12 @@ from pack_core.config import Config
 from pack_core.palletizing.cell import palletizing_cell
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.palletizing.benchmark import PalletSetup
+from pack_lockstep.palletizing.box_finder import BoxFinderConfig
 from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
-from pack_lockstep.palletizing.sight import SightConfig
 from pack_motion.tracking.config import motion_set
 from pack_perception.boxes.box_vision import VisionConfig
 from pack_planner.layout.layout_planner import LayoutConfig
-from pack_sim.palletizing.overhead_camera import OverheadCameraConfig
+from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.simulator import PalletSimulatorConfig
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.profile import profile_of
@@ -20,7 +20,7 @@ from pallet_fsm.profile import profile_of
 class PalletCameraParameters(Config):
     """The part of the simulator's parameters that is the camera's."""
 
-    camera: OverheadCameraConfig = OverheadCameraConfig()
+    camera: PalletCameraConfig = PalletCameraConfig()
 
 
 def set_up(*, profile: str, motion: str, preset: str, vision: bool) -> PalletSetup:
@@ -32,7 +32,7 @@ def set_up(*, profile: str, motion: str, preset: str, vision: bool) -> PalletSet
     profile_of(profile)
     motion_set(motion)
     machine = load_parameters("palletizing/fsm", PalletizerConfig).model_copy(update={"profile": profile})
-    sight = SightConfig(
+    sight = BoxFinderConfig(
         by="vision" if vision else "noise",
         camera=load_parameters("palletizing/sim", PalletCameraParameters).camera,
         vision=load_parameters("palletizing/vision", VisionConfig),

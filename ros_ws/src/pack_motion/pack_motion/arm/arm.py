@@ -18,7 +18,7 @@ JERK_TIME = 0.1
 
 
 @dataclass(frozen=True)
-class Arm:
+class MotionArm:
     """An arm with its tool.
 
     Attributes:

@@ -15,7 +15,7 @@ from pack_core.kinematics.parallel_axes import ParallelAxes
 from pack_core.kinematics.spherical_wrist import SphericalWrist
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots import kr210, robotiq_2f85, ur10e
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.arm.body_boxes import boxes_from_model, fixed_boxes
 from pack_motion.arm.fingers import fingers_from_model
 
@@ -23,7 +23,7 @@ TOOL = "tool"
 
 
 @cache
-def load_arm(cell: str) -> Arm:
+def load_arm(cell: str) -> MotionArm:
     """The arm of a cell, as `config/cells/<cell>.yaml` has it.
 
     Raises:
@@ -34,7 +34,7 @@ def load_arm(cell: str) -> Arm:
     return ARMS[cell]()
 
 
-def _palletizing() -> Arm:
+def _palletizing() -> MotionArm:
     cell = palletizing_cell()
     spec = mujoco.MjSpec()
     flange = kr210.add_kr210(spec, cell.arm.X_WB, look=False)
@@ -42,10 +42,10 @@ def _palletizing() -> Arm:
     model, limits = spec.compile(), kr210.LIMITS
     chain = chain_from_model(model, kr210.JOINTS, TOOL)
     inverse = SphericalWrist(chain, limits.lower, limits.upper)
-    return Arm(chain, inverse, limits, np.array(cell.arm.home), boxes_from_model(model, kr210.JOINTS))
+    return MotionArm(chain, inverse, limits, np.array(cell.arm.home), boxes_from_model(model, kr210.JOINTS))
 
 
-def _blocks() -> Arm:
+def _blocks() -> MotionArm:
     cell = blocks_cell()
     spec = mujoco.MjSpec()
     flange = ur10e.add_ur10e(spec, cell.robot.base.to_pose(), contype=1, conaffinity=1)
@@ -55,7 +55,7 @@ def _blocks() -> Arm:
     model, limits = spec.compile(), ur10e.LIMITS
     chain = chain_from_model(model, ur10e.JOINTS, TOOL)
     inverse = ParallelAxes(chain, limits.lower, limits.upper)
-    return Arm(
+    return MotionArm(
         chain, inverse, limits, np.array(cell.robot.look),
         boxes_from_model(model, ur10e.JOINTS, without=robotiq_2f85.FINGERS),
         fingers_from_model(model, len(ur10e.JOINTS) - 1, robotiq_2f85.FINGER_JOINTS),
@@ -63,4 +63,4 @@ def _blocks() -> Arm:
     )  # fmt: skip
 
 
-ARMS: dict[str, Callable[[], Arm]] = {"palletizing": _palletizing, "blocks": _blocks}
+ARMS: dict[str, Callable[[], MotionArm]] = {"palletizing": _palletizing, "blocks": _blocks}

@@ -11,12 +11,12 @@ import numpy.typing as npt
 from pack_core.motion.moves import Line
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, to_matrix
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.arm.body_boxes import BodyBoxes
 from pack_motion.clearance.conflict import Conflict, conflict_at
 from pack_motion.clearance.own_body import OwnBodyCheck
 from pack_motion.clearance.separation import gaps_along
-from pack_motion.reference.path_planner import Plan
+from pack_motion.reference.path_planner import MotionPlan
 
 PERIOD = 0.02
 """Between the moments that are looked at [s]."""
@@ -49,16 +49,16 @@ class ClearanceCheck:
     may be as near as it is at that end; only `contacts` may touch there.
     """
 
-    def __init__(self, arm: Arm, clearance: float) -> None:
+    def __init__(self, arm: MotionArm, clearance: float) -> None:
         self._arm, self._clearance = arm, clearance
         self._own_body = OwnBodyCheck(arm, clearance)
 
-    def conflict(self, plan: Plan, around: Surrounding) -> Conflict | None:
+    def conflict(self, plan: MotionPlan, around: Surrounding) -> Conflict | None:
         """The worst shortage of room, or None where there is none."""
         rows = _moments(plan.trajectory.times)
         return self._among(plan, rows, around) or self._own_body.conflict(plan, rows)
 
-    def _among(self, plan: Plan, rows: npt.NDArray[np.int64], around: Surrounding) -> Conflict | None:
+    def _among(self, plan: MotionPlan, rows: npt.NDArray[np.int64], around: Surrounding) -> Conflict | None:
         standing = [item for item in around.obstacles if not item.is_moving]
         if not standing:
             return None
@@ -82,7 +82,7 @@ class ClearanceCheck:
         ))  # fmt: skip
 
     def _needed(
-        self, plan: Plan, rows: npt.NDArray[np.int64], gaps: Array, standing: Sequence[Obstacle],
+        self, plan: MotionPlan, rows: npt.NDArray[np.int64], gaps: Array, standing: Sequence[Obstacle],
         contacts: frozenset[str],
     ) -> Array:  # fmt: skip
         """Gaps that are needed `(T, k, m)`."""
@@ -97,7 +97,7 @@ class ClearanceCheck:
         return needed
 
 
-def with_carried(arm: Arm, around: Surrounding) -> BodyBoxes:
+def with_carried(arm: MotionArm, around: Surrounding) -> BodyBoxes:
     """The arm's boxes, and the one in its hand."""
     bodies, chain, carried = arm.bodies_at(around.opening), arm.chain, around.carried
     if carried is None:
@@ -115,7 +115,7 @@ def _moments(times: Array) -> npt.NDArray[np.int64]:
     return np.unique(np.append(rows, len(times) - 1)).astype(np.int64)
 
 
-def _end_lines(plan: Plan) -> tuple[int, int]:
+def _end_lines(plan: MotionPlan) -> tuple[int, int]:
     """The last segment of the lines that a path starts with, and the first of those it ends with."""
     are_lines = [isinstance(segment, Line) for segment in plan.segments]
     first = next((i for i, is_line in enumerate(are_lines) if not is_line), len(are_lines)) - 1

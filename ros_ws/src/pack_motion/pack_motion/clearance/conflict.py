@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pack_motion.arm.arm import Arm
-from pack_motion.reference.path_planner import Plan
+from pack_motion.arm.arm import MotionArm
+from pack_motion.reference.path_planner import MotionPlan
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Conflict:
 
 
 def conflict_at(
-    arm: Arm, plan: Plan, row: int, body: str, obstacle: str, gap: float, needed: float
+    arm: MotionArm, plan: MotionPlan, row: int, body: str, obstacle: str, gap: float, needed: float
 ) -> Conflict:
     """The shortage at a row of the plan's trajectory."""
     trajectory = plan.trajectory

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.conflict import Conflict, conflict_at
 from pack_motion.clearance.separation import own_gaps_along
-from pack_motion.reference.path_planner import Plan
+from pack_motion.reference.path_planner import MotionPlan
 
 APART = 2
 """Links so far apart along the arm, or farther, can meet; neighbours share a joint. The base counts as the
@@ -25,7 +25,7 @@ class OwnBodyCheck:
         clearance: between two bodies [m].
     """
 
-    def __init__(self, arm: Arm, clearance: float) -> None:
+    def __init__(self, arm: MotionArm, clearance: float) -> None:
         self._arm, self._clearance = arm, clearance
         self._bodies, self._pairs = arm.bodies_at(0.0), np.zeros((0, 2), dtype=np.int64)
         if arm.base is not None:
@@ -33,7 +33,7 @@ class OwnBodyCheck:
             link = np.maximum(self._bodies.link, 0)
             self._pairs = np.argwhere(np.triu(np.abs(link[:, None] - link) >= APART))
 
-    def conflict(self, plan: Plan, rows: npt.NDArray[np.int64]) -> Conflict | None:
+    def conflict(self, plan: MotionPlan, rows: npt.NDArray[np.int64]) -> Conflict | None:
         """The worst shortage of room at these rows of a plan's trajectory, or None where there is none."""
         if len(self._pairs) == 0:
             return None

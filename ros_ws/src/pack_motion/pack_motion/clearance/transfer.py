@@ -8,9 +8,9 @@ import numpy as np
 
 from pack_core.motion.moves import Line, Path, PoseMove, Retreat, Segment, Transfer
 from pack_core.rotations import Array, Pose
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
-from pack_motion.reference.path_planner import PathPlanner, Plan
+from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
 
@@ -22,10 +22,10 @@ DEPART, TRANSIT = "depart", "transit"
 class TransferPlanner:
     """Plans transfers that are clear of everything around."""
 
-    def __init__(self, arm: Arm, paths: PathPlanner, check: ClearanceCheck) -> None:
+    def __init__(self, arm: MotionArm, paths: PathPlanner, check: ClearanceCheck) -> None:
         self._arm, self._paths, self._check = arm, paths, check
 
-    def plan(self, start: JointState, transfer: Transfer, around: Surrounding) -> Plan:
+    def plan(self, start: JointState, transfer: Transfer, around: Surrounding) -> MotionPlan:
         """The first clear plan on the way from the shortest lines to the longest.
 
         A transfer that is not clear in its first half is lifted farther, otherwise it comes in from farther
@@ -84,7 +84,7 @@ def _shifted(X: Pose, retreat: Retreat, length: float) -> Pose:
     return Pose(X.p + length * direction / np.linalg.norm(direction), X.q)
 
 
-def _middle(plan: Plan) -> float:
+def _middle(plan: MotionPlan) -> float:
     """Half-way through the transit [s]."""
     labels = [segment.label for segment in plan.segments]
     times = plan.trajectory.times[plan.trajectory.segment == labels.index(TRANSIT)]

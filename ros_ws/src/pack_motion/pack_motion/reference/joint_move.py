@@ -10,7 +10,7 @@ import ruckig
 from pack_core.rotations import Array
 from pack_motion.reference.fastest import fastest
 from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.trajectory import JointState, Trajectory, grid
+from pack_motion.reference.trajectory import JointState, ReferenceTrajectory, grid
 
 SLACK = 1.001
 """The limits of a move are at least this times what its ends ask for."""
@@ -29,7 +29,7 @@ class MoveLimits:
         return MoveLimits(speed * self.velocity, acceleration * self.acceleration, acceleration * self.jerk)
 
 
-def joint_move(start: JointState, end: JointState, limits: MoveLimits, segment: int) -> Trajectory:
+def joint_move(start: JointState, end: JointState, limits: MoveLimits, segment: int) -> ReferenceTrajectory:
     """The fastest move from `start` to `end`, all joints arriving together.
 
     Raises:
@@ -41,7 +41,7 @@ def joint_move(start: JointState, end: JointState, limits: MoveLimits, segment: 
     return _solve(request, start, end, limits, segment)
 
 
-def brake(start: JointState, limits: MoveLimits, segment: int) -> Trajectory:
+def brake(start: JointState, limits: MoveLimits, segment: int) -> ReferenceTrajectory:
     """The fastest stop."""
     request = ruckig.InputParameter(len(start.q))
     request.control_interface = ruckig.ControlInterface.Velocity
@@ -52,7 +52,7 @@ def brake(start: JointState, limits: MoveLimits, segment: int) -> Trajectory:
 
 def _solve(
     request: ruckig.InputParameter, start: JointState, end: JointState, limits: MoveLimits, segment: int
-) -> Trajectory:
+) -> ReferenceTrajectory:
     request.current_velocity, request.current_acceleration = start.v, start.a
     request.max_velocity = _at_least(limits.velocity, start.v, end.v)
     request.max_acceleration = _at_least(limits.acceleration, start.a, end.a)
@@ -63,11 +63,11 @@ def _solve(
     return sampled(found, segment)
 
 
-def sampled(found: ruckig.Trajectory, segment: int) -> Trajectory:
+def sampled(found: ruckig.Trajectory, segment: int) -> ReferenceTrajectory:
     """Rows of what ruckig found."""
     times = grid(found.duration)
     rows = np.array([found.at_time(float(time)) for time in times])
-    return Trajectory(times, rows[:, 0], rows[:, 1], rows[:, 2], np.full(len(times), segment))
+    return ReferenceTrajectory(times, rows[:, 0], rows[:, 1], rows[:, 2], np.full(len(times), segment))
 
 
 def _at_least(limit: Array, first: Array, last: Array) -> Array:

@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from pack_core.kinematics.inverse import Branch
 from pack_core.rotations import Array
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.curve import CurvePoints
 from pack_motion.reference.joint_move import MoveLimits
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.speed_profile import border_speeds, portion_profile
 from pack_motion.reference.stretches import Stretch
-from pack_motion.reference.trajectory import Trajectory, grid
+from pack_motion.reference.trajectory import ReferenceTrajectory, grid
 
 LARGEST_STEP = 0.5
 """Of a joint between rows [rad]; a larger one is a jump to another branch, or a singular wrist."""
@@ -26,8 +26,13 @@ LARGEST_SLOWING = 20.0
 
 
 def line_run(
-    arm: Arm, run: Sequence[Stretch], entry_speed: float, q_start: Array, branch: Branch, limits: MoveLimits
-) -> Trajectory:
+    arm: MotionArm,
+    run: Sequence[Stretch],
+    entry_speed: float,
+    q_start: Array,
+    branch: Branch,
+    limits: MoveLimits,
+) -> ReferenceTrajectory:
     """The joint reference along stretches, slowed as a whole until every joint keeps its limits.
 
     Raises:
@@ -42,7 +47,7 @@ def line_run(
         raise MoveRefused(
             f"the line passes so near to a singular posture that it would take {slow:.0f} times longer"
         )
-    return Trajectory(slow * times, q, v / slow, a / slow**2, segments)
+    return ReferenceTrajectory(slow * times, q, v / slow, a / slow**2, segments)
 
 
 def _timed(
@@ -67,7 +72,7 @@ def _joined(points: Sequence[CurvePoints]) -> CurvePoints:
     return CurvePoints(*(np.concatenate([getattr(part, name) for part in points]) for name in names))
 
 
-def _joint_positions(arm: Arm, points: CurvePoints, q_start: Array, branch: Branch) -> Array:
+def _joint_positions(arm: MotionArm, points: CurvePoints, q_start: Array, branch: Branch) -> Array:
     q, rows = q_start, np.empty((len(points.p), arm.chain.n))
     for i, (R, p) in enumerate(zip(points.R, points.p, strict=True)):
         found = arm.inverse.follow_matrix(R, p, q, branch)
@@ -79,7 +84,7 @@ def _joint_positions(arm: Arm, points: CurvePoints, q_start: Array, branch: Bran
     return rows
 
 
-def _joint_rates(arm: Arm, q: Array, points: CurvePoints, rates: Array) -> tuple[Array, Array]:
+def _joint_rates(arm: MotionArm, q: Array, points: CurvePoints, rates: Array) -> tuple[Array, Array]:
     ds, dds = rates[:, :1], rates[:, 1:]
     slope = np.hstack([points.dp, points.turn])
     bend = np.hstack([points.ddp, np.zeros_like(points.turn)])

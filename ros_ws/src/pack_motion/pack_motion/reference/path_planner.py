@@ -10,12 +10,12 @@ import numpy as np
 from pack_core.errors import PackError
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
 from pack_core.rotations import Array, Pose
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.joint_move import MoveLimits, brake, joint_move
 from pack_motion.reference.line_run import line_run
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.stretches import stretches
-from pack_motion.reference.trajectory import JointState, Trajectory
+from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
 
 SHARE = 0.98
 """Of the joint limits that references use; the rest is left to the tracking."""
@@ -27,7 +27,7 @@ FLIP = 0.15
 
 
 @dataclass(frozen=True)
-class Plan:
+class MotionPlan:
     """A reference through a path.
 
     Attributes:
@@ -36,7 +36,7 @@ class Plan:
         X_WT: the goal of the tool.
     """
 
-    trajectory: Trajectory
+    trajectory: ReferenceTrajectory
     segments: tuple[Segment, ...]
     X_WT: Pose
 
@@ -44,12 +44,12 @@ class Plan:
 class PathPlanner:
     """Plans references for one arm."""
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: MotionArm) -> None:
         self._arm = arm
         limits = arm.limits
         self._limits = MoveLimits(SHARE * limits.velocity, SHARE * limits.acceleration, arm.jerk)
 
-    def plan(self, start: JointState, path: Path) -> Plan:
+    def plan(self, start: JointState, path: Path) -> MotionPlan:
         """The reference from `start` through all segments, to rest at the last one's end.
 
         Raises:
@@ -59,13 +59,13 @@ class PathPlanner:
             raise PackError("a path needs at least one segment")
         trajectory = self._segments(start, path.segments, 0)
         self._check(trajectory)
-        return Plan(trajectory, path.segments, self._arm.chain.forward(trajectory.end.q))
+        return MotionPlan(trajectory, path.segments, self._arm.chain.forward(trajectory.end.q))
 
-    def stop(self, start: JointState) -> Trajectory:
+    def stop(self, start: JointState) -> ReferenceTrajectory:
         """The fastest stop from `start`."""
         return brake(start, self._limits, 0)
 
-    def _segments(self, start: JointState, segments: Sequence[Segment], i: int) -> Trajectory:
+    def _segments(self, start: JointState, segments: Sequence[Segment], i: int) -> ReferenceTrajectory:
         """The reference through the segments from the i-th on."""
         if isinstance(segments[i], Line):
             return self._lines_first(start, segments, i)
@@ -77,14 +77,16 @@ class PathPlanner:
                 refusals.append(str(refusal))
         raise MoveRefused(f"'{segments[i].label}': {refusals[0] if refusals else 'the pose is out of reach'}")
 
-    def _lines_first(self, start: JointState, segments: Sequence[Segment], i: int) -> Trajectory:
+    def _lines_first(self, start: JointState, segments: Sequence[Segment], i: int) -> ReferenceTrajectory:
         if not start.is_at_rest:
             stopped = brake(start, self._limits, i)
             return stopped.followed_by(self._lines_first(stopped.end, segments, i))
         run, j = self._run(start.q, segments, i, 0.0)
         return self._continued(run, segments, j)
 
-    def _through(self, start: JointState, q: Array, segments: Sequence[Segment], i: int) -> Trajectory:
+    def _through(
+        self, start: JointState, q: Array, segments: Sequence[Segment], i: int
+    ) -> ReferenceTrajectory:
         """A joint move to `q`, and all that follows."""
         move = segments[i]
         assert not isinstance(move, Line)
@@ -102,14 +104,16 @@ class PathPlanner:
             return self._continued(trajectory.followed_by(after), segments, j)
         return self._continued(trajectory, segments, i + 1)
 
-    def _continued(self, trajectory: Trajectory, segments: Sequence[Segment], j: int) -> Trajectory:
+    def _continued(
+        self, trajectory: ReferenceTrajectory, segments: Sequence[Segment], j: int
+    ) -> ReferenceTrajectory:
         if j >= len(segments):
             return trajectory
         return trajectory.followed_by(self._segments(trajectory.end, segments, j))
 
     def _run(
         self, q: Array, segments: Sequence[Segment], i: int, entry_speed: float
-    ) -> tuple[Trajectory, int]:
+    ) -> tuple[ReferenceTrajectory, int]:
         """The lines from the i-th segment on, and the index of what follows them."""
         j = i
         while j < len(segments) and isinstance(segments[j], Line):
@@ -169,7 +173,7 @@ class PathPlanner:
             )
         return q
 
-    def _check(self, trajectory: Trajectory) -> None:
+    def _check(self, trajectory: ReferenceTrajectory) -> None:
         """The last word on joint ranges: ruckig knows none."""
         limits = self._arm.limits
         beyond = (trajectory.q < limits.lower) | (trajectory.q > limits.upper)
@@ -182,6 +186,6 @@ def _stopping(line: Line) -> Line:
     return Line(line.X_WT, line.speed, line.acceleration, line.entry_speed, 0.0, 0.0, line.label, line.mode)
 
 
-def _standing(q: Array, segment: int) -> Trajectory:
+def _standing(q: Array, segment: int) -> ReferenceTrajectory:
     rows = np.zeros((2, len(q)))
-    return Trajectory(np.array([0.0, 1e-6]), rows + q, rows, rows, np.full(2, segment))
+    return ReferenceTrajectory(np.array([0.0, 1e-6]), rows + q, rows, rows, np.full(2, segment))

@@ -35,7 +35,7 @@ class JointState:
 
 
 @dataclass(frozen=True)
-class Trajectory:
+class ReferenceTrajectory:
     """Rows of a reference.
 
     Attributes:
@@ -81,13 +81,15 @@ class Trajectory:
         rows = self.q[i : i + 2], self.v[i : i + 2], self.a[i : i + 2]
         return _quintic((time - float(times[i])) / h, h, *rows), int(self.segment[i + 1])
 
-    def followed_by(self, other: Trajectory) -> Trajectory:
+    def followed_by(self, other: ReferenceTrajectory) -> ReferenceTrajectory:
         """Both in a row; the other's first row is this one's last."""
         columns = zip(
             (self.q, self.v, self.a, self.segment), (other.q, other.v, other.a, other.segment), strict=True
         )
         q, v, a, segment = (np.concatenate([mine, theirs[1:]]) for mine, theirs in columns)
-        return Trajectory(np.concatenate([self.times, self.duration + other.times[1:]]), q, v, a, segment)
+        return ReferenceTrajectory(
+            np.concatenate([self.times, self.duration + other.times[1:]]), q, v, a, segment
+        )
 
 
 def grid(duration: float) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-class Target(NamedTuple):
+class PointTarget(NamedTuple):
     """Draws the tool's point to its target."""
 
     accel_p_gain: float
@@ -111,7 +111,7 @@ class Damping(NamedTuple):
 class Policies(NamedTuple):
     """One tuning of all policies."""
 
-    target: Target
+    target: PointTarget
     axis_target: AxisTarget
     cspace_target: CspaceTarget
     joint_limit: JointLimit

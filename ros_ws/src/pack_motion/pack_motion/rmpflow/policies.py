@@ -15,7 +15,7 @@ from pack_motion.rmpflow.parameters import (
     CspaceTarget,
     JointLimit,
     JointVelocityCap,
-    Target,
+    PointTarget,
 )
 
 TINY = 1e-12
@@ -35,7 +35,7 @@ def boost(distance: float, scalar: float, length_scale: float) -> float:
 
 
 @numba.njit(cache=True)
-def target(d: Array, dd: Array, ddx_target: Array, c: Target) -> tuple[Array, Array]:
+def target(d: Array, dd: Array, ddx_target: Array, c: PointTarget) -> tuple[Array, Array]:
     """Point target: the target tracking policy of the thesis (Eq. 4.7), with a pull that is normalised.
 
     The thesis prints a spring and a damper, `a = -K_p (p_ee - p_des) - K_d dp_ee`. This is, with

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from pack_core.motion.world import CarriedBox
 from pack_core.rotations import Array
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 
 CORNER_RADIUS = 0.01
 
@@ -28,7 +28,7 @@ class Spheres(NamedTuple):
     p: Array
     radius: Array
 
-    def with_carried(self, arm: Arm, carried: CarriedBox | None) -> Spheres:
+    def with_carried(self, arm: MotionArm, carried: CarriedBox | None) -> Spheres:
         """These, and spheres in the corners and upright edges and amid the faces of the carried box."""
         if carried is None:
             return self
@@ -45,7 +45,7 @@ class Spheres(NamedTuple):
         )
 
 
-def arm_spheres(arm: Arm, first_link: int) -> Spheres:
+def arm_spheres(arm: MotionArm, first_link: int) -> Spheres:
     """Spheres along the longest axis of every box of the arm from a link on, as wide as its middle edge."""
     bodies, links, centres, radii = arm.bodies, [], [], []
     for i in range(len(bodies)):

@@ -11,7 +11,7 @@ import numpy as np
 
 from pack_core.kinematics import screws
 from pack_core.rotations import Array
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.rmpflow import policies
 from pack_motion.rmpflow.box_distance import box_distance, distance_curvature
 from pack_motion.rmpflow.parameters import Policies
@@ -27,7 +27,7 @@ from pack_motion.rmpflow.tree_arrays import (
 )
 
 
-def arm_arrays(arm: Arm) -> ArmArrays:
+def arm_arrays(arm: MotionArm) -> ArmArrays:
     """What the tree needs of an arm."""
     chain, limits = arm.chain, arm.limits
     return ArmArrays(

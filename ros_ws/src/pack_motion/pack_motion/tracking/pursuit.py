@@ -7,8 +7,8 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from pack_core.rotations import Array
-from pack_motion.arm.arm import Arm
-from pack_motion.reference.path_planner import Plan
+from pack_motion.arm.arm import MotionArm
+from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import MotionSet, Reference
 from pack_motion.tracking.governor import RateGovernor
@@ -17,7 +17,7 @@ from pack_motion.tracking.governor import RateGovernor
 class Pursuit(ABC):
     """One plan being followed."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: MotionPlan) -> None:
         self.plan = plan
         self.segment = int(plan.trajectory.segment[0])
         self.rate = 1.0
@@ -52,7 +52,7 @@ class Pursuit(ABC):
 class ShapedPursuit(Pursuit):
     """The plan's reference in motion; it waits for a tool that is held up."""
 
-    def __init__(self, plan: Plan, governor: RateGovernor) -> None:
+    def __init__(self, plan: MotionPlan, governor: RateGovernor) -> None:
         super().__init__(plan)
         self._governor = governor
         self._time = 0.0
@@ -81,7 +81,7 @@ class StaticPursuit(Pursuit):
 
     NEAR = 0.002
 
-    def __init__(self, plan: Plan, q_home: Array) -> None:
+    def __init__(self, plan: MotionPlan, q_home: Array) -> None:
         super().__init__(plan)
         rows = plan.trajectory
         self._goals = [rows.q[rows.segment == k][-1] for k in np.unique(rows.segment)]
@@ -109,7 +109,7 @@ class StaticPursuit(Pursuit):
         return 0.0 if self._is_over else self._ends[-1] - self._ends[self._index - 1] * (self._index > 0)
 
 
-def pursuit_of(plan: Plan, arm: Arm, config: MotionSet) -> Pursuit:
+def pursuit_of(plan: MotionPlan, arm: MotionArm, config: MotionSet) -> Pursuit:
     """How a set of parameters follows a plan."""
     if config.reference is Reference.SHAPED:
         return ShapedPursuit(plan, RateGovernor(config.governor, arm.chain, arm.limits.acceleration))

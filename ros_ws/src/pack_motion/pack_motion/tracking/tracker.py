@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.rotations import Array
-from pack_motion.arm.arm import Arm
+from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.parameters import Policies
 from pack_motion.rmpflow.spheres import Spheres
@@ -20,7 +20,7 @@ from pack_motion.tracking.resolve import resolve_capped, resolve_within
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class PolicyInputs:
     """What the policies see besides their targets."""
 
     policies: Policies
@@ -37,7 +37,7 @@ class Tracker:
         q: where it stands `(n,)` [rad].
     """
 
-    def __init__(self, arm: Arm, config: MotionSet, q: Array) -> None:
+    def __init__(self, arm: MotionArm, config: MotionSet, q: Array) -> None:
         self._arm, self._config, self._arrays = arm, config, arm_arrays(arm)
         self.state = JointState.at_rest(q)
         self.deviation = 0.0
@@ -46,7 +46,7 @@ class Tracker:
         """From any sphere to any obstacle that is felt [m]."""
 
     def step(
-        self, h: float, start: JointState, end: JointState, q_posture: Array | None, seen: Surroundings
+        self, h: float, start: JointState, end: JointState, q_posture: Array | None, seen: PolicyInputs
     ) -> None:
         """Advance by `h` [s] while the reference goes from `start` to `end`.
 
@@ -70,7 +70,7 @@ class Tracker:
             self.state = JointState(self.state.q, self.state.v, a)
 
     def _substep(
-        self, h: float, q_ref: Array, v_ref: Array, a_ref: Array, q_posture: Array | None, seen: Surroundings
+        self, h: float, q_ref: Array, v_ref: Array, a_ref: Array, q_posture: Array | None, seen: PolicyInputs
     ) -> None:
         q, v = self.state.q, self.state.v
         goal = JointGoal(q_ref, v_ref, a_ref, q_ref if q_posture is None else q_posture)

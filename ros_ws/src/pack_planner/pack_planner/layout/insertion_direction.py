@@ -37,7 +37,7 @@ class InsertionConfig(Config):
 
 
 @dataclass(frozen=True)
-class Candidate:
+class DirectionCandidate:
     """One of the eight sides.
 
     Attributes:
@@ -66,7 +66,9 @@ def choose_insertion(target: PlacedBox, placed: Sequence[PlacedBox], config: Ins
     return best.insertion
 
 
-def candidates(target: PlacedBox, placed: Sequence[PlacedBox], config: InsertionConfig) -> list[Candidate]:
+def candidates(
+    target: PlacedBox, placed: Sequence[PlacedBox], config: InsertionConfig
+) -> list[DirectionCandidate]:
     """What each of the eight sides offers."""
     beside = [item for item in placed if item.is_beside(target)]
     normals = [_normal(target, item) for item in beside if _is_touched(target, item, config)]
@@ -84,7 +86,7 @@ def _candidate(
     walls: Array,
     obstacles: list[PlacedBox],
     config: InsertionConfig,
-) -> Candidate:
+) -> DirectionCandidate:
     outward = side / np.linalg.norm(side)
     towards = walls @ outward
     corridor = min(
@@ -92,7 +94,7 @@ def _candidate(
     )
     is_admissible = bool(np.all(towards < TOUCH)) and corridor >= config.min_corridor
     insertion = Insertion(name, np.append(outward, 0.0), corridor)
-    return Candidate(insertion, int(np.sum(towards < -TOUCH)), is_admissible, -float(towards.sum()))
+    return DirectionCandidate(insertion, int(np.sum(towards < -TOUCH)), is_admissible, -float(towards.sum()))
 
 
 def _is_touched(target: PlacedBox, other: PlacedBox, config: InsertionConfig) -> bool:

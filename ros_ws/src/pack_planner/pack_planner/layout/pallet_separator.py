@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
-from pack_core.palletizing.orders.order import Pallet
+from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
 from pack_planner.layout.axis_program import AxisProgram, Relation
@@ -58,7 +58,7 @@ class Separation:
 class PalletSeparator:
     """Gives the layouts of one kind of pallet gaps."""
 
-    def __init__(self, pallet: Pallet, config: SeparatorConfig) -> None:
+    def __init__(self, pallet: OrderPallet, config: SeparatorConfig) -> None:
         self._pallet, self._config = pallet, config
 
     def separate(self, boxes: Sequence[PlacedBox], gap: float | None = None) -> Separation:

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.palletizing.cell import Contact
+from pack_core.palletizing.cell import BoxContact
 from pack_core.robots.kr210 import ARM_BITS
 
 STEEP = np.cos(np.deg2rad(45.0))
@@ -44,7 +44,7 @@ class ContactWatch:
         contact: the force and the speed.
     """
 
-    def __init__(self, contact: Contact) -> None:
+    def __init__(self, contact: BoxContact) -> None:
         self._force, self._speed = contact.watch_force, contact.landing_speed
         self._kinds: npt.NDArray[np.bool_] = np.zeros(0, dtype=bool)
         self._known: dict[tuple[str, str], int] = {}

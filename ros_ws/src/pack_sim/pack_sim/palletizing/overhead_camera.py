@@ -15,14 +15,14 @@ from pack_core.palletizing.view import CellView, Picture
 from pack_sim.palletizing.snapshot import Snapshot
 
 
-class OverheadCameraConfig(Config):
+class PalletCameraConfig(Config):
     """Parameters of the overhead camera."""
 
     width: int = Field(default=3840, ge=320, le=7680, description="of pictures [pixel]; the height follows")
     shadows: bool = Field(default=True, description="whether lights cast shadows")
 
 
-class OverheadCamera:
+class PalletCamera:
     """Draws what the camera sees; a context manager, bound to the thread that enters it.
 
     Args:
@@ -30,7 +30,7 @@ class OverheadCamera:
         config: size of the pictures.
     """
 
-    def __init__(self, cell: PalletizingCell, config: OverheadCameraConfig) -> None:
+    def __init__(self, cell: PalletizingCell, config: PalletCameraConfig) -> None:
         self._cell, self._config = cell, config
         self.camera = camera_of(cell, config)
         self._view: CellView | None = None
@@ -55,6 +55,6 @@ class OverheadCamera:
         return self._view.picture(snapshot.q, snapshot.boxes, self.camera)
 
 
-def camera_of(cell: PalletizingCell, config: OverheadCameraConfig) -> PinholeCamera:
+def camera_of(cell: PalletizingCell, config: PalletCameraConfig) -> PinholeCamera:
     """The camera with pictures of the configured width."""
     return cell.overhead_camera.scaled(config.width)

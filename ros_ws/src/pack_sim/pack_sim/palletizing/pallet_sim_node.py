@@ -14,8 +14,8 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.params import read_parameters
-from pack_sim.palletizing.overhead_camera import OverheadCameraConfig
-from pack_sim.palletizing.ros.camera_publisher import CameraPublisher
+from pack_sim.palletizing.overhead_camera import PalletCameraConfig
+from pack_sim.palletizing.ros.camera_publisher import PalletCameraPublisher
 from pack_sim.palletizing.ros.cell_publisher import CellPublisher
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.ros.motion_sim_node import MotionSimNode, run_sim_with_camera
@@ -29,7 +29,7 @@ class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
     preset: str = Field(
         default="rigid", description="what the arm is like, see config/cells/palletizing.yaml"
     )
-    camera: OverheadCameraConfig = OverheadCameraConfig()
+    camera: PalletCameraConfig = PalletCameraConfig()
 
 
 class PalletSimNode(MotionSimNode):
@@ -42,7 +42,7 @@ class PalletSimNode(MotionSimNode):
         self._publisher = CellPublisher(self, self._config.timestep)
         self._simulator = PalletSimulator(self._cell, self._config, self._config.seed)
         self._publisher.publish_boxes(self._simulator.boxes)
-        self._camera = CameraPublisher(self, self._cell, self._config.camera)
+        self._camera = PalletCameraPublisher(self, self._cell, self._config.camera)
         services = (
             (contracts.GRIPPER_COMMAND, self._command_gripper),
             (contracts.SPAWN_BOX, self._spawn),

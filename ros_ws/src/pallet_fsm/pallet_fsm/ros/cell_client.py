@@ -22,10 +22,10 @@ from pallet_fsm.ports import (
     CloseGripper,
     Command,
     DiscardBox,
-    Look,
-    MoveArm,
     OpenGripper,
+    PursueTarget,
     StopArm,
+    TakePicture,
 )
 from pallet_fsm.ports import (
     SpawnBox as SpawnCommand,
@@ -61,11 +61,11 @@ class CellClient:
         which asks again.
         """
         match command:
-            case MoveArm(target):
+            case PursueTarget(target):
                 self._target.publish(to_target(target, self._now()))
             case StopArm():
                 self._target.publish(MotionTarget())
-            case Look(expected):
+            case TakePicture(expected):
                 self._expected.publish(to_expected_box(expected))
                 self._trigger.call_async(Trigger.Request())
             case SpawnCommand(name, dims, mass):

@@ -18,7 +18,7 @@ from pack_core.ros.conversions import from_stamp
 from pack_core.ros.motion_messages import from_status
 from pack_core.ros.palletizing.detection_messages import from_detection
 from pack_core.ros.palletizing.gripper_messages import from_gripper_state
-from pallet_fsm.ports import Observation
+from pallet_fsm.ports import PalletObservation
 
 
 class Observer:
@@ -43,7 +43,7 @@ class Observer:
         node.listen(contracts.BOX_DETECTION, self._hear_detection)
 
     @property
-    def newest(self) -> Observation | None:
+    def newest(self) -> PalletObservation | None:
         """What is known now; None before arm and gripper were heard of.
 
         The status of the motion is ahead of the clock, as setpoints are: it says no time.
@@ -51,7 +51,7 @@ class Observer:
         if self._motion is None or self._grip is None:
             return None
         time = from_stamp(self._node.get_clock().now().to_msg())
-        return Observation(time, self._motion, self._grip, self.spawned, self._detection)
+        return PalletObservation(time, self._motion, self._grip, self.spawned, self._detection)
 
     def _hear_motion(self, message: MotionStatusMsg) -> None:
         self._motion = from_status(message)

@@ -9,7 +9,7 @@ from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.goal_node import GoalNode
 from pallet_fsm.machine import Visit
 from pallet_fsm.palletizer import Palletizer
-from pallet_fsm.ports import Command, Observation
+from pallet_fsm.ports import Command, PalletObservation
 from pallet_fsm.ros.results import to_feedback, to_state
 
 
@@ -53,7 +53,7 @@ class OrderRun:
         """Up to the last change of state [s]."""
         return self.session.machine.since - self._start
 
-    def step(self, seen: Observation) -> None:
+    def step(self, seen: PalletObservation) -> None:
         """One turn of the machine; none after its end."""
         if self.session.machine.is_over:
             return

@@ -27,7 +27,7 @@ class Units(Config):
     mass: Literal["kg"]
 
 
-class Pallet(Config):
+class OrderPallet(Config):
     """The pallet: its deck's length and width and how high it is over the floor [m]."""
 
     length: Length
@@ -78,7 +78,7 @@ class Order(Config):
     """An order."""
 
     order_id: Name
-    pallet: Pallet
+    pallet: OrderPallet
     boxes: tuple[OrderBox, ...]
     units: Units | None = None
     source: dict[str, Any] = Field(default_factory=dict, description="where the data come from")

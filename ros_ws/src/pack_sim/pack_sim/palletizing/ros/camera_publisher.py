@@ -8,13 +8,13 @@ from pack_core.ros.camera_messages import to_camera_info, to_image
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
 from pack_sim.camera_thread import CameraThread
-from pack_sim.palletizing.overhead_camera import OverheadCamera, OverheadCameraConfig
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
 from pack_sim.palletizing.snapshot import Snapshot
 
 FRAME = "overhead_camera"
 
 
-class CameraPublisher:
+class PalletCameraPublisher:
     """Publishes each picture with the intrinsics of the camera.
 
     Args:
@@ -23,8 +23,8 @@ class CameraPublisher:
         config: size of the pictures.
     """
 
-    def __init__(self, node: CellNode, cell: PalletizingCell, config: OverheadCameraConfig) -> None:
-        overhead = OverheadCamera(cell, config)
+    def __init__(self, node: CellNode, cell: PalletizingCell, config: PalletCameraConfig) -> None:
+        overhead = PalletCamera(cell, config)
         self._node, self._camera = node, overhead.camera
         self._image = node.advertise(contracts.IMAGE)
         self._info = node.advertise(contracts.CAMERA_INFO)

@@ -14,7 +14,7 @@ from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, E
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Pose, from_yaw, multiply
 from pack_perception.boxes.box_vision import BoxVision, VisionConfig
-from pack_sim.palletizing.overhead_camera import OverheadCamera, OverheadCameraConfig
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
 from pack_sim.palletizing.simulator import PalletSimulator
 
 
@@ -25,24 +25,24 @@ class NoiseConfig(Config):
     yaw_deg: NonNegativeFloat = Field(default=0.05, description="about the vertical [deg]")
 
 
-class SightConfig(Config):
+class BoxFinderConfig(Config):
     """How boxes are found."""
 
     by: Literal["vision", "noise"] = "noise"
     latency: NonNegativeFloat = Field(default=0.2, description="from a picture to its detection [s]")
     noise: NoiseConfig = NoiseConfig()
-    camera: OverheadCameraConfig = OverheadCameraConfig()
+    camera: PalletCameraConfig = PalletCameraConfig()
     vision: VisionConfig = VisionConfig()
 
 
-class Sight(Protocol):
+class BoxFinder(Protocol):
     """Finds boxes."""
 
     def detect(self, expected: ExpectedBox, simulator: PalletSimulator) -> BoxDetection:
         """What is found of the expected box now."""
 
 
-class NoisySight:
+class NoisyBoxFinder:
     """Sees boxes where they are, and a little beside.
 
     Args:
@@ -63,7 +63,7 @@ class NoisySight:
         return BoxDetection(simulator.time, expected.id, DetectionStatus.DETECTED, "", seen, None, size)
 
 
-class CameraSight:
+class CameraBoxFinder:
     """Takes a picture and looks at it.
 
     Args:
@@ -72,7 +72,7 @@ class CameraSight:
         vision: looks at them.
     """
 
-    def __init__(self, cell: PalletizingCell, camera: OverheadCamera, vision: BoxVision) -> None:
+    def __init__(self, cell: PalletizingCell, camera: PalletCamera, vision: BoxVision) -> None:
         self._cell, self._camera, self._vision = cell, camera, vision
 
     def detect(self, expected: ExpectedBox, simulator: PalletSimulator) -> BoxDetection:
@@ -82,14 +82,16 @@ class CameraSight:
 
 
 @contextmanager
-def open_sight(cell: PalletizingCell, config: SightConfig, rng: np.random.Generator) -> Iterator[Sight]:
+def open_box_finder(
+    cell: PalletizingCell, config: BoxFinderConfig, rng: np.random.Generator
+) -> Iterator[BoxFinder]:
     """The configured way; `rng` is for its noise.
 
     Raises:
         PackError: pictures are wanted and there is no OpenGL to draw with.
     """
     if config.by == "noise":
-        yield NoisySight(config.noise, rng)
+        yield NoisyBoxFinder(config.noise, rng)
         return
-    with OverheadCamera(cell, config.camera) as camera:
-        yield CameraSight(cell, camera, BoxVision(config.vision))
+    with PalletCamera(cell, config.camera) as camera:
+        yield CameraBoxFinder(cell, camera, BoxVision(config.vision))
