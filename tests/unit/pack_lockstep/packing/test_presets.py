@@ -6,7 +6,7 @@ from pack_core.paths import config_path
 from pack_lockstep.packing.lockstep import lockstep_config
 from pack_lockstep.packing.presets import PackingPreset, load_preset
 from pack_mpc.session import SessionConfig
-from pack_sim.packing.simulator import SimulatorConfig
+from pack_sim.packing.simulator_config import SimulatorConfig
 
 PRESETS = sorted(path.stem for path in config_path("presets").glob("*.yaml"))
 

@@ -13,7 +13,8 @@ from pack_core.packing.tip import TIP_JOINTS
 from pack_core.rotations import Array, Pose, angle_between
 from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.mismatch import MismatchConfig
-from pack_sim.packing.simulator import Simulator, SimulatorConfig
+from pack_sim.packing.simulator import Simulator
+from pack_sim.packing.simulator_config import SimulatorConfig
 
 TIP = Tip(lateral=6000.0, axial=8000.0, bending=15.0, twist=20.0, damping_time=0.006)
 CELL = packing_cell().model_copy(update={"tip": TIP})
@@ -63,7 +64,7 @@ def test_the_driver_feels_which_way_the_held_object_is_pushed(
     force: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     simulator, felt = build(governor=GovernorConfig()), []
-    monkeypatch.setattr(simulator.controller, "feel", lambda time, force, *rest: felt.append(force))
+    monkeypatch.setattr(simulator.controller, "update_contact", lambda time, force, *rest: felt.append(force))
     push(simulator, np.array(force))
     run(simulator, 0.5)
     np.testing.assert_allclose(felt[-1], force, atol=0.5)

@@ -24,7 +24,7 @@ def press(
     governor: ContactGovernor, force: np.ndarray, start: float = 0.0, steps: int = 100, bending: float = 0.0
 ) -> bool:
     """Feel a constant load for some steps of the driver."""
-    return [governor.feel(start + STEP * i, force, bending, is_holding=False) for i in range(steps)][-1]
+    return [governor.update(start + STEP * i, force, bending, is_holding=False) for i in range(steps)][-1]
 
 
 def wrench_of(tau: np.ndarray) -> np.ndarray:
@@ -39,35 +39,35 @@ def test_contact_is_remembered_for_the_latch_and_then_forgotten(governor: Contac
 
 def test_a_bias_shown_while_the_arm_is_held_is_no_contact(governor: ContactGovernor) -> None:
     for i in range(300):
-        governor.feel(STEP * i, 2.5 * UP, 0.0, is_holding=True)
+        governor.update(STEP * i, 2.5 * UP, 0.0, is_holding=True)
     assert not press(governor, 2.5 * UP, start=0.3, steps=300)
     assert not press(governor, 6.0 * UP, start=0.6)
     assert press(governor, 8.0 * UP, start=0.7)
 
 
 def test_a_bias_that_drifts_in_free_motion_is_followed(governor: ContactGovernor) -> None:
-    felt = [governor.feel(STEP * i, 1.25e-4 * i * UP, 0.0, is_holding=False) for i in range(20_000)]
-    assert not any(felt)
+    contacts = [governor.update(STEP * i, 1.25e-4 * i * UP, 0.0, is_holding=False) for i in range(20_000)]
+    assert not any(contacts)
     assert not press(governor, 6.0 * UP, start=20.0)
 
 
 def test_a_contact_that_grows_slowly_does_not_pass_for_a_bias(governor: ContactGovernor) -> None:
-    felt = [governor.feel(STEP * i, 0.001 * i * UP, 0.0, is_holding=False) for i in range(20_000)]
-    assert felt[-1]
-    assert felt.index(True) < 1.1 * (CONFIG.bias + CONFIG.trigger) / 0.001
+    contacts = [governor.update(STEP * i, 0.001 * i * UP, 0.0, is_holding=False) for i in range(20_000)]
+    assert contacts[-1]
+    assert contacts.index(True) < 1.1 * (CONFIG.bias + CONFIG.trigger) / 0.001
 
 
 def test_what_still_pushes_after_a_long_way_back_is_a_bias(governor: ContactGovernor) -> None:
     assert press(governor, 6.0 * UP)
     for _ in range(round(CONFIG.draw_back / (0.1 * STEP)) + 2):
-        governor.move(0.1 * UP)
+        governor.follow(0.1 * UP)
     assert not press(governor, 6.0 * UP, start=0.1)
 
 
 def test_contact_stays_contact_while_it_is_pushed_ahead(governor: ContactGovernor) -> None:
     assert press(governor, 6.0 * UP)
     for _ in range(1000):
-        governor.move(-0.1 * UP)
+        governor.follow(-0.1 * UP)
     assert press(governor, 6.0 * UP, start=0.1)
 
 

@@ -28,10 +28,12 @@ from pack_lockstep.packing.run_log import PackingRunLog
 from pack_mpc.controller import ControlPlan
 from pack_mpc.outcome import PackingOutcome
 from pack_mpc.session import PackingObservation, PackingSession, SessionConfig
-from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
+from pack_perception.mocap.estimator_config import EstimatorConfig
+from pack_perception.mocap.physics_estimator import PhysicsEstimator
 from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
 from pack_planner.placement.placement_result import PlannedPlacement
-from pack_sim.packing.simulator import Simulator, SimulatorConfig
+from pack_sim.packing.simulator import Simulator
+from pack_sim.packing.simulator_config import SimulatorConfig
 
 
 class LockstepConfig(Config):

@@ -22,7 +22,8 @@ from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import to_scene
 from pack_core.states import SceneState, Source
-from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
+from pack_perception.mocap.estimator_config import EstimatorConfig
+from pack_perception.mocap.physics_estimator import PhysicsEstimator
 from pack_perception.mocap.rigid_body_fit import FitRefusal
 
 

@@ -8,9 +8,7 @@ with the direction of the object's axis they give one: as physics predicts it, a
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, PositiveFloat
 
-from pack_core.config import Config
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.markers import MarkerFrame
@@ -19,34 +17,19 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState, Source
 from pack_perception.mocap.alignment import Mask
-from pack_perception.mocap.axis_fit import AxisFitConfig
-from pack_perception.mocap.correction_law import CorrectionConfig, corrections, is_put_anew, pose_errors
+from pack_perception.mocap.correction_law import corrections, is_put_anew, pose_errors
+from pack_perception.mocap.estimator_config import EstimatorConfig
 from pack_perception.mocap.estimator_report import Advance, Correction
-from pack_perception.mocap.grip_tracker import GripConfig, GripTracker
+from pack_perception.mocap.grip_tracker import GripTracker
 from pack_perception.mocap.guided_cell import GuidedCell, Rows, shifted
 from pack_perception.mocap.marker_table import MarkerTable
 from pack_perception.mocap.pose_history import PoseHistory
-from pack_perception.mocap.rigid_body_fit import FitConfig
 from pack_perception.mocap.sighting import sight
 
 TELEPORT = 3.0
 """An arm that moves this many times faster than its limits has been put elsewhere."""
 HISTORY = 50
 """Steps of physics that a frame may be late."""
-
-
-class EstimatorConfig(Config):
-    """Parameters of the estimator."""
-
-    step: float = Field(default=0.004, gt=0, le=0.008, description="of the physics [s]")
-    max_gap: PositiveFloat = Field(default=0.5, description="between joint samples, else it starts over [s]")
-    mocap_age: PositiveFloat = Field(
-        default=0.03, description="time since the last free fit that is still MOCAP [s]"
-    )
-    correction: CorrectionConfig = CorrectionConfig()
-    fit: FitConfig = FitConfig()
-    axis_fit: AxisFitConfig = AxisFitConfig()
-    grip: GripConfig = GripConfig()
 
 
 class PhysicsEstimator:

@@ -35,7 +35,7 @@ class ContactGovernor:
         self._touched = -np.inf
         self._drawn_back = 0.0
 
-    def feel(self, time: float, force: Array, bending: float, *, is_holding: bool) -> bool:
+    def update(self, time: float, force: Array, bending: float, *, is_holding: bool) -> bool:
         """Take the external force on the held object `(3,)` [N], world frame, and what bends the cup [N m].
 
         The sensor's bias is what it shows while the arm is held in its place or moves freely.
@@ -58,7 +58,7 @@ class ContactGovernor:
             self._tare(force, self._config.tare_time)
         return not is_free
 
-    def move(self, velocity: Array) -> None:
+    def follow(self, velocity: Array) -> None:
         """Follow the cup, at a velocity `(3,)` [m/s]: what pushes it however far it yields is a bias."""
         if self._strength <= self._config.trigger:
             return

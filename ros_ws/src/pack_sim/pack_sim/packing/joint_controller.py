@@ -68,7 +68,9 @@ class JointController:
         """Forget the setpoints, as when their sender died: hold from the next step on."""
         self._setpoints = None
 
-    def feel(self, time: float, force: Array, bending: float, v: Array, J: Callable[[], Array]) -> None:
+    def update_contact(
+        self, time: float, force: Array, bending: float, v: Array, J: Callable[[], Array]
+    ) -> None:
         """Take what is measured at the cup.
 
         Args:
@@ -79,10 +81,10 @@ class JointController:
             J: gives the cup's Jacobian `(6, 7)`, linear part first, in the world frame.
         """
         if self._governor is not None:
-            is_contact = self._governor.feel(time, force, bending, is_holding=self.is_holding)
+            is_contact = self._governor.update(time, force, bending, is_holding=self.is_holding)
             self._jacobian = J() if is_contact else None
             if self._jacobian is not None:
-                self._governor.move(self._jacobian[:3] @ v)
+                self._governor.follow(self._jacobian[:3] @ v)
 
     def reference(
         self, time: float, q: Array, v: Array, M: Callable[[], Array]

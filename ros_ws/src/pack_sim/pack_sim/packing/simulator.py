@@ -6,10 +6,8 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.bodies import body_pose, set_object_poses
-from pack_core.config import Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import ArmRole, HeldRole, build_model, held_pose
@@ -18,34 +16,18 @@ from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
 from pack_core.rotations import Array, Pose, angle_between, conjugate, rotate
 from pack_core.states import ObjectState, SceneState
 from pack_sim.packing.governor import ContactGovernor
-from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.joint_controller import JointController
-from pack_sim.packing.mismatch import MismatchConfig, actual, believed, joint_friction
-from pack_sim.packing.mocap import MocapConfig, MocapSystem
+from pack_sim.packing.mismatch import actual, believed, joint_friction
+from pack_sim.packing.mocap import MocapSystem
 from pack_sim.packing.payload import PayloadCompensation
 from pack_sim.packing.pump import PumpModel
-from pack_sim.packing.wrench_sensor import WrenchSensor, WrenchSensorConfig
+from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.wrench_sensor import WrenchSensor
 
 GRIP_DISTANCE = 0.005
 GRIP_ANGLE = np.deg2rad(2.0)
 STICTION = 0.999
 """Impedance of the joints' friction: where it is softer they creep under torques that they should resist."""
-
-
-class SimulatorConfig(Config):
-    """Parameters of the simulated driver and its sensors."""
-
-    timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
-    watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
-    governor: GovernorConfig | None = Field(
-        default=None, description="bounds of what the driver does in contact"
-    )
-    friction_compensation: NonNegativeFloat = Field(
-        default=0.0, description="of a joint, along its desired velocity [N m]"
-    )
-    mocap: MocapConfig = MocapConfig()
-    wrench_sensor: WrenchSensorConfig = WrenchSensorConfig()
-    mismatch: MismatchConfig = MismatchConfig()
 
 
 class Simulator:
@@ -112,7 +94,7 @@ class Simulator:
             R_WN = data.body(self.scene.new_object.name).xmat.reshape(3, 3)
             force, torque = self.external_wrench()
             bending = float(np.hypot(torque[0], torque[1]))
-            self.controller.feel(self.time, R_WN @ force, bending, v, self._cup_jacobian)
+            self.controller.update_contact(self.time, R_WN @ force, bending, v, self._cup_jacobian)
         data.ctrl[:] = self.controller.torque(self.time, q, v, self._mass_matrix)
         if self.pump.state.is_closed:
             self._payload.apply(self.model, data)

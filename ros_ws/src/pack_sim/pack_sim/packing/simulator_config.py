@@ -1,0 +1,27 @@
+"""Parameters of the simulated driver and its sensors."""
+
+from __future__ import annotations
+
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config
+from pack_sim.packing.governor_config import GovernorConfig
+from pack_sim.packing.mismatch import MismatchConfig
+from pack_sim.packing.mocap import MocapConfig
+from pack_sim.packing.wrench_sensor import WrenchSensorConfig
+
+
+class SimulatorConfig(Config):
+    """Parameters of the simulated driver and its sensors."""
+
+    timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
+    watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
+    governor: GovernorConfig | None = Field(
+        default=None, description="bounds of what the driver does in contact"
+    )
+    friction_compensation: NonNegativeFloat = Field(
+        default=0.0, description="of a joint, along its desired velocity [N m]"
+    )
+    mocap: MocapConfig = MocapConfig()
+    wrench_sensor: WrenchSensorConfig = WrenchSensorConfig()
+    mismatch: MismatchConfig = MismatchConfig()
