@@ -10,7 +10,7 @@ STIFFNESS = np.array([1000.0, 1000.0, 1000.0, 30.0, 30.0, 30.0])
 DAMPING = np.array([80.0, 80.0, 80.0, 1.5, 1.5, 1.5])
 """[N s/m] and [N m s/rad]"""
 LIMITS = np.array([15.0, 15.0, 15.0, 2.0, 2.0, 2.0])
-"""[N] and [N m]"""
+"""Largest force [N] and torque [N m] of the springs."""
 WORLD = "world_frame"
 
 

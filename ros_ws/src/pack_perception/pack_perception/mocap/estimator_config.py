@@ -14,10 +14,12 @@ from pack_perception.mocap.rigid_body_fit import FitConfig
 class EstimatorConfig(Config):
     """Parameters of the estimator."""
 
-    step: float = Field(default=0.004, gt=0, le=0.008, description="of the physics [s]")
-    max_gap: PositiveFloat = Field(default=0.5, description="between joint samples, else it starts over [s]")
+    step: float = Field(default=0.004, gt=0, le=0.008, description="longest step of the physics [s]")
+    max_gap: PositiveFloat = Field(
+        default=0.5, description="longest gap between joint samples; after a longer one it starts over [s]"
+    )
     mocap_age: PositiveFloat = Field(
-        default=0.03, description="time since the last free fit that is still MOCAP [s]"
+        default=0.03, description="age of a fit without physics up to which a pose counts as MOCAP [s]"
     )
     correction: CorrectionConfig = CorrectionConfig()
     fit: FitConfig = FitConfig()

@@ -22,17 +22,18 @@ from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal
 
-OFF = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+OFF: Array = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+"""Directions in which a rehearsal is repeated with everything off by `error`."""
 RESISTANCE = 10.0
-"""Price of lag [1 / (m s)]: an entry without resistance lags 0.015 m s, one that just succeeds 0.06."""
+"""Weight of lag in an entry's score [1 / (m s)]: without resistance it is 0.015 m s, at the limit 0.06."""
 GOOD, FAIR = 0.45, 0.8
-"""Prices below which the search ends, at once or when a round brought no better one."""
+"""Scores below which the search ends, at once or when a round brought no better one."""
 HOPELESS = 2.0
-"""Price from which on an entry fails; variations of it are not worth a rehearsal."""
+"""Score from which on an entry fails; variations of it are not worth a rehearsal."""
 TURNS = np.deg2rad([-20.0, 0.0, 20.0])
-"""Of the side to which a variation leans."""
+"""Angles by which a variation leans to another side than the best entry [rad]."""
 Vary = Callable[[PlacementCandidate], list[PlacementCandidate]]
-"""Placements near one."""
+"""Samples feasible placements near one."""
 
 
 class ApproachPlanner:
@@ -72,10 +73,10 @@ class ApproachPlanner:
             options = self._round(fresh, best if lowest < HOPELESS else None, vary, poses)
             if not options:
                 break
-            option, price = self._cheapest(options, poses, lean)
-            rounds, enough = rounds + 1, GOOD if price < lowest else FAIR
-            if price < lowest:
-                best, lowest = option, price
+            option, score = self._cheapest(options, poses, lean)
+            rounds, enough = rounds + 1, GOOD if score < lowest else FAIR
+            if score < lowest:
+                best, lowest = option, score
         return best, rounds
 
     def _most(self, lowest: float) -> int:
@@ -109,16 +110,20 @@ class ApproachPlanner:
     def _cheapest(
         self, options: Sequence[PlacementCandidate], poses: Mapping[str, Pose], lean: float
     ) -> tuple[PlacementCandidate, float]:
-        """The best of a round and its price: Eq. 6 [m], that of lag and the share of failures, summed."""
+        """The best entry of a round, and its score.
+
+        An entry's score, averaged over its perturbed rehearsals, is cost (Eq. 6) + `RESISTANCE` * lag + 1 if
+        it fails. All are rehearsed as planned, the best `finalists` once more in every direction of `OFF`.
+        """
         entries = [plan_entry(self._scene, o.X_WN, o.collisions, poses, lean, o.over) for o in options]
-        prices = np.array([option.cost for option in options])
-        prices += self._rehearse(options, entries, np.zeros((1, 3)), poses)[0]
-        best = np.argsort(prices, kind="stable")[: self._config.finalists]
+        scores = np.array([option.cost for option in options])
+        scores += self._rehearse(options, entries, np.zeros((1, 3)), poses)[0]
+        best = np.argsort(scores, kind="stable")[: self._config.finalists]
         finalists = [options[i] for i in best]
         off = self._rehearse(finalists, [entries[i] for i in best], self._config.error * OFF, poses)
-        prices = prices[best] + off.mean(axis=0)
-        k = int(np.argmin(prices))
-        return finalists[k], float(prices[k])
+        scores = scores[best] + off.mean(axis=0)
+        k = int(np.argmin(scores))
+        return finalists[k], float(scores[k])
 
     def _rehearse(
         self,
@@ -127,7 +132,7 @@ class ApproachPlanner:
         shifts: Array,
         poses: Mapping[str, Pose],
     ) -> Array:
-        """What entering costs `(m, n)` when all is off by `shifts` `(m, 3)` [m]: the lag, 1 for a failure."""
+        """Scores of n entries without their cost `(m, n)`, with the goals off by `shifts` `(m, 3)` [m]."""
         goals = [Pose(option.X_WN.p + shift, option.X_WN.q) for shift in shifts for option in options]
         seen = self._rehearsal.run(poses, goals, [*entries] * len(shifts))
         return np.asarray(RESISTANCE * seen.lags + ~seen.is_success).reshape(len(shifts), -1)

@@ -13,20 +13,28 @@ class ApproachConfig(Config):
     crowded: NonNegativeFloat = Field(
         0.5, description="covered share of the base from which on the first placement is rehearsed, too"
     )
-    likely: PositiveInt = Field(3, description="placements rehearsed before, over their obstacles")
+    likely: PositiveInt = Field(
+        3, description="placements rehearsed in the first round, leaning over their obstacles"
+    )
     rounds: NonNegativeInt = Field(
-        8, description="of rehearsals, until an entry is good; half of them while all fail; 0: none at all"
+        8, description="most rounds of rehearsals; half as many while all entries fail; 0: no rehearsals"
     )
-    candidates: PositiveInt = Field(5, description="placements a round, the cheapest first")
-    fresh: PositiveInt = Field(3, description="placements a round beside variations of the best so far")
-    spacing: PositiveFloat = Field(0.01, description="between candidates, seen from above [m]")
-    variations: PositiveInt = Field(6, description="of the best placement so far, in each further round")
+    candidates: PositiveInt = Field(5, description="placements in a round, the cheapest first")
+    fresh: PositiveInt = Field(
+        3, description="new placements in a round beside variations of the best so far"
+    )
+    spacing: PositiveFloat = Field(0.01, description="least distance between candidates, seen from above [m]")
+    variations: PositiveInt = Field(
+        6, description="variations of the best placement so far in each further round"
+    )
     deviation: tuple[PositiveFloat, PositiveFloat] = Field(
-        (0.006, 0.1), description="of variations, standard: position [m] and yaw [rad]"
+        (0.006, 0.1), description="standard deviation of variations: position [m] and yaw [rad]"
     )
-    sides: PositiveInt = Field(8, description="to which the object may lean")
-    finalists: PositiveInt = Field(6, description="entries a round that are rehearsed again, off their way")
-    error: NonNegativeFloat = Field(0.006, description="how far off [m]")
+    sides: PositiveInt = Field(8, description="directions in which the object may lean")
+    finalists: PositiveInt = Field(
+        6, description="best entries of a round that are rehearsed again, perturbed"
+    )
+    error: NonNegativeFloat = Field(0.006, description="perturbation of these rehearsals [m]")
 
     @property
     def tried(self) -> int:

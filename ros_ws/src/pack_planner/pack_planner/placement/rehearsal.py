@@ -1,6 +1,6 @@
 """Rehearsals of entries: the new object is lowered into the container in simulation, without an arm.
 
-It hangs on springs whose force is limited as the arm's push is (`pack_core/scene/steering.py`), and its
+It hangs on springs whose force is limited as the arm's push is (`pack_core/packing/steering.py`), and its
 place is led down at a fixed speed, leaning and aside as the entry says.
 """
 
@@ -23,13 +23,13 @@ from pack_planner.placement.batch_physics import BatchPhysics
 UP = np.array([0.0, 0.0, 1.0])
 TIMESTEP = 0.01
 SPEED = 0.15
-"""At which the object is lowered [m/s]."""
+"""Speed at which the object is lowered [m/s]."""
 CLEARANCE = 0.01
-"""Between its lower end and the obstacles' tops at the start [m]."""
+"""Gap between the lower end and the obstacles' tops at the start [m]."""
 REST = 0.25
-"""After its way down [s]."""
+"""Time for which everything may settle after the way down [s]."""
 LOWEST_START = 0.05
-"""Of the lower end, when there are no obstacles [m]."""
+"""Height at which the lower end starts when there are no obstacles [m]."""
 DOWN_BELOW = 0.015
 """A lower end below this height has arrived [m]; the height at which INSERT is done."""
 UPRIGHT = np.cos(np.deg2rad(20.0))
@@ -85,7 +85,9 @@ class Rehearsal:
         top = max((*entry.tops, LOWEST_START)) + CLEARANCE
         bottoms = np.append(np.arange(top, 0.0, -SPEED * TIMESTEP), 0.0)
         axes, asides = entry.at(bottoms)
+        # a box looks the same after half a turn: the yaw nearest to zero keeps the rotation vector short
         yaw = (yaw_of(X_WN.q) + np.pi / 2) % np.pi - np.pi / 2
+        # the object's z axis leans by its x and y components, that is, it turns about (-y, x)
         tilts = Rotation.from_rotvec(np.column_stack([-axes[:, 1], axes[:, 0], np.zeros(len(axes))]))
         turns = tilts * Rotation.from_rotvec([0.0, 0.0, yaw])
         places = X_WN.p[:2] + half_height * axes + asides

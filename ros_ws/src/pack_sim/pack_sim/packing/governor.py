@@ -13,9 +13,9 @@ from pack_core.rotations import Array
 from pack_sim.packing.governor_config import GovernorConfig
 
 HOLD_TARE_TIME = 0.05
-"""In which the sensor's bias is taken up while the arm is held [s]."""
+"""Time constant of the bias estimate while the arm is held [s]."""
 DAMPING = 1e-4
-"""Of the least squares that turn joint torques into a wrench."""
+"""Damping of the least squares that turn joint torques into a wrench."""
 
 
 class ContactGovernor:
@@ -43,6 +43,7 @@ class ContactGovernor:
         Returns:
             Whether there is contact, or was just now.
         """
+        # first-order low-pass, discretised by backward Euler
         gain = self._timestep / (self._config.filter_time + self._timestep)
         self._bending += gain * (bending - self._bending)
         if is_holding:
@@ -83,6 +84,7 @@ class ContactGovernor:
         if excess <= 0.0:
             return v_d
         linear = J[:3]
+        # damped pseudo-inverse: the joint velocity that moves the cup away from the contact at 1 m/s
         retreat = linear.T @ np.linalg.solve(linear @ linear.T + DAMPING * np.eye(3), self._away)
         return np.asarray(v_d + excess * retreat)
 
@@ -93,6 +95,7 @@ class ContactGovernor:
         if self._strength <= self._config.trigger:
             return scale * tau
         push = scale * float(-self._away @ wrench[:3])
+        # like a spring: the harder the contact already is, the less push is allowed, down to a pull back
         beyond = max(self._strength - self._config.push, 0.0)
         allowed = max(self._config.push - self._config.reflex * beyond, -self._config.pull_back)
         back = J[:3].T @ self._away

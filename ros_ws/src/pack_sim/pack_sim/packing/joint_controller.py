@@ -34,7 +34,7 @@ class JointController:
         robot: the arm, whose limits hold, and the gains.
         watchdog: age at which setpoints are stale [s].
         governor: bounds what it does in contact.
-        friction: of a joint, which is compensated in the direction of the desired velocity [N m].
+        friction: of each joint; compensated in the direction of its desired velocity [N m].
     """
 
     def __init__(
@@ -96,6 +96,7 @@ class JointController:
             return plan.at(time)
         self.is_holding = True
         if self._q_hold is None and np.abs(v).max() > AT_REST:
+            # desired are q and v themselves, so that only this torque acts: dv/dt = -v / BRAKE_TIME
             return q, v, -(M() @ v) / BRAKE_TIME
         if self._q_hold is None:
             self._q_hold = np.clip(q, self._limits.lower, self._limits.upper)
@@ -115,6 +116,7 @@ class JointController:
         if self._governor is not None and J is not None:
             v_d = self._governor.slow_down(v_d, J)
         tau: Array = tau_ff + self._kp * (q_d - q) + self._kd * (v_d - v)
+        # tanh instead of the sign: no chattering about a desired velocity of zero
         tau += self._friction * np.tanh(v_d / SLIDING)
         if self._governor is not None and J is not None:
             tau = self._governor.bound(tau, J)

@@ -27,8 +27,10 @@ class MocapConfig(Config):
     """Parameters of the motion capture system."""
 
     rate: PositiveFloat = Field(default=MARKER_RATE, description="frames a simulated second [Hz]")
-    noise_std: NonNegativeFloat = Field(default=0.0003, description="of every coordinate of a marker [m]")
-    latency: NonNegativeFloat = Field(default=0.010, description="from exposure to delivery [s]")
+    noise_std: NonNegativeFloat = Field(
+        default=0.0003, description="standard deviation of every coordinate of a marker [m]"
+    )
+    latency: NonNegativeFloat = Field(default=0.010, description="time from exposure to delivery [s]")
     min_cameras: PositiveInt = Field(default=2, description="cameras that must see a marker")
 
 

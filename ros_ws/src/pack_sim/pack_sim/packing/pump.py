@@ -55,11 +55,11 @@ class PumpModel:
         return not reason
 
     def open(self, reason: str) -> None:
-        """Let go."""
+        """Let go of the object; `reason` is reported."""
         self.state = PumpState(is_closed=False, release_reason=reason)
 
     def close(self) -> None:
-        """Hold."""
+        """Hold the object from now on."""
         self.state = PumpState(is_closed=True)
 
     def _excess(self, load: Load) -> str:

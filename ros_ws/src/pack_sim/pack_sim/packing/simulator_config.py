@@ -20,7 +20,7 @@ class SimulatorConfig(Config):
         default=None, description="bounds of what the driver does in contact"
     )
     friction_compensation: NonNegativeFloat = Field(
-        default=0.0, description="of a joint, along its desired velocity [N m]"
+        default=0.0, description="compensated friction of each joint, along its desired velocity [N m]"
     )
     mocap: MocapConfig = MocapConfig()
     wrench_sensor: WrenchSensorConfig = WrenchSensorConfig()

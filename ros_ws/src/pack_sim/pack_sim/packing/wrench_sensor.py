@@ -12,11 +12,13 @@ from pack_core.rotations import Array
 class WrenchSensorConfig(Config):
     """Standard deviations along each axis; 0: none."""
 
-    force_noise: NonNegativeFloat = Field(default=0.0, description="white, at every step of the physics [N]")
-    torque_noise: NonNegativeFloat = Field(default=0.0, description="likewise [N m]")
-    force_bias: NonNegativeFloat = Field(default=0.0, description="of a bias that drifts [N]")
-    torque_bias: NonNegativeFloat = Field(default=0.0, description="likewise [N m]")
-    bias_time: PositiveFloat = Field(default=5.0, description="after which the bias is another one [s]")
+    force_noise: NonNegativeFloat = Field(
+        default=0.0, description="white noise of the force, at every step of the physics [N]"
+    )
+    torque_noise: NonNegativeFloat = Field(default=0.0, description="white noise of the torque [N m]")
+    force_bias: NonNegativeFloat = Field(default=0.0, description="bias of the force, which drifts [N]")
+    torque_bias: NonNegativeFloat = Field(default=0.0, description="bias of the torque, which drifts [N m]")
+    bias_time: PositiveFloat = Field(default=5.0, description="time after which the bias is another one [s]")
 
 
 class WrenchSensor:
@@ -43,6 +45,7 @@ class WrenchSensor:
         """Go on by one time step."""
         if self._is_exact:
             return
+        # exact discretisation of the Ornstein-Uhlenbeck process: the variance stays `spread` squared
         kick, noise = self._rng.normal(size=(2, 6))
         self._bias = self._memory * self._bias + np.sqrt(1.0 - self._memory**2) * self._spread * kick
         self._error = self._bias + self._noise * noise
