@@ -112,8 +112,9 @@ class ApproachPlanner:
     ) -> tuple[PlacementCandidate, float]:
         """The best entry of a round, and its score.
 
-        An entry's score, averaged over its perturbed rehearsals, is cost (Eq. 6) + `RESISTANCE` * lag + 1 if
-        it fails. All are rehearsed as planned, the best `finalists` once more in every direction of `OFF`.
+        Every entry is rehearsed as planned; the best `finalists` of them once more in each direction of
+        `OFF`. The score is the cost (Eq. 6) + r as planned + the mean of r over the directions, where
+        r = `RESISTANCE` * lag, + 1 for an entry that fails.
         """
         entries = [plan_entry(self._scene, o.X_WN, o.collisions, poses, lean, o.over) for o in options]
         scores = np.array([option.cost for option in options])
