@@ -38,5 +38,5 @@ def test_an_order_with_low_boxes_at_the_table_and_high_neighbours_on_the_pallet_
     session = Palletizer(order, plan, palletizing_cell(), PalletizerConfig(), 0.0)
     while not session.machine.is_over:
         for command in session.step(cell.observe()):
-            cell.obey(command)
+            cell.apply(command)
     assert session.report().is_complete, session.report().reason

@@ -6,7 +6,7 @@ import pytest
 from pack_core.errors import PackError
 from pack_core.joints import JointSample
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove
-from pack_core.motion.target import MotionState, MotionTarget, Tolerance
+from pack_core.motion.target import MotionState, MotionTarget, ReachTolerance
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
@@ -98,7 +98,7 @@ def test_an_unclear_path_is_refused_unless_it_is_not_to_be_checked(arm: MotionAr
 
 def test_reached_means_measured_errors_within_tolerance_for_so_many_steps(arm: MotionArm) -> None:
     loop = Loop(arm)
-    loop.controller.command(MotionTarget(7, Path((JointMove(arm.home),)), tolerance=Tolerance(steps=5)))
+    loop.controller.command(MotionTarget(7, Path((JointMove(arm.home),)), tolerance=ReachTolerance(steps=5)))
     off = JointSample(0.0, arm.home + np.array([0.002, 0, 0, 0, 0, 0]), np.zeros(6), np.zeros(6))
     on = JointSample(0.0, arm.home, np.zeros(6), np.zeros(6))
     for k, (sample, reached) in enumerate(

@@ -59,7 +59,7 @@ class Faults:
         refused: moves that still will be refused.
         refused_carrying: the same, counting only those with a box in the hand.
         held: how often the driver still will hold the arm.
-        astray: moves that still will find no way on after that.
+        lost_ways: moves that still will find no way on after that.
         lost_at: label of the segment at whose end the hand loses its box; empty: it does not.
         reason: that the gripper gives then.
         mute: parts of the cell that take commands and answer none.
@@ -73,7 +73,7 @@ class Faults:
     refused: int = 0
     refused_carrying: int = 0
     held: int = 0
-    astray: int = 0
+    lost_ways: int = 0
     lost_at: str = ""
     reason: str = ""
     mute: frozenset[str] = frozenset()
@@ -105,7 +105,7 @@ class FakeCell:
         self._advance()
         return PalletObservation(self.time, self._status(), self.grip, self.spawned, self.detection)
 
-    def obey(self, command: Command) -> None:
+    def apply(self, command: Command) -> None:
         actions: dict[type, Callable[[], None]] = {
             SpawnBox: lambda: self._spawn(command.name, command.dims),
             DiscardBox: lambda: self._discard(command.name),
@@ -199,8 +199,8 @@ class FakeCell:
             self.faults.held -= 1
             self._state = MotionState.HELD
             return
-        if self.faults.astray:
-            self.faults.astray -= 1
+        if self.faults.lost_ways:
+            self.faults.lost_ways -= 1
             self._state, self._reason = MotionState.REFUSED, "the wrist would hit box 3"
             return
         if self.faults.stuck:
@@ -251,7 +251,7 @@ def run(order: Order, profile: str = "blended", faults: Faults | None = None) ->
     machine = Palletizer(order, plan_as_given(order), palletizing_cell(), config, 0.0)
     while not machine.machine.is_over:
         for command in machine.step(cell.observe()):
-            cell.obey(command)
+            cell.apply(command)
         assert cell.time < 600.0, machine.machine.visits[-5:]
     return machine, cell
 

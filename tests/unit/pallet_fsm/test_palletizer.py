@@ -64,7 +64,7 @@ def test_both_profiles_put_boxes_in_the_same_places() -> None:
         (Faults(wrong_size=2), State.WRONG_SIZE),
         (Faults(slips=2), State.GRIP_FAILED),
         (Faults(stuck=2), State.MOTION_STUCK),
-        (Faults(astray=2), State.MOTION_STUCK),
+        (Faults(lost_ways=2), State.MOTION_STUCK),
     ],
     ids=lambda value: value.name if isinstance(value, State) else "",
 )
@@ -203,7 +203,7 @@ def test_a_halt_stops_the_arm_with_its_reason() -> None:
     machine = Palletizer(order, plan_as_given(order), palletizing_cell(), PalletizerConfig(), 0.0)
     for _ in range(40):
         for command in machine.step(cell.observe()):
-            cell.obey(command)
+            cell.apply(command)
     machine.halt("node 'pallet_sim' is silent")
     assert StopArm() in machine.step(cell.observe())
     assert machine.report().reason == "node 'pallet_sim' is silent"

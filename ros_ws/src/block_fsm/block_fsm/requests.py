@@ -1,7 +1,7 @@
 """What the executor asks its surroundings to do, one thing at a time.
 
 Each is answered by a value: a Look by a BlockSighting or by NoPicture, a PlanFor by a Plan, a MoveArm by a
-MotionStatus, a MoveJaw by a JawState. An answer that takes too long is one that says so (STUCK, MOVING).
+MotionStatus, a MoveFingers by a FingerState. An answer that takes too long is one that says so (STUCK, MOVING).
 """
 
 from __future__ import annotations
@@ -9,14 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.jaw import JawCommand, JawState
+from pack_core.blocks.fingers import FingerCommand, FingerState
 from pack_core.blocks.plan import Plan
 from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import Path
-from pack_core.motion.target import MotionStatus, MotionTarget, Tolerance
+from pack_core.motion.target import MotionStatus, MotionTarget, ReachTolerance
 from pack_core.motion.world import CarriedBox, Obstacle
 
-REACHED = Tolerance(position=0.0005, orientation_deg=0.1)
+REACHED = ReachTolerance(position=0.0005, orientation_deg=0.1)
 
 
 @dataclass(frozen=True)
@@ -57,10 +57,10 @@ class MoveArm:
 
 
 @dataclass(frozen=True)
-class MoveJaw:
+class MoveFingers:
     """Until the fingers have come to rest."""
 
-    command: JawCommand
+    command: FingerCommand
 
 
 @dataclass(frozen=True)
@@ -70,5 +70,5 @@ class NoPicture:
     reason: str
 
 
-Request = Look | PlanFor | MoveArm | MoveJaw
-Answer = BlockSighting | NoPicture | Plan | MotionStatus | JawState
+Request = Look | PlanFor | MoveArm | MoveFingers
+Answer = BlockSighting | NoPicture | Plan | MotionStatus | FingerState

@@ -94,9 +94,8 @@ class MotionController:
 
     def prepare(self, target: MotionTarget) -> PreparedTarget:
         """Plan a target from the present commanded state; changes nothing, and may take its time."""
-        others: tuple[MotionTarget, ...] = ()
-        if target is self._resumed:
-            others = rising(target, self._arm.chain.forward(self.commanded.q))
+        X_WT = self._arm.chain.forward(self.commanded.q)
+        others = rising(target, X_WT) if target is self._resumed else ()
         return self._planner.prepare(self.commanded, target, others)
 
     def take(self, prepared: PreparedTarget) -> Acceptance:

@@ -7,7 +7,7 @@ from collections import deque
 import numpy as np
 
 from pack_core.joints import JointSample
-from pack_core.motion.target import Tolerance
+from pack_core.motion.target import ReachTolerance
 from pack_core.rotations import Array, Pose, angle_between
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.trajectory import JointState
@@ -34,7 +34,7 @@ class ReachProgress:
         """What the joints were told for a time [s]."""
         self._commanded.append((time, state))
 
-    def measure(self, sample: JointSample, X_WG: Pose, tolerance: Tolerance, is_over: bool) -> None:
+    def measure(self, sample: JointSample, X_WG: Pose, tolerance: ReachTolerance, is_over: bool) -> None:
         """Take a measurement; steps count as reached only where the reference `is_over`."""
         self.see(sample, X_WG)
         p_commanded = self._arm.chain.forward_matrix(self._told(sample))[1]

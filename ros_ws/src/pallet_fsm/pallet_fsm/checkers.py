@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.motion.target import Tolerance
+from pack_core.motion.target import ReachTolerance
 from pack_core.rotations import Pose, angle_between
 from pallet_fsm.states import Check
 
-TOLERANCES = {Check.PRECISE: Tolerance(0.002, 0.5, 1), Check.TRANSIT: Tolerance(0.005, 1.0, 3)}
+TOLERANCES = {Check.PRECISE: ReachTolerance(0.002, 0.5, 1), Check.TRANSIT: ReachTolerance(0.005, 1.0, 3)}
 
 
 class TargetChecker:

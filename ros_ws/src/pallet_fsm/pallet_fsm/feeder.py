@@ -77,14 +77,14 @@ class Feeder:
         if self.item is not None:
             if self._arrival is None and seen.spawned == self.item.name:
                 self._arrival = seen.time
-            self._hear(seen.detection)
+            self._note_answer(seen.detection)
 
     def commands(self) -> tuple[Command, ...]:
         """What is to be done since the last call."""
         commands, self._commands = tuple(self._commands), []
         return commands
 
-    def _hear(self, detection: BoxDetection | None) -> None:
+    def _note_answer(self, detection: BoxDetection | None) -> None:
         if detection is None or self._looked is None or self.answer is not None or self.item is None:
             return
         if detection.box_id == self.item.name and detection.time >= self._looked:

@@ -87,7 +87,7 @@ class PalletFsmNode(GoalNode):
         assert seen is not None
         session = Palletizer(order, plan, palletizing_cell(), config, seen.time)
         self._observer.spawned = ""  # the last order's last box may have had the name of this one's first
-        self._run = run = OrderRun(self, session, self._client.obey, self._teller)
+        self._run = run = OrderRun(self, session, self._client.apply, self._teller)
         await self.until_goal_ends()
         result = to_result(session.report(), run.elapsed)
         self._result.publish(String(data=result.report))

@@ -13,15 +13,15 @@ class Hand:
 
     Args:
         dwell: for the vacuum to build up or break down [s].
-        patience: for the gripper to do as it is told [s].
+        timeout: for the gripper to do as it is told [s].
 
     Attributes:
         is_busy: whether it closes or opens just now.
         reason: why the last closing failed.
     """
 
-    def __init__(self, dwell: float, patience: float) -> None:
-        self._dwell, self._patience = dwell, patience
+    def __init__(self, dwell: float, timeout: float) -> None:
+        self._dwell, self._timeout = dwell, timeout
         self._grip = Grip.EMPTY
         self._start = 0.0
         self.is_busy = False
@@ -44,7 +44,7 @@ class Hand:
         if state.is_closed is wanted:
             return self._end(Event.GRIPPED if wanted else Event.RELEASED)
         answer = "" if state.is_closing or state.reason == ASKED else state.reason
-        if not (wanted and answer) and waited < self._patience:
+        if not (wanted and answer) and waited < self._timeout:
             return None
         self.reason = answer or f"the gripper does not {self._grip.value}"
         return self._end(Event.GRIP_FAILED if wanted else Event.HALTED)

@@ -18,7 +18,7 @@ from pallet_fsm.transitions import Event
 
 
 class MoverConfig(Config):
-    """Patience."""
+    """How long the machine waits for the motion."""
 
     answer_time: PositiveFloat = 10.0
     """For the motion to take or refuse a target [s]."""

@@ -10,7 +10,7 @@ import pytest
 
 from pack_core.errors import MessageError
 from pack_core.motion.moves import UP, JointMove, Line, Mode, Move, Path, PoseMove, Retreat, Transfer
-from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, Tolerance
+from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, ReachTolerance
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.ros.motion_messages import from_status, from_target, to_status, to_target
 from pack_core.rotations import Pose, exp
@@ -43,7 +43,7 @@ def test_a_target_comes_back_as_it_was(move: Move) -> None:
         Obstacle("cart", X, np.full(3, 0.1), np.array([0.1, 0.0, 0.0]), is_moving=True),
     )
     carried = CarriedBox(X, np.array([0.4, 0.3, 0.2]))
-    contacts, tolerance = frozenset({"table"}), Tolerance(0.005, 1.0, 4)
+    contacts, tolerance = frozenset({"table"}), ReachTolerance(0.005, 1.0, 4)
     target = MotionTarget(7, move, carried, obstacles, contacts, tolerance, False, 0.05)
     assert_same(from_target(to_target(target, 1.5)), target)
 

@@ -11,7 +11,7 @@ from pack_core.rotations import Pose
 
 
 @dataclass(frozen=True)
-class Tolerance:
+class ReachTolerance:
     """When a target counts as reached: measured errors for this many steps in a row."""
 
     position: float = 0.002
@@ -41,7 +41,7 @@ class MotionTarget:
     carried: CarriedBox | None = None
     obstacles: tuple[Obstacle, ...] = ()
     contacts: frozenset[str] = frozenset()
-    tolerance: Tolerance = Tolerance()
+    tolerance: ReachTolerance = ReachTolerance()
     is_checked: bool = True
     opening: float = 0.0
 

@@ -11,7 +11,7 @@ from pack_interfaces.msg import MotionTarget as MotionTargetMsg
 
 from pack_core.errors import MessageError, PackError
 from pack_core.motion.moves import JointMove, Line, Mode, Move, Path, PoseMove, Retreat, Segment, Transfer
-from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, Tolerance
+from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, ReachTolerance
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.ros.conversions import (
     WORLD,
@@ -61,7 +61,7 @@ def from_target(message: MotionTargetMsg) -> MotionTarget:
         return MotionTarget(
             message.id, _move_of(message), carried, from_obstacles(message.obstacles),
             frozenset(message.contacts),
-            Tolerance(
+            ReachTolerance(
                 message.position_tolerance, message.orientation_tolerance_deg, int(message.reached_steps)
             ),
             message.is_checked, float(finite([message.opening], "opening")[0]),

@@ -100,14 +100,14 @@ class PalletLockstep:
 
     def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
         """Run to the end; `on_tick` sees every cycle."""
-        with open_box_finder(self._cell, self._config.sight, self._rng) as sight:
+        with open_box_finder(self._cell, self._config.sight, self._rng) as finder:
             while not self.palletizer.machine.is_over:
-                self._turn(sight, on_tick)
+                self._turn(finder, on_tick)
         for _ in range(round(self._config.settle / self._config.period)):
             self._advance()
         return self._log.run(self._seed, self.palletizer.report())
 
-    def _turn(self, sight: BoxFinder, on_tick: Callable[[Tick], None] | None) -> None:
+    def _turn(self, finder: BoxFinder, on_tick: Callable[[Tick], None] | None) -> None:
         """One cycle: what is seen, what is to be done, one period of motion and physics."""
         simulator, machine = self.simulator, self.palletizer.machine
         if self._pending is not None and simulator.time >= self._pending[0]:
@@ -116,12 +116,12 @@ class PalletLockstep:
             simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection
         )
         for command in self.palletizer.step(seen):
-            self._obey(command, sight)
+            self._apply(command, finder)
         if on_tick is not None:
             on_tick(Tick(seen.time, machine.state, machine.visits[-1].box, seen.motion))
         self._advance()
 
-    def _obey(self, command: Command, sight: BoxFinder) -> None:
+    def _apply(self, command: Command, finder: BoxFinder) -> None:
         match command:
             case SpawnBox(name, dims, mass):
                 self.simulator.spawn(BoxBody(name, dims, mass))
@@ -129,7 +129,7 @@ class PalletLockstep:
             case DiscardBox(name):
                 self.simulator.remove(name)
             case TakePicture(expected):
-                detection = sight.detect(expected, self.simulator)
+                detection = finder.detect(expected, self.simulator)
                 self._pending = self.simulator.time + self._config.sight.latency, detection
             case PursueTarget(target):
                 self.motion.command(target)

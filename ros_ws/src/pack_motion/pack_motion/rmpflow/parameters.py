@@ -50,7 +50,7 @@ class CspaceTarget(NamedTuple):
     inertia: float
 
 
-class JointLimit(NamedTuple):
+class JointLimitPush(NamedTuple):
     """Keeps each joint off both ends of its range; distances as shares of the range."""
 
     metric_scalar: float
@@ -114,7 +114,7 @@ class Policies(NamedTuple):
     target: PointTarget
     axis_target: AxisTarget
     cspace_target: CspaceTarget
-    joint_limit: JointLimit
+    joint_limit: JointLimitPush
     joint_velocity_cap: JointVelocityCap
     collision: Collision
     damping: Damping

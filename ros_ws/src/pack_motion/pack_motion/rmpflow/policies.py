@@ -13,7 +13,7 @@ from pack_motion.rmpflow.parameters import (
     AxisTarget,
     Collision,
     CspaceTarget,
-    JointLimit,
+    JointLimitPush,
     JointVelocityCap,
     PointTarget,
 )
@@ -87,7 +87,7 @@ def cspace_target(d: Array, dd: Array, ddq_target: Array, c: CspaceTarget) -> Ar
 
 
 @numba.njit(cache=True)
-def joint_limit(x: float, dx: float, c: JointLimit) -> tuple[float, float]:
+def joint_limit(x: float, dx: float, c: JointLimitPush) -> tuple[float, float]:
     """One end of a joint's range: `x` is the distance to it as a share of the range, `dx` its rate."""
     length, eps = c.accel_potential_exploder_length_scale, c.accel_potential_exploder_eps
     a = c.accel_potential_gain / (x * x / length**2 + eps) - c.accel_damper_gain * dx

@@ -54,7 +54,7 @@ class CellClient:
             )
         )  # fmt: skip
 
-    def obey(self, command: Command) -> None:
+    def apply(self, command: Command) -> None:
         """Send a command.
 
         A motion target without segments is a stop. A picture that is not taken is missed by the machine,
@@ -75,7 +75,7 @@ class CellClient:
                 self._call(self._remove, RemoveBox.Request(name=name), f"box {name} cannot be taken out")
             case CloseGripper() | OpenGripper():
                 close = isinstance(command, CloseGripper)
-                self._call(self._gripper, GripperCommand.Request(close=close), "the gripper does not obey")
+                self._call(self._gripper, GripperCommand.Request(close=close), "the gripper refused the command")
 
     def _now(self) -> float:
         return from_stamp(self._node.get_clock().now().to_msg())

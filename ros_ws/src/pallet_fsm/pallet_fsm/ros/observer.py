@@ -38,9 +38,9 @@ class Observer:
         self._grip: GripState | None = None
         self._detection: BoxDetection | None = None
         self.spawned = ""
-        node.listen(motion.MOTION_STATUS, self._hear_motion)
-        node.listen(contracts.GRIPPER_STATE, self._hear_gripper)
-        node.listen(contracts.BOX_DETECTION, self._hear_detection)
+        node.listen(motion.MOTION_STATUS, self._on_motion_status)
+        node.listen(contracts.GRIPPER_STATE, self._on_gripper)
+        node.listen(contracts.BOX_DETECTION, self._on_detection)
 
     @property
     def newest(self) -> PalletObservation | None:
@@ -53,12 +53,12 @@ class Observer:
         time = from_stamp(self._node.get_clock().now().to_msg())
         return PalletObservation(time, self._motion, self._grip, self.spawned, self._detection)
 
-    def _hear_motion(self, message: MotionStatusMsg) -> None:
+    def _on_motion_status(self, message: MotionStatusMsg) -> None:
         self._motion = from_status(message)
         self._on_motion()
 
-    def _hear_gripper(self, message: GripperState) -> None:
+    def _on_gripper(self, message: GripperState) -> None:
         self._grip = from_gripper_state(message)
 
-    def _hear_detection(self, message: BoxDetectionMsg) -> None:
+    def _on_detection(self, message: BoxDetectionMsg) -> None:
         self._detection = from_detection(message)

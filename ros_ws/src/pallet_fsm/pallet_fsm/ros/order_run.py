@@ -37,14 +37,14 @@ class OrderRun:
     Args:
         node: whose goal it is.
         session: the machine.
-        obey: carries a command out.
+        apply: carries a command out.
         teller: of the states.
     """
 
     def __init__(
-        self, node: GoalNode, session: Palletizer, obey: Callable[[Command], None], teller: StateTeller
+        self, node: GoalNode, session: Palletizer, apply: Callable[[Command], None], teller: StateTeller
     ) -> None:
-        self._node, self._obey, self._teller = node, obey, teller
+        self._node, self._apply, self._teller = node, apply, teller
         self.session = session
         self._start, self._told = session.machine.since, 0
 
@@ -60,7 +60,7 @@ class OrderRun:
         if self._node.is_cancel_requested:
             self.session.halt("canceled on request")
         for command in self.session.step(seen):
-            self._obey(command)
+            self._apply(command)
         self._tell()
         if self.session.machine.is_over:
             self._node.end_goal()
