@@ -6,7 +6,7 @@ import pytest
 from pack_core.blocks.planar import turn_between
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
 from pack_sim.blocks.overhead_camera import OverheadCamera
-from unit.pack_perception.tags.scenes import CELL, photograph, strewn
+from unit.pack_perception.tags.scenes import CELL, photograph, scattered
 
 SCENES = 100
 TAGS = {f"b{number}": number for number in range(9)}
@@ -20,7 +20,7 @@ def test_every_block_is_found_within_the_stated_errors(shadows: bool) -> None:
     distances, turns = [], []
     with OverheadCamera(CELL, TAGS, timestep=0.001, shadows=shadows) as camera:
         for seed in range(scenes):
-            poses = strewn(TAGS, seed)
+            poses = scattered(TAGS, seed)
             sighting = vision.find(photograph(camera, TAGS, poses), CELL.camera.pinhole, 0.0)
             assert sighting.is_complete, (seed, sighting.missing, sighting.doubled)
             distances += [1000 * sighting.poses[name].distance_to(pose) for name, pose in poses.items()]

@@ -13,11 +13,11 @@ from std_srvs.srv import Trigger
 
 from integration.harness import Graph
 from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.jaw import JawState, JawStatus
+from pack_core.blocks.fingers import FingerState, FingerStatus
 from pack_core.blocks.plan import Plan, PlanStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.ros.blocks.block_messages import to_jaw_state, to_sighting
+from pack_core.ros.blocks.block_messages import to_finger_state, to_sighting
 from pack_core.ros.blocks.rearrangement_messages import fill_plan
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
@@ -58,14 +58,14 @@ class BlocksRig:
     refused: str = ""
     problems: list[PlanRearrangement.Request] = field(default_factory=list)
     targets: list[MotionTargetMsg] = field(default_factory=list)
-    jaw: JawState = field(default_factory=lambda: JawState(0.0, 0.06, 0.0, JawStatus.AT_OPENING))
+    fingers: FingerState = field(default_factory=lambda: FingerState(0.0, 0.06, 0.0, FingerStatus.AT_OPENING))
     commands: int = 0
 
     def __post_init__(self) -> None:
         probe = self.graph.probe
         for contract, serve in (
             (contracts.TRIGGER, self._expose),
-            (contracts.JAW_COMMAND, self._move_jaw),
+            (contracts.JAW_COMMAND, self._move_fingers),
             (contracts.PLAN_REARRANGEMENT, self._make_plan),
         ):
             probe.create_service(contract.type, contract.name, serve)
@@ -87,7 +87,7 @@ class BlocksRig:
             self.time + AHEAD, number, state, 0, "", 0.0, 0.0, 0.0, 0.0, 3, self.reason, X_WT
         )
         self.graph.probe.send(motion.MOTION_STATUS, to_status(status))
-        self.graph.probe.send(contracts.JAW_STATE, to_jaw_state(self.jaw, self.commands))
+        self.graph.probe.send(contracts.JAW_STATE, to_finger_state(self.fingers, self.commands))
 
     def _expose(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         response.success, response.message = not self.camera, self.camera
@@ -97,9 +97,11 @@ class BlocksRig:
             self.graph.probe.send(contracts.BLOCK_POSES, message)
         return response
 
-    def _move_jaw(self, request: JawCommand.Request, response: JawCommand.Response) -> JawCommand.Response:
+    def _move_fingers(
+        self, request: JawCommand.Request, response: JawCommand.Response
+    ) -> JawCommand.Response:
         self.commands += 1
-        self.jaw = JawState(self.time, request.opening, request.force, JawStatus.AT_OPENING)
+        self.fingers = FingerState(self.time, request.opening, request.force, FingerStatus.AT_OPENING)
         response.success, response.command = True, self.commands
         return response
 

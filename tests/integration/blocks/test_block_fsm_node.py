@@ -150,7 +150,7 @@ def test_an_action_that_is_refused_is_planned_around(
     assert (result.refusals, result.failed_grasps) == (1, 3)
     first, second, *_ = rig.problems
     assert len(first.refused) == 0
-    assert [deed.kind for deed in second.refused] == [BlockDeed.GRASP]
+    assert [primitive.kind for primitive in second.refused] == [BlockDeed.GRASP]
     assert second.refused[0].x == pytest.approx(AWAY.x)
 
 

@@ -10,7 +10,7 @@ from std_srvs.srv import Trigger
 
 from block_fsm.block_fsm_node import BlockFsmNode
 from integration.harness import Graph
-from pack_core.blocks.jaw import JawStatus
+from pack_core.blocks.fingers import FingerStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Block, Problem
 from pack_core.blocks.problem_file import problem_text
@@ -78,7 +78,7 @@ def test_fingers_obey_and_refuse_what_they_cannot_do(graph: Graph, tmp_path: Pat
     graph.wait_until(
         lambda: (
             graph.probe.last(contracts.JAW_STATE).command == answer.command
-            and graph.probe.last(contracts.JAW_STATE).status == JawStatus.AT_OPENING
+            and graph.probe.last(contracts.JAW_STATE).status == FingerStatus.AT_OPENING
         ),
         timeout=60.0,
     )

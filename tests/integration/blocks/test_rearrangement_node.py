@@ -9,8 +9,8 @@ from pack_interfaces.msg import BlockDeed, BlockPose
 from pack_interfaces.srv import PlanRearrangement
 
 from integration.harness import Graph
-from pack_core.blocks.deed import deeds_of
 from pack_core.blocks.plan import PlanStatus
+from pack_core.blocks.primitive_action import primitives_of
 from pack_core.blocks.problem import Problem
 from pack_core.ros.blocks.rearrangement_messages import from_response, to_request
 from pack_core.ros.contracts import blocks as contracts
@@ -58,7 +58,7 @@ def test_a_plan_does_without_what_the_arm_refused(
     graph: Graph, node: RearrangementNode, problem: Problem
 ) -> None:
     first = from_response(call(graph, to_request(problem, budget_s=20.0)))
-    without = replace(problem, refused=deeds_of(first.actions[0]))
+    without = replace(problem, refused=primitives_of(first.actions[0]))
     again = from_response(call(graph, to_request(without, budget_s=20.0)))
     assert verify(without, first) != []
     assert again.is_solved
@@ -84,22 +84,22 @@ def test_an_impossible_problem_is_answered_with_the_blocks_that_are_stuck(
 def test_bad_requests_are_refused_in_words_and_the_next_one_is_served(
     graph: Graph, node: RearrangementNode, problem: Problem
 ) -> None:
-    broken, doubled, unknown, gripper, corners, deed = (to_request(problem) for _ in range(6))
+    broken, doubled, unknown, gripper, corners, primitive = (to_request(problem) for _ in range(6))
     broken.blocks[0].x = math.nan
     doubled.goals = [*doubled.goals, doubled.goals[0]]
     unknown.method = "magic"
     gripper.gripper.insertion = -1.0
     corners.workspace = [Point()]
-    deed.refused = [BlockDeed(kind=7)]
+    primitive.refused = [BlockDeed(kind=7)]
     parts = [
         "is not finite",
         "more than once in the goals",
         "beam, pirs",
         "gripper: key 'insertion'",
         "convex",
-        "refused deed is of kind 7",
+        "refused primitive action is of kind 7",
     ]
-    for request, part in zip((broken, doubled, unknown, gripper, corners, deed), parts, strict=True):
+    for request, part in zip((broken, doubled, unknown, gripper, corners, primitive), parts, strict=True):
         response = call(graph, request)
         assert response.status == Response.INVALID_INPUT
         assert part in response.message

@@ -9,15 +9,15 @@ from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import Outcome
-from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, NoPicture, PlanFor, Request
+from block_fsm.requests import Answer, Look, MoveArm, MoveFingers, NoPicture, PlanFor, Request
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.deed import is_refused
-from pack_core.blocks.jaw import JawState, JawStatus
+from pack_core.blocks.fingers import FingerState, FingerStatus
 from pack_core.blocks.plan import Action, PickPlace, Plan, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.primitive_action import is_refused
 from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import Line, PoseMove
 from pack_core.motion.target import MotionState, MotionStatus
@@ -87,7 +87,7 @@ class Table:
             return self._look()
         if isinstance(request, PlanFor):
             return self.planner(request.problem)
-        return self._move(request) if isinstance(request, MoveArm) else self._jaw(request)
+        return self._move(request) if isinstance(request, MoveArm) else self._fingers(request)
 
     def _look(self) -> BlockSighting | NoPicture:
         self.unseen -= 1
@@ -118,17 +118,17 @@ class Table:
             x, y, _ = np.array([old.x, old.y, 0.0]) + step - standoff
             self.poses[name] = PlanarPose(float(x), float(y), old.yaw + turn)
 
-    def _jaw(self, request: MoveJaw) -> JawState:
-        opening, status = request.command.opening, JawStatus.AT_OPENING
+    def _fingers(self, request: MoveFingers) -> FingerState:
+        opening, status = request.command.opening, FingerStatus.AT_OPENING
         if opening < SIDE and opening > 0.02:
             self.closings += 1
             if self.holds(self.closings):
-                status, opening, self.held = JawStatus.HOLDING, SIDE, self.held or self._nearest(self.tool)
+                status, opening, self.held = FingerStatus.HOLDING, SIDE, self.held or self._nearest(self.tool)
             else:
                 self.held = ""
         else:
             self.held = ""
-        return JawState(0.0, opening, 60.0, status)
+        return FingerState(0.0, opening, 60.0, status)
 
     def _nearest(self, X_WT: Pose) -> str:
         return min(self.poses, key=lambda name: float(np.linalg.norm(self.poses[name].p - X_WT.p[:2])))

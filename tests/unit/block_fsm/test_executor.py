@@ -5,7 +5,7 @@ import pytest
 
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.outcome import ExitReason
-from block_fsm.requests import MoveArm, MoveJaw, NoPicture, PlanFor
+from block_fsm.requests import MoveArm, MoveFingers, NoPicture, PlanFor
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
 from pack_core.blocks.planar import PlanarPose
@@ -16,12 +16,12 @@ from unit.block_fsm.table import Table, directly, staged
 GOALS = {"a": PlanarPose(0.65, 0.0, 0.0), "b": PlanarPose(0.70, 0.0, 0.0)}
 
 
-def strewn() -> dict[str, PlanarPose]:
+def scattered() -> dict[str, PlanarPose]:
     return {"a": PlanarPose(0.5, 0.2, 0.7), "b": PlanarPose(0.8, -0.2, -2.5)}
 
 
 def test_blocks_end_at_their_goals() -> None:
-    table = Table(strewn())
+    table = Table(scattered())
     outcome = table.run(GOALS)
     assert outcome.success
     assert outcome.tally.picks == 2
@@ -32,7 +32,7 @@ def test_blocks_end_at_their_goals() -> None:
 
 
 def test_a_plan_is_not_shown_as_the_next_one() -> None:
-    table = Table(strewn())
+    table = Table(scattered())
     table.run(GOALS)
     assert table.known == [None, None]
 
@@ -79,7 +79,7 @@ def test_a_block_that_was_knocked_aside_is_noticed_and_planned_for_anew() -> Non
             table.poses["b"] = table.poses["b"].moved(0.02, 1.0)
 
     knocked: list[str] = []
-    table = Table(strewn(), after=knock)
+    table = Table(scattered(), after=knock)
     outcome = table.run(GOALS)
     assert outcome.success
     assert outcome.tally.disturbances == 1
@@ -87,44 +87,44 @@ def test_a_block_that_was_knocked_aside_is_noticed_and_planned_for_anew() -> Non
 
 
 def test_a_grasp_that_holds_nothing_is_tried_again() -> None:
-    table = Table(strewn(), holds=lambda number: number != 1)
+    table = Table(scattered(), holds=lambda number: number != 1)
     outcome = table.run(GOALS)
     assert outcome.success
     assert outcome.tally.failed_grasps == 1
 
 
 def test_grasps_that_never_hold_end_the_task() -> None:
-    outcome = Table(strewn(), holds=lambda number: False).run(GOALS)
+    outcome = Table(scattered(), holds=lambda number: False).run(GOALS)
     assert outcome.exit_reason is ExitReason.NO_PROGRESS
     assert outcome.tally.failed_grasps == ExecutorConfig().grasps
 
 
 def test_a_block_lost_on_the_way_is_picked_up_where_it_lies() -> None:
-    table = Table(strewn(), holds=lambda number: number != 2)
+    table = Table(scattered(), holds=lambda number: number != 2)
     outcome = table.run(GOALS)
     assert outcome.success
     assert outcome.tally.failed_grasps == 1
 
 
 def test_a_tag_missed_once_is_looked_for_again() -> None:
-    assert Table(strewn(), unseen=2).run(GOALS).success
+    assert Table(scattered(), unseen=2).run(GOALS).success
 
 
 def test_a_tag_missed_for_good_is_named() -> None:
-    outcome = Table(strewn(), unseen=100).run(GOALS)
+    outcome = Table(scattered(), unseen=100).run(GOALS)
     assert outcome.exit_reason is ExitReason.NOT_SEEN
     assert "a" in outcome.message
 
 
 def test_without_a_plan_the_reason_is_passed_on() -> None:
     refusal = Plan(PlanStatus.INFEASIBLE, diagnosis=Diagnosis("a and b cannot be moved"))
-    outcome = Table(strewn(), lambda problem: refusal).run(GOALS)
+    outcome = Table(scattered(), lambda problem: refusal).run(GOALS)
     assert outcome.exit_reason is ExitReason.NO_PLAN
     assert "INFEASIBLE: a and b cannot be moved" in outcome.message
 
 
 def test_an_arm_that_gets_stuck_ends_the_task() -> None:
-    outcome = Table(strewn(), stuck="carry").run(GOALS)
+    outcome = Table(scattered(), stuck="carry").run(GOALS)
     assert outcome.exit_reason is ExitReason.MOTION_FAILED
     assert "carry" in outcome.message
 
@@ -134,11 +134,11 @@ def test_blocks_that_never_get_home_end_the_task() -> None:
         for name in table.poses:
             table.poses[name] = table.poses[name].moved(0.01, 0.3)
 
-    assert Table(strewn(), after=drift).run(GOALS).exit_reason is ExitReason.NO_PROGRESS
+    assert Table(scattered(), after=drift).run(GOALS).exit_reason is ExitReason.NO_PROGRESS
 
 
 def test_every_action_ends_with_the_arm_out_of_sight() -> None:
-    table = Table(strewn())
+    table = Table(scattered())
     table.run(GOALS)
     for request, following in zip(table.asked, table.asked[1:], strict=False):
         if type(following).__name__ == "Look":
@@ -147,23 +147,23 @@ def test_every_action_ends_with_the_arm_out_of_sight() -> None:
 
 
 def test_fingers_open_wide_enough_before_they_come_down() -> None:
-    table = Table(strewn())
+    table = Table(scattered())
     table.run(GOALS)
     for request, following in zip(table.asked, table.asked[1:], strict=False):
         if isinstance(following, MoveArm) and following.path.segments[0].label == "approach":
-            assert isinstance(request, MoveJaw)
+            assert isinstance(request, MoveFingers)
             assert request.command.opening > 0.0508
 
 
 def test_a_tag_seen_twice_is_told_from_one_not_seen() -> None:
-    table = Table(strewn(), sighting=lambda poses: BlockSighting(0.0, {}, missing=("a",), doubled=("b",)))
+    table = Table(scattered(), sighting=lambda poses: BlockSighting(0.0, {}, missing=("a",), doubled=("b",)))
     outcome = table.run(GOALS)
     assert outcome.exit_reason is ExitReason.NOT_SEEN
     assert outcome.message == "not seen: a; seen more than once: b"
 
 
 def test_a_camera_that_gives_no_picture_is_quoted() -> None:
-    outcome = Table(strewn(), sighting=lambda poses: NoPicture("the camera does not answer")).run(GOALS)
+    outcome = Table(scattered(), sighting=lambda poses: NoPicture("the camera does not answer")).run(GOALS)
     assert outcome.exit_reason is ExitReason.NOT_SEEN
     assert outcome.message == "the camera does not answer"
 

@@ -6,9 +6,9 @@ import pytest
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.outcome import ExitReason
 from block_fsm.requests import MoveArm, PlanFor
-from pack_core.blocks.deed import DeedKind
 from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.primitive_action import PrimitiveKind
 from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import PoseMove
 from pack_core.rotations import yaw_of
@@ -43,7 +43,11 @@ def test_a_grasp_that_the_arm_cannot_reach_is_planned_around() -> None:
     assert outcome.success
     assert (outcome.tally.refusals, outcome.tally.picks, outcome.tally.plans) == (1, 1, 3)
     refused = [problem.refused for problem in problems(table)]
-    assert [[deed.kind for deed in deeds] for deeds in refused] == [[], [DeedKind.GRASP], []]
+    assert [[primitive.kind for primitive in primitives] for primitives in refused] == [
+        [],
+        [PrimitiveKind.GRASP],
+        [],
+    ]
     moves = [r.path.segments[0] for r in table.asked if isinstance(r, MoveArm)]
     first, second = (move for move in moves if isinstance(move, PoseMove))
     turn = yaw_of(second.X_WT.q) - yaw_of(first.X_WT.q)
@@ -70,7 +74,7 @@ def test_a_block_that_cannot_be_carried_to_its_place_is_put_down_where_it_was() 
     assert (outcome.tally.refusals, outcome.tally.picks, outcome.tally.failed_grasps) == (1, 1, 0)
     again = problems(table)[1]
     assert again.starts == {"a": AWAY}
-    assert [deed.kind for deed in again.refused] == [DeedKind.PLACE]
+    assert [primitive.kind for primitive in again.refused] == [PrimitiveKind.PLACE]
     assert again.refused[0].at.p == pytest.approx(GOALS["a"].p)
 
 

@@ -11,14 +11,14 @@ from pydantic import Field
 from std_msgs.msg import String
 
 from block_fsm.executor import Executor
-from block_fsm.executor_config import ErrandConfig, ExecutorConfig
+from block_fsm.executor_config import ExecutorConfig, RequestTimeouts
 from block_fsm.motions import Motions
 from block_fsm.outcome import ExitReason
 from block_fsm.requests import Request
 from block_fsm.ros.cell_state import CellState
-from block_fsm.ros.errand_runner import ErrandRunner
-from block_fsm.ros.errands import Errand
 from block_fsm.ros.messages import to_feedback, to_result, to_status
+from block_fsm.ros.pending_requests import PendingRequest
+from block_fsm.ros.request_runner import RequestRunner
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import blocks_cell
@@ -35,7 +35,7 @@ from pack_core.ros.run import run_node
 class BlockFsmNodeConfig(ExecutorConfig):
     """Parameters of the node `fsm` of the blocks cell."""
 
-    patience: ErrandConfig = ErrandConfig()
+    patience: RequestTimeouts = RequestTimeouts()
     watched: tuple[str, ...] = Field(
         default=("sim", "tags", "rearrangement", "motion"),
         description="a goal ends when one of them stays silent",
@@ -52,18 +52,18 @@ class BlockFsmNode(GoalNode):
         self._cell = blocks_cell()
         self._chain = chain_from_model(arm_model(self._cell), JOINTS, TOOL)
         self._executor: Executor | None = None
-        self._errand: Errand | None = None
+        self._pending: PendingRequest | None = None
         self._request: Rearrange.Goal | None = None
         self._start = 0.0
         self._state = CellState(self, self._step)
-        self._runner = ErrandRunner(self, self._state, self._config.patience, self._on_refusal)
+        self._runner = RequestRunner(self, self._state, self._config.patience, self._on_refusal)
         self._status = self.advertise(contracts.STATUS)
         self._result = self.advertise(contracts.RESULT)
         self.take_goals(contracts.REARRANGE, self._config.watched, self._config.fault_time)
 
     def refusal(self, request: Rearrange.Goal) -> str:
         parse_problem(request.problem, "goal")  # raises when it is no problem
-        if self._state.motion is None or self._state.jaw is None:
+        if self._state.motion is None or self._state.fingers is None:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
         return ""
 
@@ -97,12 +97,12 @@ class BlockFsmNode(GoalNode):
     def _step(self) -> None:
         """With every status of the motion: look whether what was asked for is done."""
         executor = self._executor
-        if executor is None or self._errand is None:
+        if executor is None or self._pending is None:
             return
         if self.is_cancel_requested:
             self._cancel(ExitReason.CANCELLED, "on request")
             return
-        answer = self._errand.poll(self._state)
+        answer = self._pending.poll(self._state)
         if answer is not None:
             self._next(executor.answer(answer))
 
@@ -113,10 +113,10 @@ class BlockFsmNode(GoalNode):
         self._status.publish(to_status(executor, self._state.time))
         self.publish_feedback(to_feedback(executor, self._state.time - self._start))
         if request is None:
-            self._errand = None
+            self._pending = None
             self.end_goal()
             return
-        self._errand = self._runner.begin(request, given.method, given.seed)
+        self._pending = self._runner.begin(request, given.method, given.seed)
 
     def _cancel(self, reason: ExitReason, message: str) -> None:
         if self._executor is None or self._executor.outcome is not None:

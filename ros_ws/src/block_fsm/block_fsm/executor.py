@@ -12,11 +12,11 @@ from typing import Any
 
 from block_fsm.deviation import Poses, as_seen, astray, disturbed, is_on_line, is_pushed_home
 from block_fsm.executor_config import ExecutorConfig
-from block_fsm.hands import Asking, Hands
 from block_fsm.motions import Motions
 from block_fsm.outcome import Ended, ExitReason, Outcome, Refused, Tally
 from block_fsm.phase import Phase
 from block_fsm.requests import Answer, PlanFor, Request
+from block_fsm.skills import Asking, Skills
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.plan import Action, PickPlace, Plan, Push
@@ -31,7 +31,7 @@ class Executor:
         config: tolerances, heights and speeds.
         motions: makes the arm's paths.
         surroundings: makes what they are checked against.
-        jaw_force: that blocks are held with [N].
+        grip_force: that blocks are held with [N].
 
     Attributes:
         plan: the newest; None while it is being made.
@@ -46,10 +46,10 @@ class Executor:
         config: ExecutorConfig,
         motions: Motions,
         surroundings: Surroundings,
-        jaw_force: float,
+        grip_force: float,
     ) -> None:
         self._task, self._config = task, config
-        self._hands = Hands(task, config, motions, surroundings, jaw_force)
+        self._skills = Skills(task, config, motions, surroundings, grip_force)
         self.plan: Plan | None = None
         self.done = 0
         self.action: Action | None = None
@@ -61,12 +61,12 @@ class Executor:
     @property
     def phase(self) -> Phase:
         """What it is doing."""
-        return self._hands.phase
+        return self._skills.phase
 
     @property
     def tally(self) -> Tally:
         """What was done so far."""
-        return replace(self._tally, failed_grasps=self._hands.failed_grasps)
+        return replace(self._tally, failed_grasps=self._skills.failed_grasps)
 
     def start(self) -> Request:
         """The first request."""
@@ -98,26 +98,26 @@ class Executor:
 
     def _arrange(self) -> Asking:
         """Plan and act until there is nothing left to do."""
-        yield from self._hands.clear_view()
-        yield from self._hands.look()
+        yield from self._skills.clear_view()
+        yield from self._skills.look()
         most = None
         while (plan := (yield from self._plan())).actions:
             most = most or 2 * len(plan.actions) + self._config.spare_actions
-            predicted = list(plan.states(self._hands.seen))
+            predicted = list(plan.states(self._skills.seen))
             for self.done, action in enumerate(plan.actions):
                 if self.tally.actions >= most:
                     raise Ended(ExitReason.NO_PROGRESS, f"{most} actions, and blocks are still out of place")
                 if not self._is_as_predicted(action, predicted[self.done]):
                     break
-                if not (yield from self._act(as_seen(action, self._hands.seen[action.block]))):
+                if not (yield from self._act(as_seen(action, self._skills.seen[action.block]))):
                     break
 
     def _plan(self) -> Generator[Request, Any, Plan]:
-        self._hands.phase = Phase.PLAN
+        self._skills.phase = Phase.PLAN
         self._tally = replace(self._tally, plans=self._tally.plans + 1)
         self.plan, self.done = None, 0
-        refused = tuple(refusal.deed for refusal in self._refusals)
-        plan: Plan = yield PlanFor(self._task.problem(self._hands.seen, refused))
+        refused = tuple(refusal.primitive for refusal in self._refusals)
+        plan: Plan = yield PlanFor(self._task.problem(self._skills.seen, refused))
         self.plan = plan
         if not plan.is_solved:
             because = "".join(f"; the arm refused: {refusal}" for refusal in self._refusals)
@@ -125,23 +125,23 @@ class Executor:
         return plan
 
     def _is_as_predicted(self, action: Action, predicted: Poses) -> bool:
-        tolerance, seen = self._config.tolerance, self._hands.seen
+        tolerance, seen = self._config.tolerance, self._skills.seen
         if isinstance(action, Push) and not is_on_line(action, seen[action.block], tolerance):
             return False
         return not astray(seen, predicted, tolerance)
 
     def _act(self, action: Action) -> Generator[Request, Any, bool]:
         """Carry out an action and look; False where the plan no longer holds."""
-        before, self.action = self._hands.seen, action
+        before, self.action = self._skills.seen, action
         refusal = yield from self._carry_out(action)
-        yield from self._hands.look()
+        yield from self._skills.look()
         self.action = None
-        return refusal is None and self._verify(action, before, self._hands.seen)
+        return refusal is None and self._verify(action, before, self._skills.seen)
 
     def _carry_out(self, action: Action) -> Generator[Request, Any, Refused | None]:
         """Do what an action says, or remember what the arm cannot do as long as the table is as it is."""
         try:
-            yield from self._hands.carry_out(action)
+            yield from self._skills.carry_out(action)
         except Refused as refusal:
             self._refusals.append(refusal)
             self._tally = replace(self._tally, refusals=self._tally.refusals + 1)
@@ -172,5 +172,5 @@ class Executor:
     def _end(self, reason: ExitReason, message: str) -> None:
         if self.outcome is not None:
             raise PackError("the executor has ended already")
-        self._hands.phase = Phase.DONE
-        self.outcome = Outcome(reason, message, self.tally, *self._task.errors(self._hands.seen))
+        self._skills.phase = Phase.DONE
+        self.outcome = Outcome(reason, message, self.tally, *self._task.errors(self._skills.seen))

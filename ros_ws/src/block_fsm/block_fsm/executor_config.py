@@ -58,7 +58,7 @@ class ExecutorConfig(Config):
     tolerance: ToleranceConfig = ToleranceConfig()
 
 
-class ErrandConfig(Config):
+class RequestTimeouts(Config):
     """How long things may take, on the simulated clock."""
 
     exposure_delay: NonNegativeFloat = Field(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from pack_core.blocks.deed import Deed
+from pack_core.blocks.primitive_action import PrimitiveAction
 
 
 class ExitReason(Enum):
@@ -75,9 +75,9 @@ class Outcome:
 class Refused(Exception):
     """Raised where the arm cannot do something, and has made good what it had begun; the message says why."""
 
-    def __init__(self, deed: Deed, message: str) -> None:
+    def __init__(self, primitive: PrimitiveAction, message: str) -> None:
         super().__init__(message)
-        self.deed = deed
+        self.primitive = primitive
 
 
 class Ended(Exception):

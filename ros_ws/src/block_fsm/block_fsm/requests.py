@@ -1,7 +1,8 @@
 """What the executor asks its surroundings to do, one thing at a time.
 
 Each is answered by a value: a Look by a BlockSighting or by NoPicture, a PlanFor by a Plan, a MoveArm by a
-MotionStatus, a MoveFingers by a FingerState. An answer that takes too long is one that says so (STUCK, MOVING).
+MotionStatus, a MoveFingers by a FingerState. An answer that takes too long is one that says so (STUCK,
+MOVING).
 """
 
 from __future__ import annotations

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pack_core.blocks.deed import Deed
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import PlanarPose, turn_between
+from pack_core.blocks.primitive_action import PrimitiveAction
 from pack_core.blocks.problem import Block, Point, Problem
 
 
@@ -31,7 +31,7 @@ class RearrangeTask:
     symmetry: int = 1
     gripper: GripperFootprint = field(default_factory=GripperFootprint)
 
-    def problem(self, poses: Mapping[str, PlanarPose], refused: tuple[Deed, ...] = ()) -> Problem:
+    def problem(self, poses: Mapping[str, PlanarPose], refused: tuple[PrimitiveAction, ...] = ()) -> Problem:
         """What the planner is asked, from where the blocks are now, without what the arm `refused`."""
         return Problem(
             blocks=tuple(Block(name, poses[name]) for name in self.goals), goals=self.goals,

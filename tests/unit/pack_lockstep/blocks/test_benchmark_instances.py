@@ -10,7 +10,7 @@ from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.problem_file import load_problem
 from pack_core.errors import ConfigError, PackError
 from pack_core.paths import config_path
-from pack_lockstep.blocks.benchmark_instances import FileInstance, StrewnInstance, wanted_instances
+from pack_lockstep.blocks.benchmark_instances import FileInstance, ScatteredInstance, wanted_instances
 
 EXAMPLE = config_path("scenarios", "blocks", "example.yaml")
 
@@ -22,7 +22,7 @@ def test_generated_instances_have_seeds_from_the_first_one_on() -> None:
 
 
 def test_what_warms_up_is_an_instance_of_the_same_grid_that_is_not_measured() -> None:
-    instance = StrewnInstance(9, 0.2, 0)
+    instance = ScatteredInstance(9, 0.2, 0)
     mine, other = (one.problem(blocks_cell()) for one in (instance, instance.warm_up))
     assert sorted(pose.row for pose in mine.goals.values()) == sorted(p.row for p in other.goals.values())
     assert mine.starts != other.starts

@@ -1,4 +1,4 @@
-"""Blocks strewn under the overhead camera, and pictures of them."""
+"""Blocks scattered under the overhead camera, and pictures of them."""
 
 from collections.abc import Mapping
 
@@ -13,7 +13,7 @@ CELL = blocks_cell()
 WORKSPACE = 0.539
 
 
-def strewn(names: Mapping[str, int], seed: int) -> dict[str, PlanarPose]:
+def scattered(names: Mapping[str, int], seed: int) -> dict[str, PlanarPose]:
     """Poses over the workspace that do not overlap."""
     rng = np.random.default_rng(seed)
     free = CELL.block.edge * np.sqrt(2)

@@ -7,7 +7,7 @@ import pytest
 from pack_core.blocks.planar import PlanarPose, turn_between
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
 from pack_sim.blocks.overhead_camera import OverheadCamera
-from unit.pack_perception.tags.scenes import CELL, photograph, strewn
+from unit.pack_perception.tags.scenes import CELL, photograph, scattered
 
 TAGS = {f"b{number}": number for number in range(9)}
 CAMERA = CELL.camera.pinhole
@@ -29,7 +29,7 @@ def test_every_block_of_random_scenes_is_found_within_the_stated_errors(
     camera: OverheadCamera, vision: TagVision
 ) -> None:
     for seed in range(SCENES):
-        poses = strewn(TAGS, seed)
+        poses = scattered(TAGS, seed)
         sighting = vision.find(photograph(camera, TAGS, poses), CAMERA, 0.0)
         assert sighting.is_complete
         for name, pose in poses.items():
@@ -38,7 +38,7 @@ def test_every_block_of_random_scenes_is_found_within_the_stated_errors(
 
 
 def test_noise_and_blur_hide_no_block(camera: OverheadCamera, vision: TagVision) -> None:
-    poses, rng = strewn(TAGS, 1), np.random.default_rng(1)
+    poses, rng = scattered(TAGS, 1), np.random.default_rng(1)
     blurred = cv2.GaussianBlur(photograph(camera, TAGS, poses), (0, 0), 1.0).astype(float)
     noisy = np.clip(blurred + rng.normal(0.0, 6.0, blurred.shape), 0, 255).astype(np.uint8)
     sighting = vision.find(noisy, CAMERA, 0.0)
@@ -48,7 +48,7 @@ def test_noise_and_blur_hide_no_block(camera: OverheadCamera, vision: TagVision)
 
 
 def test_a_covered_tag_is_reported_missing(camera: OverheadCamera, vision: TagVision) -> None:
-    poses = strewn(TAGS, 2)
+    poses = scattered(TAGS, 2)
     picture = photograph(camera, TAGS, poses).copy()
     u, v = CAMERA.project([*poses["b4"].p, CELL.block.edge]).round().astype(int)
     picture[v - 12 : v + 12, u - 12 : u + 12] = 90
@@ -71,14 +71,14 @@ def test_a_tag_that_is_there_twice_is_reported_and_its_pose_not_told(vision: Tag
 
 def test_a_tag_of_no_block_is_reported(camera: OverheadCamera) -> None:
     known = {name: number for name, number in TAGS.items() if name != "b7"}
-    picture = photograph(camera, TAGS, strewn(TAGS, 3))
+    picture = photograph(camera, TAGS, scattered(TAGS, 3))
     sighting = TagVision(TagVisionConfig(), CELL.block, known).find(picture, CAMERA, 0.0)
     assert sighting.unknown == (7,)
     assert sighting.is_complete
 
 
 def test_a_tag_at_another_height_is_taken_for_no_block(camera: OverheadCamera, vision: TagVision) -> None:
-    picture = photograph(camera, TAGS, strewn(TAGS, 4))
+    picture = photograph(camera, TAGS, scattered(TAGS, 4))
     nearer = CELL.model_copy(
         update={"camera": CELL.camera.model_copy(update={"position": (0.65, 0.0, 1.3)})}
     ).camera.pinhole

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pack_core.blocks.problem import Block, Problem
-from pack_planner.rearrangement.assembly import NEVER, PLANES, Method, assembly_planes, pushes
+from pack_planner.rearrangement.assembly import NEVER, PLANES, BlockingSets, assembly_planes, pushes
 from pack_planner.rearrangement.instances import goal_grid, square_workspace
 from pack_planner.rearrangement.task import Task
 
@@ -20,7 +20,7 @@ def grid_task(n: int, gap: float) -> Task:
 
 
 def pushes_of_grid(n: int, gap: float) -> int:
-    ways = grid_task(n, gap).ways
+    ways = grid_task(n, gap).goal_access
     return pushes(assembly_planes(ways.place, ways.push), np.uint64(0))
 
 
@@ -45,7 +45,7 @@ SETS = st.lists(st.lists(st.integers(0, 255), min_size=1, max_size=3), min_size=
 def test_the_database_is_what_plain_recursion_finds(place: list[list[int]], push: list[list[int]]) -> None:
     n = len(place)
     ways = [[[s & ~(1 << i) for s in sets] for i, sets in enumerate(rows)] for rows in (place, push)]
-    planes = assembly_planes(Method.of(ways[0]), Method.of(ways[1]))
+    planes = assembly_planes(BlockingSets.of(ways[0]), BlockingSets.of(ways[1]))
 
     @cache
     def least(filled: int) -> int:
@@ -65,6 +65,6 @@ def test_the_database_is_what_plain_recursion_finds(place: list[list[int]], push
 
 def test_many_pushes_are_counted_up_to_the_last_plane() -> None:
     row = PLANES + 3
-    alone = Method.of([[(1 << row) - 1 & ~(1 << i)] for i in range(row)])
-    free = Method.of([[0] for _ in range(row)])
+    alone = BlockingSets.of([[(1 << row) - 1 & ~(1 << i)] for i in range(row)])
+    free = BlockingSets.of([[0] for _ in range(row)])
     assert pushes(assembly_planes(alone, free), np.uint64(0)) == PLANES - 1

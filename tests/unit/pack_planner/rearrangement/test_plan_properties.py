@@ -26,13 +26,15 @@ LOOKS = 1000
 
 @st.composite
 def problems(draw: st.DrawFn) -> Problem:
-    """Blocks strewn around a grid that may be turned, and is more or less dense."""
+    """Blocks scattered around a grid that may be turned, and is more or less dense."""
     n, symmetry = draw(st.integers(1, 8)), draw(st.sampled_from([1, 2, 4]))
     density, seed = draw(st.sampled_from([0.06, 0.12])), draw(st.integers(0, 999))
-    strewn = make_instance(n, density, seed, symmetry=symmetry)
+    scattered = make_instance(n, density, seed, symmetry=symmetry)
     turn, gap = draw(st.sampled_from([0.0, 0.3, 2.5])), draw(st.sampled_from([0.0011, 0.002, 0.012, 0.03]))
     grid = [turned(pose, turn) for pose in goal_grid(n, gap=gap)]
-    return replace(strewn, goals=dict(zip(draw(st.permutations(list(strewn.goals))), grid, strict=True)))
+    return replace(
+        scattered, goals=dict(zip(draw(st.permutations(list(scattered.goals))), grid, strict=True))
+    )
 
 
 def turned(pose: PlanarPose, turn: float) -> PlanarPose:

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_core.blocks.deed import DeedKind, deeds_of
 from pack_core.blocks.plan import PickPlace, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.primitive_action import PrimitiveKind, primitives_of
 from pack_core.blocks.problem import Block, Problem
 from pack_core.errors import PackError
 from pack_evaluation.blocks.plan_verifier import verify
@@ -133,10 +133,10 @@ def test_a_knot_is_undone_before_the_grid_bars_its_way() -> None:
 def test_plans_do_without_what_the_arm_refused(seed: int) -> None:
     problem = make_instance(4, 0.2, seed)
     made = plan(problem, budget_s=20.0, config=SHORT)
-    deeds = [deed for action in made.actions for deed in deeds_of(action)]
-    assert {deed.kind for deed in deeds} == set(DeedKind)
-    for deed in deeds:
-        without = replace(problem, refused=(deed,))
+    primitives = [primitive for action in made.actions for primitive in primitives_of(action)]
+    assert {primitive.kind for primitive in primitives} == set(PrimitiveKind)
+    for primitive in primitives:
+        without = replace(problem, refused=(primitive,))
         again = plan(without, budget_s=20.0, config=SHORT)
         assert again.is_solved
         assert verify(without, again) == []
@@ -147,7 +147,7 @@ def test_a_block_that_the_arm_cannot_grasp_is_pushed_out(make) -> None:
     start = PlanarPose(0.0, 0.0, 0.3)
     problem = make({"a": start.row}, {"a": (100, 0)})
     ways = [PickPlace("a", start, problem.goals["a"], grasp) for grasp in (0, 1)]
-    without = replace(problem, refused=tuple(deeds_of(way)[0] for way in ways))
+    without = replace(problem, refused=tuple(primitives_of(way)[0] for way in ways))
     made = plan(without, budget_s=20.0, config=SHORT)
     assert isinstance(made.actions[0], Push)
     assert verify(without, made) == []
@@ -157,7 +157,7 @@ def test_pirs_draws_again_what_the_arm_refused() -> None:
     problem = make_instance(4, 0.2, 1)
     made = plan(problem, method="pirs", budget_s=20.0)
     push = next(action for action in made.actions if isinstance(action, Push))
-    without = replace(problem, refused=deeds_of(push))
+    without = replace(problem, refused=primitives_of(push))
     again = plan(without, method="pirs", budget_s=20.0)
     assert again.is_solved
     assert verify(without, again) == []

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.jaw import JawCommand, JawStatus
+from pack_core.blocks.fingers import FingerCommand, FingerStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.rotations import Pose, angle_between
 from pack_sim.blocks.simulator import BlocksSimulator
@@ -11,8 +11,8 @@ from unit.pack_sim.blocks.arm import TestArm, tool_down
 CELL = blocks_cell()
 EDGE = CELL.block.edge
 GRIP_HEIGHT = EDGE - 0.020
-SQUEEZE = JawCommand(EDGE - 0.010, CELL.gripper.force)
-WIDE = JawCommand(EDGE + 0.008, CELL.gripper.force)
+SQUEEZE = FingerCommand(EDGE - 0.010, CELL.gripper.force)
+WIDE = FingerCommand(EDGE + 0.008, CELL.gripper.force)
 
 
 class Scene:
@@ -27,7 +27,7 @@ class Scene:
         self.arm.move(tool_down(start.x, start.y, GRIP_HEIGHT, heading), 0.8)
 
     def grip(self) -> None:
-        self.simulator.jaw.command(SQUEEZE)
+        self.simulator.fingers.command(SQUEEZE)
         self.arm.wait(0.6)
 
     def in_hand(self) -> Pose:
@@ -43,8 +43,8 @@ def gripped() -> Scene:
 
 
 def test_fingers_that_close_on_a_block_report_that_they_hold_it(gripped: Scene) -> None:
-    state = gripped.simulator.jaw_state()
-    assert state.status is JawStatus.HOLDING
+    state = gripped.simulator.finger_state()
+    assert state.status is FingerStatus.HOLDING
     assert state.force == pytest.approx(CELL.gripper.force, rel=0.02)
     assert state.opening == pytest.approx(EDGE, abs=0.001)
 
@@ -55,7 +55,7 @@ def test_a_block_slips_less_than_a_fifth_of_a_millimetre_and_degree_when_lifted_
 ) -> None:
     scene = Scene(offset_deg)
     scene.grip()
-    assert scene.simulator.jaw_state().status is JawStatus.HOLDING
+    assert scene.simulator.finger_state().status is FingerStatus.HOLDING
     X_TB = scene.in_hand()
     heading = 0.3 + np.pi
     for X_WT, duration in (
@@ -74,14 +74,14 @@ def test_fingers_that_close_on_nothing_say_so() -> None:
     scene = Scene()
     scene.arm.move(tool_down(0.6, -0.1, 0.15, 0.3 + np.pi), 0.8)
     scene.grip()
-    assert scene.simulator.jaw_state().status is JawStatus.AT_OPENING
+    assert scene.simulator.finger_state().status is FingerStatus.AT_OPENING
 
 
 def test_a_released_block_stays_where_it_was_put(gripped: Scene) -> None:
     before = gripped.simulator.truth().objects["a"].X_WO
-    gripped.simulator.jaw.command(WIDE)
+    gripped.simulator.fingers.command(WIDE)
     gripped.arm.wait(0.5)
     after = gripped.simulator.truth().objects["a"].X_WO
-    assert gripped.simulator.jaw_state().status is JawStatus.AT_OPENING
+    assert gripped.simulator.finger_state().status is FingerStatus.AT_OPENING
     assert np.linalg.norm(after.p - before.p) < 0.1e-3
     assert np.rad2deg(angle_between(after.q, before.q)) < 0.05

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.jaw import JawCommand, JawStatus
+from pack_core.blocks.fingers import FingerCommand, FingerStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.errors import MessageError
 from pack_core.joints import JointReference
@@ -55,28 +55,30 @@ def test_a_bad_reference_is_refused(simulator: BlocksSimulator) -> None:
         simulator.accept(JointReference(0.0, np.zeros(1), rows, rows, rows))
 
 
-@pytest.mark.parametrize("command", [JawCommand(0.09, 60), JawCommand(-0.01, 60), JawCommand(0.05, 500)])
-def test_a_gripper_refuses_what_it_cannot_do(simulator: BlocksSimulator, command: JawCommand) -> None:
+@pytest.mark.parametrize(
+    "command", [FingerCommand(0.09, 60), FingerCommand(-0.01, 60), FingerCommand(0.05, 500)]
+)
+def test_a_gripper_refuses_what_it_cannot_do(simulator: BlocksSimulator, command: FingerCommand) -> None:
     with pytest.raises(MessageError, match="allowed"):
-        simulator.jaw.command(command)
+        simulator.fingers.command(command)
 
 
 def test_fingers_go_to_an_opening_at_the_stated_speed(simulator: BlocksSimulator) -> None:
-    start = simulator.jaw_state().opening
-    simulator.jaw.command(JawCommand(start - 0.03, 60.0))
+    start = simulator.finger_state().opening
+    simulator.fingers.command(FingerCommand(start - 0.03, 60.0))
     run(simulator, 0.25)
-    assert simulator.jaw_state().status is JawStatus.MOVING
-    assert simulator.jaw_state().opening == pytest.approx(start - 0.25 * CELL.gripper.speed, abs=0.003)
+    assert simulator.finger_state().status is FingerStatus.MOVING
+    assert simulator.finger_state().opening == pytest.approx(start - 0.25 * CELL.gripper.speed, abs=0.003)
     run(simulator, 0.6)
-    assert simulator.jaw_state().status is JawStatus.AT_OPENING
-    assert simulator.jaw_state().opening == pytest.approx(start - 0.03, abs=0.0005)
+    assert simulator.finger_state().status is FingerStatus.AT_OPENING
+    assert simulator.finger_state().opening == pytest.approx(start - 0.03, abs=0.0005)
 
 
 def test_the_same_commands_give_the_same_states() -> None:
     states = []
     for _ in range(2):
         simulator = BlocksSimulator(CELL, TAGS, STARTS)
-        simulator.jaw.command(JawCommand(0.01, 60.0))
+        simulator.fingers.command(FingerCommand(0.01, 60.0))
         run(simulator, 0.2)
         states.append(simulator.snapshot())
     assert np.array_equal(*states)

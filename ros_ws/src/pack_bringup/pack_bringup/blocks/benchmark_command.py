@@ -41,7 +41,7 @@ def benchmark(
 ) -> None:
     """Plan rearrangements, check every plan by other code, and carry them out where asked to.
 
-    An instance is a dense grid as goal and blocks strewn around it; the same number, density and seed give
+    An instance is a dense grid as goal and blocks scattered around it; the same number, density and seed give
     the same instance. With several methods all plan the same instances and are shown side by side. The
     report, beside the results, has the tables and plans drawn step by step.
 

@@ -8,9 +8,9 @@ from types import MappingProxyType
 
 from pydantic import Field, NonNegativeFloat
 
-from pack_core.blocks.deed import Deed
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.primitive_action import PrimitiveAction
 from pack_core.config import Config
 
 CUBE_SIDE = 0.0508
@@ -59,7 +59,7 @@ class Problem:
     gripper: GripperFootprint = field(default_factory=GripperFootprint)
     tolerance: Tolerance = field(default_factory=Tolerance)
     starts_may_be_outside: bool = False
-    refused: tuple[Deed, ...] = ()
+    refused: tuple[PrimitiveAction, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "goals", MappingProxyType(dict(self.goals)))

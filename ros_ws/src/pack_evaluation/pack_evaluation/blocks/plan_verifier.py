@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 
 from shapely import Polygon, affinity, box
 
-from pack_core.blocks.deed import is_refused
 from pack_core.blocks.plan import Action, PickPlace, Plan, Push
 from pack_core.blocks.planar import QUARTER, PlanarPose, turn_between, wrapped
+from pack_core.blocks.primitive_action import is_refused
 from pack_core.blocks.problem import Problem
 
 TOUCH = 1e-6

@@ -48,8 +48,8 @@ class Instance(Hashable, Protocol):
 
 
 @dataclass(frozen=True)
-class StrewnInstance:
-    """Blocks strewn in the middle of the cell's workspace, by seed."""
+class ScatteredInstance:
+    """Blocks scattered in the middle of the cell's workspace, by seed."""
 
     blocks: int
     density: float
@@ -70,7 +70,7 @@ class StrewnInstance:
         return make_instance(self.blocks, self.density, self.seed, centre=cell.workspace.centre)
 
     @property
-    def warm_up(self) -> StrewnInstance:
+    def warm_up(self) -> ScatteredInstance:
         """Another one with the same goal grid, whose pattern database is kept."""
         return replace(self, seed=WARM_UP_SEED)
 
@@ -122,4 +122,4 @@ def wanted_instances(
     """The instances of a benchmark; files take the place of generated ones."""
     if files:
         return [FileInstance.read(path, seeds[0]) for path in files]
-    return [StrewnInstance(blocks, density, seed) for seed in seeds]
+    return [ScatteredInstance(blocks, density, seed) for seed in seeds]

@@ -12,9 +12,9 @@ from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
 from pack_core.states import SceneState
+from pack_lockstep.blocks.execution_monitor import ExecutionMonitor
 from pack_lockstep.blocks.lockstep import BlocksLockstep, BlocksLockstepConfig
 from pack_lockstep.blocks.planning import CountedPlanner, CountedPlannerConfig
-from pack_lockstep.blocks.witness import Witness
 
 MAX_ERROR, MAX_ANGLE_DEG = 0.0015, 1.5
 """Of a block from its goal, for an execution to count as a success [m]."""
@@ -77,21 +77,21 @@ def execute(
     """Carry out a problem in lockstep."""
     task = RearrangeTask(problem.goals, problem.workspace, problem.side, problem.symmetry, problem.gripper)
     lockstep = BlocksLockstep(cell, task, problem.starts, CountedPlanner(planner, config.planner), config)
-    witness = Witness()
+    monitor = ExecutionMonitor()
 
     def on_request(request: Request, truth: SceneState) -> None:
         action = lockstep.executor.action
         block = action.block if action is not None else ""
-        witness.see(request, truth, lockstep.simulator.tool_pose(), block)
+        monitor.on_request(request, truth, lockstep.simulator.tool_pose(), block)
 
     outcome = lockstep.run(on_request)
     simulator = lockstep.simulator
     poses = {name: PlanarPose.of(state.X_WO) for name, state in simulator.truth().objects.items()}
     error, angle = task.errors(poses)
-    slips = witness.slips
+    slips = monitor.slips
     return Execution(
         outcome.exit_reason.value, outcome.message, outcome.tally.picks, outcome.tally.pushes,
-        outcome.tally.plans, 1000 * error, float(np.rad2deg(angle)), 1000 * witness.disturbance,
+        outcome.tally.plans, 1000 * error, float(np.rad2deg(angle)), 1000 * monitor.disturbance,
         1000 * max((slip.distance for slip in slips), default=0.0),
         float(np.rad2deg(max((slip.angle for slip in slips), default=0.0))), simulator.time,
     )  # fmt: skip

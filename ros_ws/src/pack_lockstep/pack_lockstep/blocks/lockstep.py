@@ -15,11 +15,11 @@ from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import ExitReason, Outcome
-from block_fsm.requests import Answer, Look, MoveArm, MoveJaw, PlanFor, Request
+from block_fsm.requests import Answer, Look, MoveArm, MoveFingers, PlanFor, Request
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import BlocksCell
-from pack_core.blocks.jaw import JawState, JawStatus
+from pack_core.blocks.fingers import FingerState, FingerStatus
 from pack_core.blocks.plan import Plan
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
@@ -120,12 +120,12 @@ class BlocksLockstep:
             self._advance(self._config.period)
         return self.motion.status()
 
-    def _grip(self, request: MoveJaw) -> JawState:
-        self.simulator.jaw.command(request.command)
+    def _grip(self, request: MoveFingers) -> FingerState:
+        self.simulator.fingers.command(request.command)
         end = self.simulator.time + self._config.jaw_timeout
-        while self.simulator.time < end and self.simulator.jaw_state().status is JawStatus.MOVING:
+        while self.simulator.time < end and self.simulator.finger_state().status is FingerStatus.MOVING:
             self._advance(self._config.period)
-        return self.simulator.jaw_state()
+        return self.simulator.finger_state()
 
     def _advance(self, duration: float) -> None:
         """Step everything that runs all the time."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from block_fsm.executor_config import ErrandConfig, ExecutorConfig
+from block_fsm.executor_config import ExecutorConfig, RequestTimeouts
 from pack_core.config import Config, merged, validate_config
 from pack_lockstep.blocks.lockstep import BlocksLockstepConfig
 from pack_lockstep.node_parameters import load_parameters
@@ -14,7 +14,7 @@ from pack_sim.blocks.simulator import BlocksSimulatorConfig
 class PatienceParameters(Config):
     """The part of the executor's parameters that says how long things take."""
 
-    patience: ErrandConfig = ErrandConfig()
+    patience: RequestTimeouts = RequestTimeouts()
 
 
 class BlocksCameraParameters(Config):

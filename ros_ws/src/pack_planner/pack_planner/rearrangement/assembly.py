@@ -31,13 +31,13 @@ FULL = np.uint64(0xFFFFFFFFFFFFFFFF)
 
 
 @dataclass(frozen=True)
-class Method:
+class BlockingSets:
     """For every goal: alternative sets of goals, of which one must be wholly unfilled still, as bits."""
 
     alternatives: tuple[tuple[int, ...], ...]
 
     @classmethod
-    def of(cls, alternatives: Iterable[Iterable[int]]) -> Method:
+    def of(cls, alternatives: Iterable[Iterable[int]]) -> BlockingSets:
         """Without the alternatives that demand more than another one does."""
         return cls(tuple(_minimal(sets) for sets in alternatives))
 
@@ -49,11 +49,11 @@ class Method:
             rows[goal, : len(sets)] = sets
         return rows
 
-    def within(self, first: int, count: int) -> Method:
+    def within(self, first: int, count: int) -> BlockingSets:
         """The same among `count` goals from `first` on, as if the others were never filled."""
         kept = (1 << count) - 1
         rows = self.alternatives[first : first + count]
-        return Method.of([[(s >> first) & kept for s in sets] for sets in rows])
+        return BlockingSets.of([[(s >> first) & kept for s in sets] for sets in rows])
 
 
 def _minimal(sets: Iterable[int]) -> tuple[int, ...]:
@@ -62,7 +62,7 @@ def _minimal(sets: Iterable[int]) -> tuple[int, ...]:
 
 
 @lru_cache(maxsize=8)
-def assembly_planes(place: Method, push: Method) -> Words:
+def assembly_planes(place: BlockingSets, push: BlockingSets) -> Words:
     """The database `(words, PLANES)` of up to MAX_GOALS goals."""
     n = len(place.alternatives)
     planes = np.zeros((1 << max(n - LOW, 0), PLANES), dtype=np.uint64)

@@ -14,7 +14,7 @@ from pack_core.blocks.plan import Diagnosis
 from pack_core.blocks.planar import QUARTER
 from pack_planner.rearrangement.collisions import hits
 from pack_planner.rearrangement.footprints import fingers, squares, sweeps
-from pack_planner.rearrangement.goal_ways import sets_of_others
+from pack_planner.rearrangement.goal_access import sets_of_others
 from pack_planner.rearrangement.task import Task
 
 
@@ -52,7 +52,7 @@ def immobile(task: Task) -> list[int]:
 
 def unreachable(task: Task, fixed: set[int]) -> list[int]:
     """Blocks whose goals cannot all be filled, in whatever order, when the `fixed` ones stand on theirs."""
-    alternatives = zip(task.ways.place.alternatives, task.ways.push.alternatives, strict=True)
+    alternatives = zip(task.goal_access.place.alternatives, task.goal_access.push.alternatives, strict=True)
     ways = [[*place, *push] for place, push in alternatives]
     return _peeled(ways, fixed)
 

@@ -1,4 +1,4 @@
-"""Random problems: blocks strewn over a square workspace, a dense grid in its middle."""
+"""Random problems: blocks scattered over a square workspace, a dense grid in its middle."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def make_instance(
         centre: of the workspace [m].
 
     Raises:
-        PackError: the grid does not fit, or so many blocks cannot be strewn.
+        PackError: the grid does not fit, or so many blocks cannot be scattered.
     """
     rng = np.random.default_rng([n, round(1000 * density), seed])
     workspace = square_workspace(workspace_side(n, density), centre)
@@ -85,7 +85,7 @@ def _strew(n: int, workspace: tuple[Point, ...], rng: np.random.Generator) -> Ar
         starts = _try_to_strew(n, workspace, rng)
         if len(starts) == n:
             return starts
-    raise PackError(f"{n} blocks cannot be strewn {START_GAP * 1e3:.0f} mm apart: choose a lower density")
+    raise PackError(f"{n} blocks cannot be scattered {START_GAP * 1e3:.0f} mm apart: choose a lower density")
 
 
 def _try_to_strew(n: int, workspace: tuple[Point, ...], rng: np.random.Generator) -> Array:

@@ -24,7 +24,7 @@ def lower_bound(task: Task) -> int:
     away = int((~task.is_home).sum())
     if not away:
         return 0
-    place, push = task.ways.place, task.ways.push
+    place, push = task.goal_access.place, task.goal_access.push
     home = sum(1 << int(i) for i in np.flatnonzero(task.is_home))
     parts = -(-task.n // MAX_GOALS)
     cuts = [task.n * part // parts for part in range(parts + 1)]

@@ -13,7 +13,7 @@ from pack_planner.rearrangement.certificates import find_certificate
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound
 from pack_planner.rearrangement.methods import METHODS, RearrangementConfig
-from pack_planner.rearrangement.progress import Clock, Progress
+from pack_planner.rearrangement.progress import Clock, PlanningProgress
 from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.validation import find_fault
 
@@ -42,7 +42,7 @@ def plan(
     planner = config.planner(method)
     if not budget_s > 0:
         raise PackError(f"the budget is {budget_s} s; allowed: above 0")
-    progress = Progress(clock, budget_s)
+    progress = PlanningProgress(clock, budget_s)
     if fault := find_fault(problem) or _too_many(problem, method, planner.most_blocks):
         return Plan(PlanStatus.INVALID_INPUT, diagnosis=fault, statistics=progress.statistics())
     task = Task.of(problem)

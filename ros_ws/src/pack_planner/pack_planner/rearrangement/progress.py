@@ -13,7 +13,7 @@ Clock = Callable[[], float]
 
 
 @dataclass
-class Progress:
+class PlanningProgress:
     """Time since the call, and what was found when.
 
     Attributes:

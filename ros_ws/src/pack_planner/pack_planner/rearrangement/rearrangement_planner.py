@@ -9,7 +9,7 @@ import numpy as np
 
 from pack_core.blocks.plan import Action
 from pack_core.config import Config
-from pack_planner.rearrangement.progress import Progress
+from pack_planner.rearrangement.progress import PlanningProgress
 from pack_planner.rearrangement.task import Task
 
 
@@ -38,7 +38,9 @@ class RearrangementPlanner(Config, ABC):
     most_blocks: ClassVar[int] = 64
 
     @abstractmethod
-    def plan(self, task: Task, lower_bound: int, progress: Progress, rng: np.random.Generator) -> Found:
+    def plan(
+        self, task: Task, lower_bound: int, progress: PlanningProgress, rng: np.random.Generator
+    ) -> Found:
         """Plan a task in which some block is away from its goal, and which is not proven impossible.
 
         It ends soon after `progress.is_over()`, reports its first plan to `progress.found` and uses nothing

@@ -13,7 +13,7 @@ from pack_core.blocks.planar import QUARTER, PlanarPose, turn_between
 from pack_core.blocks.problem import Problem
 from pack_core.rotations import Array
 from pack_planner.rearrangement.footprints import rows_of
-from pack_planner.rearrangement.goal_ways import GoalWays
+from pack_planner.rearrangement.goal_access import GoalAccess
 from pack_planner.rearrangement.workspace import edges
 
 
@@ -61,9 +61,9 @@ class Task:
         return len(self.ids)
 
     @cached_property
-    def ways(self) -> GoalWays:
+    def goal_access(self) -> GoalAccess:
         """What must be unfilled for a goal to be filled."""
-        return GoalWays.of(self.goals, self.side, self.gripper)
+        return GoalAccess.of(self.goals, self.side, self.gripper)
 
     @property
     def side(self) -> float:

@@ -9,7 +9,7 @@ from pack_interfaces.srv import JawCommand, ResetScene
 from pydantic import Field
 from std_srvs.srv import Trigger
 
-from pack_core.blocks import jaw
+from pack_core.blocks import fingers
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.problem import Problem
 from pack_core.blocks.problem_file import load_problem, parse_problem
@@ -41,14 +41,14 @@ class BlocksSimNode(MotionSimNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(LIMITS.names, **kwargs)
         self._config = read_parameters(self, BlocksSimNodeConfig)
-        self._cell, self._jaw_commands = blocks_cell(), 0
+        self._cell, self._finger_commands = blocks_cell(), 0
         self._publisher = BlocksPublisher(self, self._config.timestep)
         self._tags = self.advertise(contracts.TAGS)
         self._camera = CameraPublisher(self, self._cell, self._config.timestep, shadows=self._config.shadows)
         path = self._config.problem or config_path("scenarios", "blocks", "example.yaml")
         self._simulator = self._build(load_problem(Path(path)), 0.0)
         services = (
-            (contracts.JAW_COMMAND, self._command_jaw),
+            (contracts.JAW_COMMAND, self._command_fingers),
             (contracts.TRIGGER, self._trigger),
             (contracts.RESET, self._reset),
         )
@@ -60,7 +60,7 @@ class BlocksSimNode(MotionSimNode):
         return self._simulator
 
     def advance(self) -> float:
-        self._publisher.step(self._simulator, self._jaw_commands)
+        self._publisher.step(self._simulator, self._finger_commands)
         return self._publisher.period
 
     def _build(self, problem: Problem, start: float) -> BlocksSimulator:
@@ -69,14 +69,16 @@ class BlocksSimNode(MotionSimNode):
         self._tags.publish(to_tags(tags))
         return BlocksSimulator(self._cell, tags, problem.starts, self._config, start)
 
-    def _command_jaw(self, request: JawCommand.Request, response: JawCommand.Response) -> JawCommand.Response:
+    def _command_fingers(
+        self, request: JawCommand.Request, response: JawCommand.Response
+    ) -> JawCommand.Response:
         try:
             with self.lock:
-                self._simulator.jaw.command(jaw.JawCommand(request.opening, request.force))
-                self._jaw_commands += 1
+                self._simulator.fingers.command(fingers.FingerCommand(request.opening, request.force))
+                self._finger_commands += 1
         except PackError as error:
             response.message = str(error)
-        response.success, response.command = not response.message, self._jaw_commands
+        response.success, response.command = not response.message, self._finger_commands
         return response
 
     def _trigger(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.blocks.cell import BlocksCell
-from pack_core.blocks.jaw import JawState
+from pack_core.blocks.fingers import FingerState
 from pack_core.blocks.model import TOOL, arm_model, block_name, build_model
 from pack_core.blocks.planar import PlanarPose
 from pack_core.bodies import body_pose, set_object_poses
@@ -19,7 +19,7 @@ from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS, LIMITS
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
-from pack_sim.blocks.jaw import Jaw
+from pack_sim.blocks.gripper_fingers import GripperFingers
 from pack_sim.joint_servo import JointServo
 from pack_sim.reference_follower import ReferenceFollower
 
@@ -65,7 +65,7 @@ class BlocksSimulator:
         self._motors = np.array([self.model.actuator(name).id for name in JOINTS])
         self.follower = ReferenceFollower(LIMITS, self.config.watchdog, cell.servo.stop_deceleration)
         self._servo = JointServo(arm_model(cell), LIMITS, cell.servo, timestep)
-        self.jaw = Jaw(self.model, cell.gripper.speed, cell.gripper.force, START_OPENING)
+        self.fingers = GripperFingers(self.model, cell.gripper.speed, cell.gripper.force, START_OPENING)
         self._put(starts)
 
     @property
@@ -82,7 +82,7 @@ class BlocksSimulator:
         data = self.data
         q, v = data.qpos[self._q], data.qvel[self._v]
         data.ctrl[self._motors] = self._servo.torque(q, v, self.follower.at(self.time, q))
-        self.jaw.update(data)
+        self.fingers.update(data)
         mujoco.mj_step(self.model, data)
 
     def joints(self) -> JointSample:
@@ -92,9 +92,9 @@ class BlocksSimulator:
             self.time, data.qpos[self._q].copy(), data.qvel[self._v].copy(), data.ctrl[self._motors].copy()
         )
 
-    def jaw_state(self) -> JawState:
+    def finger_state(self) -> FingerState:
         """What the gripper says."""
-        return self.jaw.state(self.data)
+        return self.fingers.state(self.data)
 
     def truth(self) -> SceneState:
         """True poses and twists of all blocks, by id."""

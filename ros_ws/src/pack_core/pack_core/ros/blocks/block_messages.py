@@ -10,7 +10,7 @@ from pack_interfaces.msg import JawState as JawStateMsg
 from std_msgs.msg import String
 
 from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.jaw import JawState, JawStatus
+from pack_core.blocks.fingers import FingerState, FingerStatus
 from pack_core.config import Config, validate_config
 from pack_core.errors import MessageError
 from pack_core.ros.blocks.rearrangement_messages import from_block_poses, to_block_poses
@@ -52,18 +52,18 @@ def from_sighting(message: BlockSightingMsg) -> BlockSighting:
     )  # fmt: skip
 
 
-def to_jaw_state(state: JawState, command: int) -> JawStateMsg:
+def to_finger_state(state: FingerState, command: int) -> JawStateMsg:
     """The gripper's state after so many commands."""
     message = JawStateMsg(opening=state.opening, force=state.force, status=int(state.status), command=command)
     message.header.stamp = to_stamp(state.time)
     return message
 
 
-def from_jaw_state(message: JawStateMsg) -> JawState:
+def from_finger_state(message: JawStateMsg) -> FingerState:
     """The gripper's state."""
-    if message.status not in list(JawStatus):
+    if message.status not in list(FingerStatus):
         raise MessageError(
-            f"status of the gripper is {message.status}; allowed: {[int(s) for s in JawStatus]}"
+            f"status of the gripper is {message.status}; allowed: {[int(s) for s in FingerStatus]}"
         )
     opening, force = finite([message.opening, message.force], "state of the gripper")
-    return JawState(from_stamp(message.header.stamp), opening, force, JawStatus(message.status))
+    return FingerState(from_stamp(message.header.stamp), opening, force, FingerStatus(message.status))

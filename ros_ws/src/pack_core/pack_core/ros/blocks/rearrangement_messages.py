@@ -13,10 +13,10 @@ from pack_interfaces.msg import BlockAction, BlockDeed, BlockPose, BlockToleranc
 from pack_interfaces.msg import GripperFootprint as GripperFootprintMsg
 from pack_interfaces.srv import PlanRearrangement
 
-from pack_core.blocks.deed import Deed, DeedKind
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.plan import Action, Diagnosis, PickPlace, Plan, PlanStatistics, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.primitive_action import PrimitiveAction, PrimitiveKind
 from pack_core.blocks.problem import Block, Problem, Tolerance
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError, MessageError
@@ -67,7 +67,7 @@ def from_request(request: PlanRearrangement.Request) -> Problem:
         workspace=tuple((corner.x, corner.y) for corner in request.workspace),
         side=request.side, symmetry=request.symmetry, gripper=gripper, tolerance=tolerance,
         starts_may_be_outside=request.starts_may_be_outside,
-        refused=tuple(_from_deed(deed) for deed in request.refused),
+        refused=tuple(_from_primitive(primitive) for primitive in request.refused),
     )  # fmt: skip
 
 
@@ -113,11 +113,11 @@ def _from_action(message: BlockAction) -> Action:
     return PickPlace(message.start.id, start, end, message.grasp)
 
 
-def _from_deed(message: BlockDeed) -> Deed:
+def _from_primitive(message: BlockDeed) -> PrimitiveAction:
     at = PlanarPose(message.x, message.y, message.heading)
-    if message.kind not in list(DeedKind) or not at.is_finite:
-        raise MessageError(f"refused deed is of kind {message.kind} at {at}")
-    return Deed(DeedKind(message.kind), at)
+    if message.kind not in list(PrimitiveKind) or not at.is_finite:
+        raise MessageError(f"refused primitive action is of kind {message.kind} at {at}")
+    return PrimitiveAction(PrimitiveKind(message.kind), at)
 
 
 def _fields(message: Any) -> dict[str, float]:

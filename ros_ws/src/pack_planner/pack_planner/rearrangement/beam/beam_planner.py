@@ -15,9 +15,9 @@ from pack_planner.rearrangement.beam.reconstruction import to_actions
 from pack_planner.rearrangement.beam.search import Beam, root_state, run_round
 from pack_planner.rearrangement.beam.spots import GOAL, MAX_BLOCKS, POOL, buffer_pool
 from pack_planner.rearrangement.beam.tables import FREE, PushPrice, Tables, build_tables
-from pack_planner.rearrangement.freed import with_freed_blocks
+from pack_planner.rearrangement.blockers import with_blockers_released
 from pack_planner.rearrangement.lower_bound import sharper_bound
-from pack_planner.rearrangement.progress import Progress
+from pack_planner.rearrangement.progress import PlanningProgress
 from pack_planner.rearrangement.rearrangement_planner import Found, RearrangementPlanner
 from pack_planner.rearrangement.task import Task
 
@@ -76,7 +76,9 @@ class BeamPlanner(RearrangementPlanner):
         """What a push costs beyond a pick-and-place action."""
         return self.costs.push_price if self.price == "paper" else FREE
 
-    def plan(self, task: Task, lower_bound: int, progress: Progress, rng: np.random.Generator) -> Found:
+    def plan(
+        self, task: Task, lower_bound: int, progress: PlanningProgress, rng: np.random.Generator
+    ) -> Found:
         """Search round after round until the time is over or the lower bound is met.
 
         Every round demands a plan cheaper than the best so far, with a wider beam. Rounds after the widest,
@@ -87,7 +89,7 @@ class BeamPlanner(RearrangementPlanner):
         least by Eq. 1; the lower bound counts actions all the same, so that no plan with a push is proven the
         cheapest and the search uses all its time.
         """
-        given, task = task, with_freed_blocks(task)
+        given, task = task, with_blockers_released(task)
         best: list[Action] | None = None
         price = self.push_price
         longest, cheapest = LONGEST * (task.n + 3), np.inf

@@ -11,7 +11,7 @@ from numba import njit
 
 from pack_core.rotations import Array
 from pack_planner.rearrangement.beam.bits import bit, count_bits
-from pack_planner.rearrangement.beam.estimates import Summary
+from pack_planner.rearrangement.beam.estimates import StateSummary
 from pack_planner.rearrangement.beam.grasping import swaps
 from pack_planner.rearrangement.beam.pushing import Ints
 from pack_planner.rearrangement.beam.spots import GOAL, NO_GO
@@ -39,7 +39,7 @@ class Options(NamedTuple):
 
 @njit(cache=True, inline="always")
 def buffer_options(
-    i: int, spots: npt.NDArray[np.int16], can_pick: npt.NDArray[np.bool_], now: Summary, is_tight: bool,
+    i: int, spots: npt.NDArray[np.int16], can_pick: npt.NDArray[np.bool_], now: StateSummary, is_tight: bool,
     order: Ints, tables: Tables, options: Options,
 ) -> int:  # fmt: skip
     """Fill `options` with the best of the first free buffer poses in order; how many there are.

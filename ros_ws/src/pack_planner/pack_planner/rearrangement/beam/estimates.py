@@ -23,7 +23,7 @@ NOWHERE = -1
 ONE = np.uint64(1)
 
 
-class Summary(NamedTuple):
+class StateSummary(NamedTuple):
     """What the estimates of all children of a state have in common.
 
     Attributes:
@@ -50,7 +50,7 @@ class Summary(NamedTuple):
 
 
 @njit(cache=True, inline="always")
-def summarize(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables) -> Summary:
+def summarize(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables) -> StateSummary:
     """The summary of a state."""
     n = spots.shape[0]
     filled = occupied[0] >> np.uint64(GOAL)
@@ -68,7 +68,7 @@ def summarize(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables) -> 
                     crowded[j] |= tables.crowds[spots[i], 1] & left & ~bit(i)
     needed = pushes_left(filled, tables.planes, tables.upper_planes, tables.split)
     away = count_bits(left)
-    return Summary(
+    return StateSummary(
         filled, left, ready, away, needed,
         _likely(filled, ready, tables),
         away + max(needed - count_bits(ready), 0), standing_on_goals(spots, tables.crowds), crowded,
@@ -76,7 +76,7 @@ def summarize(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables) -> 
 
 
 @njit(cache=True, inline="always")
-def after_going_home(i: int, now: Summary, circles: int, tables: Tables) -> tuple[int, float, int]:
+def after_going_home(i: int, now: StateSummary, circles: int, tables: Tables) -> tuple[int, float, int]:
     """Lower bound, likely detours and pushes left once block i is home; NEVER if that spoils the grid."""
     filled = now.filled | ONE << np.uint64(i)
     needed = pushes_left(filled, tables.planes, tables.upper_planes, tables.split)
@@ -90,7 +90,7 @@ def after_going_home(i: int, now: Summary, circles: int, tables: Tables) -> tupl
 
 
 @njit(cache=True, inline="always")
-def after_making_way(i: int, end: int, now: Summary, circles: int, tables: Tables) -> tuple[int, float]:
+def after_making_way(i: int, end: int, now: StateSummary, circles: int, tables: Tables) -> tuple[int, float]:
     """Lower bound and likely detours once block i waits at a buffer pose."""
     ready, likely = now.ready & ~bit(i), now.likely
     if tables.push_of[i, end] >= 0:
@@ -103,7 +103,7 @@ def after_making_way(i: int, end: int, now: Summary, circles: int, tables: Table
 
 
 @njit(cache=True, inline="always")
-def cycles_with(i: int, spot: int, now: Summary, tables: Tables) -> int:
+def cycles_with(i: int, spot: int, now: StateSummary, tables: Tables) -> int:
     """`cycles` once block i stands on a spot, or NOWHERE."""
     on_goal = now.on_goal.copy()
     for j in range(on_goal.shape[0]):

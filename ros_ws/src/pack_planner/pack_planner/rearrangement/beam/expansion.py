@@ -16,7 +16,7 @@ from pack_planner.rearrangement.beam.bits import bit
 from pack_planner.rearrangement.beam.buffering import Options, buffer_options, pushed_out_options
 from pack_planner.rearrangement.beam.estimates import (
     NOWHERE,
-    Summary,
+    StateSummary,
     after_going_home,
     after_making_way,
     cycles_with,
@@ -104,8 +104,8 @@ def _note_grasps(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables, 
 
 @njit(cache=True, inline="always")
 def _go_home(
-    states: States, row: int, occupied: Words, now: Summary, can_pick: Flags, must_go: Flags, blocking: Words,
-    tables: Tables, limit: int, out: Children, count: int,
+    states: States, row: int, occupied: Words, now: StateSummary, can_pick: Flags, must_go: Flags,
+    blocking: Words, tables: Tables, limit: int, out: Children, count: int,
 ) -> int:  # fmt: skip
     """Append children in which a block goes home; the new number of children.
 
@@ -139,7 +139,7 @@ def _go_home(
 
 @njit(cache=True, inline="always")
 def _make_way(
-    states: States, row: int, i: int, occupied: Words, now: Summary, can_pick: Flags, options: Options,
+    states: States, row: int, i: int, occupied: Words, now: StateSummary, can_pick: Flags, options: Options,
     found: int, tables: Tables, limit: int, out: Children, count: int,
 ) -> int:  # fmt: skip
     """Append a child for every pose that was found for a block to wait at; the new number of children."""

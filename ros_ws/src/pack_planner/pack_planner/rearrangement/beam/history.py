@@ -12,7 +12,7 @@ from pack_planner.rearrangement.beam.states import Children
 
 
 @dataclass(frozen=True)
-class Move:
+class BlockMove:
     """A block goes to a spot; stage and grasps as in Children."""
 
     block: int
@@ -37,12 +37,12 @@ class History:
         self.size += len(kept)
         return numbers
 
-    def moves(self, node: int) -> list[Move]:
+    def moves(self, node: int) -> list[BlockMove]:
         """From the root to a node."""
         rows = np.concatenate(self._chunks)
         path = []
         while node > 0:
             parent, *move = rows[node].tolist()
-            path.append(Move(*move))
+            path.append(BlockMove(*move))
             node = parent
         return path[::-1]

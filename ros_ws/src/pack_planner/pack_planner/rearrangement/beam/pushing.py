@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.blocks.deed import DeedKind
 from pack_core.blocks.planar import QUARTER, wrapped
+from pack_core.blocks.primitive_action import PrimitiveKind
 from pack_core.rotations import Array
-from pack_planner.rearrangement.beam.refusals import bar_grasps, bar_pushes
+from pack_planner.rearrangement.beam.refused_actions import bar_grasps, bar_pushes
 from pack_planner.rearrangement.beam.spots import POOL, STRAIGHT
 from pack_planner.rearrangement.collisions import Words, hits
 from pack_planner.rearrangement.footprints import fingers, squares, sweeps
@@ -105,7 +105,7 @@ def pushes_from_spots(task: Task, poses: Array) -> tuple[Ints, Pushes]:
 def pushes_out(task: Task, first_spot: int) -> PushesOut:
     """Pushes away from the starts of blocks that can be grasped by no axis as the others stand now."""
     picks = hits(fingers(task.starts, task.side, task.gripper), squares(task.starts, task.side))
-    bar_grasps(task, DeedKind.GRASP, task.starts, picks)
+    bar_grasps(task, PrimitiveKind.GRASP, task.starts, picks)
     others = ~(np.uint64(1) << np.arange(task.n, dtype=np.uint64))
     stuck = np.flatnonzero(~task.is_home & np.all(picks[..., 0] & others[:, None], axis=1))
     lengths = np.broadcast_to(np.tile(OUT_LENGTHS, 4), (len(stuck), 4 * len(OUT_LENGTHS)))

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pack_core.blocks.plan import Action, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.rotations import Array
-from pack_planner.rearrangement.beam.history import Move
+from pack_planner.rearrangement.beam.history import BlockMove
 from pack_planner.rearrangement.beam.spots import GOAL, STRAIGHT
 from pack_planner.rearrangement.beam.states import NO_STAGE, PUSHED
 from pack_planner.rearrangement.beam.tables import Tables
@@ -15,7 +15,7 @@ from pack_planner.rearrangement.carrying import carried
 from pack_planner.rearrangement.task import Task
 
 
-def to_actions(task: Task, tables: Tables, moves: Iterable[Move]) -> list[Action]:
+def to_actions(task: Task, tables: Tables, moves: Iterable[BlockMove]) -> list[Action]:
     """Actions of a plan; a block that would be put down where it was picked up is left alone."""
     poses = [PlanarPose(*row) for row in task.starts.tolist()]
     spots = [tables.poses[GOAL + i if home else i] for i, home in enumerate(task.is_home)]
@@ -29,7 +29,7 @@ def to_actions(task: Task, tables: Tables, moves: Iterable[Move]) -> list[Action
 
 
 def _actions_of(
-    task: Task, tables: Tables, move: Move, pose: PlanarPose, spot: Array
+    task: Task, tables: Tables, move: BlockMove, pose: PlanarPose, spot: Array
 ) -> list[tuple[Action, Array]]:
     """One action, or two by way of a staging pose, each with the spot it ends at."""
     name, end = task.ids[move.block], tables.poses[move.spot]

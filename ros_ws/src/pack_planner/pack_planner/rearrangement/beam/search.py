@@ -13,7 +13,7 @@ from numba import njit
 from pack_core.rotations import Array
 from pack_planner.rearrangement.beam.detours import cycles, standing_on_goals
 from pack_planner.rearrangement.beam.expansion import expand
-from pack_planner.rearrangement.beam.history import History, Move
+from pack_planner.rearrangement.beam.history import BlockMove, History
 from pack_planner.rearrangement.beam.pushing import Ints
 from pack_planner.rearrangement.beam.spots import GOAL, NO_GO
 from pack_planner.rearrangement.beam.states import NO_STAGE, Children, States, follow, occupy
@@ -52,7 +52,7 @@ class Beam:
 class Round:
     """How a round went: the moves of the cheapest plan found, and how many states were expanded."""
 
-    moves: list[Move] | None
+    moves: list[BlockMove] | None
     expanded: int
 
 

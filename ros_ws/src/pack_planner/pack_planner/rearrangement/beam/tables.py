@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.blocks.deed import DeedKind
 from pack_core.blocks.planar import QUARTER, wrapped
+from pack_core.blocks.primitive_action import PrimitiveKind
 from pack_core.rotations import Array
-from pack_planner.rearrangement.assembly import MAX_GOALS, Method, assembly_planes
+from pack_planner.rearrangement.assembly import MAX_GOALS, BlockingSets, assembly_planes
 from pack_planner.rearrangement.beam.bits import MEMO_BITS
 from pack_planner.rearrangement.beam.pushing import Ints, pushes_from_spots, pushes_out, stages
-from pack_planner.rearrangement.beam.refusals import EVERYTHING, bar_grasps
+from pack_planner.rearrangement.beam.refused_actions import EVERYTHING, bar_grasps
 from pack_planner.rearrangement.beam.spots import GOAL, POOL, STRAIGHT, spot_poses
 from pack_planner.rearrangement.collisions import Words, hits
 from pack_planner.rearrangement.footprints import fingers, squares
@@ -151,8 +151,8 @@ def _grasps_at(task: Task, poses: Array, blocks: Array) -> tuple[Words, Words]:
     pick = hits(fingers(poses, task.side, task.gripper), blocks)
     below = hits(squares(poses, task.side, task.gripper.block_margin)[..., None, :], blocks)
     place = pick | below[..., None, :]
-    bar_grasps(task, DeedKind.GRASP, poses, pick)
-    bar_grasps(task, DeedKind.PLACE, poses, place)
+    bar_grasps(task, PrimitiveKind.GRASP, poses, pick)
+    bar_grasps(task, PrimitiveKind.PLACE, poses, place)
     return pick, place
 
 
@@ -185,20 +185,22 @@ def _bits(words: Words) -> npt.NDArray[np.uint8]:
     return np.unpackbits(np.ascontiguousarray(words).view(np.uint8), axis=-1, bitorder="little")
 
 
-def _ways_into_goals(placed: Words, stage_place: Words, stage_push: Words) -> tuple[Method, Method]:
+def _ways_into_goals(
+    placed: Words, stage_place: Words, stage_push: Words
+) -> tuple[BlockingSets, BlockingSets]:
     """Putting down and pushing, as far as filled goals are concerned."""
     staged = stage_place | stage_push[:, :, None]
     return (
-        Method.of(_goal_sets(words[:, 0], i) for i, words in enumerate(placed)),
-        Method.of(_goal_sets(words[..., 0], i) for i, words in enumerate(staged)),
+        BlockingSets.of(_goal_sets(words[:, 0], i) for i, words in enumerate(placed)),
+        BlockingSets.of(_goal_sets(words[..., 0], i) for i, words in enumerate(staged)),
     )
 
 
-def _assembly(place: Method, push: Method) -> tuple[Words, Words, int]:
+def _assembly(place: BlockingSets, push: BlockingSets) -> tuple[Words, Words, int]:
     """Pattern databases, and the number of goals in the first."""
     n = len(place.alternatives)
     if n <= MAX_GOALS:
-        return assembly_planes(place, push), assembly_planes(Method(()), Method(())), n
+        return assembly_planes(place, push), assembly_planes(BlockingSets(()), BlockingSets(())), n
     half = n // 2
     lower, upper = ((place.within(*part), push.within(*part)) for part in ((0, half), (half, n - half)))
     return assembly_planes(*lower), assembly_planes(*upper), half

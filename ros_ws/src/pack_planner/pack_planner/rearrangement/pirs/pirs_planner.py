@@ -24,9 +24,9 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
 
-from pack_core.blocks.deed import is_refused
 from pack_core.blocks.plan import Action, Push
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.primitive_action import is_refused
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_planner.rearrangement.carrying import carried
@@ -35,7 +35,7 @@ from pack_planner.rearrangement.lower_bound import sharper_bound
 from pack_planner.rearrangement.pirs.geometry import Sizes
 from pack_planner.rearrangement.pirs.roadmap import PUSHED, Prices, Way, shortest_way
 from pack_planner.rearrangement.pirs.sampling import sample_clear_poses, sample_nodes
-from pack_planner.rearrangement.progress import Progress
+from pack_planner.rearrangement.progress import PlanningProgress
 from pack_planner.rearrangement.rearrangement_planner import Found, RearrangementPlanner
 from pack_planner.rearrangement.task import Task
 
@@ -59,7 +59,9 @@ class PirsPlanner(RearrangementPlanner):
     patience: PositiveInt = Field(20, description="paths planned a block before the first new start")
     impatience: PositiveFloat = Field(1.3, description="growth of the patience at every new start")
 
-    def plan(self, task: Task, lower_bound: int, progress: Progress, rng: np.random.Generator) -> Found:
+    def plan(
+        self, task: Task, lower_bound: int, progress: PlanningProgress, rng: np.random.Generator
+    ) -> Found:
         """Search anew until a plan needs nothing of what the arm refused, which pIRS itself does not know."""
         refused = task.problem.refused
         actions = self._first_plan(task, progress, rng)
@@ -67,7 +69,9 @@ class PirsPlanner(RearrangementPlanner):
             actions = None if progress.is_over() else self._first_plan(task, progress, rng)
         return Found(actions, sharper_bound(task, lower_bound))
 
-    def _first_plan(self, task: Task, progress: Progress, rng: np.random.Generator) -> list[Action] | None:
+    def _first_plan(
+        self, task: Task, progress: PlanningProgress, rng: np.random.Generator
+    ) -> list[Action] | None:
         """The first plan that is found; None where there is none in time."""
         away = frozenset(int(i) for i in np.flatnonzero(~task.is_home))
         patience = float(self.patience * task.n)
@@ -97,7 +101,12 @@ class PirsSearch:
     """One start of the search; sets of blocks are called as in the paper."""
 
     def __init__(
-        self, task: Task, progress: Progress, rng: np.random.Generator, config: PirsPlanner, patience: int
+        self,
+        task: Task,
+        progress: PlanningProgress,
+        rng: np.random.Generator,
+        config: PirsPlanner,
+        patience: int,
     ) -> None:
         self._task, self._progress, self._rng, self._config = task, progress, rng, config
         self._patience = patience

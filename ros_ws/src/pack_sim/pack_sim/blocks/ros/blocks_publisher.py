@@ -7,7 +7,7 @@ from rosgraph_msgs.msg import Clock
 from pack_core import topics as shared_topics
 from pack_core.blocks import topics
 from pack_core.robots.ur10e import JOINTS
-from pack_core.ros.blocks.block_messages import to_jaw_state
+from pack_core.ros.blocks.block_messages import to_finger_state
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion, shared
@@ -29,22 +29,22 @@ class BlocksPublisher:
     def __init__(self, node: CellNode, timestep: float) -> None:
         self._clock = node.advertise(shared.CLOCK)
         self._joints = node.advertise(motion.JOINT_STATES)
-        self._jaw = node.advertise(contracts.JAW_STATE)
+        self._fingers = node.advertise(contracts.JAW_STATE)
         self._truth = node.advertise(contracts.TRUTH)
         self._steps = steps_between(shared_topics.CLOCK_RATE, timestep)
         self.period = self._steps * timestep
-        self._jaw_ticks = steps_between(topics.JAW_RATE, self.period)
+        self._finger_ticks = steps_between(topics.JAW_RATE, self.period)
         self._truth_ticks = steps_between(topics.TRUTH_RATE, self.period)
         self._tick = 0
 
-    def step(self, simulator: BlocksSimulator, jaw_commands: int) -> None:
+    def step(self, simulator: BlocksSimulator, finger_commands: int) -> None:
         """Advance by one tick of /clock, `period` [s]; the gripper has taken so many commands."""
         for _ in range(self._steps):
             simulator.step()
         self._clock.publish(Clock(clock=to_stamp(simulator.time)))
         self._joints.publish(to_joint_state(simulator.joints(), JOINTS))
         self._tick += 1
-        if self._tick % self._jaw_ticks == 0:
-            self._jaw.publish(to_jaw_state(simulator.jaw_state(), jaw_commands))
+        if self._tick % self._finger_ticks == 0:
+            self._fingers.publish(to_finger_state(simulator.finger_state(), finger_commands))
         if self._tick % self._truth_ticks == 0:
             self._truth.publish(to_scene(simulator.truth()))

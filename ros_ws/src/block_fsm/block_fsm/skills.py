@@ -1,6 +1,7 @@
-"""Looks, and picks, places and pushes: one request after the other, each with what it is checked against.
+"""The skills of arm, gripper and camera: look, pick and place, push, each a sequence of requests.
 
-Every method is a part of the executor's conversation: it yields requests and is sent their answers.
+Every method is a part of the executor's conversation: it yields requests and is sent their answers. Each move
+is requested together with the obstacles that it is checked against.
 """
 
 from __future__ import annotations
@@ -13,14 +14,14 @@ from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import Ended, ExitReason, Refused
 from block_fsm.phase import Phase
-from block_fsm.requests import Look, MoveArm, MoveJaw, NoPicture, Request
+from block_fsm.requests import Look, MoveArm, MoveFingers, NoPicture, Request
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.deed import Deed, deeds_of
-from pack_core.blocks.jaw import JawCommand, JawState, JawStatus
+from pack_core.blocks.fingers import FingerCommand, FingerState, FingerStatus
 from pack_core.blocks.plan import Action, PickPlace, Push
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.primitive_action import PrimitiveAction, primitives_of
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.motion.world import CarriedBox
@@ -29,8 +30,8 @@ from pack_core.rotations import Pose
 Asking = Generator[Request, Any, None]
 
 
-class Hands:
-    """The arm with its gripper, and the camera over it.
+class Skills:
+    """Looks at the table and carries out single actions.
 
     Args:
         task: sizes of blocks and gripper.
@@ -93,18 +94,18 @@ class Hands:
 
     def _pick_and_place(self, action: PickPlace) -> Asking:
         grip, release = self._motions.grasps(action)
-        grasp, place = deeds_of(action)
+        grasp, place = primitives_of(action)
         wide = self._gripper.grasp_opening(self._side)
         self.phase = Phase.PICK
-        yield from self._jaw(wide)
-        yield from self._move(self._motions.approach(grip), deed=grasp)
+        yield from self._fingers(wide)
+        yield from self._move(self._motions.approach(grip), primitive=grasp)
         if not (yield from self._hold()):
             yield from self._let_go(grip, wide, action.block, action.start)
             return
         self.phase = Phase.PLACE
         carried = self._surroundings.carried(grip, action.start)
         try:
-            yield from self._move(self._motions.carry(grip, release), action.block, carried, deed=place)
+            yield from self._move(self._motions.carry(grip, release), action.block, carried, primitive=place)
         except Refused:
             yield from self._let_go(grip, wide, action.block, action.start)
             raise
@@ -114,19 +115,19 @@ class Hands:
 
     def _let_go(self, X_WT: Pose, opening: float, block: str, pose: PlanarPose) -> Asking:
         self.phase = Phase.RETREAT
-        yield from self._jaw(opening)
+        yield from self._fingers(opening)
         self.seen = {**self.seen, block: pose}
         yield from self._move(self._motions.retreat(X_WT), touched=block)
 
     def _push(self, action: Push) -> Asking:
         start, end = self._motions.pushes(action)
-        (push,) = deeds_of(action)
+        (push,) = primitives_of(action)
         self.phase = Phase.PUSH
-        yield from self._jaw(self._gripper.push_gap)
-        yield from self._move(self._motions.approach(start), deed=push)
+        yield from self._fingers(self._gripper.push_gap)
+        yield from self._move(self._motions.approach(start), primitive=push)
         carried = self._surroundings.carried(end, action.end)
         try:
-            yield from self._move(self._motions.push(end), action.block, carried, deed=push)
+            yield from self._move(self._motions.push(end), action.block, carried, primitive=push)
         except Refused:
             self.phase = Phase.RETREAT
             yield from self._move(self._motions.retreat(start))
@@ -137,8 +138,8 @@ class Hands:
 
     def _hold(self) -> Generator[Request, Any, bool]:
         """Close the fingers; False where they hold nothing."""
-        state = yield from self._jaw(self._side - self._config.grasp_squeeze)
-        if state.status is JawStatus.HOLDING:
+        state = yield from self._fingers(self._side - self._config.grasp_squeeze)
+        if state.status is FingerStatus.HOLDING:
             return True
         self._failed_in_a_row += 1
         self.failed_grasps += 1
@@ -148,12 +149,12 @@ class Hands:
 
     def _move(
         self, path: Path, moved: str = "", carried: CarriedBox | None = None, *, touched: str = "",
-        deed: Deed | None = None,
+        primitive: PrimitiveAction | None = None,
     ) -> Asking:  # fmt: skip
         """Along a path; `moved` goes with the fingers, `touched` is what they have just left.
 
         Raises:
-            Refused: the move is not possible, and was for a `deed` that can be done without.
+            Refused: the move is not possible, and was for a `primitive` that can be done without.
             Ended: it failed.
         """
         obstacles = self._surroundings.among(self.seen, without=moved)
@@ -161,14 +162,14 @@ class Hands:
         if carried is not None:
             contacts = self._surroundings.beside(moved, self.seen)
         status: MotionStatus = yield MoveArm(path, self._opening, obstacles, carried, contacts)
-        if status.state is MotionState.REFUSED and deed is not None:
-            raise Refused(deed, status.reason)
+        if status.state is MotionState.REFUSED and primitive is not None:
+            raise Refused(primitive, status.reason)
         if status.state is not MotionState.REACHED:
             where = "" if status.state is MotionState.REFUSED else f" in '{status.label}'"
             raise Ended(ExitReason.MOTION_FAILED, f"{status.state.value}{where}: {status.reason}")
 
-    def _jaw(self, opening: float) -> Generator[Request, Any, JawState]:
-        state: JawState = yield MoveJaw(JawCommand(opening, self._force))
+    def _fingers(self, opening: float) -> Generator[Request, Any, FingerState]:
+        state: FingerState = yield MoveFingers(FingerCommand(opening, self._force))
         self._opening = state.opening
         return state
 

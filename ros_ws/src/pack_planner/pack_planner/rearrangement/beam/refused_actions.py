@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.blocks.deed import DeedKind
 from pack_core.blocks.planar import QUARTER
+from pack_core.blocks.primitive_action import PrimitiveKind
 from pack_core.rotations import Array
 from pack_planner.rearrangement.collisions import Words
 from pack_planner.rearrangement.task import Task
@@ -14,7 +14,7 @@ EVERYTHING = np.uint64(2**64 - 1)
 """What is impossible hits all spots, NO_GO among them."""
 
 
-def bar_grasps(task: Task, kind: DeedKind, poses: Array, words: Words) -> None:
+def bar_grasps(task: Task, kind: PrimitiveKind, poses: Array, words: Words) -> None:
     """Change what grasping or putting down hits at poses `(..., 3)`, words `(..., 2, W)`."""
     turned = np.repeat(poses[..., None, :], 2, axis=-2)
     turned[..., 1, 2] += QUARTER
@@ -23,9 +23,9 @@ def bar_grasps(task: Task, kind: DeedKind, poses: Array, words: Words) -> None:
 
 def bar_pushes(task: Task, starts: Array, headings: Array, words: Words) -> None:
     """Change what pushes from `(..., 3)` along headings `(...)` hit, words `(..., W)`."""
-    _bar(task, DeedKind.PUSH, np.concatenate([starts[..., :2], headings[..., None]], axis=-1), words)
+    _bar(task, PrimitiveKind.PUSH, np.concatenate([starts[..., :2], headings[..., None]], axis=-1), words)
 
 
-def _bar(task: Task, kind: DeedKind, poses: Array, words: Words) -> None:
-    for deed in task.problem.refused:
-        words[deed.is_like(kind, poses)] = EVERYTHING
+def _bar(task: Task, kind: PrimitiveKind, poses: Array, words: Words) -> None:
+    for primitive in task.problem.refused:
+        words[primitive.is_like(kind, poses)] = EVERYTHING

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 
-class JawStatus(IntEnum):
+class FingerStatus(IntEnum):
     """What the fingers are doing; the values of pack_interfaces/JawState."""
 
     MOVING = 0
@@ -19,7 +19,7 @@ class JawStatus(IntEnum):
 
 
 @dataclass(frozen=True)
-class JawCommand:
+class FingerCommand:
     """Move the pads to a distance `opening` from each other [m], pressing with `force` [N] at most."""
 
     opening: float
@@ -27,10 +27,10 @@ class JawCommand:
 
 
 @dataclass(frozen=True)
-class JawState:
+class FingerState:
     """The fingers at `time` [s]: distance of the pads [m], force of each [N], positive when closing."""
 
     time: float
     opening: float
     force: float
-    status: JawStatus
+    status: FingerStatus

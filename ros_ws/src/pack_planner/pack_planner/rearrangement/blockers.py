@@ -14,7 +14,7 @@ MOST = 3
 """Blocks freed together; if that does not do, all are that can move."""
 
 
-def with_freed_blocks(task: Task) -> Task:
+def with_blockers_released(task: Task) -> Task:
     """The task with as few blocks as possible no longer home, so that the grid can be assembled."""
     home = {int(i) for i in np.flatnonzero(task.is_home)}
     if not home or not unreachable(task, fixed=home):

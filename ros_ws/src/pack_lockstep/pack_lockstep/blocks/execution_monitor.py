@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from block_fsm.requests import Look, MoveArm, MoveJaw, Request
+from block_fsm.requests import Look, MoveArm, MoveFingers, Request
 from pack_core.blocks.planar import PlanarPose
 from pack_core.rotations import Pose, angle_between
 from pack_core.states import SceneState
@@ -20,7 +20,7 @@ class Slip:
     angle: float
 
 
-class Witness:
+class ExecutionMonitor:
     """Is shown every request before it is carried out.
 
     Attributes:
@@ -34,7 +34,7 @@ class Witness:
         self._before: dict[str, PlanarPose] = {}
         self._carried: tuple[str, Pose] | None = None
 
-    def see(self, request: Request, truth: SceneState, X_WT: Pose, block: str) -> None:
+    def on_request(self, request: Request, truth: SceneState, X_WT: Pose, block: str) -> None:
         """Take note.
 
         Args:
@@ -45,7 +45,7 @@ class Witness:
         """
         if isinstance(request, MoveArm) and request.path.segments[0].label == "lift":
             self._carried = (block, X_WT.inverse() @ truth.objects[block].X_WO)
-        elif isinstance(request, MoveJaw) and self._carried is not None:
+        elif isinstance(request, MoveFingers) and self._carried is not None:
             self._note_slip(truth, X_WT)
         elif isinstance(request, Look):
             self._note_bystanders({name: PlanarPose.of(o.X_WO) for name, o in truth.objects.items()}, block)

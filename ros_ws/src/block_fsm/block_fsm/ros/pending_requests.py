@@ -12,9 +12,9 @@ from rclpy.publisher import Publisher
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from block_fsm.requests import Answer, MoveArm, MoveJaw, NoPicture, PlanFor
+from block_fsm.requests import Answer, MoveArm, MoveFingers, NoPicture, PlanFor
 from block_fsm.ros.cell_state import CellState
-from pack_core.blocks.jaw import JawStatus
+from pack_core.blocks.fingers import FingerStatus
 from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
 from pack_core.errors import PackError
 from pack_core.motion.target import MotionState, MotionStatus
@@ -24,7 +24,7 @@ from pack_core.ros.motion_messages import to_target
 ENDED = (MotionState.REACHED, MotionState.STUCK, MotionState.REFUSED)
 
 
-class Errand(ABC):
+class PendingRequest(ABC):
     """One request under way; it began at `start` [s]."""
 
     def __init__(self, start: float) -> None:
@@ -35,7 +35,7 @@ class Errand(ABC):
         """The answer, once there is one; `state` is what is known now."""
 
 
-class LookErrand(Errand):
+class PendingLook(PendingRequest):
     """Waits until the arm is still, has a picture taken, and waits for what is seen in it."""
 
     def __init__(self, start: float, client: Client, delay: float, timeout: float) -> None:
@@ -65,7 +65,7 @@ class LookErrand(Errand):
             self._trigger = None
 
 
-class PlanErrand(Errand):
+class PendingPlan(PendingRequest):
     """Asks the planner."""
 
     def __init__(
@@ -88,7 +88,7 @@ class PlanErrand(Errand):
         return None
 
 
-class MoveErrand(Errand):
+class PendingMove(PendingRequest):
     """Sends a target to the motion controller."""
 
     def __init__(
@@ -109,14 +109,14 @@ class MoveErrand(Errand):
         return _overdue(motion, self._timeout) if late else None
 
 
-class JawErrand(Errand):
+class PendingFingers(PendingRequest):
     """Sends a command to the gripper."""
 
     def __init__(
         self,
         start: float,
         client: Client,
-        request: MoveJaw,
+        request: MoveFingers,
         timeout: float,
         on_refusal: Callable[[str], None],
     ) -> None:
@@ -128,15 +128,15 @@ class JawErrand(Errand):
     def poll(self, state: CellState) -> Answer | None:
         """Fingers that do not come to rest are answered as they are: moving."""
         if state.time > self._start + self._timeout:
-            return state.jaw
-        if not self._future.done() or state.jaw is None:
+            return state.fingers
+        if not self._future.done() or state.fingers is None:
             return None
         response = self._future.result()
         if not response.success:
             self._on_refusal(f"the gripper refuses: {response.message}")
-            return state.jaw
-        is_heard = state.jaw_commands >= response.command
-        return state.jaw if is_heard and state.jaw.status is not JawStatus.MOVING else None
+            return state.fingers
+        is_heard = state.finger_commands >= response.command
+        return state.fingers if is_heard and state.fingers.status is not FingerStatus.MOVING else None
 
 
 def _overdue(motion: MotionStatus, timeout: float) -> MotionStatus:

@@ -9,31 +9,31 @@ import numpy as np
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import QUARTER
 from pack_core.rotations import Array
-from pack_planner.rearrangement.assembly import Method
+from pack_planner.rearrangement.assembly import BlockingSets
 from pack_planner.rearrangement.collisions import Words, hits
 from pack_planner.rearrangement.footprints import placings, squares, sweeps
 
 
 @dataclass(frozen=True)
-class GoalWays:
+class GoalAccess:
     """For every goal the sets of goals of which one must be unfilled, to put a block down or to push it in.
 
     Of pushes only the end counts, so that no push, however short, is left out.
     """
 
-    place: Method
-    push: Method
+    place: BlockingSets
+    push: BlockingSets
 
     @classmethod
-    def of(cls, goals: Array, side: float, gripper: GripperFootprint) -> GoalWays:
+    def of(cls, goals: Array, side: float, gripper: GripperFootprint) -> GoalAccess:
         """Of goals `(n, 3)`."""
         headings = goals[:, 2, None] + QUARTER * np.arange(4)
         ends = np.repeat(goals[:, None], 4, axis=1)
         pushes = sweeps(ends, headings, 0.0, side, gripper)[..., None, :]
         blocks = squares(goals, side)
         return cls(
-            Method.of(sets_of_others(hits(placings(goals, side, gripper), blocks))),
-            Method.of(sets_of_others(hits(pushes, blocks))),
+            BlockingSets.of(sets_of_others(hits(placings(goals, side, gripper), blocks))),
+            BlockingSets.of(sets_of_others(hits(pushes, blocks))),
         )
 
 

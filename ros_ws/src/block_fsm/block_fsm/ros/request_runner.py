@@ -1,4 +1,4 @@
-"""Starts the errand that a request needs."""
+"""Starts the requests of the executor, each with the node that can carry it out."""
 
 from __future__ import annotations
 
@@ -6,16 +6,22 @@ from collections.abc import Callable
 
 from pack_interfaces.msg import MotionTarget
 
-from block_fsm.executor_config import ErrandConfig
+from block_fsm.executor_config import RequestTimeouts
 from block_fsm.requests import Look, MoveArm, PlanFor, Request
 from block_fsm.ros.cell_state import CellState
-from block_fsm.ros.errands import Errand, JawErrand, LookErrand, MoveErrand, PlanErrand
+from block_fsm.ros.pending_requests import (
+    PendingFingers,
+    PendingLook,
+    PendingMove,
+    PendingPlan,
+    PendingRequest,
+)
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
 
 
-class ErrandRunner:
+class RequestRunner:
     """Knows which node does what.
 
     Args:
@@ -26,17 +32,17 @@ class ErrandRunner:
     """
 
     def __init__(
-        self, node: CellNode, state: CellState, config: ErrandConfig, on_refusal: Callable[[str], None]
+        self, node: CellNode, state: CellState, config: RequestTimeouts, on_refusal: Callable[[str], None]
     ) -> None:
         self._state, self._config, self._on_refusal = state, config, on_refusal
         self._target = node.advertise(motion.MOTION_TARGET)
-        self._trigger, self._planner, self._jaw = (
+        self._trigger, self._planner, self._fingers = (
             node.create_client(contract.type, contract.name)
             for contract in (contracts.TRIGGER, contracts.PLAN_REARRANGEMENT, contracts.JAW_COMMAND)
         )
         self._number = 0
 
-    def begin(self, request: Request, method: str, seed: int) -> Errand:
+    def begin(self, request: Request, method: str, seed: int) -> PendingRequest:
         """Have a request done.
 
         Args:
@@ -46,14 +52,14 @@ class ErrandRunner:
         """
         start, c = self._state.time, self._config
         if isinstance(request, Look):
-            return LookErrand(start, self._trigger, c.exposure_delay, c.picture)
+            return PendingLook(start, self._trigger, c.exposure_delay, c.picture)
         if isinstance(request, PlanFor):
-            return PlanErrand(start, self._planner, request, method, seed, c.plan)
+            return PendingPlan(start, self._planner, request, method, seed, c.plan)
         if isinstance(request, MoveArm):
             status = self._state.motion
             self._number = max(self._number, status.id if status is not None else 0) + 1
-            return MoveErrand(start, self._target, request, self._number, c.move)
-        return JawErrand(start, self._jaw, request, c.jaw, self._on_refusal)
+            return PendingMove(start, self._target, request, self._number, c.move)
+        return PendingFingers(start, self._fingers, request, c.jaw, self._on_refusal)
 
     def stop(self) -> None:
         """Have the arm brake: a target without segments."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.blocks.jaw import JawCommand, JawState, JawStatus
+from pack_core.blocks.fingers import FingerCommand, FingerState, FingerStatus
 from pack_core.errors import MessageError
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS, MAX_FORCE, STROKE
 
@@ -19,7 +19,7 @@ PATIENCE = 0.03
 """For this long it must have been so [s]."""
 
 
-class Jaw:
+class GripperFingers:
     """Drives both fingers of a model.
 
     Args:
@@ -36,10 +36,10 @@ class Jaw:
         self._step = 0.5 * speed * float(model.opt.timestep)
         self._target = self._setpoint = 0.5 * opening
         self._force = force
-        self._status, self._candidate, self._since = JawStatus.MOVING, JawStatus.MOVING, 0.0
+        self._status, self._candidate, self._since = FingerStatus.MOVING, FingerStatus.MOVING, 0.0
         self._limit()
 
-    def command(self, command: JawCommand) -> None:
+    def command(self, command: FingerCommand) -> None:
         """Take a command.
 
         Raises:
@@ -50,7 +50,7 @@ class Jaw:
         if not 0.0 < command.force <= MAX_FORCE:
             raise MessageError(f"force is {command.force} N; allowed: above 0, to {MAX_FORCE} N")
         self._target, self._force = 0.5 * command.opening, command.force
-        self._status = self._candidate = JawStatus.MOVING
+        self._status = self._candidate = FingerStatus.MOVING
         self._limit()
 
     def update(self, data: mujoco.MjData) -> None:
@@ -63,20 +63,20 @@ class Jaw:
         if data.time - self._since >= PATIENCE:
             self._status = found
 
-    def state(self, data: mujoco.MjData) -> JawState:
+    def state(self, data: mujoco.MjData) -> FingerState:
         """What its sensors say."""
         position, force, _ = self._sense(data)
-        return JawState(float(data.time), 2.0 * position, force, self._status)
+        return FingerState(float(data.time), 2.0 * position, force, self._status)
 
-    def _judge(self, data: mujoco.MjData) -> JawStatus:
+    def _judge(self, data: mujoco.MjData) -> FingerStatus:
         position, force, speed = self._sense(data)
         if speed > STILL or self._setpoint != self._target:
-            return JawStatus.MOVING
+            return FingerStatus.MOVING
         if force > PRESSING * self._force:
-            return JawStatus.HOLDING
+            return FingerStatus.HOLDING
         if force < -PRESSING * self._force:
-            return JawStatus.BLOCKED
-        return JawStatus.AT_OPENING if abs(position - self._target) < SETTLED else JawStatus.MOVING
+            return FingerStatus.BLOCKED
+        return FingerStatus.AT_OPENING if abs(position - self._target) < SETTLED else FingerStatus.MOVING
 
     def _sense(self, data: mujoco.MjData) -> tuple[float, float, float]:
         """Of a finger: distance from the closing plane [m], force inwards [N], speed [m/s]."""
