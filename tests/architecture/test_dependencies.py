@@ -4,6 +4,7 @@ interfaces <- core <- leaves and evaluation <- lockstep <- bring-up
 """
 
 import ast
+from functools import cache
 from xml.etree import ElementTree
 
 import pytest
@@ -31,6 +32,7 @@ OF_ALL_CELLS = ("pack_evaluation", "pack_lockstep", "pack_bringup", "pack_core",
 DRAWING = {"matplotlib", "jinja2", "imageio_ffmpeg", "PIL"}
 
 
+@cache
 def imported_packages(package: str) -> set[str]:
     """Top-level names that the package's own modules import, itself left out."""
     names: set[str] = set()
@@ -58,6 +60,7 @@ def cells_in(module: str) -> set[str]:
     return set(CELLS) & set(module.split("."))
 
 
+@cache
 def module_imports() -> list[tuple[str, str]]:
     """Every pair of modules of this workspace of which the first imports the second."""
     pairs = []
