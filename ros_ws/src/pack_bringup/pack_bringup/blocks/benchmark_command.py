@@ -12,15 +12,19 @@ from pack_bringup.cli.benchmark_run import RunOptions, run
 
 
 def benchmark(
-    blocks: Annotated[int, typer.Option(min=1, max=25, help="How many.")] = 9,
+    blocks: Annotated[int, typer.Option(min=1, max=25, help="Number of blocks of an instance.")] = 9,
     density: Annotated[
-        float, typer.Option(min=0.01, max=0.6, help="Share of the workspace's area that they cover.")
+        float, typer.Option(min=0.01, max=0.6, help="Share of the workspace that the blocks cover.")
     ] = 0.2,
-    instances: Annotated[int, typer.Option(min=1, help="How many, with seeds from --seed on.")] = 20,
-    seed: Annotated[int, typer.Option(min=0, help="Of the first instance, and of its planner.")] = 0,
+    instances: Annotated[
+        int, typer.Option(min=1, help="Number of instances, with seeds from --seed on.")
+    ] = 20,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first instance and of its planner.")] = 0,
     problem: Annotated[
         list[Path] | None,
-        typer.Option(metavar="FILE", help="An own instance, not generated ones; may be repeated."),
+        typer.Option(
+            metavar="FILE", help="Solve the problem of this file instead of generated ones; may be repeated."
+        ),
     ] = None,
     method: Annotated[
         list[str] | None,
@@ -30,14 +34,18 @@ def benchmark(
         str | None,
         typer.Option(help="What beam's plans have least of: actions, or paper (Eq. 1). Default: configured."),
     ] = None,
-    budget: Annotated[float, typer.Option(min=0.01, help="Of a plan [s].")] = 1.0,
-    execute: Annotated[bool, typer.Option("--execute", help="Carry them out by the arm.")] = False,
+    budget: Annotated[float, typer.Option(min=0.01, help="Wall clock that a plan may take [s].")] = 1.0,
+    execute: Annotated[
+        bool, typer.Option("--execute", help="Have the simulated arm carry out every plan.")
+    ] = False,
     jobs: Jobs = 1,
     ray: Ray = None,
     output: Output = None,
     fresh: Fresh = False,
     json_file: JsonFile = None,
-    pictures: Annotated[int, typer.Option(min=0, help="Instances whose plans the report draws.")] = 2,
+    pictures: Annotated[
+        int, typer.Option(min=0, help="Number of instances whose plans the report draws.")
+    ] = 2,
 ) -> None:
     """Plan rearrangements, check every plan by other code, and carry them out where asked to.
 

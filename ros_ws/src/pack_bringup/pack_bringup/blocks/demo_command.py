@@ -15,11 +15,14 @@ from pack_core.errors import ConfigError
 
 
 def demo(
-    blocks: Annotated[int, typer.Option(min=1, max=25, help="How many.")] = 9,
-    density: Annotated[float, typer.Option(min=0.01, max=0.4, help="Share of the area they cover.")] = 0.2,
-    seed: Annotated[int, typer.Option(min=0, help="Of the problem and the plan.")] = 0,
+    blocks: Annotated[int, typer.Option(min=1, max=25, help="Number of blocks.")] = 9,
+    density: Annotated[
+        float, typer.Option(min=0.01, max=0.4, help="Share of the workspace that the blocks cover.")
+    ] = 0.2,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the generated problem and of the planner.")] = 0,
     problem: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="An own problem, not a generated one.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Solve the problem of this file instead of a generated one."),
     ] = None,
     method: Annotated[
         str, typer.Option(help="Planner, by its name in config/nodes/blocks/rearrangement.yaml.")

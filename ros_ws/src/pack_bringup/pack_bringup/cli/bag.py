@@ -42,10 +42,10 @@ def info(bag: BagPath) -> None:
 def copy(
     bag: BagPath,
     target: Annotated[Path, typer.Argument(help="The new bag's folder.")],
-    start: Annotated[float, typer.Option("--from", help="Simulated time [s].")] = 0.0,
-    end: Annotated[float, typer.Option("--to", help="Simulated time [s].")] = float("inf"),
+    start: Annotated[float, typer.Option("--from", help="Simulated time to begin at [s].")] = 0.0,
+    end: Annotated[float, typer.Option("--to", help="Simulated time to end at [s].")] = float("inf"),
     topics: Annotated[
-        list[str] | None, typer.Option("--topic", help="This topic only; may be repeated.")
+        list[str] | None, typer.Option("--topic", help="Copy only this topic; may be repeated.")
     ] = None,
 ) -> None:
     """Copy a bag or a stretch of it, compressed; a bag that was cut off becomes a finished one.

@@ -11,11 +11,16 @@ RealTimeFactor = Annotated[
     float | None,
     typer.Option(
         min=0.0,
-        help="Simulated seconds a second; 0: as fast as it can. Default: that of the cell's sim.yaml.",
+        help="Simulated seconds per second of wall clock; 0: as fast as possible. Default: see sim.yaml.",
     ),
 ]
-Video = Annotated[bool, typer.Option(help="Render the run as MP4.")]
+Video = Annotated[bool, typer.Option(help="Render the run as MP4 for the report.")]
 Output = Annotated[
     Path | None,
-    typer.Option("--output", "-o", metavar="DIR", help="The run's folder; one below bags/ if not given."),
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="Folder for everything that the run leaves behind. Default: a new one below bags/.",
+    ),
 ]

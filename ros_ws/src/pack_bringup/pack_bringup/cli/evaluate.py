@@ -36,13 +36,14 @@ def evaluate(
     still: Annotated[bool, typer.Option("--still", help="Also one large picture of a single run.")] = False,
     pictures: Annotated[int, typer.Option(min=0, help="Failed runs that the report of many shows.")] = 12,
     json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Also the measures as JSON.")
+        Path | None, typer.Option("--json", metavar="FILE", help="Write the measures to this file, too.")
     ] = None,
 ) -> None:
-    """Measure recorded runs again, from the recordings alone.
+    """Measure recorded runs again, from the recordings alone, or put results side by side.
 
-    Of one it writes report.html, plots/ and run.mp4. Of many it writes the paper's tables and figures over
-    all of them: each folder of a benchmark is a row of its own, all other recordings together are one.
+    Of one recording it writes report.html, plots/ and run.mp4. Of several results, or of a benchmark's
+    folder, it writes one report with tables for each cell: a benchmark has a row or column of its own in
+    them, all recordings of a cell together have another.
 
     - `pack evaluate bags/packing_20260101_120000_seed0`
     - `pack evaluate bags/packing_20260101_120000_seed0 --no-video --json measures.json`

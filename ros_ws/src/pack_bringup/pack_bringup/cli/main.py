@@ -14,12 +14,12 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="markdown",
-    help="""Brings up PackCell's cells, runs single nodes and shows how they are wired.
+    help="""Run, record, measure and inspect PackCell's robot cells.
 
     - `pack demo packing` packs one object and reports
     - `pack evaluate BAG` measures a recorded run
-    - `pack benchmark packing` measures many scenes in lockstep
-    - `pack replay BAG --node perception` feeds a core what its node received
+    - `pack benchmark packing` measures many scenes, without ROS, on simulated time
+    - `pack replay BAG --node perception` feeds an algorithm what its node received, and compares
     - `pack play BAG` publishes a recording into the live graph
     - `pack up packing` starts a whole cell, each node a process
     - `pack run pack_sim sim_node` starts one node

@@ -26,19 +26,21 @@ app = typer.Typer()
 def play(
     bag: Annotated[Path, typer.Argument(metavar="BAG", help="A run's or a bag's folder, or an .mcap file.")],
     clock: Annotated[
-        bool, typer.Option("--clock", help="Publish /clock, too, for nodes on simulated time.")
+        bool, typer.Option("--clock", help="Publish /clock as well, for nodes on simulated time.")
     ] = False,
-    rate: Annotated[float, typer.Option(min=0.001, help="Simulated seconds a second.")] = 1.0,
+    rate: Annotated[float, typer.Option(min=0.001, help="Simulated seconds per second of wall clock.")] = 1.0,
     topics: Annotated[
-        list[str] | None, typer.Option(metavar="TOPIC", help="This topic only; may be repeated.")
+        list[str] | None, typer.Option(metavar="TOPIC", help="Publish only this topic; may be repeated.")
     ] = None,
     node: Annotated[
-        str | None, typer.Option("--for", metavar="NODE", help="All that this node listens to, no more.")
+        str | None, typer.Option("--for", metavar="NODE", help="Publish only what this node listens to.")
     ] = None,
-    cell: Annotated[str, typer.Option(help="Whose wiring table --for reads.")] = "packing",
-    start: Annotated[float, typer.Option("--from", help="Simulated time [s].")] = 0.0,
-    end: Annotated[float, typer.Option("--to", help="Simulated time [s].")] = float("inf"),
-    wait: Annotated[float, typer.Option(min=0.0, help="For listeners to every topic, at most [s].")] = 5.0,
+    cell: Annotated[str, typer.Option(help="Cell of the node that --for names.")] = "packing",
+    start: Annotated[float, typer.Option("--from", help="Simulated time to begin at [s].")] = 0.0,
+    end: Annotated[float, typer.Option("--to", help="Simulated time to end at [s].")] = float("inf"),
+    wait: Annotated[
+        float, typer.Option(min=0.0, help="Longest wait for somebody to listen to every topic [s].")
+    ] = 5.0,
     domain: Annotated[
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
     ] = None,

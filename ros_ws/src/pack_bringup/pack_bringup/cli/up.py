@@ -17,7 +17,7 @@ app = typer.Typer()
 
 @app.command()
 def up(
-    cell: Annotated[str, typer.Argument(help="A graph of config/graphs, e.g. `packing`.")],
+    cell: Annotated[str, typer.Argument(help="Cell to start, e.g. `packing`: a file of config/graphs.")],
     only: Annotated[
         list[str] | None, typer.Option(metavar="NODE", help="Start this node only; may be repeated.")
     ] = None,
@@ -26,7 +26,10 @@ def up(
         typer.Option("--set", metavar="NODE.PARAM=VALUE", help="Override a parameter; may be repeated."),
     ] = None,
     preset: Annotated[
-        str, typer.Option(help="Conditions: a file of config/presets (docs/packing/presets.md).")
+        str,
+        typer.Option(
+            help="Run under the conditions of this file of config/presets (docs/packing/presets.md)."
+        ),
     ] = "",
     domain: Annotated[
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")

@@ -15,8 +15,10 @@ app = typer.Typer()
 
 @app.command()
 def wiring(
-    cell: Annotated[str, typer.Argument(help="A graph of config/graphs.")] = "packing",
-    markdown: Annotated[bool, typer.Option("--markdown", help="All cells, as docs/dataflow.md.")] = False,
+    cell: Annotated[str, typer.Argument(help="Cell whose wiring is shown.")] = "packing",
+    markdown: Annotated[
+        bool, typer.Option("--markdown", help="Write all cells as the page docs/dataflow.md.")
+    ] = False,
 ) -> None:
     """List every topic, service and action of a cell, with who sends and who takes it.
 

@@ -13,24 +13,35 @@ from pack_mpc.optimizers import OPTIMIZERS
 
 
 def benchmark(
-    scenes: Annotated[int, typer.Option(min=1, help="How many.")] = 10,
-    seed: Annotated[int, typer.Option(min=0, help="Of the first scene; the next has the next seed.")] = 0,
+    scenes: Annotated[int, typer.Option(min=1, help="Number of scenes.")] = 10,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Seed of the first scene; each further scene has the next seed.")
+    ] = 0,
     method: Annotated[
         str, typer.Option(help="pack_it_in, uninformed_pose or uninformed_physics.")
     ] = "pack_it_in",
     optimizer: Annotated[
         str | None,
-        typer.Option(help=f"What plans: {', '.join(OPTIMIZERS)} (judo is an extra). Default: the node's."),
+        typer.Option(
+            help=f"Optimizer to plan with: {', '.join(OPTIMIZERS)} (judo: an extra). Default: the node's."
+        ),
     ] = None,
     weights: Annotated[
-        str | None, typer.Option(help="A set of config/weights: tuned or table_1. Default: the node's.")
+        str | None,
+        typer.Option(
+            help="Weights of the cost, a file of config/weights: `tuned` or `table_1`. Default: the node's."
+        ),
     ] = None,
-    preset: Annotated[str, typer.Option(help="Conditions: a file of config/presets.")] = "ideal",
+    preset: Annotated[str, typer.Option(help="Conditions of the run, a file of config/presets.")] = "ideal",
     container: Annotated[
-        str | None, typer.Option(metavar="XxY", help="Its inside [m], e.g. 0.24x0.19. Default: the cell's.")
+        str | None,
+        typer.Option(
+            metavar="XxY", help="Inside lengths of the container [m], e.g. 0.24x0.19. Default: the cell's."
+        ),
     ] = None,
     scene_dir: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Run the scene files there, not generated scenes.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Run the scene files of this folder instead of generated scenes."),
     ] = None,
     jobs: Jobs = 1,
     threads: Annotated[
@@ -40,14 +51,18 @@ def benchmark(
     output: Output = None,
     fresh: Fresh = False,
     json_file: JsonFile = None,
-    pictures: Annotated[int, typer.Option(min=0, help="Failed scenes that the report shows.")] = 12,
-    video_failures: Annotated[int, typer.Option(min=0, help="Failed scenes to render as MP4.")] = 0,
+    pictures: Annotated[
+        int, typer.Option(min=0, help="Failed scenes whose last moment the report shows.")
+    ] = 12,
+    video_failures: Annotated[
+        int, typer.Option(min=0, help="Failed scenes that are rendered whole, as MP4.")
+    ] = 0,
 ) -> None:
-    """Run many scenes without ROS on simulated time, and report how they went.
+    """Pack in many scenes without ROS, on simulated time, and report how it went.
 
-    An iteration of the controller takes 48 ms of simulated time, whatever it takes here, so everything but
-    the iteration times repeats bit for bit, whatever the number of jobs. Results are kept scene by scene:
-    the same command goes on where it was interrupted.
+    An iteration of the controller takes 48 ms of simulated time, however long it takes on this machine, so
+    everything but the iteration times repeats bit for bit with any number of jobs. Results are kept scene by
+    scene: the same command goes on where it was interrupted.
 
     - `pack benchmark packing --scenes 100 --seed 1000 --jobs 2 --json summary.json`
     - `pack benchmark packing --method uninformed_pose --optimizer sgn --weights table_1`

@@ -15,16 +15,27 @@ from pack_core.packing.method import PackingMethod
 
 
 def demo(
-    seed: Annotated[int, typer.Option(min=0, help="Of the scene, the noise and the plan.")] = 0,
+    seed: Annotated[
+        int,
+        typer.Option(
+            min=0, help="Seed of the generated scene, of the sensors' noise and of the placement planner."
+        ),
+    ] = 0,
     scene: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="An own scene (docs/packing/scenes.md), not a generated one."),
+        typer.Option(
+            metavar="FILE",
+            help="Pack in the scene of this file (docs/packing/scenes.md) instead of a generated one.",
+        ),
     ] = None,
     method: Annotated[
         PackingMethod, typer.Option(help="The paper's method, or one of its baselines.")
     ] = PackingMethod.PACK_IT_IN,
     preset: Annotated[
-        str, typer.Option(help="Conditions: a file of config/presets (docs/packing/presets.md).")
+        str,
+        typer.Option(
+            help="Run under the conditions of this file of config/presets (docs/packing/presets.md)."
+        ),
     ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,

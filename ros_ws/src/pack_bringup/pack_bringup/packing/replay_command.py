@@ -27,13 +27,13 @@ class Node(Enum):
 @app.command()
 def replay(
     bag: Annotated[Path, typer.Argument(metavar="BAG", help="A run's or a bag's folder, or an .mcap file.")],
-    node: Annotated[Node, typer.Option(help="Whose core.")] = Node.PERCEPTION,
+    node: Annotated[Node, typer.Option(help="Node whose core is fed.")] = Node.PERCEPTION,
     seed: Annotated[
-        int | None, typer.Option(min=0, help="Of the goal, for the planner. Default: what run.yaml says.")
+        int | None, typer.Option(min=0, help="Seed of the recorded goal. Default: that of run.yaml.")
     ] = None,
-    method: Annotated[str, typer.Option(help="Of the goal, for the planner.")] = "pack_it_in",
+    method: Annotated[str, typer.Option(help="Method of the recorded goal, for the planner.")] = "pack_it_in",
     preset: Annotated[
-        str, typer.Option(help="Of the run: a file of config/presets. Default: what run.yaml says, or ideal.")
+        str, typer.Option(help="Preset of the recorded run. Default: that of run.yaml, or `ideal`.")
     ] = "",
 ) -> None:
     """Feed what a node received in a recording to its core, and compare the answers with those recorded.

@@ -13,18 +13,29 @@ from pack_bringup.cli.benchmark_run import RunOptions, run
 
 def benchmark(
     orders: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder of orders. Default: config/orders.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Build every order file of this folder. Default: config/orders."),
     ] = None,
-    seeds: Annotated[int, typer.Option(min=1, help="Runs of each order, with seeds from 0 on.")] = 1,
+    seeds: Annotated[
+        int, typer.Option(min=1, help="Number of runs of each order, with the seeds 0, 1, 2, ...")
+    ] = 1,
     profile: Annotated[
-        str, typer.Option(help="blended, or thesis: stop and check at each state.")
+        str, typer.Option(help="`blended` moves through; `thesis` stops and checks at each state.")
     ] = "blended",
-    motion: Annotated[str, typer.Option(help="A set of config/motion.")] = "shipped",
+    motion: Annotated[
+        str, typer.Option(help="Parameters of the motion controller, a file of config/motion.")
+    ] = "shipped",
     preset: Annotated[
-        str, typer.Option(help="Of the arm: one of config/cells/palletizing.yaml, rigid being ideal.")
+        str,
+        typer.Option(
+            help="Preset of the arm, one of those in config/cells/palletizing.yaml; `rigid` is the ideal arm."
+        ),
     ] = "rigid",
     vision: Annotated[
-        bool, typer.Option(help="Render the camera's pictures; otherwise the truth with stated noise.")
+        bool,
+        typer.Option(
+            help="Find boxes in rendered pictures, or (--no-vision) take true poses with added noise."
+        ),
     ] = True,
     jobs: Jobs = 1,
     ray: Ray = None,
@@ -32,7 +43,7 @@ def benchmark(
     fresh: Fresh = False,
     json_file: JsonFile = None,
 ) -> None:
-    """Build orders without ROS on simulated time, and report how they went.
+    """Build many orders without ROS, on simulated time, and report how it went.
 
     Results repeat bit for bit, whatever the number of jobs, and are kept as they come: the same command
     goes on where it was interrupted, and --fresh measures anew.

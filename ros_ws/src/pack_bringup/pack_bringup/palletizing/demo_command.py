@@ -16,11 +16,17 @@ from pack_core.paths import config_path
 
 def demo(
     order: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="An order. Default: config/orders/order_03.json.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Order to build. Default: config/orders/order_03.json."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of where boxes arrive.")] = 0,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Seed of where each box arrives on the picking table.")
+    ] = 0,
     profile: Annotated[
-        str, typer.Option(help="blended, or thesis: stop at each state. Default: the node's.")
+        str,
+        typer.Option(
+            help="`blended` moves through; `thesis` stops at each state. Default: that of fsm.yaml."
+        ),
     ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
