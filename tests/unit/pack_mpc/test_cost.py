@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_mpc.cost import PackingCost
-from pack_mpc.residual_terms import RESIDUALS, Obstacle
+from pack_mpc.residual_terms import RESIDUALS, ObstacleResidual
 from pack_mpc.residuals import Residuals
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, StageWeights, load_weights
@@ -40,7 +40,7 @@ def test_what_obstacles_cost_falls_to_zero_as_eq_3_says(plant, rollout, share: f
     weights = load_weights("table_1").model_copy(update={"insert": alone, "obstacle_decay": 3.0})
     residuals, (xs, ys, us) = Residuals(plant, weights, TARGET), rollout
     in_force = weights.in_force(Stage.INSERT, 3.0 * share)
-    r = Obstacle(plant, TARGET, weights).values(xs, ys) ** 2
+    r = ObstacleResidual(plant, TARGET, weights).values(xs, ys) ** 2
     w_0 = 2.0 * r[:, :-1].sum(axis=(1, 2)) + 5.0 * r[:, -1].sum(axis=1)
     cost = PackingCost(residuals, in_force, 0.0).value(xs, ys, us)
     np.testing.assert_allclose(cost, np.maximum(0.0, w_0 - share * w_0), atol=1e-12)

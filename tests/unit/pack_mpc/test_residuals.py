@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_mpc.ilqr import Linearization
-from pack_mpc.residual_terms import RESIDUALS, Force, JointLimit, Obstacle, Position, Upright, Yaw
+from pack_mpc.residual_terms import RESIDUALS, Force, JointLimit, ObstacleResidual, Position, Upright, Yaw
 from pack_mpc.residuals import Residuals
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import WeightSet, load_weights
@@ -79,7 +79,7 @@ def test_a_joint_in_its_middle_costs_nothing_and_one_at_its_limit_most(plant, we
 
 
 def test_an_obstacle_repels_most_where_the_target_is(plant, joints, state, weights) -> None:
-    term, x = Obstacle(plant, TARGET, weights), plant.state(joints, state)
+    term, x = ObstacleResidual(plant, TARGET, weights), plant.state(joints, state)
     at, away = x.copy(), x.copy()
     at[plant.layout.object_p["tea_box"][:2]] = TARGET.p_WN[:2]
     away[plant.layout.object_p["tea_box"][:2]] = TARGET.p_WN[:2] + np.array([0.3, 0.4])

@@ -131,7 +131,7 @@ class JointVelocity(StateResidual):
         return rows
 
 
-class Obstacle(StateResidual):
+class ObstacleResidual(StateResidual):
     """OR: r_j = exp(-d_j), d_j [m] the horizontal distance of object j of the collision list from the target.
 
     It pushes the objects off the packing pose; its weight decays by Eq. 3 (`WeightSet.in_force`).
@@ -173,6 +173,6 @@ RESIDUALS: tuple[type[Residual], ...] = (
     Force,
     JointLimit,
     JointVelocity,
-    Obstacle,
+    ObstacleResidual,
 )
 """Every residual, in the order of the rows. A new one is added here."""
