@@ -11,7 +11,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from pack_core.blocks.plan import PlanStatus
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.planner import plan, warm_up
@@ -41,7 +41,7 @@ def test_first_plan_of_a_small_workspace(n: int, limit_ms: float, budget_s: floa
 def test_a_permuted_grid_is_proven_impossible_at_once(benchmark: BenchmarkFixture, n: int) -> None:
     grid = make_instance(n, 0.08, 0).goals
     ids = list(grid)
-    blocks = tuple(Block(name, grid[other]) for name, other in zip(ids, ids[1:] + ids[:1], strict=True))
+    blocks = tuple(PlacedBlock(name, grid[other]) for name, other in zip(ids, ids[1:] + ids[:1], strict=True))
     problem = Problem(blocks, grid, make_instance(n, 0.08, 0).workspace)
     made = benchmark.pedantic(lambda: plan(problem), rounds=20, warmup_rounds=2)
     assert made.status is PlanStatus.INFEASIBLE

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_planner.rearrangement.instances import square_workspace
 
 Rows = Mapping[str, tuple[float, ...]]
@@ -14,7 +14,7 @@ Rows = Mapping[str, tuple[float, ...]]
 def make_problem(starts: Rows, goals: Rows | None = None, size: float = 0.6, **fields: object) -> Problem:
     """A problem from poses x, y [mm] and yaw [rad] by id."""
     return Problem(
-        blocks=tuple(Block(name, pose(row)) for name, row in starts.items()),
+        blocks=tuple(PlacedBlock(name, pose(row)) for name, row in starts.items()),
         goals={name: pose(row) for name, row in (goals or starts).items()},
         workspace=square_workspace(size), **fields,
     )  # fmt: skip

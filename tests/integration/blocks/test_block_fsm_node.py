@@ -17,7 +17,7 @@ from integration.blocks.blocks_rig import BlocksRig
 from integration.harness import Graph
 from pack_core.blocks.plan import PickPlace, Plan, PlanStatus
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.blocks.problem_file import problem_text
 from pack_core.motion.target import MotionState
 from pack_core.ros.cell_node import CellNode
@@ -26,7 +26,7 @@ from pack_core.ros.contracts import blocks as contracts
 GOALS = {"a": PlanarPose(0.62, 0.05, 0.0), "b": PlanarPose(0.6728, 0.05, 0.0)}
 AWAY = PlanarPose(0.55, -0.1, 0.4)
 SQUARE = ((0.5, -0.15), (0.8, -0.15), (0.8, 0.15), (0.5, 0.15))
-TEXT = problem_text(Problem(tuple(Block(name, pose) for name, pose in GOALS.items()), GOALS, SQUARE))
+TEXT = problem_text(Problem(tuple(PlacedBlock(name, pose) for name, pose in GOALS.items()), GOALS, SQUARE))
 QUICK = {"looks": 2, "fault_time": 0.1, "watched": ["tags"]}
 TO_GOAL = Plan(PlanStatus.OPTIMAL, (PickPlace("a", AWAY, GOALS["a"], 0),), 1)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from block_fsm.requests import MoveArm, Request
+from block_fsm.requests import ExecutorRequest, MoveArm
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import block_name
@@ -69,7 +69,7 @@ def test_a_block_that_a_hand_moves_during_an_action_is_seen_and_planned_for_anew
     lockstep = BlocksLockstep(cell, task, problem.starts, planner, config)
     shifted: list[str] = []
 
-    def shift(request: Request, truth: SceneState) -> None:
+    def shift(request: ExecutorRequest, truth: SceneState) -> None:
         if shifted or not isinstance(request, MoveArm) or request.path.segments[0].label != "lift":
             return
         action, sim = lockstep.executor.action, lockstep.simulator

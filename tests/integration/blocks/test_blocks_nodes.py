@@ -12,7 +12,7 @@ from block_fsm.block_fsm_node import BlockFsmNode
 from integration.harness import Graph
 from pack_core.blocks.fingers import FingerStatus
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.blocks.problem_file import problem_text
 from pack_core.errors import PackError
 from pack_core.ros.blocks.block_messages import from_sighting
@@ -25,7 +25,7 @@ from pack_sim.blocks.overhead_camera import OverheadCamera
 STARTS = {"a": PlanarPose(0.58, -0.05, 0.4), "b": PlanarPose(0.7, 0.06, -1.1)}
 GOALS = {"a": PlanarPose(0.62, 0.05, 0.0), "b": PlanarPose(0.6728, 0.05, 0.0)}
 SQUARE = ((0.5, -0.15), (0.8, -0.15), (0.8, 0.15), (0.5, 0.15))
-TEXT = problem_text(Problem(tuple(Block(name, pose) for name, pose in STARTS.items()), GOALS, SQUARE))
+TEXT = problem_text(Problem(tuple(PlacedBlock(name, pose) for name, pose in STARTS.items()), GOALS, SQUARE))
 
 
 @pytest.fixture

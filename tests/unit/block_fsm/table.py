@@ -9,7 +9,7 @@ from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import Outcome
-from block_fsm.requests import Answer, Look, MoveArm, MoveFingers, NoPicture, PlanFor, Request
+from block_fsm.requests import Answer, ExecutorRequest, Look, MoveArm, MoveFingers, NoPicture, PlanFor
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.block_sighting import BlockSighting
@@ -66,7 +66,7 @@ class Table:
     refuses: Callable[[MoveArm], bool] = lambda move: False
     known: list[Plan | None] = field(default_factory=list)
     closings: int = 0
-    asked: list[Request] = field(default_factory=list)
+    asked: list[ExecutorRequest] = field(default_factory=list)
     held: str = ""
     tool: Pose = TOOL_AT_LOOK
 
@@ -74,7 +74,7 @@ class Table:
         task, config = RearrangeTask(goals, SQUARE, SIDE), config or ExecutorConfig()
         motions = Motions(config, SIDE, task.gripper, np.zeros(6), TOOL_AT_LOOK)
         executor = Executor(task, config, motions, Surroundings(blocks_cell(), SIDE), 60.0)
-        request: Request | None = executor.start()
+        request: ExecutorRequest | None = executor.start()
         while request is not None:
             self.asked.append(request)
             self.known += [executor.plan] if isinstance(request, PlanFor) else []
@@ -82,7 +82,7 @@ class Table:
         assert executor.outcome is not None
         return executor.outcome
 
-    def _answer(self, request: Request) -> Answer:
+    def _answer(self, request: ExecutorRequest) -> Answer:
         if isinstance(request, Look):
             return self._look()
         if isinstance(request, PlanFor):

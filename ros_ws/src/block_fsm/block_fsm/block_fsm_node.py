@@ -14,7 +14,7 @@ from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig, RequestTimeouts
 from block_fsm.motions import Motions
 from block_fsm.outcome import ExitReason
-from block_fsm.requests import Request
+from block_fsm.requests import ExecutorRequest
 from block_fsm.ros.cell_state import CellState
 from block_fsm.ros.messages import to_feedback, to_result, to_status
 from block_fsm.ros.pending_requests import PendingRequest
@@ -106,7 +106,7 @@ class BlockFsmNode(GoalNode):
         if answer is not None:
             self._next(executor.answer(answer))
 
-    def _next(self, request: Request | None) -> None:
+    def _next(self, request: ExecutorRequest | None) -> None:
         executor, given = self._executor, self._request
         assert executor is not None
         assert given is not None

@@ -14,7 +14,7 @@ from pack_core.blocks.planar import PlanarPose, wrapped
 Poses = Mapping[str, PlanarPose]
 
 
-def astray(seen: Poses, predicted: Poses, tolerance: ToleranceConfig) -> list[str]:
+def displaced(seen: Poses, predicted: Poses, tolerance: ToleranceConfig) -> list[str]:
     """Ids of the blocks that are not where they are predicted to be."""
     return [name for name, pose in predicted.items() if not _is_near(seen[name], pose, tolerance)]
 

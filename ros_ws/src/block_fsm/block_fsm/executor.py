@@ -10,12 +10,12 @@ from collections.abc import Generator
 from dataclasses import replace
 from typing import Any
 
-from block_fsm.deviation import Poses, as_seen, astray, disturbed, is_on_line, is_pushed_home
+from block_fsm.deviation import Poses, as_seen, displaced, disturbed, is_on_line, is_pushed_home
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import Ended, ExitReason, Outcome, Refused, Tally
 from block_fsm.phase import Phase
-from block_fsm.requests import Answer, PlanFor, Request
+from block_fsm.requests import Answer, ExecutorRequest, PlanFor
 from block_fsm.skills import Asking, Skills
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
@@ -68,13 +68,13 @@ class Executor:
         """What was done so far."""
         return replace(self._tally, failed_grasps=self._skills.failed_grasps)
 
-    def start(self) -> Request:
+    def start(self) -> ExecutorRequest:
         """The first request."""
         request = self.answer(None)
         assert request is not None
         return request
 
-    def answer(self, answer: Answer | None) -> Request | None:
+    def answer(self, answer: Answer | None) -> ExecutorRequest | None:
         """Take the answer to the last request; the next one, or None when there is an outcome."""
         try:
             return self._conversation.send(answer)
@@ -112,7 +112,7 @@ class Executor:
                 if not (yield from self._act(as_seen(action, self._skills.seen[action.block]))):
                     break
 
-    def _plan(self) -> Generator[Request, Any, Plan]:
+    def _plan(self) -> Generator[ExecutorRequest, Any, Plan]:
         self._skills.phase = Phase.PLAN
         self._tally = replace(self._tally, plans=self._tally.plans + 1)
         self.plan, self.done = None, 0
@@ -128,9 +128,9 @@ class Executor:
         tolerance, seen = self._config.tolerance, self._skills.seen
         if isinstance(action, Push) and not is_on_line(action, seen[action.block], tolerance):
             return False
-        return not astray(seen, predicted, tolerance)
+        return not displaced(seen, predicted, tolerance)
 
-    def _act(self, action: Action) -> Generator[Request, Any, bool]:
+    def _act(self, action: Action) -> Generator[ExecutorRequest, Any, bool]:
         """Carry out an action and look; False where the plan no longer holds."""
         before, self.action = self._skills.seen, action
         refusal = yield from self._carry_out(action)
@@ -138,7 +138,7 @@ class Executor:
         self.action = None
         return refusal is None and self._verify(action, before, self._skills.seen)
 
-    def _carry_out(self, action: Action) -> Generator[Request, Any, Refused | None]:
+    def _carry_out(self, action: Action) -> Generator[ExecutorRequest, Any, Refused | None]:
         """Do what an action says, or remember what the arm cannot do as long as the table is as it is."""
         try:
             yield from self._skills.carry_out(action)
@@ -161,7 +161,7 @@ class Executor:
         if isinstance(action, Push):
             is_there = is_pushed_home(action, after[block], tolerance)
         else:
-            is_there = not astray(after, {block: action.end}, tolerance)
+            is_there = not displaced(after, {block: action.end}, tolerance)
         is_calm = not disturbed(before, after, block, tolerance)
         self._tally = replace(
             self._tally, deviations=self._tally.deviations + (not is_there),

@@ -71,5 +71,5 @@ class NoPicture:
     reason: str
 
 
-Request = Look | PlanFor | MoveArm | MoveFingers
+ExecutorRequest = Look | PlanFor | MoveArm | MoveFingers
 Answer = BlockSighting | NoPicture | Plan | MotionStatus | FingerState

@@ -14,7 +14,7 @@ from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import Ended, ExitReason, Refused
 from block_fsm.phase import Phase
-from block_fsm.requests import Look, MoveArm, MoveFingers, NoPicture, Request
+from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers, NoPicture
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.block_sighting import BlockSighting
@@ -27,7 +27,7 @@ from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.motion.world import CarriedBox
 from pack_core.rotations import Pose
 
-Asking = Generator[Request, Any, None]
+Asking = Generator[ExecutorRequest, Any, None]
 
 
 class Skills:
@@ -136,7 +136,7 @@ class Skills:
         self.seen = {**self.seen, action.block: action.end}
         yield from self._move(self._motions.back_off(start, end), touched=action.block)
 
-    def _hold(self) -> Generator[Request, Any, bool]:
+    def _hold(self) -> Generator[ExecutorRequest, Any, bool]:
         """Close the fingers; False where they hold nothing."""
         state = yield from self._fingers(self._side - self._config.grasp_squeeze)
         if state.status is FingerStatus.HOLDING:
@@ -168,7 +168,7 @@ class Skills:
             where = "" if status.state is MotionState.REFUSED else f" in '{status.label}'"
             raise Ended(ExitReason.MOTION_FAILED, f"{status.state.value}{where}: {status.reason}")
 
-    def _fingers(self, opening: float) -> Generator[Request, Any, FingerState]:
+    def _fingers(self, opening: float) -> Generator[ExecutorRequest, Any, FingerState]:
         state: FingerState = yield MoveFingers(FingerCommand(opening, self._force))
         self._opening = state.opening
         return state

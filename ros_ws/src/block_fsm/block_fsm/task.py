@@ -10,7 +10,7 @@ import numpy as np
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import PlanarPose, turn_between
 from pack_core.blocks.primitive_action import PrimitiveAction
-from pack_core.blocks.problem import Block, Point, Problem
+from pack_core.blocks.problem import PlacedBlock, Point, Problem
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class RearrangeTask:
     def problem(self, poses: Mapping[str, PlanarPose], refused: tuple[PrimitiveAction, ...] = ()) -> Problem:
         """What the planner is asked, from where the blocks are now, without what the arm `refused`."""
         return Problem(
-            blocks=tuple(Block(name, poses[name]) for name in self.goals), goals=self.goals,
+            blocks=tuple(PlacedBlock(name, poses[name]) for name in self.goals), goals=self.goals,
             workspace=self.workspace, side=self.side, symmetry=self.symmetry, gripper=self.gripper,
             starts_may_be_outside=True, refused=refused,
         )  # fmt: skip

@@ -6,7 +6,7 @@ import pytest
 
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_evaluation.blocks.from_bag import BlocksRun
 from pack_evaluation.blocks.video import COLUMNS, ROWS, STRIP_SIZE, write_strip
 from pack_evaluation.blocks.view import RunView
@@ -23,7 +23,7 @@ def run() -> BlocksRun:
     moved = STARTS["a"].moved(0.2, 1.0)
     rows = {name: [pose.pose(0.0254)] * 4 for name, pose in STARTS.items()}
     rows["a"][2:] = [moved.pose(0.0254)] * 2
-    blocks = tuple(Block(name, pose) for name, pose in STARTS.items())
+    blocks = tuple(PlacedBlock(name, pose) for name, pose in STARTS.items())
     return BlocksRun(
         problem=Problem(blocks, {**STARTS, "a": moved}, SQUARE), result={}, plans=(), sights=(), times=times,
         truth={name: np.array([[*pose.p, *pose.q] for pose in poses]) for name, poses in rows.items()},

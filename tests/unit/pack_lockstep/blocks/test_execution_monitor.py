@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from block_fsm.requests import Look, MoveArm, MoveFingers, Request
+from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers
 from pack_core.blocks.fingers import FingerCommand
 from pack_core.motion.moves import Line, Path
 from pack_core.rotations import Pose, from_yaw
@@ -39,7 +39,7 @@ def test_a_block_that_goes_with_the_hand_does_not_slip() -> None:
 
 @pytest.mark.parametrize(("on", "moved"), [("a", 0.003), ("b", 0.1), ("", 0.1)])
 def test_a_disturbance_is_the_farthest_way_of_a_block_that_was_not_acted_on(on: str, moved: float) -> None:
-    look: Request = Look()
+    look: ExecutorRequest = Look()
     monitor = ExecutionMonitor()
     monitor.on_request(look, truth(a=(0.5, 0.0, 0.0), b=(0.6, 0.0, 0.0)), tool(0.0), "")
     monitor.on_request(look, truth(a=(0.6, 0.0, 0.0), b=(0.603, 0.0, 0.0)), tool(0.0), on)

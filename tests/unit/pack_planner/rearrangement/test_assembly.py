@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_planner.rearrangement.assembly import NEVER, PLANES, BlockingSets, assembly_planes, pushes
 from pack_planner.rearrangement.instances import goal_grid, square_workspace
 from pack_planner.rearrangement.task import Task
@@ -15,7 +15,7 @@ from pack_planner.rearrangement.task import Task
 
 def grid_task(n: int, gap: float) -> Task:
     goals = {f"b{i}": pose for i, pose in enumerate(goal_grid(n, gap=gap))}
-    blocks = tuple(Block(name, pose) for name, pose in goals.items())
+    blocks = tuple(PlacedBlock(name, pose) for name, pose in goals.items())
     return Task.of(Problem(blocks, goals, square_workspace(2.0)))
 
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from pack_core.blocks.problem import Block
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound
@@ -71,4 +70,4 @@ def test_the_bound_does_not_depend_on_the_order_of_the_blocks() -> None:
     problem = make_instance(9, 0.2, 3)
     turned = type(problem)(tuple(reversed(problem.blocks)), problem.goals, problem.workspace)
     assert bound(problem) == bound(turned)
-    assert isinstance(problem.blocks[0], Block)
+    assert isinstance(problem.blocks[0], PlacedBlock)

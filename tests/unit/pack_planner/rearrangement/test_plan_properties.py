@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pack_core.blocks.plan import Plan
 from pack_core.blocks.planar import QUARTER, PlanarPose
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.certificates import find_certificate
@@ -59,7 +59,7 @@ def test_a_plan_is_accepted_and_everything_on_its_way_is_possible(method: str, p
         return
     assert verify(problem, made) == []
     for done, poses in enumerate(made.states(problem.starts)):
-        now = replace(problem, blocks=tuple(Block(name, pose) for name, pose in poses.items()))
+        now = replace(problem, blocks=tuple(PlacedBlock(name, pose) for name, pose in poses.items()))
         task = Task.of(now)
         assert find_certificate(task) is None
         assert sharper_bound(task, lower_bound(task)) <= len(made.actions) - done

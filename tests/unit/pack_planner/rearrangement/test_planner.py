@@ -9,7 +9,7 @@ import pytest
 from pack_core.blocks.plan import PickPlace, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveKind, primitives_of
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.errors import PackError
 from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
@@ -98,7 +98,7 @@ def test_replanning_from_any_state_of_a_plan_takes_no_more_actions() -> None:
     problem = make_instance(6, 0.08, 2)
     made = plan(problem, budget_s=20.0, config=SHORT)
     for done, poses in enumerate(made.states(problem.starts)):
-        now = replace(problem, blocks=tuple(Block(name, pose) for name, pose in poses.items()))
+        now = replace(problem, blocks=tuple(PlacedBlock(name, pose) for name, pose in poses.items()))
         again = plan(now, budget_s=20.0, config=SHORT)
         assert again.is_solved
         assert len(again.actions) <= len(made.actions) - done

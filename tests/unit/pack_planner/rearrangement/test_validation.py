@@ -6,7 +6,7 @@ import pytest
 
 from pack_core.blocks.plan import PlanStatus
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_planner.rearrangement.instances import square_workspace
 from pack_planner.rearrangement.planner import plan
 
@@ -53,7 +53,7 @@ def test_a_start_outside_the_workspace_is_refused_unless_that_is_allowed(make) -
 
 def test_ids_must_be_unique_and_have_goals(make) -> None:
     pose, far = PlanarPose(0.0, 0.0), PlanarPose(0.1, 0.1)
-    twice = Problem((Block("a", pose), Block("a", far)), {"a": pose}, square_workspace(0.6))
+    twice = Problem((PlacedBlock("a", pose), PlacedBlock("a", far)), {"a": pose}, square_workspace(0.6))
     assert refusal(twice) == ("block ids occur more than once: a", ("a",))
     assert refusal(make(STARTS, {"a": (0, 0)})) == ("blocks without a goal: b", ("b",))
     assert refusal(make({"a": (0, 0)}, GOALS)) == ("goals of blocks that are not there: b", ("b",))
@@ -76,7 +76,7 @@ def test_blocks_too_wide_for_the_gripper_are_refused(make) -> None:
     [((0, 0), (1, 0)), ((0, 0), (1, 0), (0.2, 0.2), (0, 1)), ((0, 0), (0, 0), (1, 0), (1, 1))],
 )
 def test_a_workspace_that_is_no_convex_polygon_is_refused(corners: tuple[tuple[float, float], ...]) -> None:
-    problem = Problem((Block("a", PlanarPose(0.3, 0.3)),), {"a": PlanarPose(0.1, 0.1)}, corners)
+    problem = Problem((PlacedBlock("a", PlanarPose(0.3, 0.3)),), {"a": PlanarPose(0.1, 0.1)}, corners)
     assert "no convex polygon" in refusal(problem)[0]
 
 

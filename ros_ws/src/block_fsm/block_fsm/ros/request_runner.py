@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pack_interfaces.msg import MotionTarget
 
 from block_fsm.executor_config import RequestTimeouts
-from block_fsm.requests import Look, MoveArm, PlanFor, Request
+from block_fsm.requests import ExecutorRequest, Look, MoveArm, PlanFor
 from block_fsm.ros.cell_state import CellState
 from block_fsm.ros.pending_requests import (
     PendingFingers,
@@ -42,7 +42,7 @@ class RequestRunner:
         )
         self._number = 0
 
-    def begin(self, request: Request, method: str, seed: int) -> PendingRequest:
+    def begin(self, request: ExecutorRequest, method: str, seed: int) -> PendingRequest:
         """Have a request done.
 
         Args:

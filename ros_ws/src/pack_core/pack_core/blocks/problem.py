@@ -19,8 +19,8 @@ Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Block:
-    """A cube on the table."""
+class PlacedBlock:
+    """A block and where it stands on the table."""
 
     id: str
     pose: PlanarPose
@@ -51,7 +51,7 @@ class Problem:
         refused: what the arm cannot do; a plan does without.
     """
 
-    blocks: tuple[Block, ...]
+    blocks: tuple[PlacedBlock, ...]
     goals: Mapping[str, PlanarPose]
     workspace: tuple[Point, ...]
     side: float = CUBE_SIDE

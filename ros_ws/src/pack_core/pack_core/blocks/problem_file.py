@@ -14,7 +14,7 @@ import yaml
 from pydantic import Field, FiniteFloat, model_validator
 
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import Block, Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
 
@@ -62,7 +62,7 @@ def parse_problem(text: str, source: str) -> Problem:
     """Read a problem file's text; `source` names it in errors."""
     file = parse_config(ProblemFile, text, source)
     return Problem(
-        blocks=tuple(Block(block.id, _pose(block.start)) for block in file.blocks),
+        blocks=tuple(PlacedBlock(block.id, _pose(block.start)) for block in file.blocks),
         goals={block.id: _pose(block.goal) for block in file.blocks},
         workspace=tuple((x / 1000, y / 1000) for x, y in file.workspace),
         symmetry=file.symmetry, starts_may_be_outside=True,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.problem import Block
+from pack_core.blocks.problem import PlacedBlock
 from pack_evaluation.blocks.from_bag import BlocksRun, load_blocks_run
 from pack_evaluation.blocks.measures import BlocksMeasures, measure
 from pack_evaluation.blocks.plan_drawing import write_plan
@@ -34,7 +34,9 @@ class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
         drawn = []
         for number, plan in enumerate(run.plans, 1):
             first = {action.block: action.start for action in reversed(plan.actions)}
-            blocks = tuple(Block(b.id, first.get(b.id, run.problem.goals[b.id])) for b in run.problem.blocks)
+            blocks = tuple(
+                PlacedBlock(b.id, first.get(b.id, run.problem.goals[b.id])) for b in run.problem.blocks
+            )
             problem = replace(run.problem, blocks=blocks)
             drawn.append(write_plan(problem, plan, folder / f"plan_{number}.png"))
         return drawn

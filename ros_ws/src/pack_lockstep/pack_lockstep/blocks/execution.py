@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from block_fsm.requests import Request
+from block_fsm.requests import ExecutorRequest
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.planar import PlanarPose
@@ -79,7 +79,7 @@ def execute(
     lockstep = BlocksLockstep(cell, task, problem.starts, CountedPlanner(planner, config.planner), config)
     monitor = ExecutionMonitor()
 
-    def on_request(request: Request, truth: SceneState) -> None:
+    def on_request(request: ExecutorRequest, truth: SceneState) -> None:
         action = lockstep.executor.action
         block = action.block if action is not None else ""
         monitor.on_request(request, truth, lockstep.simulator.tool_pose(), block)

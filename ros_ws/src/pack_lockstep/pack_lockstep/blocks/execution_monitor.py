@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from block_fsm.requests import Look, MoveArm, MoveFingers, Request
+from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers
 from pack_core.blocks.planar import PlanarPose
 from pack_core.rotations import Pose, angle_between
 from pack_core.states import SceneState
@@ -34,7 +34,7 @@ class ExecutionMonitor:
         self._before: dict[str, PlanarPose] = {}
         self._carried: tuple[str, Pose] | None = None
 
-    def on_request(self, request: Request, truth: SceneState, X_WT: Pose, block: str) -> None:
+    def on_request(self, request: ExecutorRequest, truth: SceneState, X_WT: Pose, block: str) -> None:
         """Take note.
 
         Args:

@@ -15,7 +15,7 @@ from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import ExitReason, Outcome
-from block_fsm.requests import Answer, Look, MoveArm, MoveFingers, PlanFor, Request
+from block_fsm.requests import Answer, ExecutorRequest, Look, MoveArm, MoveFingers, PlanFor
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import BlocksCell
@@ -89,10 +89,10 @@ class BlocksLockstep:
         self.executor = Executor(task, config.executor, motions, surroundings, cell.gripper.force)
         self._targets = 0
 
-    def run(self, on_request: Callable[[Request, SceneState], None] | None = None) -> Outcome:
+    def run(self, on_request: Callable[[ExecutorRequest, SceneState], None] | None = None) -> Outcome:
         """Run to the outcome; `on_request` sees what is asked for next, and where the blocks truly are."""
         with self.camera:
-            request: Request | None = self.executor.start()
+            request: ExecutorRequest | None = self.executor.start()
             while request is not None:
                 if on_request is not None:
                     on_request(request, self.simulator.truth())
@@ -100,7 +100,7 @@ class BlocksLockstep:
         assert self.executor.outcome is not None
         return self.executor.outcome
 
-    def _answer(self, request: Request) -> Answer:
+    def _answer(self, request: ExecutorRequest) -> Answer:
         if isinstance(request, Look):
             self._advance(self._config.exposure_delay)
             time, picture = self.simulator.time, self.camera.picture(self.simulator.snapshot())

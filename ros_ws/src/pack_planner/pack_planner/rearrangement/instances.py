@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import CUBE_SIDE, Block, Point, Problem
+from pack_core.blocks.problem import CUBE_SIDE, PlacedBlock, Point, Problem
 from pack_core.errors import PackError
 from pack_core.rotations import Array
 from pack_planner.rearrangement.collisions import hits
@@ -59,9 +59,11 @@ def make_instance(
         raise PackError(f"a grid of {n} blocks does not fit a workspace of density {density}: choose less")
     ids = [f"b{i + 1}" for i in range(n)]
     cells = rng.permutation(n)
-    starts = _strew(n, workspace, rng)
+    starts = _scatter(n, workspace, rng)
     return Problem(
-        blocks=tuple(Block(name, PlanarPose(*row)) for name, row in zip(ids, starts.tolist(), strict=True)),
+        blocks=tuple(
+            PlacedBlock(name, PlanarPose(*row)) for name, row in zip(ids, starts.tolist(), strict=True)
+        ),
         goals={name: grid[cell] for name, cell in zip(ids, cells, strict=True)},
         workspace=workspace, symmetry=symmetry,
     )  # fmt: skip
@@ -80,15 +82,15 @@ def goal_grid(n: int, centre: Point = (0.0, 0.0), gap: float = GRID_GAP) -> list
     ]
 
 
-def _strew(n: int, workspace: tuple[Point, ...], rng: np.random.Generator) -> Array:
+def _scatter(n: int, workspace: tuple[Point, ...], rng: np.random.Generator) -> Array:
     for _ in range(RESTARTS):
-        starts = _try_to_strew(n, workspace, rng)
+        starts = _try_to_scatter(n, workspace, rng)
         if len(starts) == n:
             return starts
     raise PackError(f"{n} blocks cannot be scattered {START_GAP * 1e3:.0f} mm apart: choose a lower density")
 
 
-def _try_to_strew(n: int, workspace: tuple[Point, ...], rng: np.random.Generator) -> Array:
+def _try_to_scatter(n: int, workspace: tuple[Point, ...], rng: np.random.Generator) -> Array:
     """Poses `(up to n, 3)`, one after the other, until one finds no room."""
     half_planes, corners = edges(workspace), np.array(workspace)
     placed = np.empty((0, 3))

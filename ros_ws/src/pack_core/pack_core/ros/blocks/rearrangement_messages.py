@@ -17,7 +17,7 @@ from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.plan import Action, Diagnosis, PickPlace, Plan, PlanStatistics, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveAction, PrimitiveKind
-from pack_core.blocks.problem import Block, Problem, Tolerance
+from pack_core.blocks.problem import PlacedBlock, Problem, Tolerance
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError, MessageError
 
@@ -62,7 +62,7 @@ def from_request(request: PlanRearrangement.Request) -> Problem:
     except ConfigError as error:
         raise MessageError(str(error)) from error
     return Problem(
-        blocks=tuple(Block(b.id, PlanarPose(b.x, b.y, b.yaw)) for b in request.blocks),
+        blocks=tuple(PlacedBlock(b.id, PlanarPose(b.x, b.y, b.yaw)) for b in request.blocks),
         goals=from_block_poses(request.goals, "goals"),
         workspace=tuple((corner.x, corner.y) for corner in request.workspace),
         side=request.side, symmetry=request.symmetry, gripper=gripper, tolerance=tolerance,

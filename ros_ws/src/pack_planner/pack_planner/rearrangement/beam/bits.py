@@ -22,6 +22,6 @@ def count_bits(bits: np.uint64) -> int:
     """Number of blocks in a set."""
     total = 0
     while bits:
-        bits &= bits - np.uint64(1)
+        bits &= bits - np.uint64(1)  # takes the lowest block out of the set
         total += 1
     return total

@@ -75,6 +75,7 @@ def likely_pushes(
         memo_keys: which sets they are of, the inverse of filled + 2^32 ready.
     """
     key = ~(filled | (ready << np.uint64(32)))
+    # Fibonacci hashing: 2^64 divided by the golden ratio spreads the key over the upper bits.
     slot = (key * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(64 - MEMO_BITS)
     if memo_keys[slot] != key:
         memo[slot] = count_likely_pushes(filled, ready, place_at, push_at)

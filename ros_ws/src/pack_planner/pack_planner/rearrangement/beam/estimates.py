@@ -53,7 +53,7 @@ class StateSummary(NamedTuple):
 def summarize(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables) -> StateSummary:
     """The summary of a state."""
     n = spots.shape[0]
-    filled = occupied[0] >> np.uint64(GOAL)
+    filled = occupied[0] >> np.uint64(GOAL)  # the first word has the starts, then from bit GOAL the goals
     left, ready = np.uint64(0), np.uint64(0)
     for i in range(n):
         if spots[i] != GOAL + i:
@@ -71,6 +71,7 @@ def summarize(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables) -> 
     return StateSummary(
         filled, left, ready, away, needed,
         _likely(filled, ready, tables),
+        # One action a block, and one more for every push of a block that is not on its push line yet.
         away + max(needed - count_bits(ready), 0), standing_on_goals(spots, tables.crowds), crowded,
     )  # fmt: skip
 
@@ -116,6 +117,8 @@ def cycles_with(i: int, spot: int, now: StateSummary, tables: Tables) -> int:
 @njit(cache=True)
 def pushes_left(filled: np.uint64, planes: Words, upper_planes: Words, split: int) -> int:
     """Pushes that the rest of the grid needs at least; NEVER if it is spoilt."""
+    # Grids too large for one database are cut in two halves, each as if the other were never filled: fewer
+    # goals in the way need no more pushes, so the sum is still a lower bound.
     lower = pushes(planes, filled & ((ONE << np.uint64(split)) - ONE))
     upper = pushes(upper_planes, filled >> np.uint64(split))
     return NEVER if lower == NEVER or upper == NEVER else lower + upper

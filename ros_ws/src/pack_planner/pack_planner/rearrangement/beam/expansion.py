@@ -45,6 +45,12 @@ from pack_planner.rearrangement.collisions import Words, is_free
 Flags = npt.NDArray[np.bool_]
 
 
+# The functions below are inlined into `expand` and take what they read one by one: a tuple around it would be
+# built anew for every state, in the innermost loop. The arguments come in this order throughout: the layer
+# (states, row), the block (i), its state (occupied, now, can_pick), what is filled (must_go, blocking or
+# options, found), then tables, limit, and the children with their number (out, count).
+
+
 @njit(cache=True)
 def expand(
     states: States, tables: Tables, order: Ints, breadth: int, limit: int, is_anyone: bool
@@ -60,8 +66,10 @@ def expand(
         is_anyone: blocks may go to buffer poses though they are in nobody's way.
     """
     rows, n = states.spot.shape
+    # A block has at most `breadth` buffer poses, or as many ends of pushes out of its start as there are.
     room = max(breadth, tables.out_spot.shape[0])
     options = Options(np.empty(room, np.int32), np.empty(room, np.int32), np.empty(breadth))
+    # Of every state: each block home (1) or to buffer poses (breadth), and every push out of a start.
     out = empty_children(rows * (n * (1 + breadth) + tables.out_spot.shape[0]))
     can_pick, must_go = np.empty((n, 2), np.bool_), np.empty(n, np.bool_)
     count = 0
@@ -71,6 +79,7 @@ def expand(
         _note_grasps(occupied, spots, tables, can_pick)
         blocking = np.zeros_like(occupied)
         count = _go_home(states, row, occupied, now, can_pick, must_go, blocking, tables, limit, out, count)
+        # Making way brings no block home, so it leaves as many actions as before and takes one besides.
         if now.bound > limit:
             continue
         for i in range(n):
@@ -80,7 +89,7 @@ def expand(
             found = 0
             if can_pick[i, 0] or can_pick[i, 1]:
                 found = buffer_options(i, spots, can_pick, now, now.bound == limit, order, tables, options)
-            elif spot == i:
+            elif spot == i:  # the block stands on its start, which has the number of the block
                 clear(occupied, spot)
                 found = pushed_out_options(i, occupied, tables, options)
                 occupy(occupied, spot)
@@ -123,7 +132,9 @@ def _go_home(
         if pair >= 0:
             pushes_out = pushes_out_left(i, GOAL + i, now.left, occupied, spots, can_pick, tables)
             bound, detours = NEVER if pushes_out == NEVER else bound, detours + pushes_out
+        # A block is really on its way only if fewer actions are left then; otherwise it may have to wait.
         is_going = pair >= 0 and bound < now.bound
+        # By way of a staging pose it takes two actions, put down and pushed, else one.
         if pair >= 0 and bound < NEVER and bound + 1 + (stage != NO_STAGE) <= limit:
             append(out, count, states, tables, row, i, GOAL + i, stage, pair)
             estimate(out, count, bound, states.cycles[row], detours, tables.push_price.extra * pushes)
@@ -146,6 +157,7 @@ def _make_way(
     cycles_elsewhere, spots = cycles_with(i, NOWHERE, now, tables), states.spot[row]
     for option in range(found):
         end, cycles = options.spot[option], cycles_elsewhere
+        # Only a pose on other blocks' goals can close a circle of blocks on each other's goals.
         if tables.crowds[end, 0] & now.left & ~bit(i):
             cycles = cycles_with(i, end, now, tables)
         bound, detours = after_making_way(i, end, now, cycles, tables)

@@ -50,6 +50,8 @@ def _pair(can_pick: Flags, place: Words, swap: int, occupied: Words, is_symmetri
     """2 * axis at the pick + axis at the place, without an extra turn by a quarter if possible; or -1."""
     for turned in range(1 + is_symmetric):
         for k in range(2):
+            # The axis at the place: the one at the pick, exchanged where the spots' axes are, and once more
+            # where a symmetric block is turned by a quarter.
             end = k ^ swap ^ turned
             if can_pick[k] and is_free(place[end], occupied):
                 return 2 * k + end

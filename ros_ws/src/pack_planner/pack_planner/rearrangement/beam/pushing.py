@@ -78,8 +78,10 @@ def _lengths_into_goals(task: Task) -> Array:
     The shortest leaves just room for a finger between the block and one that stands behind its goal; the
     others for fingers beside the block, clear of its neighbours.
     """
-    slab = task.gripper.slab_thickness
+    slab = task.gripper.slab_thickness  # what a finger and its clearances take beside a face
     beside = (task.side + task.gripper.slab_width) / 2 + task.gripper.block_margin
+    # 0.93 of a slab and a grid's gap of 2 mm together are a slab; half a millimetre more than one does
+    # without the gap. The longer ones step over neighbours, up to the longest push, to which `inf` is cut.
     wanted = np.array([0.93 * slab, slab + 0.0005, 1.4 * slab, beside, 1.45 * beside, 1.9 * beside, np.inf])
     return np.unique(np.minimum(wanted, task.gripper.max_push))
 
@@ -93,6 +95,7 @@ def pushes_from_spots(task: Task, poses: Array) -> tuple[Ints, Pushes]:
     length, aside = offsets.max(axis=0), offsets.min(axis=0)
     is_line = (aside < STRAIGHT) & (np.abs(wrapped(goals[..., 2] - poses[:, 2], QUARTER)) < STRAIGHT)
     is_line &= (length >= gripper.min_push - STRAIGHT) & (length <= gripper.max_push + STRAIGHT)
+    # Of starts and goals only the starts that were snapped to a push line count as on it.
     is_line[:, :POOL] = False
     is_line[:, : task.n] = np.diag(task.is_ready)
     block, spot = np.nonzero(is_line)

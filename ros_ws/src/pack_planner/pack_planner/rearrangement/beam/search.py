@@ -86,6 +86,7 @@ def run_round(
     n = root.spot.shape[1]
     history, expanded = History(), 0
     moves, cheapest = None, beam.cheapest
+    # A power of two at least twice the states that can be kept, so that the hash table stays half empty.
     seen = np.zeros(1 << int(np.ceil(np.log2(2 * beam.width * (beam.longest + 1)))), dtype=np.uint64)
     pending: defaultdict[int, Pending] = defaultdict(list)
     layer: States | None = root
@@ -107,6 +108,7 @@ def run_round(
             break
         children = expand(layer, tables, order, beam.breadth, limit, beam.is_anyone)
         expanded += len(layer.node)
+        # Putting down at a staging pose and pushing are two actions, so such children skip a layer.
         is_staged = children.moves[:, 3] != NO_STAGE
         pending[depth + 1].append((layer, children, np.flatnonzero(~is_staged)))
         pending[depth + 2].append((layer, children, np.flatnonzero(is_staged)))
@@ -160,6 +162,7 @@ def _rank(children: Children, indices: Indices) -> Array:
 
 def select(keys: Array, hashes: Words, width: int, seen: Words) -> Indices:
     """Indices of up to `width` of the smallest keys with different hashes, none of them in `seen`."""
+    # Sorting all keys is dear; among four times as many as wanted there are enough with different hashes.
     room = 4 * width
     if len(keys) > 2 * room:
         nearest = np.argpartition(keys, room)[:room]
@@ -175,6 +178,7 @@ def _first_new(keys: Array, hashes: Words, width: int, seen: Words) -> Indices:
     count = 0
     for index in np.argsort(keys):
         slot = hashes[index] & last
+        # Open addressing: on to the next slot until the hash is found or a slot is empty, which is 0.
         while seen[slot] != 0 and seen[slot] != hashes[index]:
             slot = (slot + np.uint64(1)) & last
         if seen[slot] == 0:

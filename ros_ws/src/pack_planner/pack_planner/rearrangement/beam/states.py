@@ -69,6 +69,9 @@ class Children(NamedTuple):
     hash: Words
 
 
+# States are sets of spots in words of 64 bits: spot q is bit q % 64 of word q // 64.
+
+
 @njit(cache=True)
 def empty_children(room: int) -> Children:
     """Room for so many."""
@@ -142,6 +145,8 @@ def append(
     start = states.spot[row, i]
     move = out.moves[count]
     move[0], move[1], move[2], move[3], move[4] = row, i, end, stage, pair
+    # Zobrist hashing: a state's hash is the exclusive or of a random number for each block at its spot, so a
+    # move takes one number out and puts one in, and the same state has the same hash by whatever way.
     out.hash[count] = states.hash[row] ^ tables.hash[i, start] ^ tables.hash[i, end]
     ax, ay = tables.poses[start, 0], tables.poses[start, 1]
     bx, by = tables.poses[end, 0], tables.poses[end, 1]
