@@ -1,4 +1,4 @@
-"""Least displacement of all boxes along one axis, once it is settled which box is on which side of which."""
+"""The least displacement of all boxes along one axis, for a given order of the boxes along that axis."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from pack_core.palletizing.orders.placed_box import TOUCH
 from pack_core.rotations import Array
 
 Relation = tuple[int, int]
-"""Box i comes before box j along the axis, with the gap between them."""
+"""A pair (i, j): box i comes before box j along the axis, with at least the gap between them."""
 
 MM = 1e-3
 TOLERANCE = 1e-6
-"""Inequalities may lack this much of being fulfilled [mm]."""
+"""An inequality counts as fulfilled when it is violated by no more than this [mm]."""
 
 
 @dataclass
@@ -29,10 +29,10 @@ class AxisProgram:
 
     Attributes:
         lower: the boxes' lower bounds along the axis `(n,)` [m].
-        upper: their upper bounds `(n,)` [m].
+        upper: the boxes' upper bounds along the axis `(n,)` [m].
         follow: share of each box's carried base that lies on each other box `(n, n)`; zeros on the deck.
-        length: of the pallet [m].
-        gap: between neighbours [m].
+        length: length of the pallet along the axis [m].
+        gap: free distance that neighbours must have [m].
         overhang: how far boxes may stand over the border [m], the virtual pallet margin.
         max_shift: no box is displaced further [m].
     """
@@ -47,7 +47,7 @@ class AxisProgram:
     _solved: dict[frozenset[Relation], tuple[Array, float] | None] = field(default_factory=dict)
 
     def solve(self, relations: Collection[Relation]) -> tuple[Array, float] | None:
-        """Displacements `(n,)` [m] and their cost [m]; None where the relations cannot be had."""
+        """Displacements `(n,)` [m] and their cost [m]; None where the relations cannot be fulfilled."""
         key = frozenset(relations)
         if key not in self._solved:
             self._solved[key] = self._solve(sorted(key))
@@ -57,17 +57,19 @@ class AxisProgram:
         n = len(self.lower)
         room = np.stack([self.length + self.overhang - self.upper, self.lower + self.overhang])
         weights = np.sqrt(np.where(room > TOUCH, room, 0.0))
-        # displacements are displaced @ y, y >= 0: scaled deviations up and down the axis, two a box
+        # The unknowns y >= 0 are the deviations e divided by sqrt(m): n of them up the axis, n down. Then the
+        # cost is y^T y, and the displacements d follow from d = follow @ d + e, which is displaced @ y.
         displaced = np.linalg.solve(
             np.eye(n) - self.follow, np.hstack([np.diag(weights[0]), -np.diag(weights[1])])
         )
         first, second = (np.array([pair[k] for pair in relations], dtype=int) for k in (0, 1))
         reach = np.minimum(room, self.max_shift)
+        # Rows of G y >= h: y >= 0; displaced up by no more than the reach; nor down; the gap of each relation.
         G = np.vstack([np.eye(2 * n), -displaced, displaced, displaced[second] - displaced[first]])
         h = np.concatenate(
             [np.zeros(2 * n), -reach[0], -reach[1], self.gap - self.lower[second] + self.upper[first]]
         )
-        y = least_distance(G, h / MM)
+        y = least_distance(G, h / MM)  # in millimetres, so that the numbers are of order 1
         return None if y is None else (displaced @ y * MM, float(y @ y) * MM**2)
 
 
@@ -78,7 +80,7 @@ def least_distance(G: Array, h: Array) -> Array | None:
     problem in the multipliers.
     """
     E = np.vstack([G.T, h])
-    E /= np.maximum(np.linalg.norm(E, axis=0), TOLERANCE)
+    E /= np.maximum(np.linalg.norm(E, axis=0), TOLERANCE)  # columns of length 1; scales multipliers, not x
     target = np.zeros(len(E))
     target[-1] = 1.0
     # scipy's nnls is quicker but stops short of the solution in one problem of a hundred

@@ -1,4 +1,8 @@
-"""Branch and bound over which box is on which side of which."""
+"""Branch and bound over the order of the boxes: for each pair, along which axis it is parted and which is first.
+
+A node of the search is a set of relations along each axis. The least displacements that fulfil them are a
+lower bound for all that descends from the node, since every further relation can only raise their cost.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +15,10 @@ from pack_core.rotations import Array
 from pack_planner.layout.axis_program import AxisProgram, Relation
 
 TOLERANCE = 1e-8
-"""A gap counts as reached when it lacks less [m]."""
+"""A gap counts as reached when less than this is missing [m]."""
 
 Choice = tuple[int, Relation]
-"""An axis and a relation along it."""
+"""An index of an axis and a relation of two boxes along it."""
 
 
 @dataclass
@@ -23,10 +27,11 @@ class Search:
 
     Attributes:
         programs: one for each axis.
-        pairs: that must be apart along one axis or the other.
-        limit: how many choices of sides are tried.
+        pairs: the boxes that must be apart along one axis or the other.
+        limit: the largest number of nodes that are tried.
         displacements: the cheapest found so far `(n, 2)` [m].
-        cost: theirs.
+        cost: the cost of those displacements.
+        tried: number of nodes tried so far.
     """
 
     programs: Sequence[AxisProgram]
@@ -38,11 +43,11 @@ class Search:
 
     @property
     def is_complete(self) -> bool:
-        """Every choice that could be cheaper was tried."""
+        """Whether every choice that could be cheaper was tried."""
         return self.tried <= self.limit
 
     def run(self) -> None:
-        """Search from no relation at all."""
+        """Search, starting from no relation at all."""
         self._descend((frozenset(), frozenset()))
 
     def _descend(self, relations: tuple[frozenset[Relation], ...]) -> None:
@@ -65,7 +70,11 @@ class Search:
             self._descend(tuple(chosen))
 
     def _next_choices(self, displacements: Array) -> list[Choice] | None:
-        """The ways to part the pair that leaves least to choose, cheapest first; None when all are apart."""
+        """The ways to part the next pair, the smallest correction first; None when all pairs are apart.
+
+        The next pair is the one whose second-best way needs the largest correction: most is lost there if
+        the best way is not taken, so that the search fixes it early.
+        """
         least: list[Choice] | None = None
         regret = -1.0
         for pair in self.pairs:
@@ -76,7 +85,7 @@ class Search:
         return least
 
     def _corrections(self, pair: Relation, displacements: Array) -> list[tuple[float, Choice]]:
-        """What each of the four ways to part a pair needs [m], Eq. 6.1."""
+        """The correction [m] that each of the four ways to part a pair needs: gap less distance, Eq. 6.1."""
         return [
             (float(program.gap - program.lower[j] - shifts[j] + program.upper[i] + shifts[i]), (axis, (i, j)))
             for axis, (program, shifts) in enumerate(zip(self.programs, displacements.T, strict=True))
@@ -85,5 +94,5 @@ class Search:
 
     @property
     def _reach(self) -> float:
-        """No two boxes can be parted by more [m]; each may have been displaced the other way already."""
+        """Largest correction of a pair [m]: two boxes, each displaced from one limit to the other."""
         return 4.0 * self.programs[0].max_shift

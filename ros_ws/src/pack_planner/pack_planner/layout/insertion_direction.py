@@ -1,8 +1,9 @@
 """The side from which a box comes to its place between others (Sec. 6.3 and 6.4 of the thesis).
 
-Two readings of it. A direction is admissible when it opens the gap to every box that would be touched: only
-so does the last stretch not rub; where none opens all of them, it is one that opens most and closes none. And
-the pallet's border is no obstacle, since above the deck there is nothing beyond it.
+Where the thesis leaves room, it is read like this. A direction is admissible when it closes no gap to a box
+that is touched at the place. Of the admissible directions the one that opens the most gaps is taken, so that
+the box rubs against as few neighbours as possible on its last stretch; corridor length decides between
+equals. The pallet's border is no obstacle, since nothing stands beyond it above the deck.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ SIDES = {
     "North": (0, 1), "Northeast": (1, 1), "East": (1, 0), "Southeast": (1, -1),
     "South": (0, -1), "Southwest": (-1, -1), "West": (-1, 0), "Northwest": (-1, 1),
 }  # fmt: skip
-"""Where a box may come from: east is the pallet's x, north its y."""
+"""The sides that a box may come from: east is the pallet's x axis, north its y axis."""
 
 
 class InsertionConfig(Config):
@@ -38,13 +39,13 @@ class InsertionConfig(Config):
 
 @dataclass(frozen=True)
 class DirectionCandidate:
-    """One of the eight sides.
+    """One of the eight sides, judged.
 
     Attributes:
-        insertion: along it.
-        opened: contacts whose gap opens on the way out.
-        is_admissible: it closes no gap and its corridor is long enough.
-        directness: sum over the contacts of how straight it leads away from them.
+        insertion: the insertion from this side.
+        opened: number of touched faces whose gap opens on the way out.
+        is_admissible: whether it closes no gap and its corridor is long enough.
+        directness: sum over the touched faces of the cosine between their outer normal and the way out.
     """
 
     insertion: Insertion
@@ -54,7 +55,9 @@ class DirectionCandidate:
 
 
 def choose_insertion(target: PlacedBox, placed: Sequence[PlacedBox], config: InsertionConfig) -> Insertion:
-    """The longest corridor among the admissible sides, Eq. 6.5; Center where nothing is touched or none is.
+    """The admissible side with the longest corridor, Eq. 6.5, among those that open the most gaps.
+
+    The result is Center, straight down, where no box is touched or no side is admissible.
 
     Raises:
         PackError: the target shares space with a placed box.
@@ -69,10 +72,10 @@ def choose_insertion(target: PlacedBox, placed: Sequence[PlacedBox], config: Ins
 def candidates(
     target: PlacedBox, placed: Sequence[PlacedBox], config: InsertionConfig
 ) -> list[DirectionCandidate]:
-    """What each of the eight sides offers."""
+    """All eight sides, judged for a box that comes to its place beside boxes that are placed already."""
     beside = [item for item in placed if item.is_beside(target)]
     normals = [_normal(target, item) for item in beside if _is_touched(target, item, config)]
-    walls = np.unique(np.array(normals).reshape(-1, 2), axis=0)
+    walls = np.unique(np.array(normals).reshape(-1, 2), axis=0)  # several boxes at one side count once
     obstacles = [item for item in beside if not _is_touched(target, item, config)]
     return [
         _candidate(target, name, np.array(side), walls, obstacles, config) for name, side in SIDES.items()

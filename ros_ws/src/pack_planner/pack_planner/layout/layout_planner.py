@@ -1,4 +1,4 @@
-"""From an order to places with gaps between them, a sequence that can be reached, and a side for each box."""
+"""Plans a layout from an order: places with gaps, a sequence the arm can reach, and an insertion side each."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ class LayoutPlanner:
         self._config = config
 
     def plan(self, order: Order, gap: float | None = None) -> LayoutPlan:
-        """Plan an order's layout with a gap [m], else the configured one.
+        """Plan an order's layout with a gap [m]; None: with the configured gap.
 
         Raises:
-            PackError: the gap is no length, or boxes overlap as given.
+            PackError: the gap is not allowed, or boxes overlap as given.
         """
         wanted = self._config.separator.gap if gap is None else gap
         if not 0.0 <= wanted <= MAX_GAP:

@@ -1,9 +1,9 @@
 """Parts the boxes of an ideal layout until there is a gap between all neighbours (Sec. 6.2 of the thesis).
 
 The thesis corrects conflicting pairs one after another, along the axis that needs less, by shares of the
-free margin, and enlarges the pallet virtually where that fails. Here all pairs are corrected at once: it is
-settled for each which box is on which side of which along which axis, cheapest first, and the least
-displacement that fulfils all of it is computed; other choices are tried as long as they could be cheaper.
+free margin, and enlarges the pallet virtually where that fails. Here all pairs are corrected at once: a
+search chooses for each pair the axis along which it is parted and which box comes first, and computes the
+least displacement that fulfils all choices; others are tried as long as they could be cheaper.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ class Separation:
     """A layout with gaps.
 
     Attributes:
-        boxes: as given, displaced; as they were where the gap cannot be had.
-        displacements: `(n, 2)` along x and y [m].
-        gap: what there is between any two neighbours at least [m]; infinite where no box has one.
-        virtual_margin: how far boxes may stand over the pallet's edge for it [m].
-        is_feasible: the gap asked for was reached.
-        is_minimal: no other choice of sides has smaller displacements.
+        boxes: the given boxes, displaced; as they were where the gap cannot be reached.
+        displacements: along x and y `(n, 2)` [m].
+        gap: smallest gap between any two neighbours [m]; infinite where there are no neighbours.
+        virtual_margin: how far boxes may stand over the pallet's edge to reach the gap [m].
+        is_feasible: whether the wanted gap was reached.
+        is_minimal: whether it is proven that no other choice of sides costs less.
     """
 
     boxes: tuple[PlacedBox, ...]
@@ -56,15 +56,16 @@ class Separation:
 
 
 class PalletSeparator:
-    """Gives the layouts of one kind of pallet gaps."""
+    """Makes gaps in layouts for one kind of pallet."""
 
     def __init__(self, pallet: OrderPallet, config: SeparatorConfig) -> None:
         self._pallet, self._config = pallet, config
 
     def separate(self, boxes: Sequence[PlacedBox], gap: float | None = None) -> Separation:
-        """Part the boxes by `gap` [m], else by the configured one."""
+        """Part the boxes by `gap` [m]; None: by the configured gap."""
         wanted = self._config.gap if gap is None else gap
         steps = round(self._config.max_margin / self._config.margin_step)
+        # The smallest virtual margin that is feasible is taken: 0 first, then one step more each time.
         for margin in self._config.margin_step * np.arange(steps + 1):
             search = self._search(boxes, wanted, float(margin))
             if search.displacements is not None:
@@ -90,12 +91,12 @@ class PalletSeparator:
 
 
 def neighbours(boxes: Sequence[PlacedBox]) -> list[Relation]:
-    """Pairs of boxes that reach into the same height, so that a gap between them matters."""
+    """Index pairs of boxes that overlap in height, so that there must be a gap between them."""
     pairs = combinations(range(len(boxes)), 2)
     return [(i, j) for i, j in pairs if boxes[i].is_beside(boxes[j])]
 
 
 def smallest_gap(boxes: Sequence[PlacedBox]) -> float:
-    """Between any two boxes that reach into the same height [m]; infinite where there are no two."""
+    """Smallest gap [m] between any two boxes that overlap in height; infinite where no two do."""
     gaps = [float(boxes[i].clearance(boxes[j])[:2].max()) for i, j in neighbours(boxes)]
     return min(gaps, default=float("inf"))

@@ -8,17 +8,20 @@ from pack_core.rotations import Array
 
 
 def ray_to_rectangle(origin: Array, direction: Array, lower: Array, upper: Array) -> float:
-    """Length of the ray up to the open rectangle, by slabs; infinite where it misses.
+    """Length of a ray up to where it enters the open rectangle; infinite where it misses.
+
+    The slab method: for each axis the ray is between the two edges from one length to another, and it is in
+    the rectangle where these intervals overlap.
 
     Args:
-        origin: `(2,)`
-        direction: unit vector `(2,)`
-        lower: corner of the rectangle `(2,)`
-        upper: the opposite corner `(2,)`
+        origin: start of the ray `(2,)`.
+        direction: unit vector along the ray `(2,)`.
+        lower: corner of the rectangle with the smallest coordinates `(2,)`.
+        upper: the opposite corner `(2,)`.
     """
     enter, leave = 0.0, np.inf
     for p, d, low, high in zip(origin, direction, lower, upper, strict=True):
-        if d == 0.0:
+        if d == 0.0:  # parallel to the slab: either always inside it or never
             if not low < p < high:
                 return np.inf
             continue
