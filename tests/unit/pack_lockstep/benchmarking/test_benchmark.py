@@ -69,6 +69,7 @@ def squares(*values: int, factor: int = 1) -> Squares:
 
 def test_trials_are_shown_as_they_end_and_kept_in_the_order_of_the_jobs(tmp_path: Path) -> None:
     folder = ResultsFolder(tmp_path / "new")
+    assert folder.commit == ""
     shown = list(run_benchmark(squares(1, 2, 4), folder, Backwards(), ORIGIN))
     assert [trial.name for trial in shown] == ["number_4", "number_2", "number_1"]
     assert [trial.success for trial in shown] == [False, True, True]
@@ -76,7 +77,7 @@ def test_trials_are_shown_as_they_end_and_kept_in_the_order_of_the_jobs(tmp_path
     assert [trial["square"] for trial in kept.trials] == [1, 4, 16]
     assert kept.settings == {"factor": 1}
     assert kept.origin == {**ORIGIN, "results": str(tmp_path / "new")}
-    assert folder.cell == "packing"
+    assert (folder.cell, folder.commit) == ("packing", "1a2b")
 
 
 def test_only_what_is_missing_is_run(tmp_path: Path) -> None:

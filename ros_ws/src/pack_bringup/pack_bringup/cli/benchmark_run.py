@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from pack_bringup.cli.json_file import write_json
 from pack_bringup.cli.live import command_line
 from pack_bringup.cli.studies import report_studies
@@ -55,12 +57,14 @@ def run(benchmark: Benchmark[Any, Any], options: RunOptions) -> None:
     folder = ResultsFolder(options.output or bags_path() / "benchmarks" / benchmark.folder_name)
     if options.fresh:
         folder.clear(benchmark.files)
-    names = [job.name for job in benchmark.jobs]
+    names, origin = [job.name for job in benchmark.jobs], provenance(command_line())
+    if begun := folder.commit:
+        _warn_of_other_code(begun, origin["commit"])
     with (
         open_pool(options.jobs, options.ray, benchmark.threads) as pool,
         TrialProgress(len(names), folder.count(names)) as bar,
     ):
-        for trial in run_benchmark(benchmark, folder, pool, provenance(command_line())):
+        for trial in run_benchmark(benchmark, folder, pool, origin):
             bar.add(trial)
     evaluator = cell_part(benchmark.cell, "studies")
     studies = evaluator.of_benchmark(folder.kept(names))
@@ -74,3 +78,10 @@ def run(benchmark: Benchmark[Any, Any], options: RunOptions) -> None:
     summary = summaries if len(summaries) > 1 else next(iter(summaries.values()))
     for path in filter(None, (folder.path / SUMMARY, options.json_file)):
         write_json(path, summary)
+
+
+def _warn_of_other_code(begun: str, now: str) -> None:
+    """Settings are compared, code is not: whoever goes on with other code should know."""
+    if begun != now:
+        text = f"the folder's first trials are of commit {begun}, this is {now}; --fresh measures all anew"
+        typer.secho(text, fg=typer.colors.YELLOW, err=True)

@@ -57,6 +57,13 @@ class ResultsFolder:
         """The cell that the results are of."""
         return read_trials(self.path / TRIALS).cell
 
+    @property
+    def commit(self) -> str:
+        """The commit that the results were begun with; empty where there are none, or it was not kept."""
+        if not self.is_at(self.path):
+            return ""
+        return str(read_trials(self.path / TRIALS).origin.get("commit", ""))
+
     def kept(self, names: Sequence[str] | None = None) -> KeptTrials:
         """The trials that are named, in that order, as far as there are; all of them if None.
 
