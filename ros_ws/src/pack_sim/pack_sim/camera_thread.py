@@ -15,7 +15,7 @@ import numpy.typing as npt
 from pack_core.errors import PackError
 
 NICENESS = 10
-"""Of the thread that draws: the physics goes first."""
+"""Unix niceness of the thread that draws, so that the physics gets the processor first."""
 Picture = npt.NDArray[np.uint8]
 Snapshot = TypeVar("Snapshot", contravariant=True)
 
@@ -31,13 +31,13 @@ class SnapshotCamera(Protocol[Snapshot]):
 class CameraThread(Generic[Snapshot]):
     """Takes one picture at a time.
 
-    Pictures are handed out by a second thread, of normal priority: who copies megabytes while all others
-    wait for the interpreter must not itself wait for the processor.
+    A second thread of normal priority passes the pictures on. Copying megabytes holds the interpreter's
+    lock, so that a thread of low priority that did it would make all others wait.
 
     Args:
-        camera: is entered and used in the thread that draws alone.
-        on_picture: takes the time of exposure [s] and the picture, in the second thread.
-        on_error: takes what went wrong, in the thread that draws; no more pictures come then.
+        camera: the camera, which is entered and used only in the thread that draws.
+        on_picture: called in the second thread with the time of exposure [s] and the picture.
+        on_error: called in the thread that draws with what went wrong; no more pictures come then.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class CameraThread(Generic[Snapshot]):
             thread.start()
 
     def expose(self, time: float, snapshot: Snapshot) -> bool:
-        """Have a picture taken; False while the last one is still being made, or when none can be."""
+        """Start to draw a picture; False while the last one is still being drawn, or after an error."""
         with self._wake:
             if self._is_busy or self._is_ended:
                 return False
@@ -68,7 +68,7 @@ class CameraThread(Generic[Snapshot]):
         return True
 
     def close(self) -> None:
-        """Take no more pictures."""
+        """Take no more pictures, and wait for both threads to end."""
         self._end()
         for thread in self._threads:
             thread.join()
@@ -97,7 +97,7 @@ class CameraThread(Generic[Snapshot]):
                 self._is_busy = False
 
     def _next(self) -> tuple[float, Snapshot] | None:
-        """The next picture to take; None at the end."""
+        """Wait for the next snapshot to draw; None at the end."""
         with self._wake:
             self._wake.wait_for(lambda: self._exposed is not None or self._is_ended)
             exposed, self._exposed = self._exposed, None

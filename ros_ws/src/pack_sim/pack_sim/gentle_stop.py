@@ -1,4 +1,4 @@
-"""A stop of all joints within their limits, without a jolt."""
+"""A jerk-limited stop of all joints within their limits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pack_core.rotations import Array
 RAMP = 0.1
 """Time in which full deceleration is reached [s]."""
 SLACK = 1.001
-"""A stop allows at least this times the acceleration that it begins with."""
+"""The acceleration limit of a stop is at least this times the acceleration at its start, for rounding."""
 Desired = tuple[Array, Array, Array]
 """Positions [rad], velocities [rad/s] and accelerations [rad/s^2] of the joints, each `(n,)`."""
 
@@ -20,10 +20,10 @@ class GentleStop:
     """Brings every joint to rest on its own, jerk-limited (ruckig).
 
     Args:
-        time: when it begins [s].
-        moving: what the joints do then.
-        limits: of the joints.
-        deceleration: as a share of the acceleration limits.
+        time: when the stop begins [s].
+        moving: position, velocity and acceleration of the joints at that time.
+        limits: limits of the joints.
+        deceleration: largest deceleration as a share of the acceleration limits.
     """
 
     def __init__(self, time: float, moving: Desired, limits: JointLimits, deceleration: float) -> None:
@@ -44,7 +44,7 @@ class GentleStop:
             ruckig.Ruckig(len(limits)).calculate(request, self._way)
 
     def at(self, time: float) -> Desired:
-        """What the joints shall do at `time` [s]; from the end of the stop on they stand."""
+        """Desired state of the joints at `time` [s]; from the end of the stop on they stand still."""
         if not self._moves:
             rest = np.zeros(len(self._limits))
             return self._standing.copy(), rest, rest.copy()

@@ -1,4 +1,4 @@
-"""Joint controller of an arm: position loops with velocity feed-forward and inverse dynamics."""
+"""Joint controller of an arm: PD position loops with inverse dynamics of the reference and a slow integral."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pack_core.rotations import Array
 
 
 class JointServo:
-    """Turns a reference into torques: PD on its error, the arm's inverse dynamics, a slow integral.
+    """Turns a reference into torques: tau = kp e + kd de/dt + ID(q_d, v_d, a_d) + integral of e.
 
     Args:
-        model: the arm with its tool, and what it is told to carry, alone.
-        limits: of the joints; their names are those in the model.
+        model: a model of only the arm, its tool and the load it carries.
+        limits: limits of the joints; their names are those in the model.
         servo: the gains.
-        timestep: between two calls of `torque` [s].
+        timestep: time between two calls of `torque` [s].
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class JointServo:
         return np.clip(tau, -self._effort, self._effort)
 
     def _inverse_dynamics(self, q: Array, v: Array, a: Array) -> Array:
-        """What moves the arm so along the reference itself, weight included."""
+        """Torques `(n,)` [N m] that move the arm along the reference, weight included."""
         data = self._data
         data.qpos[self._q], data.qvel[self._v], data.qacc[self._v] = q, v, a
         mujoco.mj_inverse(self._model, data)
@@ -56,6 +56,6 @@ class JointServo:
 
 
 def _indices(model: mujoco.MjModel, names: Sequence[str]) -> tuple[Array, Array]:
-    """Addresses of hinges in qpos and in qvel."""
+    """Addresses of hinges in qpos and in qvel, each `(n,)`."""
     joints = [model.joint(name) for name in names]
     return np.array([j.qposadr[0] for j in joints]), np.array([j.dofadr[0] for j in joints])

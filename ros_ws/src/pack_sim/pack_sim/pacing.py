@@ -5,16 +5,16 @@ from __future__ import annotations
 import time
 
 CATCH_UP = 0.05
-"""Lateness that is given up rather than caught up with [s of wall clock]."""
+"""A larger delay against the wall clock is not made up for [s of wall clock]."""
 BURST = 0.012
-"""Simulated time that is caught up with at once, at most [s]: controllers must keep up with the burst."""
+"""Longest simulated time that is made up for at once [s]: controllers must keep up with the burst."""
 
 
 class Pacer:
-    """Says how long to wait so that simulated time runs `factor` times as fast as the wall clock.
+    """Computes how long to wait so that simulated time runs `factor` times as fast as the wall clock.
 
     Args:
-        factor: 1 for real time, 0 for as fast as it can.
+        factor: 1 for real time, 0 for as fast as possible.
     """
 
     def __init__(self, factor: float) -> None:
@@ -34,7 +34,7 @@ class Pacer:
         return max(0.0, self._next - now)
 
     def achieved(self) -> float:
-        """Simulated seconds a second of wall clock since the last call."""
+        """Real-time factor since the last call: simulated seconds per second of wall clock."""
         (wall, simulated), now = self._mark, time.perf_counter()
         self._mark = (now, self._simulated)
         return (self._simulated - simulated) / max(now - wall, 1e-9)

@@ -1,4 +1,4 @@
-"""Whether a joint reference can be followed at all."""
+"""Checks that a joint reference is well formed and within the limits of the joints."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from pack_core.robots.joint_limits import JointLimits
 from pack_core.rotations import Array
 
 SLACK = 1e-3
-"""Share of a limit that a reference may exceed it by: rounding, and rows between which it is a cubic."""
+"""A limit may be exceeded by this share of it, for rounding and for the cubic between rows."""
 
 
 class ReferenceCheck:
-    """Holds references against the limits of the joints."""
+    """Compares references with the limits of the joints."""
 
     def __init__(self, limits: JointLimits) -> None:
         self._names = limits.names
@@ -32,7 +32,7 @@ class ReferenceCheck:
         )
 
     def check(self, reference: JointReference) -> None:
-        """See that a reference is whole and within the limits.
+        """Check that a reference is well formed and within the limits.
 
         Raises:
             MessageError: wrong size, not finite, out of order, or beyond a limit.
@@ -51,7 +51,7 @@ class ReferenceCheck:
                 raise MessageError(self._worst(k, values))
 
     def _worst(self, k: int, values: Array) -> str:
-        """The first value beyond its bounds, in words."""
+        """An error text about the first value that is beyond its bounds."""
         what, lower, upper, unit = self._bounds[k]
         row, joint = np.argwhere((values < self._least[k]) | (values > self._most[k]))[0]
         return (

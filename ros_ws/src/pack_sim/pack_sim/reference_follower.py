@@ -1,4 +1,4 @@
-"""What a robot's driver does with joint references: it interpolates, stops without fresh ones, rejoins."""
+"""How the robot's driver follows joint references: interpolates, stops when they are stale, and rejoins."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from pack_sim.rejoining import Rejoining
 
 
 class ReferenceFollower:
-    """Follows the newest reference; without a fresh one it brakes and holds.
+    """Follows the newest reference; without a fresh one it brakes and holds the arm.
 
-    An arm that was held takes references up again only where it stands, or nearly: see `Rejoining`.
+    An arm that was held follows a new reference only if that begins near where it stands: see `Rejoining`.
 
     Args:
-        limits: of the joints.
+        limits: limits of the joints.
         watchdog: age at which a reference is stale [s].
-        deceleration: of the stop, as a share of the acceleration limits.
+        deceleration: deceleration of the stop, as a share of the acceleration limits.
     """
 
     def __init__(self, limits: JointLimits, watchdog: float, deceleration: float) -> None:
@@ -33,7 +33,7 @@ class ReferenceFollower:
         self._stop: GentleStop | None = None
         self._rejoining: Rejoining | None = None
         self.is_holding = True
-        """Whether there is no fresh reference: the arm brakes or is held."""
+        """Whether the arm brakes or is held, since there is no fresh reference."""
 
     def accept(self, reference: JointReference, time: float) -> None:
         """Take a reference that arrived at `time` [s].
@@ -48,15 +48,15 @@ class ReferenceFollower:
         self._newest, self._received = reference, time
 
     def drop(self) -> None:
-        """Forget the reference, as when its sender died."""
+        """Forget the reference, for example when the node that sent it has ended."""
         self._newest = None
 
     def at(self, time: float, q: Array) -> Desired:
-        """Desired position, velocity and acceleration `(n,)` at `time`, to be asked in every step.
+        """Desired position, velocity and acceleration `(n,)` at `time`; to be called in every step.
 
         Args:
             time: now [s].
-            q: measured positions `(n,)` [rad], where the arm is held that was never told anything.
+            q: measured positions `(n,)` [rad]; the arm is held there before its first reference.
         """
         newest = self._newest
         if newest is not None and time - self._received <= self._watchdog and time <= newest.end:

@@ -1,4 +1,4 @@
-"""How an arm that its driver held takes up references again: only from nearby, and without a jolt."""
+"""How an arm that its driver held follows references again: only from nearby, and within its limits."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from pack_sim.gentle_stop import Desired
 PERIOD = 0.004
 """A reference may be as far from a held arm as its velocity limits allow in this time [s]."""
 RATE = 15.0
-"""At which the rest of the distance vanishes [1/s]."""
+"""Natural frequency of the critically damped approach to the reference [1/s]."""
 SAME_POSITION, SAME_SPEED = 1e-6, 1e-4
-"""Differences from which on the arm follows the reference itself [rad, rad/s]."""
+"""Below these differences the arm follows the reference itself [rad, rad/s]."""
 
 
 class Rejoining:
-    """From a hold to a reference, within the joints' velocity and acceleration limits."""
+    """Leads a held arm to a reference, within the joints' velocity and acceleration limits."""
 
     def __init__(self, limits: JointLimits) -> None:
         self._limits = limits
 
     def check(self, reference: JointReference, time: float, held: Desired) -> None:
-        """See that a reference goes on where the arm is held at `time` [s].
+        """Check that a reference begins where the arm is held at `time` [s], or nearly there.
 
         Raises:
-            MessageError: it is farther away than the velocity limits allow in a period.
+            MessageError: it is farther away than the velocity limits allow in `PERIOD`.
         """
         distance, most = reference.at(time)[0] - held[0], PERIOD * self._limits.velocity
         joint = int(np.argmax(np.abs(distance) / most))
@@ -42,15 +42,17 @@ class Rejoining:
     def step(
         self, reference: JointReference, time: float, before: float, last: Desired
     ) -> tuple[Desired, bool]:
-        """What the joints shall do at `time` after `last` at `before` [s]; whether that is the reference.
+        """The desired state at `time` after `last` at `before` [s], and whether that is the reference itself.
 
-        The difference vanishes as a critically damped oscillation does, unless a limit makes it wait.
+        The difference x to the reference decays by a = -RATE^2 x - 2 RATE dx/dt, which is critically damped;
+        acceleration and velocity are clipped to their limits.
         """
         wanted = reference.at(time)
         h = time - before
         if h <= 0.0:
             return last, False
         (q_ref, v_ref, a_ref), (q, v, _) = wanted, last
+        # Differences to the reference at `before`, extrapolated backwards from `time`.
         apart, slip = q - (q_ref - h * (v_ref - 0.5 * h * a_ref)), v - (v_ref - h * a_ref)
         if np.abs(apart).max() < SAME_POSITION and np.abs(slip).max() < SAME_SPEED:
             return wanted, True

@@ -64,7 +64,7 @@ class AxisProgram:
         )
         first, second = (np.array([pair[k] for pair in relations], dtype=int) for k in (0, 1))
         reach = np.minimum(room, self.max_shift)
-        # Rows of G y >= h: y >= 0; displaced up by no more than the reach; nor down; the gap of each relation.
+        # Rows of G y >= h: y >= 0; each box's reach up the axis, and down it; the gap of each relation.
         G = np.vstack([np.eye(2 * n), -displaced, displaced, displaced[second] - displaced[first]])
         h = np.concatenate(
             [np.zeros(2 * n), -reach[0], -reach[1], self.gap - self.lower[second] + self.upper[first]]

@@ -1,4 +1,4 @@
-"""Plans a layout from an order: places with gaps, a sequence the arm can reach, and an insertion side each."""
+"""Plans an order's layout: places with gaps, a sequence that the arm can reach, and an insertion side each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where boxes arrive: about the middle of the picking table, never quite the same."""
+"""The random pose at which a box arrives on the picking table."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from pack_core.rotations import Pose, from_yaw
 
 
 def arrival_pose(cell: PalletizingCell, box: BoxBody, seed: int) -> Pose:
-    """X_WB of a box that stands on the picking table, displaced and turned at random.
+    """X_WB of a box that arrives near the middle of the picking table, displaced and turned at random.
 
-    The same seed and box give the same pose, whatever came before.
+    The same seed and box give the same pose, whichever boxes arrived before: each box has its own generator.
     """
     rng = np.random.default_rng([seed, box.look])
     offset = rng.uniform(-cell.spawn.offset, cell.spawn.offset, 2)

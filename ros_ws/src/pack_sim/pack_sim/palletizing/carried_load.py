@@ -1,4 +1,4 @@
-"""The arm as its controller knows it: its own dynamics, and the load that it was told of."""
+"""The controller's model of the arm: the dynamics of arm and tool, and of the box that is carried."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ class CarriedLoad:
         self.model = spec.compile()
 
     def put_on(self, box: BoxBody, X_TB: Pose) -> None:
-        """Count a box at X_TB in."""
+        """Add the mass and inertia of a box held at X_TB."""
         self._set(box.mass, X_TB, box.inertia)
 
     def take_off(self) -> None:
-        """Nothing is carried."""
+        """Remove the box from the model."""
         self._set(0.0, Pose(np.zeros(3)), np.zeros(3))
 
     def _set(self, mass: float, X_TB: Pose, inertia: Array) -> None:
         body = self.model.body(LOAD).id
         self.model.body_mass[body], self.model.body_inertia[body] = mass, inertia
         self.model.body_ipos[body], self.model.body_iquat[body] = X_TB.p, X_TB.q
-        mujoco.mj_setConst(self.model, mujoco.MjData(self.model))
+        mujoco.mj_setConst(self.model, mujoco.MjData(self.model))  # recomputes what depends on the masses

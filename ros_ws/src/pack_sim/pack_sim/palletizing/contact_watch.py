@@ -1,4 +1,4 @@
-"""Contacts that should not be: the arm or its tool against anything, the carried box against its side."""
+"""Unwanted contacts: the arm or its tool against anything, or a side of the carried box against anything."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from pack_core.palletizing.cell import BoxContact
 from pack_core.robots.kr210 import ARM_BITS
 
 STEEP = np.cos(np.deg2rad(45.0))
-"""A contact whose normal is closer to the vertical than this supports a box."""
+"""Cosine of 45 degrees: a contact whose normal is nearer to the vertical than that supports a box."""
 PAUSE = 0.1
-"""A contact of the same bodies after a longer one is another one [s]."""
+"""Contacts of the same two bodies with a longer pause between them count as two events [s]."""
 
 
 @dataclass(frozen=True)
@@ -22,10 +22,10 @@ class UnwantedContact:
     """Two bodies that touched though they should not.
 
     Attributes:
-        time: when they began to [s].
-        duration: [s].
-        bodies: their names, sorted.
-        force: largest of any contact point between them [N].
+        time: when the contact began [s].
+        duration: how long it lasted [s].
+        bodies: names of the two bodies, sorted.
+        force: largest force at any contact point between them [N].
     """
 
     time: float
@@ -35,13 +35,13 @@ class UnwantedContact:
 
 
 class ContactWatch:
-    """Collects unwanted contacts over a force.
+    """Collects unwanted contacts whose force is above a limit.
 
-    What supports the carried box from below is wanted, unless the box comes down on it faster than boxes
-    are put down. What the arm touches is never wanted, and a side of the carried box neither.
+    A contact that supports the carried box from below is wanted, unless the box comes down faster than boxes
+    are put down. Contacts of the arm and of a side of the carried box are always unwanted.
 
     Args:
-        contact: the force and the speed.
+        contact: the force above which contacts are recorded, and the largest landing speed.
     """
 
     def __init__(self, contact: BoxContact) -> None:
@@ -50,7 +50,7 @@ class ContactWatch:
         self._known: dict[tuple[str, str], int] = {}
         self._handed_out = 0
         self.events: list[UnwantedContact] = []
-        """Oldest first; the last one of every pair may go on."""
+        """All events, oldest first; the last one of each pair of bodies may still go on."""
 
     def finished(self, time: float) -> list[UnwantedContact]:
         """Contacts that ended before `time` [s] and were not handed out yet, oldest first."""
@@ -60,16 +60,16 @@ class ContactWatch:
         return self.events[first : self._handed_out]
 
     def index(self, model: mujoco.MjModel) -> None:
-        """Take note of a new model."""
+        """Find the arm's geoms in a new model; to be called whenever the model was built anew."""
         self._kinds = (model.geom_contype & ARM_BITS) != 0
 
     def update(self, model: mujoco.MjModel, data: mujoco.MjData, held: str) -> None:
         """Look at the contacts of the last step.
 
         Args:
-            model: that was indexed.
-            data: after the step.
-            held: name of the carried box, empty when none.
+            model: the model that was indexed last.
+            data: the state after the step.
+            held: name of the carried box; empty when none is carried.
         """
         if data.ncon == 0:
             return
@@ -82,9 +82,10 @@ class ContactWatch:
             self._note(model, data, int(i))
 
     def _supports(self, model: mujoco.MjModel, data: mujoco.MjData, held: str) -> npt.NDArray[np.bool_]:
-        """Which contacts `(ncon,)` the carried box may rest on."""
-        dof = model.body(held).dofadr[0]
+        """For each contact `(ncon,)`, whether it is one that may support the carried box."""
+        dof = model.body(held).dofadr[0]  # of a free joint: first the linear velocity, in the world
         is_slow = np.linalg.norm(data.qvel[dof : dof + 3]) <= self._speed
+        # The first three entries of a contact frame are its normal in the world: entry 2 is its z coordinate.
         upright: npt.NDArray[np.bool_] = np.abs(data.contact.frame[:, 2]) > STEEP
         return upright & is_slow
 

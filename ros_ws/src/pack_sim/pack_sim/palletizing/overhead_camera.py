@@ -1,4 +1,4 @@
-"""The overhead camera: what it sees of the cell."""
+"""The simulated overhead camera of the palletizing cell."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class PalletCamera:
     """Draws what the camera sees; a context manager, bound to the thread that enters it.
 
     Args:
-        cell: where the camera is.
+        cell: the cell's facts, with the pose of the camera.
         config: size of the pictures.
     """
 
@@ -49,12 +49,12 @@ class PalletCamera:
             self._view = None
 
     def picture(self, snapshot: Snapshot) -> Picture:
-        """What it sees `(height, width, 3)`, RGB; raises PackError when it was not entered."""
+        """A picture `(height, width, 3)`, RGB; raises PackError outside a `with` statement."""
         if self._view is None:
             raise PackError("the overhead camera draws only inside a `with` statement")
         return self._view.picture(snapshot.q, snapshot.boxes, self.camera)
 
 
 def camera_of(cell: PalletizingCell, config: PalletCameraConfig) -> PinholeCamera:
-    """The camera with pictures of the configured width."""
+    """The cell's overhead camera, scaled to pictures of the configured width."""
     return cell.overhead_camera.scaled(config.width)

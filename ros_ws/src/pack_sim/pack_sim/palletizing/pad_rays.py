@@ -1,4 +1,4 @@
-"""What is in front of the pad: rays from the points that a seal must cover."""
+"""Finds the box in front of the pad, by rays from the points that a seal must cover."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BEHIND = 0.01
 
 @dataclass(frozen=True)
 class FaceAhead:
-    """The box that a seal can hold and that seal, or neither and why."""
+    """The box that can be held and the seal that holds it; or no box, no seal, and the reason."""
 
     box: str
     seal: Seal | None
@@ -27,9 +27,10 @@ class FaceAhead:
 def face_ahead(
     model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str], seals: Sequence[Seal], reach: float
 ) -> FaceAhead:
-    """The first seal all of which meets a box's face within `reach` [m]; needs up-to-date kinematics.
+    """Find the first seal whose points all meet the face of one box within `reach` [m].
 
-    The reason why none does is that of the last, the smallest.
+    The body poses in `data` must be up to date. Seals are ordered from the largest to the smallest, so that
+    the reason given when none fits is that of the smallest.
     """
     reason = ""
     for seal in seals:
@@ -42,7 +43,7 @@ def face_ahead(
 def _covering(
     model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str], seal: Seal, reach: float
 ) -> tuple[str, str]:
-    """Name of the box whose face covers a seal, or empty and why there is none."""
+    """The name of the box whose face covers a seal, and ""; or "" and the reason why there is none."""
     tool = data.body(TOOL)
     R_WT = tool.xmat.reshape(3, 3)
     starts = tool.xpos + (seal.points - [0.0, 0.0, BEHIND]) @ R_WT.T
@@ -60,9 +61,9 @@ def _covering(
 def _hit(
     model: mujoco.MjModel, data: mujoco.MjData, start: Array, axis: Array, tool: int, reach: float
 ) -> str:
-    """Name of the body that a ray meets within `reach`; empty when none."""
+    """Name of the body that a ray meets within `reach` [m]; empty when it meets none."""
     geom = np.zeros(1, dtype=np.int32)
-    distance = mujoco.mj_ray(model, data, start, axis, None, True, tool, geom)
+    distance = mujoco.mj_ray(model, data, start, axis, None, True, tool, geom)  # -1 when nothing is met
     if distance < 0.0 or distance > reach:
         return ""
     return str(model.body(model.geom_bodyid[geom[0]]).name)

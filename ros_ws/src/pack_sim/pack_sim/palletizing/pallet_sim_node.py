@@ -54,7 +54,7 @@ class PalletSimNode(MotionSimNode):
 
     @property
     def simulator(self) -> PalletSimulator:
-        """The cell in motion."""
+        """The simulated cell; a new object after every reset."""
         return self._simulator
 
     def advance(self) -> float:

@@ -1,4 +1,4 @@
-"""The cell's model and state, through boxes that come and go."""
+"""The cell's MuJoCo model and state, rebuilt whenever a box is added or removed."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from pack_core.robots.kr210 import LIMITS, gear_joint
 from pack_core.rotations import Array, Pose
 
 OVERLAP = 0.001
-"""Overlap with something else at which a box cannot arrive [m]."""
+"""A box that would overlap something by more than this cannot arrive [m]."""
 
 
 class Physics:
-    """Model and data; the model is built anew when a box comes or goes, and all else stays as it is.
+    """Model and data; the model is built anew when a box comes or goes, and all other state is copied over.
 
     Args:
         cell: the cell's physical facts.
-        timestep: of the integrator [s].
-        X_WB: where the arm really stands.
+        timestep: time step of the integrator [s].
+        X_WB: true pose of the arm's base.
         time: what the clock shows at the start [s].
 
     Attributes:
-        motors: the motors' coordinates; the arm comes first in the model.
-        gears: the gears' deflections, none when they are rigid.
+        motors: the motors' coordinates in qpos and qvel; the arm comes first in the model.
+        gears: the gears' deflections in qpos and qvel; empty when they are rigid.
     """
 
     def __init__(self, cell: PalletizingCell, timestep: float, X_WB: Pose, time: float) -> None:
@@ -36,6 +36,7 @@ class Physics:
         self.motors, self.gears = slice(0, 6), slice(0, 0)
         if cell.imperfections.gears is not None:
             self._arm += [gear_joint(name) for name in LIMITS.names]
+            # Each joint of the arm is followed by its gear: even coordinates are motors, odd ones deflections.
             self.motors, self.gears = slice(0, 12, 2), slice(1, 12, 2)
         self.boxes: dict[str, BoxBody] = {}
         self.model, self.data = self._build()
@@ -74,7 +75,7 @@ class Physics:
         mujoco.mj_forward(self.model, self.data)
 
     def link_angles(self) -> Array:
-        """Where the links really are `(6,)` [rad]."""
+        """True joint angles of the links `(6,)` [rad]: the motors' angles plus the gears' deflections."""
         angles: Array = self.data.qpos[self.motors].copy()
         if self._cell.imperfections.gears is not None:
             angles += self.data.qpos[self.gears]
@@ -88,9 +89,11 @@ class Physics:
         return model, mujoco.MjData(model)
 
     def _rebuild(self) -> None:
+        """Build the model for the present boxes and copy the state of every joint and grip, by name."""
         old_model, old = self.model, self.data
         self.model, self.data = model, data = self._build()
         data.time, data.ctrl[:] = old.time, old.ctrl
+        # The solver's warm start is copied too: without it the step after a rebuild would differ.
         for name in (*self._arm, *(name for name in self.boxes if _has(old_model, name))):
             now, was = model.joint(name), old_model.joint(name)
             data.qpos[_span(now.qposadr, now.qpos0)] = old.qpos[_span(was.qposadr, was.qpos0)]
@@ -103,11 +106,11 @@ class Physics:
                 model.geom(name).conaffinity[:] = old_model.geom(name).conaffinity
 
     def _overlapping(self, name: str) -> str:
-        """Name of a body that a box is in, other than what it stands on; empty when none."""
+        """Name of a body that a box overlaps by more than `OVERLAP`; empty when there is none."""
         geom = self.model.geom(name).id
         for pair, distance in zip(self.data.contact.geom, self.data.contact.dist, strict=True):
             if geom in pair and distance < -OVERLAP:
-                other = int(pair[0] + pair[1] - geom)
+                other = int(pair[0] + pair[1] - geom)  # the pair's geom that is not the box's own
                 return str(self.model.body(self.model.geom_bodyid[other]).name)
         return ""
 
@@ -117,4 +120,5 @@ def _has(model: mujoco.MjModel, joint: str) -> bool:
 
 
 def _span(address: np.ndarray, values: np.ndarray) -> slice:
+    # The length comes from any field with one value per coordinate: 1 for a hinge, 7 or 6 for a free joint.
     return slice(int(address[0]), int(address[0]) + len(values))

@@ -1,4 +1,4 @@
-"""How the arm differs from the ideal one: gears that give way, and a base that stands elsewhere."""
+"""How the real arm differs from the ideal one: elastic gears with play, and an error of its calibration."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from pack_core.rotations import Array, Pose, exp
 
 
 def true_base(cell: PalletizingCell, seed: int) -> Pose:
-    """X_WB as it really is: displaced, and turned about the middle of the cell, in random directions."""
+    """The true X_WB of the arm's base: displaced and turned about the middle of the cell at random.
+
+    Directions are drawn from the seed; the sizes of both errors are those of the cell's calibration.
+    """
     rng = np.random.default_rng([seed, 1])
     shift, axis = (_direction(rng) for _ in range(2))
     calibration = cell.imperfections.calibration
@@ -20,15 +23,16 @@ def true_base(cell: PalletizingCell, seed: int) -> Pose:
     places = [*(np.array([*table.centre, table.height]) for table in tables), cell.pallet.X_WP.p]
     middle = Pose(np.mean(places, axis=0))
     error = Pose(calibration.position * shift, exp(np.deg2rad(calibration.orientation_deg) * axis))
+    # Turned about the middle between tables and pallet, so that the error is of the same size at all of them.
     return middle @ error @ middle.inverse() @ cell.arm.X_WB
 
 
 class GearTrain:
-    """The springs between motors and links, and what the controller does about them.
+    """The springs between motors and links, and how the controller compensates them.
 
     Args:
         gears: stiffness and play.
-        load: the arm as its controller knows it.
+        load: the controller's model of the arm with its load.
     """
 
     def __init__(self, gears: Gears, load: mujoco.MjModel) -> None:
@@ -38,12 +42,16 @@ class GearTrain:
         self._model, self._data = load, mujoco.MjData(load)
 
     def torque(self, deflection: Array) -> Array:
-        """Torque `(6,)` [N m] of the springs against the links' deflection `(6,)` [rad]."""
+        """Torque `(6,)` [N m] of the springs at the links' deflection `(6,)` [rad]; none within the play."""
         beyond = deflection - np.clip(deflection, -self._play, self._play)
         return -self._k * beyond
 
     def motors(self, desired: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        """What the motors shall do so that the links do what is desired: they lead by the load's twist."""
+        """The motors' reference for the links' desired one: q + tau / k, ahead by the springs' deflection.
+
+        tau is the torque through the gears by inverse dynamics. The motors' own inertia is subtracted, since
+        its torque acts before the gears.
+        """
         q, v, a = desired
         self._data.qpos[:], self._data.qvel[:], self._data.qacc[:] = q, v, a
         mujoco.mj_inverse(self._model, self._data)

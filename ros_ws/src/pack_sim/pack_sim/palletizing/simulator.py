@@ -34,12 +34,12 @@ class PalletSimulatorConfig(Config):
 
 
 class PalletSimulator:
-    """The cell in motion.
+    """Steps the physics of the cell together with its joint controller and its gripper.
 
     Args:
         cell: the cell's physical facts.
-        config: rates and limits.
-        seed: of where boxes arrive, and where the arm really stands.
+        config: time step of the physics and timeout of the setpoints.
+        seed: seed of the random poses at which boxes arrive, and of the arm's calibration error.
         time: what the clock shows at the start [s].
     """
 
@@ -65,11 +65,11 @@ class PalletSimulator:
 
     @property
     def boxes(self) -> tuple[BoxBody, ...]:
-        """What is in the cell, in the order of its coming."""
+        """The boxes in the cell, in the order of their arrival."""
         return tuple(self._physics.boxes.values())
 
     def accept(self, reference: JointReference) -> None:
-        """Hand a reference to the joint controller; raises MessageError when it is refused."""
+        """Pass a reference to the joint controller; raises MessageError when it is refused."""
         self.follower.accept(reference, self.time)
 
     def step(self) -> None:
@@ -90,7 +90,7 @@ class PalletSimulator:
             self._tell_load(self.gripper.state.held)
 
     def joints(self) -> JointSample:
-        """What the joint sensors measure, at the motors."""
+        """What the joint sensors measure; they are at the motors, before the gears."""
         data, motors = self._physics.data, self._physics.motors
         return JointSample(self.time, data.qpos[motors].copy(), data.qvel[motors].copy(), data.ctrl.copy())
 
@@ -103,13 +103,13 @@ class PalletSimulator:
 
         Args:
             box: what arrives.
-            X_WB: where; by default on the picking table, displaced and turned at random.
+            X_WB: its pose; by default on the picking table, displaced and turned at random.
 
         Returns:
-            Where it stands, which nothing in a control loop may know.
+            The true pose of the box; no part of a control loop may use it.
 
         Raises:
-            PackError: its name is taken, or something is in its place.
+            PackError: a box of this name is in the cell, or something is in its place.
         """
         where = X_WB or arrival_pose(self.cell, box, self._seed)
         self._physics.add(box, where)
@@ -117,7 +117,7 @@ class PalletSimulator:
         return where
 
     def remove(self, name: str) -> None:
-        """Take a box out of the cell, from the gripper too; raises PackError when there is none of it."""
+        """Take a box out of the cell, also if it is gripped; raises PackError when there is no such box."""
         if self.gripper.state.held == name:
             self.gripper.open()
             self.gripper.update(self._physics.model, self._physics.data, [])
@@ -141,7 +141,7 @@ class PalletSimulator:
         return Snapshot(self.time, self._physics.link_angles(), boxes)
 
     def _kinematics(self) -> mujoco.MjData:
-        """The data with positions of bodies that belong to the present time."""
+        """The data with body poses that match qpos: a step of MuJoCo leaves those from before the step."""
         mujoco.mj_kinematics(self._physics.model, self._physics.data)
         return self._physics.data
 
@@ -156,4 +156,5 @@ class PalletSimulator:
         dof = self._physics.model.body(name).dofadr[0]
         R_WB = data.body(name).xmat.reshape(3, 3)
         v: Array = data.qvel[dof : dof + 6]
+        # MuJoCo has a free joint's angular velocity in the body's frame: it is turned into the world.
         return ObjectState(body_pose(data, name), v[:3].copy(), np.asarray(R_WB @ v[3:]))

@@ -1,4 +1,4 @@
-"""What is seen of the cell at a moment."""
+"""The visible state of the cell at one moment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The surface gripper: takes hold of a face in front of its pad, and lets go when it is loaded too much."""
+"""The simulated surface gripper: grips a face in front of its pad, and loses it when overloaded."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pack_sim.palletizing.pad_rays import face_ahead
 
 
 class SurfaceGripper:
-    """Commands come at any time; `update` carries them out after every step of the physics.
+    """Takes commands at any time, and carries them out in `update`, after each step of the physics.
 
     Args:
         tool: the gripper, for its seals.
@@ -39,18 +39,18 @@ class SurfaceGripper:
         return self.state.is_open
 
     def close(self) -> None:
-        """Take hold of what is in front of the pad, as soon as there is something, or give up."""
+        """Grip what is in front of the pad, as soon as there is a box; fails after `retry_interval`."""
         self._is_opening = False
         if not self.state.is_closed:
             self._deadline = None
             self.state = GripState(is_closing=True)
 
     def open(self) -> None:
-        """Let go."""
+        """Release the box, or stop trying to grip one."""
         self._is_opening = True
 
     def update(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:
-        """Do what is due after a step, with the positions and forces of that step."""
+        """Carry out the last command after a step, with the positions and forces of that step."""
         if self._is_opening:
             self._is_opening = False
             self._let_go(model, data, ASKED)
@@ -67,7 +67,7 @@ class SurfaceGripper:
         if found.seal is None:
             if data.time >= self._deadline:
                 self.state = GripState(reason=found.reason)
-        elif is_awake(model, data, found.box):  # a box that slept is gripped in the next step
+        elif is_awake(model, data, found.box):  # a sleeping box is woken now and gripped in the next step
             attach(model, data, found.box)
             self._seal, self._steps_over = found.seal, 0
             self.state = GripState(held=found.box)
@@ -88,7 +88,7 @@ class SurfaceGripper:
         self.state = GripState(peak=self.state.peak, reason=reason)
 
     def _excess(self, load: GripLoad) -> str:
-        """The first limit that the load passes, in words; empty where it passes none."""
+        """The first limit that the load exceeds, in words; empty where it exceeds none."""
         for passed in self._limits.passed_by(load, self._seal.share):
             return f"{passed.what} {passed.load:.1f} {passed.unit} above {passed.allowed:.1f} {passed.unit}"
         return ""

@@ -18,8 +18,8 @@ class PalletCameraPublisher:
     """Publishes each picture with the intrinsics of the camera.
 
     Args:
-        node: that publishes.
-        cell: where the camera is.
+        node: the node that publishes.
+        cell: the cell's facts, with the pose of the camera.
         config: size of the pictures.
     """
 
@@ -31,11 +31,11 @@ class PalletCameraPublisher:
         self._thread = CameraThread(overhead, self._publish, self._report)
 
     def expose(self, snapshot: Snapshot) -> bool:
-        """Have a picture taken; False while the last one is still being made."""
+        """Start to draw a picture; False while the last one is still being drawn."""
         return self._thread.expose(snapshot.time, snapshot)
 
     def close(self) -> None:
-        """Take no more pictures."""
+        """Stop the threads that draw and publish pictures."""
         self._thread.close()
 
     def _publish(self, time: float, picture: Picture) -> None:

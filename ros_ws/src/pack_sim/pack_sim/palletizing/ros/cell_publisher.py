@@ -1,4 +1,4 @@
-"""What the simulated palletizing cell publishes, each at its rate."""
+"""Publishes the topics of the simulated palletizing cell, each at its rate."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class CellPublisher:
     """Steps the physics from one tick of /clock to the next and publishes what is due.
 
     Args:
-        node: that publishes.
-        timestep: of the physics [s].
+        node: the node that publishes.
+        timestep: time step of the physics [s].
     """
 
     def __init__(self, node: CellNode, timestep: float) -> None:
@@ -64,6 +64,6 @@ class CellPublisher:
             self._truth.publish(to_scene(simulator.truth()))
 
     def publish_boxes(self, boxes: Iterable[BoxBody]) -> None:
-        """Say which boxes there are."""
+        """Publish the boxes that are in the cell, as YAML."""
         rows = [{"name": box.name, "size": list(box.size), "mass": box.mass} for box in boxes]
         self._boxes.publish(String(data=yaml.safe_dump(rows)))
