@@ -5,14 +5,12 @@ from collections.abc import Callable
 import pytest
 
 from pack_core.blocks.problem import Problem
-from pack_planner.rearrangement.planner import warm_up
 from unit.problems import make_problem
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled() -> None:
-    """No test's budget is spent on compiling."""
-    warm_up()
+def planners(compiled: None) -> None:
+    """Planners that need no compiling, for every test of this folder."""
 
 
 @pytest.fixture

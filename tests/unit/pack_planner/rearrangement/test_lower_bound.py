@@ -2,6 +2,7 @@
 
 import pytest
 
+from pack_core.blocks.problem import PlacedBlock
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound
