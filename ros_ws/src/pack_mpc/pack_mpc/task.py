@@ -87,12 +87,7 @@ class PackingTask:
         return [X_WN.p for X_WN in self.tried]
 
     def place(
-        self,
-        X_WN: Pose,
-        collisions: tuple[str, ...],
-        over: Array,
-        scene: SceneState,
-        is_rehearsed: bool = False,
+        self, X_WN: Pose, collisions: tuple[str, ...], over: Array, scene: SceneState, is_rehearsed: bool = False
     ) -> None:
         """Take up a placement that was planned.
 

@@ -109,10 +109,8 @@ class PirsSearch:
         patience: int,
     ) -> None:
         self._task, self._progress, self._rng, self._config = task, progress, rng, config
-        self._patience = patience
-        self._sizes = Sizes.of(task.side, task.gripper)
-        costs = config.costs
-        self._prices = Prices(costs.pick_place, costs.push, costs.collision)
+        self._patience, self._sizes = patience, Sizes.of(task.side, task.gripper)
+        self._prices = Prices(config.costs.pick_place, config.costs.push, config.costs.collision)
         self._corners = np.array(task.problem.workspace, dtype=float)
 
     def pirs(self, o: int, O_R: frozenset[int], alpha_C: Array) -> PirsOutcome:
