@@ -78,6 +78,15 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
         return (yield)
 
 
+@pytest.fixture(scope="session")
+def compiled(pytestconfig: pytest.Config) -> None:
+    """The rearrangement planners are compiled, by one worker, so that no test's budget is spent on it."""
+    from pack_planner.rearrangement.planner import warm_up
+
+    with (pytestconfig.stash[LOCKS] / "compiling").open("a") as file, _locked(file, fcntl.LOCK_EX):
+        warm_up()
+
+
 @contextmanager
 def _locked(file: IO[str], kind: int) -> Iterator[None]:
     fcntl.flock(file, kind)

@@ -12,6 +12,7 @@ from pack_core.motion.moves import Move, Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import motion
+from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import to_trajectory
 from pack_core.ros.motion_messages import to_target
 from pack_core.rotations import Pose, from_rpy
@@ -73,6 +74,8 @@ def test_a_move_goes_on_after_its_setpoints_were_lost_and_the_arm_never_jumps(
     begin(graph, MOVE)
     deaf.until = newest_joints(graph).time + GAP
     graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "REACHED", 60.0)
+    reached = from_stamp(graph.probe.last(motion.MOTION_STATUS).header.stamp)
+    graph.wait_until(lambda: newest_joints(graph).time >= reached)
     assert "HELD" in states(graph)
     assert states(graph)[-1] == "REACHED"
     assert motion_node.health.counts["interrupted"] >= 1

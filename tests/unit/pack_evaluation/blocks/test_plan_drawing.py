@@ -15,6 +15,7 @@ from pack_planner.rearrangement.planner import plan
 SHORT = RearrangementConfig(beam=BeamPlanner(rounds=2))
 
 
+@pytest.mark.usefixtures("compiled")
 def test_every_action_has_a_picture_that_says_what_it_is() -> None:
     problem = make_instance(4, 0.1, 1)
     made = plan(problem, budget_s=20.0, config=SHORT)
