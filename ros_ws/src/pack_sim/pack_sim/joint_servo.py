@@ -1,4 +1,4 @@
-"""Joint controller of an arm: PD position loops with inverse dynamics of the reference and a slow integral."""
+"""Joint controller of an arm: PD position loops, inverse dynamics of the reference, and a slow integral."""
 
 from __future__ import annotations
 

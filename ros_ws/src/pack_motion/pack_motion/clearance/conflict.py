@@ -1,4 +1,4 @@
-"""What comes too near to what."""
+"""Which two bodies come too near to each other in a plan."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from pack_motion.reference.path_planner import MotionPlan
 
 @dataclass(frozen=True)
 class Conflict:
-    """A shortage of room in a plan.
+    """A violation of the clearance in a plan.
 
     Attributes:
-        body: of the arm, or the carried box.
-        obstacle: its name.
-        gap: between them [m]; negative where they overlap.
-        time: after the start of the move [s].
-        segment: of the path.
-        text: all that in words.
+        body: name of the arm's body, or of the carried box.
+        obstacle: name of the obstacle.
+        gap: distance between them [m]; negative where they overlap.
+        time: time after the start of the move [s].
+        segment: index of the segment of the path.
+        text: all of this as an error text.
     """
 
     body: str
@@ -32,7 +32,7 @@ class Conflict:
 def conflict_at(
     arm: MotionArm, plan: MotionPlan, row: int, body: str, obstacle: str, gap: float, needed: float
 ) -> Conflict:
-    """The shortage at a row of the plan's trajectory."""
+    """Describe the conflict at a row of the plan's trajectory; `gap` and `needed` are in metres."""
     trajectory = plan.trajectory
     time, segment = float(trajectory.times[row]), int(trajectory.segment[row])
     p = arm.chain.forward(trajectory.q[row]).p

@@ -1,7 +1,7 @@
-"""How far boxes are apart, compiled.
+"""Gaps between oriented boxes, compiled with numba.
 
 By the separating axis theorem: Gottschalk, Lin, Manocha, "OBBTree", 1996. The largest gap along the
-fifteen axes is at most the distance, so that what counts as clear is clear.
+fifteen axes is never larger than the true distance, so that boxes found to be clear are clear.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from pack_core.rotations import Array
 
 Indices = npt.NDArray[np.int64]
 PARALLEL = 1e-6
+"""Sine of the angle below which two edges count as parallel: their cross product gives no axis then."""
 
 
 @numba.njit(cache=True)
@@ -22,7 +23,7 @@ def separation(R_a: Array, p_a: Array, half_a: Array, R_b: Array, p_b: Array, ha
     """Largest gap [m] between two boxes along any separating axis; negative where they overlap."""
     to_b = p_b - p_a
     largest = -np.inf
-    for k in range(15):
+    for k in range(15):  # 3 face normals of a, 3 of b, and 9 cross products of an edge of a and one of b
         if k < 3:
             axis = R_a[:, k].copy()
         elif k < 6:
@@ -33,6 +34,7 @@ def separation(R_a: Array, p_a: Array, half_a: Array, R_b: Array, p_b: Array, ha
             if size < PARALLEL:
                 continue
             axis = axis / size
+        # Distance of the centres along the axis, less half the extent of each box along it.
         gap = abs(axis[0] * to_b[0] + axis[1] * to_b[1] + axis[2] * to_b[2])
         for i in range(3):
             gap -= half_a[i] * abs(axis[0] * R_a[0, i] + axis[1] * R_a[1, i] + axis[2] * R_a[2, i])
@@ -54,6 +56,7 @@ def separations(
         reach = np.sqrt(np.sum(half[i] ** 2)) + enough
         for j in range(len(box_p)):
             apart = np.sqrt(np.sum((box_p[j] - p_i) ** 2))
+            # Circumscribed spheres farther apart than `enough`: the fifteen axes need not be tried.
             if apart > reach + np.sqrt(np.sum(box_half[j] ** 2)):
                 continue
             gaps[i, j] = min(enough, separation(R_i, p_i, half[i], box_R[j], box_p[j], box_half[j]))
@@ -84,7 +87,7 @@ def own_gaps_along(
     for t in range(len(q)):
         R_links, d_links = screws.link_transforms(axes, points, q[t])
         for i in range(len(link)):
-            if link[i] < 0:
+            if link[i] < 0:  # fixed to the base
                 R_now[i], p_now[i] = R[i], p[i]
             else:
                 R_now[i] = R_links[link[i]] @ R[i]

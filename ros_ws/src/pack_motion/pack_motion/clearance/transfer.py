@@ -1,4 +1,4 @@
-"""Searches how far a transfer must lift and from how high it must come in, until it is clear."""
+"""Searches the lengths of a transfer's first and last straight line for which it is clear of obstacles."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
 
 STEP = 0.08
-"""By which lengths are raised [m]."""
+"""Largest step between two lengths that are tried [m]."""
 DEPART, TRANSIT = "depart", "transit"
 
 
 class TransferPlanner:
-    """Plans transfers that are clear of everything around."""
+    """Plans transfers that are clear of all obstacles."""
 
     def __init__(self, arm: MotionArm, paths: PathPlanner, check: ClearanceCheck) -> None:
         self._arm, self._paths, self._check = arm, paths, check
 
     def plan(self, start: JointState, transfer: Transfer, around: Surrounding) -> MotionPlan:
-        """The first clear plan on the way from the shortest lines to the longest.
+        """The first clear plan, trying lines from the shortest to the longest.
 
-        A transfer that is not clear in its first half is lifted farther, otherwise it comes in from farther
-        away; where that line has its full length, or cannot be longer, the other one grows.
+        If the joint move between the lines is not clear in its first half, the first line is made longer,
+        otherwise the last one; where that line has its full length already, the other one grows.
 
         Raises:
-            MoveRefused: none is clear; its text is what stood against the last one.
+            MoveRefused: no plan is clear; the text names the conflict of the last one that was tried.
         """
         depart = _lengths(transfer.depart) if transfer.depart else np.zeros(1)
         hover = _lengths(transfer.hover)
@@ -47,7 +47,7 @@ class TransferPlanner:
             if conflict is None:
                 return plan
             best_refusal = conflict.text
-            if plan.segments[conflict.segment].label != TRANSIT:
+            if plan.segments[conflict.segment].label != TRANSIT:  # longer lines cannot help the lines
                 raise MoveRefused(conflict.text)
             is_early = conflict.time < _middle(plan)
             can_lift, can_hover = i + 1 < len(depart), j + 1 < len(hover)
@@ -85,7 +85,7 @@ def _shifted(X: Pose, retreat: Retreat, length: float) -> Pose:
 
 
 def _middle(plan: MotionPlan) -> float:
-    """Half-way through the transit [s]."""
+    """Time of the middle of the joint move between the lines [s]."""
     labels = [segment.label for segment in plan.segments]
     times = plan.trajectory.times[plan.trajectory.segment == labels.index(TRANSIT)]
     return float(0.5 * (times[0] + times[-1]))

@@ -15,7 +15,7 @@ from pack_motion.rmpflow.parameters import Policies
 
 
 class Reference(Enum):
-    """What the policies are drawn to."""
+    """The kind of reference that attracts the policies."""
 
     SHAPED = "shaped"
     """A moving, jerk-limited reference that every joint can follow."""
@@ -24,16 +24,16 @@ class Reference(Enum):
 
 
 class Resolve(Enum):
-    """How policies become accelerations."""
+    """How the summed policies are resolved into joint accelerations."""
 
     WITHIN_LIMITS = "within_limits"
-    """A quadratic programme with each joint's limits."""
+    """A quadratic program within each joint's limits."""
     NORM_CAP = "norm_cap"
-    """The pseudo-inverse, shortened to a norm."""
+    """The pseudo-inverse, scaled down to a largest norm."""
 
 
 class Governor(Config):
-    """When the reference waits for the tool, and slows down near what moves."""
+    """When the reference waits for the tool, and when it slows down near moving obstacles."""
 
     near: PositiveFloat = Field(description="distance of the tool up to which it does not wait [m]")
     far: PositiveFloat = Field(description="distance at which it stands still [m]")
@@ -51,7 +51,7 @@ class Stuck(Config):
 
 
 class MotionSet(Config):
-    """One set."""
+    """One named set of motion parameters."""
 
     reference: Reference
     resolve: Resolve
@@ -65,13 +65,13 @@ class MotionSet(Config):
     slow: Policies
 
     def policies(self, mode: Mode) -> Policies:
-        """The tuning for a mode."""
+        """The parameters of the policies for a mode."""
         return self.fast if mode is Mode.FAST else self.slow
 
 
 @cache
 def motion_set(name: str) -> MotionSet:
-    """A set by name."""
+    """The motion set `config/motion/<name>.yaml`; raises ConfigError when there is no such set."""
     path = config_path("motion", f"{name}.yaml")
     if not path.is_file():
         known = sorted(file.stem for file in config_path("motion").glob("*.yaml"))

@@ -1,4 +1,4 @@
-"""Joint accelerations that keep every limit."""
+"""Bounds of the joint accelerations within which every joint limit is kept."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from pack_core.robots.joint_limits import JointLimits
 from pack_core.rotations import Array
 
 BRAKING = 0.9
-"""Share of the acceleration limit that is counted on for stopping before the end of a range."""
+"""Share of the acceleration limit that is assumed for stopping before the end of a range."""
 MARGIN = 1e-4
-"""Before the end of a range, where a joint comes to rest [rad]; it takes up what a step overruns."""
+"""A joint is stopped this far before the end of its range [rad], so that a time step cannot overrun it."""
 
 
 def acceleration_bounds(q: Array, v: Array, h: float, limits: JointLimits) -> tuple[Array, Array]:
     """Lowest and highest accelerations `(n,)` for a step of `h` [s].
 
-    They keep the acceleration and velocity limits, and let every joint stop within its range.
+    Between them the acceleration and velocity limits are kept, and every joint can still stop in its range.
     """
     fastest = np.minimum(limits.velocity, _stoppable(limits.upper - q, v, h, limits))
     slowest = -np.minimum(limits.velocity, _stoppable(q - limits.lower, -v, h, limits))
@@ -26,7 +26,11 @@ def acceleration_bounds(q: Array, v: Array, h: float, limits: JointLimits) -> tu
 
 
 def _stoppable(room: Array, v: Array, h: float, limits: JointLimits) -> Array:
-    """Highest speed after the step from which a joint still stops within `room` [rad]."""
+    """Highest speed w after the step from which a joint still stops within `room` [rad].
+
+    The step itself covers h (v + w) / 2, stopping covers w^2 / (2 a): the result is the root of
+    w^2 + a h w - 2 a left = 0, where `left` is the room less the part of the step that v covers.
+    """
     a = BRAKING * limits.acceleration
     left = np.maximum(room - MARGIN - 0.5 * h * v, 0.0)
     return np.asarray(-0.5 * a * h + np.sqrt(0.25 * (a * h) ** 2 + 2.0 * a * left))

@@ -1,4 +1,4 @@
-"""Obstacles as the collision policy wants them: arrays."""
+"""Obstacles as the arrays that the collision policy takes."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from pack_motion.rmpflow.tree_arrays import ObstacleBoxes
 
 @dataclass(frozen=True)
 class ObstacleField:
-    """Boxes that are felt.
+    """The obstacles that the collision policy reacts to.
 
     Attributes:
-        names: of each.
-        boxes: their arrays, in the same order.
+        names: name of each obstacle.
+        boxes: arrays of the obstacles, in the same order.
     """
 
     names: tuple[str, ...]
@@ -27,7 +27,7 @@ class ObstacleField:
 
     @classmethod
     def of(cls, obstacles: Iterable[Obstacle], policy: Collision) -> ObstacleField:
-        """Those of the obstacles that the policy feels at all."""
+        """The obstacles for which the policy has a radius above 0; it ignores the others."""
         felt = [(item, _radius(item, policy)) for item in obstacles]
         felt = [(item, radius) for item, radius in felt if radius > 0.0]
         boxes = ObstacleBoxes(

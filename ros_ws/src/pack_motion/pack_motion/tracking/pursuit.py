@@ -1,4 +1,4 @@
-"""How the policies' targets go through a plan."""
+"""How the reference of the policies advances through a plan."""
 
 from __future__ import annotations
 
@@ -21,36 +21,36 @@ class Pursuit(ABC):
         self.plan = plan
         self.segment = int(plan.trajectory.segment[0])
         self.rate = 1.0
-        """At which it goes on; 1 as planned."""
+        """Rate at which the reference advances; 1 is as planned."""
 
     @abstractmethod
     def advance(
         self, h: float, deviation: float, distance: float
     ) -> tuple[JointState, JointState, Array | None]:
-        """The reference before and after a step, and the posture that joints are drawn to.
+        """The reference before and after a step, and the posture that attracts the joints.
 
         Args:
             h: duration of the step [s].
-            deviation: of the tool from the reference [m].
-            distance: least, to an obstacle that is felt [m].
+            deviation: distance of the tool from the reference [m].
+            distance: smallest distance to an obstacle that the policies react to [m].
 
         Returns:
-            Both references, and the posture; None for that of the reference.
+            Both states of the reference, and the posture `(n,)` [rad]; None means that of the reference.
         """
 
     @property
     @abstractmethod
     def remaining(self) -> float:
-        """Planned time to its end [s]."""
+        """Planned time that is left to the end of the plan [s]."""
 
     @property
     def is_over(self) -> bool:
-        """Whether it is at its end."""
+        """Whether the reference is at the end of the plan."""
         return self.remaining <= 0.0
 
 
 class ShapedPursuit(Pursuit):
-    """The plan's reference in motion; it waits for a tool that is held up."""
+    """The reference moves along the plan, and waits for a tool that is held up."""
 
     def __init__(self, plan: MotionPlan, governor: RateGovernor) -> None:
         super().__init__(plan)
@@ -66,20 +66,23 @@ class ShapedPursuit(Pursuit):
         self.rate = self._governor.update(self._planned, deviation, distance, h)
         self._time = min(self._time + 0.5 * h * (rate + self.rate), self.plan.trajectory.duration)
         planned, self.segment = self.plan.trajectory.at(self._time)
+        # Chain rule for t = r times the clock: v scales with the rate r, a with r^2. The change of the rate
+        # itself is left out of a; `Tracker.step` takes the acceleration from the difference of velocities.
         self._planned = planned
         self._state = JointState(planned.q, self.rate * planned.v, self.rate**2 * planned.a)
         return before, self._state, None
 
     @property
     def remaining(self) -> float:
-        """Planned time to its end [s]."""
+        """Planned time that is left to the end of the plan [s]."""
         return self.plan.trajectory.duration - self._time
 
 
 class StaticPursuit(Pursuit):
-    """The ends of the segments, one after the other: the next once the tool's point is there."""
+    """The reference is the end of a segment, and jumps to the next one once the tool has arrived there."""
 
     NEAR = 0.002
+    """Deviation of the tool's point below which it has arrived [m]."""
 
     def __init__(self, plan: MotionPlan, q_home: Array) -> None:
         super().__init__(plan)
@@ -105,12 +108,12 @@ class StaticPursuit(Pursuit):
 
     @property
     def remaining(self) -> float:
-        """What the plan's reference would need from here [s]."""
+        """Time that the plan's reference would need from the start of this segment to the end [s]."""
         return 0.0 if self._is_over else self._ends[-1] - self._ends[self._index - 1] * (self._index > 0)
 
 
 def pursuit_of(plan: MotionPlan, arm: MotionArm, config: MotionSet) -> Pursuit:
-    """How a set of parameters follows a plan."""
+    """The pursuit of a plan with the kind of reference that a motion set asks for."""
     if config.reference is Reference.SHAPED:
         return ShapedPursuit(plan, RateGovernor(config.governor, arm.chain, arm.limits.acceleration))
     return StaticPursuit(plan, arm.home)

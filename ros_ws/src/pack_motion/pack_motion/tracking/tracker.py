@@ -21,7 +21,7 @@ from pack_motion.tracking.resolve import resolve_capped, resolve_within
 
 @dataclass(frozen=True)
 class PolicyInputs:
-    """What the policies see besides their targets."""
+    """What the policies depend on besides the reference: parameters, the arm's spheres, and obstacles."""
 
     policies: Policies
     spheres: Spheres
@@ -29,12 +29,12 @@ class PolicyInputs:
 
 
 class Tracker:
-    """Integrates what the policies ask for.
+    """Integrates the accelerations that the policies ask for.
 
     Args:
-        arm: what moves.
-        config: how policies become accelerations.
-        q: where it stands `(n,)` [rad].
+        arm: the arm that moves.
+        config: how policies are resolved into accelerations.
+        q: joint positions at the start, at rest `(n,)` [rad].
     """
 
     def __init__(self, arm: MotionArm, config: MotionSet, q: Array) -> None:
@@ -43,7 +43,7 @@ class Tracker:
         self.deviation = 0.0
         """Distance of the commanded tool from the reference [m]."""
         self.least_distance = np.inf
-        """From any sphere to any obstacle that is felt [m]."""
+        """Smallest distance from any sphere of the arm to any obstacle that the policies react to [m]."""
 
     def step(
         self, h: float, start: JointState, end: JointState, q_posture: Array | None, seen: PolicyInputs
@@ -51,18 +51,20 @@ class Tracker:
         """Advance by `h` [s] while the reference goes from `start` to `end`.
 
         Args:
-            h: duration [s].
-            start: of the reference.
-            end: of the reference.
-            q_posture: what the joints are drawn to `(n,)` [rad]; None: the reference.
-            seen: policies and obstacles.
+            h: duration of the step [s].
+            start: the reference at the start of the step.
+            end: the reference at its end.
+            q_posture: the posture that attracts the joints `(n,)` [rad]; None: that of the reference.
+            seen: policies, spheres and obstacles.
         """
-        n = max(int(np.ceil(h / self._config.substep - 1e-6)), 1)
+        n = max(int(np.ceil(h / self._config.substep - 1e-6)), 1)  # 1e-6: no extra substep from rounding
         a_ref = (end.v - start.v) / h
         for k in range(n):
             ahead = k * h / n
             q_ref = start.q + ahead * (start.v + 0.5 * ahead * a_ref)
             self._substep(h / n, q_ref, start.v + ahead * a_ref, a_ref, q_posture, seen)
+        # The commanded acceleration is that of the reference at the end plus what the policies added to it;
+        # the mean acceleration over the step would lag behind by half a step.
         correction = self.state.a - a_ref
         limit = self._arm.limits.acceleration
         if self._config.resolve is Resolve.WITHIN_LIMITS:

@@ -1,4 +1,4 @@
-"""Branch and bound over the choices for each pair of boxes: along which axis it is parted, and which is first.
+"""Branch and bound over the choices for each pair of boxes: the axis that parts it, and which box is first.
 
 A node of the search is a set of relations along each axis. The least displacements that fulfil them are a
 lower bound for all that descends from the node, since every further relation can only raise their cost.

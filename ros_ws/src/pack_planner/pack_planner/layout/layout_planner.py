@@ -1,4 +1,4 @@
-"""Plans an order's layout: places with gaps, a sequence that the arm can reach, and an insertion side each."""
+"""Plans an order's layout: places with gaps, a sequence the arm can reach, and a side each box comes from."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class Physics:
         self.motors, self.gears = slice(0, 6), slice(0, 0)
         if cell.imperfections.gears is not None:
             self._arm += [gear_joint(name) for name in LIMITS.names]
-            # Each joint of the arm is followed by its gear: even coordinates are motors, odd ones deflections.
+            # A gear's joint follows its motor's: even coordinates are motors, odd ones deflections.
             self.motors, self.gears = slice(0, 12, 2), slice(1, 12, 2)
         self.boxes: dict[str, BoxBody] = {}
         self.model, self.data = self._build()

@@ -23,7 +23,7 @@ def true_base(cell: PalletizingCell, seed: int) -> Pose:
     places = [*(np.array([*table.centre, table.height]) for table in tables), cell.pallet.X_WP.p]
     middle = Pose(np.mean(places, axis=0))
     error = Pose(calibration.position * shift, exp(np.deg2rad(calibration.orientation_deg) * axis))
-    # Turned about the middle between tables and pallet, so that the error is of the same size at all of them.
+    # The base is turned about the middle between tables and pallet, not about itself.
     return middle @ error @ middle.inverse() @ cell.arm.X_WB
 
 
