@@ -66,8 +66,7 @@ class PackingTask:
         self.tried: list[Pose] = []
         self._has_placement = False
         self.outcome: PackingOutcome | None = None
-        self._has_succeeded = False
-        self._refusals = 0
+        self._has_succeeded, self._refusals = False, 0
         self._forces: list[float] = []
         self._filter_state = np.zeros(1)
         self.distance = 0.0
@@ -87,7 +86,12 @@ class PackingTask:
         return [X_WN.p for X_WN in self.tried]
 
     def place(
-        self, X_WN: Pose, collisions: tuple[str, ...], over: Array, scene: SceneState, is_rehearsed: bool = False
+        self,
+        X_WN: Pose,
+        collisions: tuple[str, ...],
+        over: Array,
+        scene: SceneState,
+        is_rehearsed: bool = False,
     ) -> None:
         """Take up a placement that was planned.
 
