@@ -1,4 +1,4 @@
-"""Checks a planned move against everything that stands around, before it starts."""
+"""Checks a planned move against all standing obstacles before it starts."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from pack_motion.clearance.separation import gaps_along
 from pack_motion.reference.path_planner import MotionPlan
 
 PERIOD = 0.02
-"""Between the moments that are looked at [s]."""
+"""Time between the rows of a plan that are checked [s]."""
 SLACK = 0.0005
-"""What a gap near the ends of a move may shrink by on the way [m]."""
+"""On a move's first and last lines a gap may be smaller than at that end by this [m]."""
 CARRIED = "carried box"
 
 
 @dataclass(frozen=True)
 class Surrounding:
-    """What a move is made among.
+    """Everything besides the plan that decides whether a move is clear.
 
     Attributes:
-        obstacles: what stands around.
-        carried: the box in the hand.
+        obstacles: the obstacles in the cell; moving ones are left out of the check.
+        carried: the box in the gripper.
         contacts: names of obstacles that may be touched where the move starts and ends.
-        opening: between the fingers of a gripper that has them [m].
+        opening: distance between the fingers of a gripper that has them [m].
     """
 
     obstacles: tuple[Obstacle, ...] = ()
@@ -43,10 +43,10 @@ class Surrounding:
 
 
 class ClearanceCheck:
-    """Looks along a plan at every body of the arm and every obstacle.
+    """Computes the gap between every body of the arm and every obstacle along a plan.
 
-    Between its ends a move keeps the whole clearance. On the lines that it starts and ends with, a pair
-    may be as near as it is at that end; only `contacts` may touch there.
+    Between its ends a move keeps the whole clearance. On the lines that it starts and ends with, a body and
+    an obstacle may be as near to each other as they are at that end; only `contacts` may be touched there.
     """
 
     def __init__(self, arm: MotionArm, clearance: float) -> None:
@@ -54,7 +54,7 @@ class ClearanceCheck:
         self._own_body = OwnBodyCheck(arm, clearance)
 
     def conflict(self, plan: MotionPlan, around: Surrounding) -> Conflict | None:
-        """The worst shortage of room, or None where there is none."""
+        """The largest violation of the clearance, or None where there is none."""
         rows = _moments(plan.trajectory.times)
         return self._among(plan, rows, around) or self._own_body.conflict(plan, rows)
 
@@ -78,14 +78,14 @@ class ClearanceCheck:
         chain = self._arm.chain
         return np.asarray(gaps_along(
             chain.axes, chain.points, np.ascontiguousarray(q), bodies.link, bodies.R, bodies.p, bodies.half,
-            R, p, half, 2.0 * self._clearance,
+            R, p, half, 2.0 * self._clearance,  # gaps are exact up to twice what is needed, and cut off there
         ))  # fmt: skip
 
     def _needed(
         self, plan: MotionPlan, rows: npt.NDArray[np.int64], gaps: Array, standing: Sequence[Obstacle],
         contacts: frozenset[str],
     ) -> Array:  # fmt: skip
-        """Gaps that are needed `(T, k, m)`."""
+        """Smallest allowed gap [m] at T rows, for k bodies of the arm and m obstacles: `(T, k, m)`."""
         least = np.array([-np.inf if item.name in contacts else 0.0 for item in standing])
         at_start, at_end = (np.maximum(gaps[t] - SLACK, least) for t in (0, -1))
         first, last = _end_lines(plan)
@@ -98,10 +98,11 @@ class ClearanceCheck:
 
 
 def with_carried(arm: MotionArm, around: Surrounding) -> BodyBoxes:
-    """The arm's boxes, and the one in its hand."""
+    """The boxes around the arm's bodies, and the carried box as one more body fixed to the last link."""
     bodies, chain, carried = arm.bodies_at(around.opening), arm.chain, around.carried
     if carried is None:
         return bodies
+    # Bodies are given where all joints are zero, and chain.R_WT and p_WT are the tool's pose there.
     R = chain.R_WT @ to_matrix(carried.X_TB.q)
     p = chain.p_WT + chain.R_WT @ carried.X_TB.p
     box = BodyBoxes((CARRIED,), np.array([chain.n - 1]), R[None], p[None], 0.5 * carried.size[None])
@@ -109,7 +110,7 @@ def with_carried(arm: MotionArm, around: Surrounding) -> BodyBoxes:
 
 
 def _moments(times: Array) -> npt.NDArray[np.int64]:
-    """Rows at most `PERIOD` and a row apart, both ends included."""
+    """Indices of rows at most `PERIOD` and one row apart, both ends included."""
     wanted = np.arange(0.0, times[-1], PERIOD)
     rows = np.searchsorted(times, wanted, side="left")
     return np.unique(np.append(rows, len(times) - 1)).astype(np.int64)

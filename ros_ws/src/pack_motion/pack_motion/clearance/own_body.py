@@ -11,18 +11,20 @@ from pack_motion.clearance.separation import own_gaps_along
 from pack_motion.reference.path_planner import MotionPlan
 
 APART = 2
-"""Links so far apart along the arm, or farther, can meet; neighbours share a joint. The base counts as the
-first link, which turns on it and carries the shoulder past it."""
+"""Links at least this many places apart along the arm are checked; neighbours touch at their common joint.
+
+The base counts as the first link, which turns on it and carries the shoulder past it.
+"""
 
 
 class OwnBodyCheck:
-    """Looks along a plan at every two bodies of the arm, of its closed fingers and of its base.
+    """Computes the gaps between the arm's own bodies along a plan, with its closed fingers and its base.
 
-    Where a move starts with two of them nearer than the clearance, they may not come nearer still.
+    Where two bodies are nearer than the clearance at the start of a move, they may not come still nearer.
 
     Args:
-        arm: that moves; without a base it is not checked.
-        clearance: between two bodies [m].
+        arm: the arm that moves; one without a base is not checked.
+        clearance: smallest allowed gap between two bodies [m].
     """
 
     def __init__(self, arm: MotionArm, clearance: float) -> None:
@@ -30,11 +32,12 @@ class OwnBodyCheck:
         self._bodies, self._pairs = arm.bodies_at(0.0), np.zeros((0, 2), dtype=np.int64)
         if arm.base is not None:
             self._bodies = self._bodies.joined(arm.base)
-            link = np.maximum(self._bodies.link, 0)
+            link = np.maximum(self._bodies.link, 0)  # the base has link -1
+            # The upper triangle, so that each pair is listed once.
             self._pairs = np.argwhere(np.triu(np.abs(link[:, None] - link) >= APART))
 
     def conflict(self, plan: MotionPlan, rows: npt.NDArray[np.int64]) -> Conflict | None:
-        """The worst shortage of room at these rows of a plan's trajectory, or None where there is none."""
+        """The largest violation of the clearance at some rows of a plan's trajectory, or None."""
         if len(self._pairs) == 0:
             return None
         chain, b = self._arm.chain, self._bodies

@@ -1,4 +1,4 @@
-"""Lets the reference slow down near what moves, and wait while the tool is held up."""
+"""Slows the reference down near moving obstacles, and makes it wait while the tool is held up."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from pack_motion.tracking.config import Governor
 
 
 class RateGovernor:
-    """The rate at which the reference goes on: 1 as planned, 0 standing still.
+    """Chooses the rate at which the reference advances: 1 is as planned, 0 is standing still.
 
     Args:
         config: distances and speeds.
-        chain: of the arm.
-        acceleration: limits of the joints `(n,)` [rad/s^2].
+        chain: the arm's kinematics.
+        acceleration: acceleration limits of the joints `(n,)` [rad/s^2].
     """
 
     def __init__(self, config: Governor, chain: SerialChain, acceleration: Array) -> None:
@@ -27,12 +27,13 @@ class RateGovernor:
         """The rate after a step.
 
         Args:
-            planned: the reference at rate 1, now.
-            deviation: of the tool from the reference [m].
-            distance: least, to what is felt around [m]; infinite where nothing is.
+            planned: the present state of the reference, at rate 1.
+            deviation: distance of the tool from the reference [m].
+            distance: smallest distance to an obstacle that the policies react to [m]; infinite if none.
             h: duration of the step [s].
         """
         c = self._config
+        # Falls linearly from 1 where the tool is `near` its reference to 0 where it is `far` from it.
         wished = min(max((c.far - deviation) / (c.far - c.near), 0.0), 1.0)
         if np.isfinite(distance):
             wished = min(wished, self._allowed_speed(distance) / max(self._tool_speed(planned), 1e-6))
@@ -41,16 +42,20 @@ class RateGovernor:
         return self.rate
 
     def _allowed_speed(self, distance: float) -> float:
-        """Of the tool [m/s]: it can still come down to `avoid_speed` at `avoid_distance`."""
+        """Speed of the tool [m/s] from which it can brake to `avoid_speed` at `avoid_distance`."""
         c = self._config
         room = max(distance - c.avoid_distance, 0.0)
+        # v^2 = v_0^2 + 2 a s
         return float(np.sqrt(c.avoid_speed**2 + 2.0 * c.avoid_deceleration * room))
 
     def _tool_speed(self, planned: JointState) -> float:
         return float(np.linalg.norm((self._chain.jacobian(planned.q) @ planned.v)[:3]))
 
     def _changes(self, planned: JointState) -> tuple[float, float]:
-        """Slowest and fastest change of the rate [1/s] that the joints can follow."""
+        """Bounds of the change of the rate [1/s] within which every joint keeps its acceleration limit.
+
+        At the rate r joints move at r v and accelerate at r^2 a + v dr/dt, which bounds dr/dt for each joint.
+        """
         moves = np.abs(planned.v) > 1e-6
         if not np.any(moves):
             return -1.0 / self._config.time, 1.0 / self._config.time

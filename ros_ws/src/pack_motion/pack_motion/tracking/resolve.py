@@ -14,7 +14,7 @@ PSEUDO_INVERSE_CUTOFF = 1e-8
 def resolve_within(M: Array, f: Array, lower: Array, upper: Array) -> Array:
     """Accelerations `(n,)` that minimise `a^T M a / 2 - f^T a` within bounds: a box-constrained QP."""
     n = len(f)
-    scale = n / float(np.trace(M))  # makes the mean eigenvalue 1, so that the solver's tolerances fit
+    scale = n / float(np.trace(M))  # makes the mean eigenvalue of M 1, and leaves the minimum where it is
     a = np.clip(np.zeros(n), lower, upper)
     factor, index = np.zeros((n, n + 7)), np.zeros(n, dtype=np.int32)  # workspace of mju_boxQP, n x (n + 7)
     mujoco.mju_boxQP(a, factor, index, scale * M, -scale * f, lower, upper)
