@@ -1,4 +1,4 @@
-"""An arm, as motion needs it."""
+"""The facts of an arm that motion planning and tracking need."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pack_motion.arm.body_boxes import BodyBoxes
 from pack_motion.arm.fingers import Fingers
 
 JERK_TIME = 0.1
-"""In which a joint reaches its full acceleration [s]; arms' jerk limits are not published."""
+"""Time in which a joint reaches its full acceleration [s]; arms' jerk limits are not published."""
 
 
 @dataclass(frozen=True)
@@ -22,13 +22,13 @@ class MotionArm:
     """An arm with its tool.
 
     Attributes:
-        chain: its kinematics, in the world.
-        inverse: of the same chain.
-        limits: of its joints.
-        home: its posture at rest `(n,)` [rad].
-        bodies: boxes around everything it can touch with, but for fingers.
-        fingers: of a gripper that has them.
-        base: boxes around what it stands on and could hit; with it, the arm is checked against itself.
+        chain: forward kinematics in the world frame.
+        inverse: inverse kinematics of the same chain.
+        limits: limits of its joints.
+        home: joint positions at rest `(n,)` [rad].
+        bodies: boxes around all shapes that can touch something, without those of the fingers.
+        fingers: boxes around the fingers, for a gripper that has them.
+        base: boxes around the base, which the arm could hit; None: the arm is not checked against itself.
     """
 
     chain: SerialChain
@@ -40,10 +40,10 @@ class MotionArm:
     base: BodyBoxes | None = None
 
     def bodies_at(self, opening: float) -> BodyBoxes:
-        """Boxes around everything, the fingers `opening` [m] apart."""
+        """Boxes around all shapes of the arm, with the fingers `opening` [m] apart."""
         return self.bodies if self.fingers is None else self.bodies.joined(self.fingers.at(opening))
 
     @property
     def jerk(self) -> Array:
-        """Of each joint, at most `(n,)` [rad/s^3]."""
+        """Largest jerk of each joint `(n,)` [rad/s^3]."""
         return np.asarray(self.limits.acceleration / JERK_TIME)

@@ -24,10 +24,10 @@ TOOL = "tool"
 
 @cache
 def load_arm(cell: str) -> MotionArm:
-    """The arm of a cell, as `config/cells/<cell>.yaml` has it.
+    """The arm of a cell, as configured in `config/cells/<cell>.yaml`.
 
     Raises:
-        ConfigError: the cell has no arm that is moved so.
+        ConfigError: this package moves no arm in a cell of this name.
     """
     if cell not in ARMS:
         raise ConfigError(f"no arm for cell '{cell}'; there are: {', '.join(ARMS)}")

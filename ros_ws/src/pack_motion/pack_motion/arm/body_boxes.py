@@ -1,4 +1,4 @@
-"""Boxes around the shapes that an arm touches with, read off its model."""
+"""Boxes around the colliding shapes of an arm, taken from its MuJoCo model."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from pack_core.rotations import Array
 
 @dataclass(frozen=True)
 class BodyBoxes:
-    """Boxes fixed to links, given where all joints are zero.
+    """Boxes fixed to links, with their poses where all joints are zero.
 
     Attributes:
-        names: of each box.
-        link: index of the joint that moves it `(k,)`; -1 where none does.
-        R: orientation in the world `(k, 3, 3)`.
-        p: centre in the world `(k, 3)` [m].
-        half: half edge lengths `(k, 3)` [m].
+        names: name of each box.
+        link: index of the joint that moves each box `(k,)`; -1 where none does.
+        R: orientation of each box in the world `(k, 3, 3)`.
+        p: centre of each box in the world `(k, 3)` [m].
+        half: half edge lengths of each box `(k, 3)` [m].
     """
 
     names: tuple[str, ...]
@@ -34,12 +34,12 @@ class BodyBoxes:
         return len(self.names)
 
     def moved(self, R_links: Array, d_links: Array) -> tuple[Array, Array]:
-        """Orientations `(k, 3, 3)` and centres `(k, 3)` with the links displaced so."""
+        """Orientations `(k, 3, 3)` and centres `(k, 3)` [m] for link displacements from the zero posture."""
         R, d = R_links[self.link], d_links[self.link]
         return R @ self.R, np.einsum("kij,kj->ki", R, self.p) + d
 
     def joined(self, other: BodyBoxes) -> BodyBoxes:
-        """These, then the others."""
+        """These boxes, followed by the other ones."""
         return BodyBoxes(
             (*self.names, *other.names), np.concatenate([self.link, other.link]),
             np.concatenate([self.R, other.R]), np.concatenate([self.p, other.p]),
@@ -53,9 +53,9 @@ def boxes_from_model(
     """The boxes around every shape of the model that can touch something and moves with a joint.
 
     Args:
-        model: of the arm.
-        joints: of the arm, in order.
-        without: bodies that are left out.
+        model: the model of the arm.
+        joints: names of the arm's joints, from the base on.
+        without: names of bodies that are left out.
     """
     data = mujoco.MjData(model)
     data.qpos[:] = 0.0

@@ -1,4 +1,4 @@
-"""Fingers that slide apart: boxes around them, as fine as their slope needs."""
+"""Boxes around the fingers of a gripper, which move with its opening."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from pack_core.rotations import Array
 from pack_motion.arm.body_boxes import BodyBoxes
 
 SLICE = 0.002
-"""Height of the boxes that a sloping finger is cut into [m]; one alone would be as thick as the thick end."""
+"""Height of the boxes that a sloping finger is cut into [m]; a single box would be too thick at the tip."""
 
 
 @dataclass(frozen=True)
 class Fingers:
-    """Boxes fixed to the last link but for how far the fingers are apart.
+    """Boxes around fingers that slide on the last link.
 
     Attributes:
-        closed: the boxes with the fingers together.
-        ways: of each while the fingers open by a metre `(k, 3)`, in the world where all joints are zero.
+        closed: the boxes with the fingers closed.
+        ways: displacement of each box per metre of opening `(k, 3)`, in the world where all joints are zero.
     """
 
     closed: BodyBoxes
@@ -34,12 +34,12 @@ class Fingers:
 
 
 def fingers_from_model(model: mujoco.MjModel, last_link: int, joints: Sequence[str]) -> Fingers:
-    """The fingers on slides of these names, each of which is half the opening from the middle.
+    """The fingers on sliding joints, each of which is half the opening away from the middle.
 
     Args:
-        model: of the arm and its gripper.
-        last_link: index of the link that carries them.
-        joints: of the fingers.
+        model: the model of the arm and its gripper.
+        last_link: index of the link that carries the fingers.
+        joints: names of the fingers' joints.
     """
     data = mujoco.MjData(model)
     data.qpos[:] = 0.0
@@ -60,7 +60,7 @@ def fingers_from_model(model: mujoco.MjModel, last_link: int, joints: Sequence[s
 
 
 def _boxes_of(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> list[tuple[Array, Array]]:
-    """Lower and upper corners in the finger's frame of boxes that cover its shapes."""
+    """Lower and upper corners, in the finger's frame, of boxes that cover its shapes."""
     boxes: list[tuple[Array, Array]] = []
     R_BW = data.xmat[body].reshape(3, 3).T
     for geom in range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body]):
@@ -72,7 +72,7 @@ def _boxes_of(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> list[tup
 
 
 def _corners(model: mujoco.MjModel, geom: int) -> Array:
-    """Of a shape, in its own frame `(n, 3)`: a mesh's vertices, or those of the box around it."""
+    """Corners of a shape in its own frame `(n, 3)`: the vertices of a mesh, else of the box around it."""
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
         mesh = model.geom_dataid[geom]
         first = model.mesh_vertadr[mesh]
@@ -82,7 +82,7 @@ def _corners(model: mujoco.MjModel, geom: int) -> Array:
 
 
 def _slices(corners: Array) -> list[tuple[Array, Array]]:
-    """Boxes around slices of the convex hull of corners `(n, 3)`, one upon the other along z."""
+    """Boxes around slices of the convex hull of corners `(n, 3)`, stacked along z."""
     low, high = corners[:, 2].min(), corners[:, 2].max()
     cuts = np.linspace(low, high, int(np.ceil((high - low) / SLICE - 1e-9)) + 1)
     boxes = []
@@ -94,7 +94,10 @@ def _slices(corners: Array) -> list[tuple[Array, Array]]:
 
 
 def _cut(corners: Array, z: float) -> Array:
-    """Where the lines between corners `(n, 3)` pass a height; all are in the hull, its edges among them."""
+    """Points at a height `z` on the lines between any two corners `(n, 3)`.
+
+    All these lines lie in the convex hull and its edges are among them, so that the points span the cut.
+    """
     points = [
         a + (z - a[2]) / (b[2] - a[2]) * (b - a)
         for a, b in combinations(corners, 2)

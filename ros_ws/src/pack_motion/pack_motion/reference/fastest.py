@@ -1,11 +1,11 @@
-"""Ruckig, asked again where rounding stands in its way."""
+"""Calls ruckig, again with a slightly smaller jerk where it fails by rounding."""
 
 from __future__ import annotations
 
 import ruckig
 
 SHARES = (1.0, 0.9997, 0.998, 0.99)
-"""Of the jerk: where a phase is just about to vanish, ruckig may find nothing for the very limits given."""
+"""Shares of the jerk limit that are tried: ruckig may fail for limits at which a phase just vanishes."""
 
 
 def fastest(request: ruckig.InputParameter) -> ruckig.Trajectory | None:

@@ -13,7 +13,7 @@ from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState, ReferenceTrajectory, grid
 
 SLACK = 1.001
-"""The limits of a move are at least this times what its ends ask for."""
+"""The limits of a move are at least this times the velocity and acceleration at its ends, for rounding."""
 
 
 @dataclass(frozen=True)
@@ -25,15 +25,15 @@ class MoveLimits:
     jerk: Array
 
     def scaled(self, speed: float, acceleration: float) -> MoveLimits:
-        """Shares of the velocity and of the acceleration limits; jerk as the acceleration."""
+        """A share of the velocity limits and one of the acceleration limits, which scales the jerk too."""
         return MoveLimits(speed * self.velocity, acceleration * self.acceleration, acceleration * self.jerk)
 
 
 def joint_move(start: JointState, end: JointState, limits: MoveLimits, segment: int) -> ReferenceTrajectory:
-    """The fastest move from `start` to `end`, all joints arriving together.
+    """The fastest move from `start` to `end` in which all joints arrive at the same time.
 
     Raises:
-        MoveRefused: there is none.
+        MoveRefused: ruckig finds no move.
     """
     request = ruckig.InputParameter(len(start.q))
     request.current_position, request.target_position = start.q, end.q
@@ -42,7 +42,7 @@ def joint_move(start: JointState, end: JointState, limits: MoveLimits, segment: 
 
 
 def brake(start: JointState, limits: MoveLimits, segment: int) -> ReferenceTrajectory:
-    """The fastest stop."""
+    """The fastest stop; each joint comes to rest as soon as it can, wherever that is."""
     request = ruckig.InputParameter(len(start.q))
     request.control_interface = ruckig.ControlInterface.Velocity
     request.synchronization = ruckig.Synchronization.No
@@ -64,7 +64,7 @@ def _solve(
 
 
 def sampled(found: ruckig.Trajectory, segment: int) -> ReferenceTrajectory:
-    """Rows of what ruckig found."""
+    """Sample a trajectory of ruckig at rows `GRID` or less apart."""
     times = grid(found.duration)
     rows = np.array([found.at_time(float(time)) for time in times])
     return ReferenceTrajectory(times, rows[:, 0], rows[:, 1], rows[:, 2], np.full(len(times), segment))

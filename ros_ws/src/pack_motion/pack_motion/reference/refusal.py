@@ -1,4 +1,4 @@
-"""Why a move cannot be made."""
+"""The error of a move that cannot be made."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from pack_core.errors import PackError
 
 
 class MoveRefused(PackError):
-    """A move that must not start; its text names the part of it, and what stands against it."""
+    """A move must not start; the text names the part of the move and the reason."""

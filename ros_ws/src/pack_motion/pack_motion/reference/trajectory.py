@@ -1,4 +1,4 @@
-"""A reference over time, as rows."""
+"""A joint reference over time as rows, with quintic interpolation between them."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy.typing as npt
 from pack_core.rotations import Array
 
 GRID = 0.004
-"""Time between rows, at most [s]."""
+"""Longest time between rows [s]."""
 REST_SPEED, REST_ACCELERATION = 1e-3, 2e-2
-"""Below them a joint counts as standing [rad/s, rad/s^2]."""
+"""Below both a joint counts as standing still [rad/s, rad/s^2]."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +25,12 @@ class JointState:
 
     @classmethod
     def at_rest(cls, q: Array) -> JointState:
-        """Standing still."""
+        """A state at `q` with zero velocity and acceleration."""
         return cls(np.array(q, dtype=float), np.zeros(len(q)), np.zeros(len(q)))
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether nothing moves, but for what tracking leaves."""
+        """Whether all joints stand still, except for the small motions that tracking leaves."""
         return bool(np.abs(self.v).max() < REST_SPEED and np.abs(self.a).max() < REST_ACCELERATION)
 
 
@@ -39,11 +39,11 @@ class ReferenceTrajectory:
     """Rows of a reference.
 
     Attributes:
-        times: of each row `(T,)` [s], rising from 0.
-        q: `(T, n)` [rad].
-        v: `(T, n)` [rad/s].
-        a: `(T, n)` [rad/s^2].
-        segment: which segment of the path leads to each row `(T,)`.
+        times: time of each row `(T,)` [s], rising from 0.
+        q: joint positions `(T, n)` [rad].
+        v: joint velocities `(T, n)` [rad/s].
+        a: joint accelerations `(T, n)` [rad/s^2].
+        segment: index of the segment of the path that leads to each row `(T,)`.
     """
 
     times: Array
@@ -54,23 +54,23 @@ class ReferenceTrajectory:
 
     @property
     def duration(self) -> float:
-        """[s]."""
+        """Time of the last row [s]."""
         return float(self.times[-1])
 
     @property
     def start(self) -> JointState:
-        """Its first row."""
+        """State of the first row."""
         return JointState(self.q[0], self.v[0], self.a[0])
 
     @property
     def end(self) -> JointState:
-        """Its last row."""
+        """State of the last row."""
         return JointState(self.q[-1], self.v[-1], self.a[-1])
 
     def at(self, time: float) -> tuple[JointState, int]:
         """State and segment at `time` [s], held beyond the ends.
 
-        Between rows the quintic that has the rows' positions, velocities and accelerations.
+        Between rows it is the quintic that has the positions, velocities and accelerations of both rows.
         """
         times = self.times
         if time <= 0.0 or time >= times[-1]:
@@ -82,7 +82,7 @@ class ReferenceTrajectory:
         return _quintic((time - float(times[i])) / h, h, *rows), int(self.segment[i + 1])
 
     def followed_by(self, other: ReferenceTrajectory) -> ReferenceTrajectory:
-        """Both in a row; the other's first row is this one's last."""
+        """This reference and then another one, whose first row must be the last row of this one."""
         columns = zip(
             (self.q, self.v, self.a, self.segment), (other.q, other.v, other.a, other.segment), strict=True
         )
@@ -93,11 +93,15 @@ class ReferenceTrajectory:
 
 
 def grid(duration: float) -> Array:
-    """Times of rows for a duration [s]: even, both ends included."""
+    """Evenly spaced times of rows for a duration [s], both ends included."""
     return np.linspace(0.0, duration, max(int(np.ceil(duration / GRID)), 1) + 1)
 
 
 def _quintic(s: float, h: float, q: Array, v: Array, a: Array) -> JointState:
+    """The quintic Hermite polynomial between two rows, `h` [s] apart, at the share `s` of that time.
+
+    Derivatives are scaled by h and h^2 to those by s; c3 to c5 are the coefficients of s^3 to s^5.
+    """
     d, v_0, v_1, a_0, a_1 = q[1] - q[0], h * v[0], h * v[1], h * h * a[0], h * h * a[1]
     c3 = 10 * d - 6 * v_0 - 4 * v_1 - 1.5 * a_0 + 0.5 * a_1
     c4 = -15 * d + 8 * v_0 + 7 * v_1 + 1.5 * a_0 - a_1
