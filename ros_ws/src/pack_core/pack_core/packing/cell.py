@@ -17,7 +17,7 @@ Point = tuple[float, float, float]
 
 
 class Suction(Config):
-    """Load at which the cup lets go: pull [N], shear [N] and bending moment [N m]; .inf never."""
+    """Loads above which the cup lets go: pull [N], shear [N], bending moment [N m]; `.inf` disables one."""
 
     pull: PositiveFloat
     shear: PositiveFloat
@@ -28,11 +28,11 @@ class Tip(Config):
     """Compliance of the cup, between the pump's stem and what it holds.
 
     Attributes:
-        lateral: stiffness across the cup's axis [N/m].
-        axial: along it [N/m].
-        bending: about the axes across it [N m/rad].
-        twist: about it [N m/rad].
-        damping_time: damping over stiffness, the same in every direction [s].
+        lateral: stiffness perpendicular to the cup's axis [N/m].
+        axial: stiffness along the cup's axis [N/m].
+        bending: rotational stiffness about the two axes perpendicular to the cup's axis [N m/rad].
+        twist: rotational stiffness about the cup's axis [N m/rad].
+        damping_time: ratio of damping to stiffness, the same in every direction [s].
     """
 
     lateral: PositiveFloat
@@ -46,10 +46,10 @@ class MocapCameras(Config):
     """The motion capture system.
 
     Attributes:
-        cameras: where they are [m].
-        target: where they all look [m].
-        half_angle_deg: half their field of view.
-        has_side_markers: whether objects have markers on two sides too, not only on the top.
+        cameras: positions of the cameras in the world [m].
+        target: the point that all cameras look at [m].
+        half_angle_deg: half the opening angle of each camera's conical field of view [deg].
+        has_side_markers: whether objects carry markers on two sides as well as on the top.
     """
 
     cameras: Annotated[list[Point], Field(min_length=2)]
@@ -59,19 +59,19 @@ class MocapCameras(Config):
 
 
 class PackingCell(Config):
-    """The packing cell."""
+    """All physical facts of the packing cell, as `config/cells/packing.yaml` gives them."""
 
     robot: ArmDrive
     pump: Pump
     suction: Suction
     tip: Tip | None
-    """None: what is held is fixed to the cup."""
+    """Compliance of the cup; None: the held object is rigidly fixed to it."""
     mocap: MocapCameras
     scene: Scene
-    """The five objects, the container and the new object, without poses."""
+    """The container, the objects in it and the new object, without poses."""
 
     def with_arm(self, model: str) -> PackingCell:
-        """The same cell with another arm, for pictures: start and gains stay those of the arm before."""
+        """The same cell with another arm model, for pictures only: home pose and gains are left unchanged."""
         return self.model_copy(update={"robot": self.robot.model_copy(update={"model": model})})
 
 
@@ -80,7 +80,7 @@ def packing_cell(over: str = "{}") -> PackingCell:
     """The packing cell as configured.
 
     Args:
-        over: YAML that lies over config/cells/packing.yaml, with the keys that differ.
+        over: YAML text whose keys override those of config/cells/packing.yaml.
 
     Raises:
         ConfigError: a key or value is not allowed.

@@ -1,7 +1,8 @@
 """How the held object enters among the others: beside its obstacles, leaning over them, lower edge first.
 
-Flat on top of an obstacle it would stand there. With its lower edge in the gap beside the obstacle it
-wedges itself in; on the way down it moves over its place, aside goes the obstacle, and it is upright again.
+Lowered upright onto an obstacle, the object would come to rest on top of it. So its lower edge enters the
+gap beside the obstacle first. On the way down it moves over its packing pose, which pushes the obstacle
+aside, and turns upright again.
 """
 
 from __future__ import annotations
@@ -17,13 +18,13 @@ from pack_core.packing.scene import Container, Scene
 from pack_core.rotations import Array, Pose
 
 ONE_SIDED = 0.3
-"""Obstacles all around (length of the mean of their unit directions below this) leave no side to lean to."""
+"""The mean of the unit vectors to the obstacles is shorter than this where they stand all around: no side."""
 UPRIGHT_BELOW = 0.02
-"""Height of the lower end at which the object is upright again [m]."""
+"""Height of the object's lower end over the base below which it is upright again [m]."""
 ASIDE_MARGIN = 0.008
-"""Between the lower edge and its obstacles at the entry [m]."""
+"""Gap between the object's lower edge and its obstacles at the entry [m]."""
 LANDING_MARGIN = 0.04
-"""A lower end this far below a top has passed it, tilted as it may be [m]."""
+"""A lower end this far below the top of an obstacle or a wall has passed it, even when tilted [m]."""
 
 
 @dataclass(frozen=True)
@@ -32,9 +33,9 @@ class Entry:
 
     Attributes:
         over: horizontal unit vector `(2,)` towards which the upper end leans; zero: straight down.
-        lean: by how much, at the entry [rad].
-        aside: how far the lower end keeps off the pose at the entry `(2,)` [m].
-        tops: heights of the obstacles [m].
+        lean: tilt at the entry [rad].
+        aside: horizontal offset `(2,)` of the lower end from the packing pose at the entry [m].
+        tops: heights of the obstacles' tops over the base [m].
     """
 
     over: Array = field(default_factory=lambda: np.zeros(2))
@@ -43,13 +44,13 @@ class Entry:
     tops: tuple[float, ...] = ()
 
     def at(self, bottom: Array | float) -> tuple[Array, Array]:
-        """Tilt and offset with the lower end at heights `bottom` `(...)` [m].
+        """Tilt and offset while the lower end is at heights `bottom` `(...)` [m].
 
-        All of both above the tops, none on the base.
+        Both have their full value above the tops and fall linearly to zero at `UPRIGHT_BELOW`.
 
         Returns:
-            Wanted x and y `(..., 2)` of the object's z axis, and how far its lower end keeps off the pose
-            `(..., 2)` [m].
+            Desired x and y components `(..., 2)` of the object's z axis, and the horizontal offset `(..., 2)`
+            of its lower end from the packing pose [m].
         """
         span = max(max(self.tops, default=0.0) - UPRIGHT_BELOW, 0.0)
         heights = np.clip(np.asarray(bottom)[..., None] - UPRIGHT_BELOW, 0.0, span)
@@ -57,9 +58,9 @@ class Entry:
         return np.sin(self.lean * share) * self.over, share * self.aside
 
     def may_land(self, walls: float, bottom: float) -> bool:
-        """Whether the object, its lower end at height `bottom` [m], is not yet below all it may land on.
+        """Whether the object, its lower end at height `bottom` [m], could still land on something.
 
-        That is the tops of its obstacles and of the walls, `walls` [m] high.
+        It could until it has passed the tops of all its obstacles and of the walls, `walls` [m] high.
         """
         return bottom > min((walls, *self.tops)) - LANDING_MARGIN
 
@@ -67,20 +68,23 @@ class Entry:
 def plan_entry(
     scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose], lean: float, over: Array
 ) -> Entry:
-    """The entry that leans `over`, its lower end off the pose by the deepest overlap that way, or to a wall.
+    """The entry that leans towards `over`, its lower end offset to the opposite side.
+
+    The offset is the deepest overlap with an obstacle along `over`, plus a margin, cut off at the walls.
 
     Args:
         scene: the container, the objects and the new one, N.
         X_WN: the packing pose.
-        collisions: objects that it overlaps.
-        poses: X_WO of these.
+        collisions: names of the objects that N overlaps at X_WN (the collision list G of Algorithm 1).
+        poses: X_WO of at least these objects.
         lean: tilt at the entry [rad].
-        over: horizontal unit vector `(2,)`, or zero.
+        over: horizontal unit vector `(2,)` towards which N leans, or zero for a straight entry.
     """
     own = footprint(scene.new_object, X_WN)
     others = [footprint(scene.model_of(name), poses[name]) for name in collisions]
     depth = max((_extent(own.intersection(other), over) for other in others), default=0.0)
     aside = -(depth + ASIDE_MARGIN) * over if depth > 0.0 else np.zeros(2)
+    # an object stands on the base, so its height is twice its half extent
     tops = tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in collisions)
     return Entry(over, lean, _within_walls(scene.container, own, aside), tops)
 
@@ -88,6 +92,7 @@ def plan_entry(
 def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) -> Array:
     """Horizontal unit vector `(2,)` from the pose to its obstacles; zero without a clear side."""
     offsets = np.array([poses[name].p[:2] - X_WN.p[:2] for name in collisions]).reshape(-1, 2)
+    # an obstacle right below the pose gives no direction: the bound keeps its unit vector zero instead of NaN
     lengths = np.maximum(np.linalg.norm(offsets, axis=1, keepdims=True), 1e-6)
     mean = (offsets / lengths).sum(axis=0) / max(len(collisions), 1)
     length = float(np.linalg.norm(mean))
@@ -95,13 +100,13 @@ def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) 
 
 
 def _within_walls(container: Container, outline: shapely.Polygon, shift: Array) -> Array:
-    """The shift `(2,)` [m], cut off where it would bring the outline into a wall."""
+    """The shift `(2,)` [m], limited so that the shifted outline stays between the walls."""
     lower, upper = np.array(outline.bounds).reshape(2, 2)
     least, most = np.minimum(container.lower - lower, 0.0), np.maximum(container.upper - upper, 0.0)
     return np.clip(shift, least, most)
 
 
 def _extent(area: shapely.Geometry, direction: Array) -> float:
-    """How far the area reaches along a direction `(2,)` [m]."""
+    """Length of the area along a unit direction `(2,)` [m]."""
     along = shapely.get_coordinates(area) @ direction
     return float(np.ptp(along)) if along.size else 0.0

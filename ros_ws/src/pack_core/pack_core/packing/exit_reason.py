@@ -1,4 +1,4 @@
-"""How a goal can end (section IV-C); live and in the evaluation of a recording."""
+"""The ways in which a packing goal can end (section IV-C), for live runs and recordings alike."""
 
 from __future__ import annotations
 

@@ -10,10 +10,11 @@ from pack_core.packing.scene import Container
 from pack_core.rotations import Array
 
 YAW_STEPS = 721
+"""Candidate yaws: a quarter of a degree apart for an object with a symmetry of 180 degrees."""
 
 
 def fitting_yaws(item: SceneItem, container: Container, yaw: float) -> Array:
-    """Evenly spread yaws, half a symmetry to each side of `yaw`, at which the object fits [rad].
+    """Yaws [rad] at which the object fits, evenly spread over half a symmetry to either side of `yaw`.
 
     Raises:
         PackError: it is too wide at every yaw, or so tall that its centre would stand over the rim.

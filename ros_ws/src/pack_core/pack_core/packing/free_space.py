@@ -15,8 +15,9 @@ from pack_core.packing.scene import Container, Scene
 from pack_core.rotations import Pose, from_yaw
 
 YAW_STEP = np.deg2rad(1.0)
+"""Distance between the yaws at which `is_blocked` looks for a free place [rad]."""
 SMALLEST_AREA = 1e-10
-"""Areas of free places below this are rounding [m^2]."""
+"""A free area smaller than this is a rounding error [m^2]."""
 
 
 def footprint(item: SceneItem, X_WO: Pose) -> shapely.Polygon:
@@ -37,14 +38,14 @@ def base_height(item: SceneItem, X_WO: Pose) -> float:
 def free_places(
     item: SceneItem, yaw: float, container: Container, taken: list[shapely.Polygon], margin: float = 0.0
 ) -> shapely.Geometry:
-    """Places of an upright object's centre at which it is between the walls and touches nothing.
+    """Places of an upright object's centre at which it stands between the walls and touches nothing.
 
     Args:
         item: the object.
-        yaw: of the object [rad].
-        container: whose walls count.
-        taken: outlines of what is in the container.
-        margin: how far the object's own outline is moved inwards [m].
+        yaw: yaw of the object [rad].
+        container: the container between whose walls it has to stand.
+        taken: outlines of the objects in the container.
+        margin: distance by which the object's own outline is shrunk [m].
     """
     outline = footprint(item, Pose(np.zeros(3), from_yaw(yaw))).buffer(-margin, join_style="mitre")
     reach = np.array(outline.bounds).reshape(2, 2)
@@ -55,10 +56,10 @@ def free_places(
 
 
 def is_blocked(scene: Scene) -> bool:
-    """No collision-free placement exists, for any yaw of the upright new object.
+    """Whether the upright new object has no collision-free place, at any yaw.
 
-    Yaws are tried every degree with an outline that is smaller by as much as half a step can move it,
-    so that a place which is free between two of them would be found.
+    Yaws are tried every degree, with an outline that is shrunk by as much as half a step of yaw can move it.
+    A place that is free only between two tried yaws is therefore found as well.
     """
     item, taken = scene.new_object, outlines(scene)
     yaws = np.arange(0.0, max(item.symmetry, YAW_STEP), YAW_STEP)
@@ -74,12 +75,13 @@ def fill(scene: Scene) -> float:
 
 
 def is_inside(outline: shapely.Polygon, container: Container, tolerance: float = 0.0) -> bool:
-    """The outline lies between the walls."""
+    """Whether the outline lies between the walls, exceeding them by at most `tolerance` [m]."""
     return bool(shapely.box(*container.lower, *container.upper).buffer(tolerance).covers(outline))
 
 
 def _minkowski_sums(taken: list[shapely.Polygon], outline: shapely.Polygon) -> list[shapely.Polygon]:
-    """Places of the centre at which `outline` meets each one of `taken`, all convex."""
+    """Places of the centre at which `outline` meets each of `taken`: Minkowski sums `other + (-outline)`."""
     corners = shapely.get_coordinates(outline)[None]
+    # all outlines are convex, so the hull of the corners' differences is the whole sum
     sums = [shapely.get_coordinates(other)[:, None] - corners for other in taken]
     return [shapely.MultiPoint(places.reshape(-1, 2)).convex_hull for places in sums]

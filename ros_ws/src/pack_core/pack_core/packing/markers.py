@@ -15,12 +15,12 @@ class MarkerFrame:
     """One motion capture frame with n visible markers.
 
     Attributes:
-        time: of exposure [s].
-        objects: names that `object_index` points into.
-        object_index: `(n,)`.
-        marker_index: `(n,)`, row of `markers()` of the object's model.
-        p_WM: positions `(n, 3)` [m].
-        cameras: how many cameras see each `(n,)`.
+        time: time of exposure [s].
+        objects: names of the objects, indexed by `object_index`.
+        object_index: object that each marker belongs to `(n,)`.
+        marker_index: row `(n,)` of each marker in `markers()` of its object's model.
+        p_WM: measured marker positions in the world `(n, 3)` [m].
+        cameras: number of cameras that see each marker `(n,)`.
     """
 
     time: float

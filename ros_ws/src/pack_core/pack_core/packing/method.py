@@ -8,7 +8,7 @@ from pack_core.errors import ConfigError
 
 
 class PackingMethod(Enum):
-    """A method, by the name that goals, options and results give it."""
+    """A packing method; the values are its names in goals, options and results."""
 
     PACK_IT_IN = "pack_it_in"
     UNINFORMED_POSE = "uninformed_pose"
@@ -28,10 +28,10 @@ class PackingMethod(Enum):
 
     @property
     def placement_variant(self) -> str:
-        """The placement planner that it needs; empty: the one that is configured."""
+        """Name of the placement planner that the method needs; empty: the configured one."""
         return "random" if self is PackingMethod.UNINFORMED_POSE else ""
 
     @property
     def knows_objects(self) -> bool:
-        """Whether the controller's model has the objects in the container."""
+        """Whether the controller's model contains the objects in the container."""
         return self is not PackingMethod.UNINFORMED_PHYSICS

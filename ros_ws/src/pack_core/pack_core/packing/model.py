@@ -1,4 +1,4 @@
-"""MuJoCo models of the packing cell: one description, one builder, four roles."""
+"""MuJoCo models of the packing cell: one builder, with roles for the arm and for the new object."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ HELD_X_AXIS = "held_x_axis"
 HELD_Z_AXIS = "held_z_axis"
 WALLS = ("wall_left", "wall_right", "wall_near", "wall_far")
 UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
+"""Half a turn about x as a quaternion wxyz: the cup's z axis points down, the held object's points up."""
 
 
 class ArmRole(Enum):
@@ -42,13 +43,13 @@ class HeldRole(Enum):
     """How the new object takes part in a model."""
 
     RIGID = "rigid"
-    """Fixed to the cup."""
+    """Fixed to the cup, its weight compensated."""
     COMPLIANT = "compliant"
-    """On the springs of the cup, its weight not compensated; for who simulates the truth."""
+    """On the springs of the cup, its weight not compensated; for the simulator that stands for reality."""
     FREE = "free"
-    """A body of its own."""
+    """A free body that nothing holds."""
     STEERED = "steered"
-    """A body of its own without weight, on springs to a place that a caller moves."""
+    """A body of its own without weight, pulled by springs to a pose that the caller commands."""
     ABSENT = "absent"
 
 
@@ -69,15 +70,15 @@ def build_model(
         timestep: step of the integrator [s].
         arm: how the arm takes part; an object that is held needs one.
         held: how the new object takes part; `HeldRole.COMPLIANT` needs a cell with a `tip`.
-        surroundings: add floor, table, lights and materials, for pictures.
+        surroundings: whether to add floor, table, lights and materials, for pictures.
 
     Returns:
-        The model. Bodies carry the objects' names, free joints too; the cup is body `tool`, the
-        sensors `tip_force` and `tip_torque` are the load on the cup in the frame of site `tip`;
-        `held_position`, `held_x_axis` and `held_z_axis` say where the held object is in the world.
+        The model. Bodies and free joints carry the objects' names, and the cup is the body `tool`. The
+        sensors `tip_force` and `tip_torque` measure the load on the cup in the frame of site `tip`. The
+        sensors `held_position`, `held_x_axis` and `held_z_axis` give the held object's pose in the world.
 
     Raises:
-        ConfigError: the held object cannot be held so.
+        ConfigError: `held` is compliant and the cell has no `tip`.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -105,7 +106,7 @@ def held_pose(scene: Scene) -> Pose:
 
 
 def _add_arm(spec: mujoco.MjSpec, cell: PackingCell) -> mujoco.MjsBody:
-    """The cell's arm with its pump; the body `tool`."""
+    """Add the cell's arm with its pump and return the cup, the body `tool`."""
     arm = cell.robot.arm
     return add_pump(arm.add_to(spec), cell.pump, arm.flange)
 
@@ -127,6 +128,7 @@ def _add_table(spec: mujoco.MjSpec, friction: float, surroundings: bool) -> None
 
 
 def _add_container(spec: mujoco.MjSpec, container: Container, friction: float) -> None:
+    # half extents, as MuJoCo's boxes take them
     (w, l), h, t = 0.5 * np.array(container.size), 0.5 * container.height, 0.5 * container.wall
     x, y = container.centre
     sides = {

@@ -1,8 +1,8 @@
-"""The things that are packed: shapes with known size and mass.
+"""The objects that are packed: shapes with known size and mass.
 
-All that depends on a shape stands in its class here; other code asks the object and never its type. A
-further shape is one more subclass of `SceneItem`, listed in `ObjectModel`; Python refuses to make an object
-of a class that leaves something out.
+Everything that depends on a shape is in its class here; other code never asks for an object's type. A
+further shape is one more subclass of `SceneItem`, listed in `ObjectModel`. Python refuses to create an object
+of a subclass that leaves a method out.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ Colour = tuple[float, float, float]
 MARKER_HEIGHT = 0.004
 """How far a marker's centre stands off the surface it is glued to [m]."""
 TOP_MARKERS = 4
-"""So many markers, the first ones, are on an object's top."""
+"""Number of markers on an object's top; they come first in `markers()`."""
 CORNERS = 64
-"""Corners of the polygon inscribed in a circle: it is short of the circle by 0.12 % of its radius."""
+"""Corners of the polygon inscribed in a circle; its sides cut 0.12 % of the radius: 1 - cos(pi / CORNERS)."""
 
 
 class SceneItem(Config):
@@ -43,12 +43,12 @@ class SceneItem(Config):
     @property
     @abstractmethod
     def geom_type(self) -> mujoco.mjtGeom:
-        """Its kind of geometry in MuJoCo."""
+        """MuJoCo's geometry type of the shape."""
 
     @property
     @abstractmethod
     def geom_size(self) -> Array:
-        """The size parameters `(3,)` that MuJoCo asks for this kind of geometry [m]."""
+        """MuJoCo's size parameters `(3,)` for this geometry type [m]."""
 
     @property
     @abstractmethod
@@ -58,7 +58,7 @@ class SceneItem(Config):
     @property
     @abstractmethod
     def symmetry(self) -> float:
-        """The smallest yaw that brings the upright object onto itself [rad]; 0: any yaw does."""
+        """The smallest yaw that maps the upright object onto itself [rad]; 0: every yaw does."""
 
     @abstractmethod
     def half_spans(self, yaws: Array) -> Array:
@@ -106,7 +106,7 @@ class Box(SceneItem):
         return np.array([[sx * x, sy * y, sz * z] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)])
 
     def markers(self) -> Array:
-        """At the top's corners."""
+        """Markers at the corners of the top, and one on each of two sides."""
         return _markers(self.half_extents, inset=1.0)
 
     def resized(self, change: Array) -> Self:
@@ -141,11 +141,11 @@ class Cylinder(SceneItem):
         return np.concatenate([np.insert(rim, 2, side * 0.5 * self.height, axis=1) for side in (-1, 1)])
 
     def markers(self) -> Array:
-        """On the rim of the top: at 45 degrees the rim is sqrt(1/2) of its radius along x and along y."""
+        """Markers on the rim of the top, at 45 degrees: x and y are there sqrt(1/2) of the radius."""
         return _markers(self.half_extents, inset=np.sqrt(0.5))
 
     def resized(self, change: Array) -> Self:
-        """`change` of x is that of the diameter."""
+        """The same cylinder, its diameter changed by `change[0]` and its height by `change[2]` [m]."""
         return self.model_copy(
             update={"radius": self.radius + 0.5 * change[0], "height": self.height + change[2]}
         )
@@ -156,13 +156,13 @@ ObjectModel = Annotated[Box | Cylinder, Field(discriminator="shape")]
 
 
 def circle(radius: float) -> Array:
-    """Corners `(CORNERS, 2)` of the polygon that stands for a circle about the origin [m]."""
+    """Corners `(CORNERS, 2)` of the polygon that approximates a circle about the origin [m]."""
     angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
     return np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=1)
 
 
 def _markers(half: Array, inset: float) -> Array:
-    """Markers `(6, 3)`: the four on the top at `inset` times its half extents, less the marker itself."""
+    """Markers `(6, 3)`: four on the top at `inset` times its half extents, moved in by a marker's size."""
     x, y, z = half
     cx, cy = inset * (x - MARKER_HEIGHT), inset * (y - MARKER_HEIGHT)
     top = [[sx * cx, sy * cy, z + MARKER_HEIGHT] for sx in (-1, 1) for sy in (-1, 1)]

@@ -1,7 +1,7 @@
-"""Rollouts in which objects at rest sleep until something touches them, which costs a third less.
+"""Rollouts in which objects at rest sleep until something touches them, which takes a third less time.
 
-MuJoCo keeps what sleeps outside the state that a rollout starts from, so every rollout gets cleared
-data: the outcome depends neither on the threads nor on what ran before.
+MuJoCo does not store which objects sleep in the state that a rollout starts from. So the data are reset
+before every rollout, and the result depends neither on the number of threads nor on earlier rollouts.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ class SleepingRollouts:
     """Simulates control sequences of a model.
 
     Args:
-        model: is copied.
-        threads: that share a batch.
+        model: the model, which is copied.
+        threads: number of threads that share a batch.
     """
 
     def __init__(self, model: mujoco.MjModel, threads: int) -> None:
@@ -37,9 +37,11 @@ class SleepingRollouts:
         return np.concatenate([xs for xs, _ in parts]), np.concatenate([ys for _, ys in parts])
 
     def _prepare(self) -> None:
+        # data and rollout of this pool thread alone; with nthread=0 the rollout runs in the thread itself
         self._own.data, self._own.rollout = mujoco.MjData(self._model), Rollout(nthread=0)
 
     def _roll_out(self, x0: Array, sequence: Array) -> tuple[Array, Array]:
+        # wakes everything that slept at the end of the last rollout
         mujoco.mj_resetData(self._model, self._own.data)
         xs, ys = self._own.rollout.rollout(self._model, [self._own.data], x0[None], sequence[None])
         return xs, ys

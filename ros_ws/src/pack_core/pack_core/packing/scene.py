@@ -15,6 +15,7 @@ from pack_core.pose_config import PoseConfig
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.rotations import Array, Pose
 
+# names of bodies that the cell's own model uses, and how names of its other parts begin
 RESERVED = {"world", "table", "tool", "tip"}
 RESERVED_PREFIXES = ("wall_", "pump_", "tip_", *(f"{name}_" for name in PACKING_ARMS))
 
@@ -39,7 +40,7 @@ class Container(Config):
 
 
 class Scene(Config):
-    """All that a scene file holds. Objects without a pose make it a description of the cell."""
+    """The content of a scene file. Without poses of its objects it is a description of the cell."""
 
     container: Container
     friction: Friction
@@ -62,7 +63,7 @@ class Scene(Config):
 
     @property
     def rim(self) -> float:
-        """Height of the walls and of the tallest object [m]: above it the way is free."""
+        """Height of the walls or of the tallest object, whichever is higher [m]; above it the way is free."""
         return max((self.container.height, *(2.0 * float(item.half_extents[2]) for item in self.objects)))
 
     def model_of(self, name: str) -> SceneItem:
@@ -90,14 +91,14 @@ class Scene(Config):
         return {item.name: item.pose.to_pose() for item in self.objects if item.pose}
 
     def with_poses(self, poses: dict[str, Pose]) -> Scene:
-        """The same scene with its objects elsewhere."""
+        """The same scene with its objects at the poses X_WO."""
         moved = [
             item.model_copy(update={"pose": PoseConfig.from_pose(poses[item.name])}) for item in self.objects
         ]
         return self.model_copy(update={"objects": moved})
 
     def description(self) -> Scene:
-        """What every node may know: shapes, sizes and masses, but not where the objects are."""
+        """The scene without poses, as every node may know it: shapes, sizes and masses alone."""
         bare = [item.model_copy(update={"pose": None}) for item in self.objects]
         return self.model_copy(update={"objects": bare})
 

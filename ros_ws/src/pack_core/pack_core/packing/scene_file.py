@@ -1,4 +1,4 @@
-"""Scene files: read, and refused when what they describe cannot be."""
+"""Reads scene files and refuses those that describe an impossible scene."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 
 TOLERANCE = 0.005
-"""Objects may reach this far into each other, the walls or the base: measured poses do [m]."""
+"""Objects may overlap each other, the walls or the base by this much, as measured poses do [m]."""
 
 
 def load_scene(path: Path, cell: PackingCell | None = None) -> Scene:
@@ -25,7 +25,7 @@ def load_scene(path: Path, cell: PackingCell | None = None) -> Scene:
 
     Args:
         path: the file.
-        cell: whose arm shall pack the scene; None: the cell as configured.
+        cell: the cell that shall pack the scene; None: the cell as configured.
 
     Raises:
         ConfigError: a key, value or pose is missing or not allowed.
@@ -55,7 +55,7 @@ def _check(scene: Scene, cell: PackingCell, source: str) -> None:
 
 
 def _check_container(scene: Scene, reach: tuple[float, float]) -> None:
-    """The arm reaches every corner, and no wall stands in the arm."""
+    """Refuse a container with a corner that the arm cannot reach, or with a wall too near to its base."""
     near, far = reach
     (x0, y0), (x1, y1) = scene.container.lower.tolist(), scene.container.upper.tolist()
     farthest = np.hypot(x1, max(abs(y0), abs(y1)))
@@ -81,7 +81,7 @@ def _check_new_object(scene: Scene, cell: PackingCell) -> None:
 
 
 def _check_inside(scene: Scene) -> None:
-    """Every object is between the walls and on or over the base."""
+    """Refuse an object that is not between the walls or that reaches below the base."""
     lower, upper = scene.container.lower, scene.container.upper
     for (name, X_WO), outline in zip(scene.poses().items(), outlines(scene), strict=True):
         bottom = base_height(scene.model_of(name), X_WO)
@@ -107,7 +107,7 @@ def _check_overlaps(scene: Scene, cell: PackingCell) -> None:
 
 
 def _check_start(scene: Scene, cell: PackingCell) -> None:
-    """Nothing touches the arm at home and what it holds."""
+    """Refuse a scene in which the held object touches something while the arm is at its home pose."""
     model = build_model(scene, cell, timestep=0.002, arm=ArmRole.DRIVEN, held=HeldRole.RIGID)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())

@@ -1,4 +1,4 @@
-"""A body on springs to a place that a caller moves: an arm's push without the arm."""
+"""A body pulled by springs to a pose that the caller commands: stands for the arm's push, without an arm."""
 
 from __future__ import annotations
 
@@ -6,18 +6,19 @@ import mujoco
 import numpy as np
 
 STIFFNESS = np.array([1000.0, 1000.0, 1000.0, 30.0, 30.0, 30.0])
-"""[N/m] and [N m/rad]: what the driver's joint servos amount to at the held object, to a factor of two."""
+"""[N/m] and [N m/rad]: what the driver's joint servos give the held object, within a factor of two."""
 DAMPING = np.array([80.0, 80.0, 80.0, 1.5, 1.5, 1.5])
-"""[N s/m] and [N m s/rad]"""
+"""Damping along and about the world's axes [N s/m] and [N m s/rad]."""
 LIMITS = np.array([15.0, 15.0, 15.0, 2.0, 2.0, 2.0])
 """Largest force [N] and torque [N m] of the springs."""
 WORLD = "world_frame"
 
 
 def add_steering(spec: mujoco.MjSpec, body: mujoco.MjsBody) -> None:
-    """Six actuators whose controls are the body's wanted position [m] and rotation vector [rad]."""
+    """Add six actuators whose controls are the body's desired position [m] and rotation vector [rad]."""
     spec.worldbody.add_site(name=WORLD)
     body.add_site(name=body.name)
+    # gear k selects direction k of the site's transform: three translations, then three rotations
     for i, gear in enumerate(np.eye(6)):
         actuator = spec.add_actuator(
             name=f"steering_{i}", target=body.name, refsite=WORLD, trntype=mujoco.mjtTrn.mjTRN_SITE,

@@ -1,4 +1,4 @@
-"""What only pictures of the packing cell need: table, floor, sky and lights."""
+"""Table, floor, sky and lights, which only pictures of the packing cell need."""
 
 from __future__ import annotations
 

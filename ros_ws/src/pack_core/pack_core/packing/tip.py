@@ -1,4 +1,4 @@
-"""The compliant cup: three slides and three hinges at the middle of the held object's top."""
+"""The compliant cup: three slide and three hinge joints at the middle of the held object's top."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pack_core.rotations import Array, Pose, conjugate, multiply, rotate
 SLIDES = ("tip_x", "tip_y", "tip_z")
 HINGES = ("tip_roll", "tip_pitch", "tip_yaw")
 TIP_JOINTS = (*SLIDES, *HINGES)
-"""In the held object's axes: it shifts first, then turns about x, y and z, in this order."""
+"""The joints in their order, in the held object's axes: it shifts first, then turns about x, y and z."""
 
 
 def add_tip(body: mujoco.MjsBody, tip: Tip | None, height: float) -> None:
@@ -21,8 +21,8 @@ def add_tip(body: mujoco.MjsBody, tip: Tip | None, height: float) -> None:
 
     Args:
         body: the held object.
-        tip: the springs.
-        height: of the cup over the body's origin, along its z [m].
+        tip: stiffness and damping of the springs.
+        height: height of the cup over the body's origin, along its z axis [m].
 
     Raises:
         ConfigError: the cup has no springs.
@@ -39,9 +39,13 @@ def add_tip(body: mujoco.MjsBody, tip: Tip | None, height: float) -> None:
 
 
 def tip_coordinates(X_TN0: Pose, X_TN: Pose, height: float) -> Array:
-    """Coordinates `(6,)` [m, rad] of the tip's joints that bring the held object from X_TN0 to X_TN."""
+    """Coordinates `(6,)` [m, rad] of the tip's joints that bring the held object from X_TN0 to X_TN.
+
+    `height` is that of the cup over the object's origin [m]: there, at point P, the joints are.
+    """
     p_NP = np.array([0.0, 0.0, height])
     inverse = conjugate(X_TN0.q)
     shift = rotate(inverse, X_TN.apply(p_NP) - X_TN0.apply(p_NP))
+    # intrinsic angles "XYZ", since the hinges turn about x, y and z one after the other
     turn = Rotation.from_quat(multiply(inverse, X_TN.q), scalar_first=True).as_euler("XYZ")
     return np.concatenate([shift, turn])

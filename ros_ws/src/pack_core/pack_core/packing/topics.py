@@ -1,4 +1,4 @@
-"""Names and rates of the packing cell's recorded topics (see `pack_core.topics`)."""
+"""Names and rates [Hz] of the packing cell's recorded topics (see `pack_core.topics`)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,6 @@ GRIPPER_STATE, MPC_STATUS, RESULT = "/gripper/state", "/mpc/status", "/pack_obje
 JOINT_RATE = 500.0
 WRENCH_RATE = 250.0
 MARKER_RATE = 120.0
-"""Of the motion capture's frames unless it is set otherwise, and of the scene estimated from them."""
+"""Default rate of motion capture frames, and rate of the scene estimated from them [Hz]."""
 TRUTH_RATE = 125.0
 GRIPPER_RATE = 50.0
