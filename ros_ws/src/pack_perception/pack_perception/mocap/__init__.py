@@ -1,1 +1,1 @@
-"""Poses of objects from motion capture, and from physics where no camera sees them."""
+"""Poses of objects from motion capture, and from simulated physics where no camera sees them."""

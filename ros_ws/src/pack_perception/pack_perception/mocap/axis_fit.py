@@ -1,13 +1,14 @@
-"""Poses from too few markers for a free fit: physics says where the body's axis points.
+"""Poses from too few markers for a free fit, with the direction of the body's axis taken from physics.
 
-Two markers fix five of a body's six coordinates. The sixth, the rotation about the line through both, is
-settled by the direction of the body's z axis: up in what stands, and in what physics carries as physics has
-it. A direction is one more pair of vectors in Kabsch's problem, which is Wahba's then ("A Least Squares
+Two markers fix five of a body's six coordinates. The sixth, the rotation about the line through both,
+follows from the direction of the body's z axis: up for a standing body, and as predicted for one that physics
+carries. A direction is one more pair of vectors in Kabsch's problem, which then is Wahba's ("A Least Squares
 Estimate of Satellite Attitude").
 
-With noise sigma of a coordinate, and S the sum of the markers' squared distances from their centre, seen
-along the axis, the yaw has the deviation sigma / sqrt(S): for two markers at distance b, sigma * sqrt(2) / b.
-Of a tilt along their line the markers decide the share S / (S + arm^2), of one about it nothing.
+Let sigma be the standard deviation of a coordinate and S the sum of the markers' squared distances from their
+centre, seen along the axis. Then the yaw has the standard deviation sigma / sqrt(S); for two markers at
+distance b that is sigma * sqrt(2) / b. Of a tilt along their line the markers determine the share
+S / (S + arm^2), of a tilt about that line nothing.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ from pack_perception.mocap.rigid_body_fit import FitRefusal, Fits
 
 Z = np.array([0.0, 0.0, 1.0])
 STANDING_ARM = 1.0
-"""Arm of the axis of what stands, so long that markers do not tilt it [m]."""
+"""Arm of a standing body's axis, so long that markers hardly tilt it [m]."""
 
 
 class AxisFitConfig(Config):
-    """What a fit with the axis needs to be believed."""
+    """Conditions under which a fit with the axis is accepted."""
 
     min_markers: int = Field(default=2, ge=2, description="visible markers")
     min_spread: PositiveFloat = Field(
@@ -47,14 +48,16 @@ def fit_with_axis(
     Args:
         p_BM: where the m markers are on each of the k bodies `(k, m, 3)` [m].
         p_WM: where they were measured `(k, m, 3)` [m].
-        visible: which of them were `(k, m)`.
-        expected: poses `(k, 7)`, of which the axes are used.
-        is_known: of which bodies these come from earlier fits `(k,)`. The others are taken to stand as
-            expected, and their markers must be as high as they are then.
-        config: what a fit needs to be believed.
+        visible: which of them were measured `(k, m)`.
+        expected: expected poses `(k, 7)`; their z axes are used.
+        is_known: bodies `(k,)` whose expected pose comes from earlier fits. The others are taken to stand as
+            expected, and are refused if their markers are not at the height that follows.
+        config: conditions under which a fit is accepted.
     """
     arms, axes = np.where(is_known, config.arm, STANDING_ARM), rotate(expected[:, 3:], Z)
+    # a unit vector scaled by the arm counts like a marker that far up the axis: arm^2 z_W z_B^T
     found = align(p_BM, p_WM, visible, (arms**2)[:, None, None] * axes[:, :, None] * Z)
+    # how much higher the markers are than those of the expected pose
     lifts = p_WM[:, :, 2] - expected[:, None, 2] - rotate(expected[:, None, 3:], p_BM)[:, :, 2]
     refusals = tuple(
         FitRefusal.TOO_FEW if count < config.min_markers

@@ -1,4 +1,4 @@
-"""How much of the difference between what is seen and what physics expected is believed."""
+"""Which share of the difference between measured and predicted poses is corrected in each frame."""
 
 from __future__ import annotations
 
@@ -20,25 +20,27 @@ class CorrectionConfig(Config):
 
 
 def pose_errors(seen: Array, expected: Array) -> Array:
-    """Way [m] and rotation vector [rad] `(k, 6)` from `expected` to `seen` poses `(k, 7)`, in world axes."""
+    """Translation [m] and rotation vector [rad] `(k, 6)`, in world axes, from `expected` to `seen` `(k, 7)`."""
     turns = log(multiply(seen[:, 3:], conjugate(expected[:, 3:])))
     return np.concatenate([seen[:, :3] - expected[:, :3], turns], axis=1)
 
 
 def is_put_anew(errors: Array, periods: Array, config: CorrectionConfig) -> Mask:
-    """Which of k objects `(k,)` are put where they are seen: at first sight, and after a jump."""
+    """Which of k objects `(k,)` are set to the measured pose: when first measured, and after a jump."""
     return np.asarray(np.isinf(periods) | (np.linalg.norm(errors[:, :3], axis=1) > config.jump))
 
 
 def corrections(errors: Array, periods: Array, config: CorrectionConfig) -> tuple[Array, Array]:
-    """Shifts and twists `(k, 6)` that correct k objects.
+    """Changes of pose and of twist `(k, 6)` that correct k objects.
 
     Args:
         errors: `(k, 6)`, from `pose_errors`.
-        periods: time since each was last seen `(k,)` [s]; infinite at first sight.
+        periods: time since each was last measured `(k,)` [s]; infinite the first time.
         config: the gains.
     """
     anew = is_put_anew(errors, periods, config)
+    # an error that grew over a long gap says little about the velocity now
     tells_velocity = ~anew & (periods > 0.0) & (periods <= config.max_period)
+    # an error that arises within one period is one of velocity, error / period; a share of it is corrected
     rates = np.where(tells_velocity, config.twist_gain, 0.0) / np.where(tells_velocity, periods, 1.0)
     return np.where(anew, 1.0, config.pose_gain)[:, None] * errors, rates[:, None] * errors

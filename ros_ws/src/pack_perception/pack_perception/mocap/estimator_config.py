@@ -12,7 +12,7 @@ from pack_perception.mocap.rigid_body_fit import FitConfig
 
 
 class EstimatorConfig(Config):
-    """Parameters of the estimator."""
+    """Parameters of the physics estimator and of its parts."""
 
     step: float = Field(default=0.004, gt=0, le=0.008, description="longest step of the physics [s]")
     max_gap: PositiveFloat = Field(

@@ -1,4 +1,4 @@
-"""What the estimator did with a measurement."""
+"""Reports of what the estimator did with a measurement."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from pack_perception.mocap.rigid_body_fit import FitRefusal
 
 @dataclass(frozen=True)
 class Advance:
-    """What happened on the way to a joint sample.
+    """What happened while physics advanced to a joint sample.
 
     Attributes:
-        is_restart: everything was forgotten, because time or the arm jumped.
-        diverged: objects that were put back to where they were.
+        is_restart: whether the estimate was reset, because time or the arm jumped.
+        diverged: objects whose simulated motion diverged and that were put back to their last pose.
     """
 
     is_restart: bool = False
@@ -22,13 +22,13 @@ class Advance:
 
 @dataclass(frozen=True)
 class Correction:
-    """What a frame brought.
+    """What a marker frame changed.
 
     Attributes:
         seen: objects whose pose was corrected.
-        partly: those of them that showed too few markers for a pose without the help of physics.
+        partly: those of them whose markers alone were too few for a pose, so that physics helped.
         refused: objects whose markers could not be used, and why.
-        is_unused: the frame is older than the history or ahead of the joints, and changed nothing.
+        is_unused: whether the frame changed nothing, being older than the history or ahead of the joints.
     """
 
     seen: tuple[str, ...] = ()

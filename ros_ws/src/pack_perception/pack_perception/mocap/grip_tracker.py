@@ -1,4 +1,4 @@
-"""How the new object hangs on the cup, and whether it still does."""
+"""Estimates how the new object hangs on the cup, and whether it is still held."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pack_core.rotations import Pose, angle_between, conjugate, exp, log, multip
 
 
 class GripConfig(Config):
-    """When an object counts as held."""
+    """Gain of the grip estimate, and the bounds within which an object counts as held."""
 
     gain: float = Field(default=0.1, gt=0, le=1, description="share of a frame's difference that is believed")
     max_offset: PositiveFloat = Field(default=0.02, description="from where it was gripped [m]")
@@ -22,13 +22,13 @@ class GripConfig(Config):
 
 @dataclass
 class GripTracker:
-    """Follows X_TN, the new object N on the cup T, from what is seen of it.
+    """Estimates X_TN, the pose of the new object N on the cup T, from measured poses.
 
     Attributes:
-        config: when an object counts as held.
-        nominal: X_TN as it was gripped.
-        X_TN: the estimate.
-        is_held: False once it has been seen too far from the nominal grip for too long.
+        config: gain and bounds.
+        nominal: X_TN at the time of gripping.
+        X_TN: the current estimate.
+        is_held: False once measured poses were beyond the bounds around `nominal` for `config.patience` [s].
     """
 
     config: GripConfig
@@ -40,13 +40,14 @@ class GripTracker:
         self._off_since: float | None = None
 
     def correct(self, seen: Pose, time: float) -> None:
-        """Take X_TN as seen in a frame exposed at `time` [s]."""
+        """Update the estimate with X_TN as measured in a frame exposed at `time` [s]."""
         if self._is_off(seen):
             self._off_since = time if self._off_since is None else self._off_since
             self.is_held = time - self._off_since < self.config.patience
             return
         self._off_since = None
         gain, now = self.config.gain, self.X_TN
+        # first-order filter on position and rotation
         turn = gain * log(multiply(seen.q, conjugate(now.q)))
         self.X_TN = Pose(now.p + gain * (seen.p - now.p), multiply(exp(turn), now.q))
 

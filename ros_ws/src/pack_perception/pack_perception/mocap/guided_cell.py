@@ -1,4 +1,4 @@
-"""The cell's physics with an arm that goes where it was measured to be."""
+"""Physics of the cell in which the arm follows its measured joint positions."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from pack_core.rotations import Array, Pose, conjugate, exp, multiply, rotate
 Rows = npt.NDArray[np.int_]
 
 MAX_SPEED = 3.0
-"""Speed of an object that only diverging physics gives it [m/s]."""
+"""An object faster than this moves only because the physics diverged [m/s]."""
 PARKED = np.array([-5.0, 0.0])
-"""Where objects wait, standing, that have not been seen yet, out of reach of everything [m]."""
+"""Where objects that were never measured stand, out of reach of everything else: x and y [m]."""
 
 
 class GuidedCell:
     """Free objects move by physics, the arm by measured joints.
 
-    Objects are addressed by rows of `free`. A twist `(6,)` is the velocity of an object's origin [m/s]
-    and its angular velocity [rad/s]; a shift `(6,)` is a way [m] and a rotation vector [rad]; both in
-    world axes.
+    Objects are addressed by their row in `free`. A twist `(6,)` is the velocity of an object's origin [m/s]
+    and its angular velocity [rad/s]. A shift `(6,)` is a translation [m] and a rotation vector [rad]. Both
+    are in world axes.
 
     Args:
         scene: container and objects; poses are ignored.
@@ -57,7 +57,7 @@ class GuidedCell:
 
     @property
     def qpos(self) -> Array:
-        """A copy of all positions."""
+        """A copy of all generalised positions, as MuJoCo orders them."""
         return np.array(self._data.qpos)
 
     def follow(self, start: JointSample, end: JointSample) -> list[str]:
@@ -68,6 +68,7 @@ class GuidedCell:
         """
         data, before = self._data, self.qpos
         gap = end.time - start.time
+        # equal steps that fill the gap; 1e-6 keeps rounding from adding one
         n = max(1, int(np.ceil(gap / self._step - 1e-6)))
         self._model.opt.timestep = gap / n
         way = end.q - start.q
@@ -79,11 +80,11 @@ class GuidedCell:
         return self._put_back(before)
 
     def set_arm(self, joints: JointSample) -> None:
-        """Put the arm where a sample has it."""
+        """Set the arm's positions and velocities to those of a sample."""
         self._data.qpos[self._arm_q], self._data.qvel[self._arm_v] = joints.q, joints.v
 
     def poses(self, qpos: Array | None = None) -> Array:
-        """X_WO of the free objects as position and quaternion `(n, 7)`, now or in an earlier `qpos`."""
+        """X_WO of the free objects `(n, 7)`, position and quaternion, now or in an earlier `qpos`."""
         return np.asarray((self._data.qpos if qpos is None else qpos)[self._q])
 
     def twists(self) -> Array:
@@ -96,13 +97,14 @@ class GuidedCell:
         self._data.qvel[self._v[rows]] = 0.0
 
     def correct(self, rows: Rows, poses: Array, twists: Array) -> None:
-        """Put objects at `poses` `(k, 7)`, a little away, and add `twists` `(k, 6)` to theirs."""
+        """Set slightly different poses `(k, 7)` of objects, and add `twists` `(k, 6)` to their twists."""
+        # MuJoCo has a free joint's angular velocity in the body's axes, so it is rotated into them
         v, w = twists[:, :3], rotate(conjugate(poses[:, 3:]), twists[:, 3:])
         self._data.qpos[self._q[rows]] = poses
         self._data.qvel[self._v[rows]] += np.concatenate([v, w], axis=1)
 
     def shift_earlier(self, qpos: Array, rows: Rows, shifts: Array) -> None:
-        """Move objects in earlier positions `qpos` `(t, nq)`, in place, by `shifts` `(k, 6)`."""
+        """Apply `shifts` `(k, 6)` to objects in earlier positions `qpos` `(t, nq)`, in place."""
         qpos[:, self._q[rows]] = shifted(qpos[:, self._q[rows]], shifts)
 
     def cup_pose(self, qpos: Array) -> Pose:
@@ -119,10 +121,11 @@ class GuidedCell:
         mujoco.mj_comPos(self._model, posed)
         mujoco.mj_comVel(self._model, posed)
         mujoco.mj_objectVelocity(self._model, posed, mujoco.mjtObj.mjOBJ_XBODY, body, twist, 0)
+        # MuJoCo gives the angular part first
         return np.concatenate([posed.xpos[body], posed.xquat[body]]), np.roll(twist, 3)
 
     def set_grip(self, X_TN: Pose) -> None:
-        """Fix the new object to the cup in another pose."""
+        """Change the pose X_TN in which the new object is fixed to the cup."""
         self._model.body_pos[self._new_object], self._model.body_quat[self._new_object] = X_TN.p, X_TN.q
 
     def _put_back(self, before: Array) -> list[str]:
@@ -133,6 +136,7 @@ class GuidedCell:
             return []
         bad = np.flatnonzero(~is_fine)
         data.qpos[self._q[bad]], data.qvel[self._v[bad]] = before[self._q[bad]], 0.0
+        # the solver would start from the diverged accelerations
         data.qacc_warmstart[:] = 0.0
         return [self.free[i] for i in bad]
 

@@ -1,4 +1,4 @@
-"""Marker frames as arrays: one row an object, one column a marker."""
+"""Marker frames as arrays with one row for each object and one column for each marker."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from pack_perception.mocap.alignment import Mask
 
 
 class MarkerTable:
-    """Where the m markers of each of the n objects are.
+    """Positions of the m markers of each of the n objects of a scene.
 
     Attributes:
-        names: of the objects, the new one last.
-        p_BM: positions in the objects `(n, m, 3)` [m].
+        names: names of the objects, the new one last.
+        p_BM: marker positions in the objects' frames `(n, m, 3)` [m].
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -24,7 +24,7 @@ class MarkerTable:
         self.p_BM = np.stack([scene.model_of(name).markers() for name in self.names])
 
     def sort(self, frame: MarkerFrame) -> tuple[Array, Mask]:
-        """Measured positions p_WM `(n, m, 3)` [m], and which of them there are `(n, m)`.
+        """Measured positions p_WM `(n, m, 3)` [m], and which of them the frame has `(n, m)`.
 
         Raises:
             MessageError: the frame has an object or a marker that the scene does not have.

@@ -34,7 +34,7 @@ class PerceptionNodeConfig(EstimatorConfig):
 
 
 class PerceptionNode(CellNode):
-    """Publishes the scene after every marker frame, and from joint states alone when frames stop."""
+    """Publishes the estimated scene after every marker frame, and at `min_rate` while none come."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("perception", **kwargs)

@@ -1,8 +1,8 @@
-"""Where every object is: fitted to its markers when they are seen, carried by physics when not.
+"""Poses of all objects: fitted to their markers where they are seen, predicted by physics where not.
 
-After Russell, Xu, Roa, Dogar, "Pack it in": physics moves the objects as the measured arm pushes
-them, and what the cameras see corrects it. Two markers are too few for a pose of their own, but
-with the direction of the object's axis they give one: as physics predicts it, and upright at first.
+After Russell, Xu, Roa, Dogar, "Pack it in" (section III-B): simulated physics moves the objects as the
+measured arm pushes them, and what the cameras measure corrects it. Two markers alone do not determine a pose.
+Together with the direction of the object's z axis they do: the predicted one, or upright before the first fit.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from pack_perception.mocap.pose_history import PoseHistory
 from pack_perception.mocap.sighting import sight
 
 TELEPORT = 3.0
-"""An arm that moves this many times faster than its limits has been put elsewhere."""
+"""An arm that moves this many times faster than its velocity limits was placed elsewhere, as by a reset."""
 HISTORY = 50
-"""Steps of physics that a frame may be late."""
+"""Number of steps of physics by which a marker frame may be late."""
 
 
 class PhysicsEstimator:
@@ -54,19 +54,20 @@ class PhysicsEstimator:
 
     @property
     def is_held(self) -> bool:
-        """Whether the new object is believed to hang on the cup."""
+        """Whether the new object is estimated to hang on the cup."""
         return self._grip.is_held
 
     def wants(self, time: float) -> bool:
-        """Whether `advance` would use a joint sample of `time` [s]; those less than a step later it skips."""
+        """Whether `advance` would use a joint sample of `time` [s]; it skips those less than a step later."""
+        # written so that nan, the time before the first sample, gives True; 1e-6 s is for rounded stamps
         return not 0.0 <= time - self.time < self._config.step - 1e-6
 
     def is_ahead(self, frame: MarkerFrame) -> bool:
-        """Whether a frame is to wait until joint samples have come as far as its exposure."""
+        """Whether a frame has to wait for joint samples up to about its exposure."""
         return not frame.time <= self.time + 2 * self._config.step
 
     def advance(self, joints: JointSample) -> Advance:
-        """Let physics carry the objects to the time of a joint sample."""
+        """Simulate the objects up to the time of a joint sample."""
         last = self._joints
         if last is None or self._jumps(last, joints):
             self._start_over()
@@ -80,7 +81,9 @@ class PhysicsEstimator:
         return Advance(diverged=tuple(diverged))
 
     def correct(self, frame: MarkerFrame) -> Correction:
-        """Correct the objects that a frame shows.
+        """Correct the objects whose markers a frame shows.
+
+        The errors are those at the time of exposure; they are corrected then and in all poses since.
 
         Raises:
             MessageError: the frame has an object or a marker that the scene does not have.
@@ -100,10 +103,10 @@ class PhysicsEstimator:
         return Correction(tuple(names[i] for i in rows), partly, refused)
 
     def state(self, time: float) -> SceneState:
-        """All objects that have been seen, and the held one, as they move on to `time` [s].
+        """Poses and twists of the held object and all others that have been seen, extrapolated to `time` [s].
 
-        Objects that were never seen are left out. MOCAP is what a free fit gave; where two markers needed the
-        help of physics, the pose counts as carried by physics.
+        Objects that were never seen are left out. A pose is of source MOCAP if its markers alone gave it. A
+        pose from two markers and a predicted axis is of source PHYSICS.
         """
         poses, twists = self._estimates()
         ahead = float(np.clip(time - self.time, 0.0, self._config.step))
@@ -127,7 +130,7 @@ class PhysicsEstimator:
 
     @property
     def _held(self) -> int:
-        """Row of the object that physics has fixed to the cup: the last one, or -1 when it is free."""
+        """Row of the object that the model fixes to the cup: the last one, or -1 when it is free."""
         n = len(self._markers.names)
         return n - 1 if len(self._physics.free) < n else -1
 
@@ -160,7 +163,7 @@ class PhysicsEstimator:
         return np.vstack([poses, pose]), np.vstack([twists, twist])
 
     def _take(self, rows: Rows, seen: Array, earlier: Array, time: float) -> None:
-        """Use the poses `seen` `(n, 7)` of some rows, exposed at `time`, when physics was at `earlier`."""
+        """Correct some rows by the poses `seen` `(n, 7)` at `time`, when physics predicted `earlier`."""
         free = rows[rows != self._held]
         self._correct_free(free, seen[free], self._physics.poses(earlier)[free], time)
         self._seen[rows] = time
@@ -179,7 +182,7 @@ class PhysicsEstimator:
         self._physics.shift_earlier(self._history.since(time), rows, shifts)
 
     def _let_go(self) -> None:
-        """Go on with the new object as one of the free ones; the next frame puts it where it is."""
+        """Continue with a model in which the new object is free; the next frame corrects its pose."""
         assert self._joints is not None
         poses, twists = self._estimates()
         self._use(GuidedCell(self._scene, self._cell, HeldRole.FREE, self._config.step))

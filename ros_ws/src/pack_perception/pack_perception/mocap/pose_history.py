@@ -1,4 +1,4 @@
-"""Where everything was a short while ago, for measurements that arrive late."""
+"""Positions of the recent past, for measurements that arrive late."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class PoseHistory:
     """The positions `qpos` at the last `length` times.
 
     Args:
-        length: how many.
+        length: number of times that are kept.
         nq: size of `qpos`.
     """
 
@@ -20,18 +20,18 @@ class PoseHistory:
         self._qpos = np.zeros((length, nq))
 
     def add(self, time: float, qpos: Array) -> None:
-        """Note the positions at `time` [s], later than all before."""
+        """Append the positions at `time` [s], which is later than all times before."""
         self._times[:-1], self._qpos[:-1] = self._times[1:], self._qpos[1:]
         self._times[-1], self._qpos[-1] = time, qpos
 
     def covers(self, time: float) -> bool:
-        """Whether it reaches back to `time` [s]."""
+        """Whether the history reaches back to `time` [s]."""
         return bool(np.any(np.isfinite(self._times) & (self._times <= time)))
 
     def at(self, time: float) -> Array:
-        """Positions `(nq,)` at a time that it covers; the newest for later times.
+        """Positions `(nq,)` at a time that the history covers; the newest ones for later times.
 
-        Between two entries they are mixed in proportion, so quaternions are of unit length only nearly.
+        They are interpolated linearly between two entries, so quaternions have only nearly unit length.
         """
         i = int(np.searchsorted(self._times, time, side="right"))
         if i == len(self._times):

@@ -13,7 +13,7 @@ from pack_perception.mocap.alignment import Mask, align
 
 
 class FitConfig(Config):
-    """What a fit needs to be believed."""
+    """Conditions under which a fit is accepted."""
 
     min_markers: int = Field(default=3, ge=3, description="visible markers")
     min_spread: PositiveFloat = Field(
@@ -23,7 +23,7 @@ class FitConfig(Config):
 
 
 class FitRefusal(Enum):
-    """Why there is no fit."""
+    """Reasons to refuse a fit."""
 
     TOO_FEW = "too few markers"
     COLLINEAR = "markers on a line"
@@ -33,13 +33,13 @@ class FitRefusal(Enum):
 
 @dataclass(frozen=True)
 class Fits:
-    """Fitted poses of k bodies B; rows that were refused are not to be used.
+    """Fitted poses of k bodies B; refused rows must not be used.
 
     Attributes:
         p_WB: origins `(k, 3)` [m].
         q_WB: orientations `(k, 4)`, wxyz.
         residual: rms distance `(k,)` [m] of the markers from where the pose puts them.
-        refusals: why there is no fit, None where there is one.
+        refusals: why a fit was refused; None where it was accepted.
     """
 
     p_WB: Array
@@ -49,13 +49,13 @@ class Fits:
 
 
 def fit_rigid_bodies(p_BM: Array, p_WM: Array, visible: Mask, config: FitConfig) -> Fits:
-    """Fit poses to markers.
+    """Fit poses of k bodies to their markers by least squares.
 
     Args:
         p_BM: where the m markers are on each of the k bodies `(k, m, 3)` [m].
         p_WM: where they were measured `(k, m, 3)` [m].
-        visible: which of them were `(k, m)`.
-        config: what a fit needs to be believed.
+        visible: which of them were measured `(k, m)`.
+        config: conditions under which a fit is accepted.
     """
     found = align(p_BM, p_WM, visible)
     refusals = tuple(

@@ -1,4 +1,4 @@
-"""What a frame tells about the objects: poses by their markers, alone or together with physics."""
+"""Poses of objects from one frame: from their markers alone, or with an axis that physics predicts."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from pack_perception.mocap.axis_fit import AxisFitConfig, fit_with_axis
 from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, fit_rigid_bodies
 
 TOO_LITTLE = (FitRefusal.TOO_FEW, FitRefusal.COLLINEAR)
-"""What an expected axis may make up for; markers that do not match the object are never used."""
+"""Refusals after which a fit with the expected axis is tried; mismatching markers are never used."""
 
 
 @dataclass(frozen=True)
 class MarkerSighting:
-    """Poses of n objects; rows that were refused are not to be used.
+    """Measured poses of n objects; refused rows must not be used.
 
     Attributes:
         poses: X_WB as position and quaternion `(n, 7)`.
-        is_partial: which have not the whole pose from markers `(n,)`.
-        refusals: why the markers gave no pose, None where they did.
+        is_partial: objects whose pose needed an expected axis beside its markers `(n,)`.
+        refusals: why the markers gave no pose; None where they did.
     """
 
     poses: Array
@@ -31,7 +31,7 @@ class MarkerSighting:
 
     @property
     def is_placed(self) -> Mask:
-        """Which have a pose `(n,)`."""
+        """Objects that have a pose `(n,)`."""
         return np.array([refusal is None for refusal in self.refusals], dtype=bool)
 
 
@@ -49,11 +49,11 @@ def sight(
     Args:
         p_BM: where the m markers are on each of the n objects `(n, m, 3)` [m].
         p_WM: where they were measured `(n, m, 3)` [m].
-        visible: which of them were `(n, m)`.
-        expected: poses `(k, 7)` of the first k objects; the others are fitted freely or not at all.
-        is_known: of which of them these come from earlier fits `(k,)`; the others are expected to stand.
-        fit: what a free fit needs.
-        axis: what a fit with the axis needs.
+        visible: which of them were measured `(n, m)`.
+        expected: expected poses `(k, 7)` of the first k objects; the others are fitted freely or not at all.
+        is_known: whether these come from earlier fits `(k,)`; the other objects are expected to stand.
+        fit: conditions under which a free fit is accepted.
+        axis: conditions under which a fit with the axis is accepted.
     """
     free = fit_rigid_bodies(p_BM, p_WM, visible, fit)
     poses, refusals = np.concatenate([free.p_WB, free.q_WB], axis=1), list(free.refusals)
