@@ -1,4 +1,4 @@
-"""The way of the tool along lines with rounded corners."""
+"""Curves of the tool in space: straight lines and rounded corners, by arc length."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from scipy.interpolate import CubicHermiteSpline
 from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, to_matrix
 
 RADIUS = 0.3
-"""A turn by 1 rad counts as a way of this length [m]."""
+"""A turn by 1 rad counts as a path of this length [m], so that lines that only turn have a length too."""
 CORNER_ROWS = 65
+"""Number of points of a corner at which its arc length is tabulated and its curvature is sampled."""
 
 
 @dataclass(frozen=True)
 class CurvePoints:
-    """Where the tool is at T places along curves, and how that changes with the way s.
+    """Tool poses at T points along curves, and their derivatives by the arc length s.
 
     Attributes:
         p: positions `(T, 3)` [m].
         R: orientations `(T, 3, 3)`.
-        dp: of the position `(T, 3)`.
-        ddp: of that `(T, 3)` [1/m].
-        turn: of the orientation `(T, 3)`, world axes [rad/m].
+        dp: first derivative of the position `(T, 3)`.
+        ddp: second derivative of the position `(T, 3)` [1/m].
+        turn: rotation vector per arc length in world axes `(T, 3)` [rad/m].
     """
 
     p: Array
@@ -36,17 +37,17 @@ class CurvePoints:
 
 
 class Curve(Protocol):
-    """A piece of the way."""
+    """A curve of the tool."""
 
     length: float
-    """[m]."""
+    """Arc length [m]."""
 
     def at(self, s: Array) -> CurvePoints:
-        """Where the tool is at ways `(T,)` from 0 to `length` [m]."""
+        """Tool poses at arc lengths `(T,)` from 0 to `length` [m]."""
 
 
 class StraightCurve:
-    """From pose to pose, turning evenly about one axis."""
+    """A straight line from pose to pose that turns evenly about one axis."""
 
     def __init__(self, X_start: Pose, X_end: Pose) -> None:
         step = X_end.p - X_start.p
@@ -54,12 +55,12 @@ class StraightCurve:
         self._p, self._q = X_start.p, X_start.q
         self.length = max(float(np.linalg.norm(step)), RADIUS * float(np.linalg.norm(turn)))
         self.direction = step / max(self.length, 1e-12)
-        """Of the position `(3,)`, by the way."""
+        """Derivative of the position by the arc length `(3,)`; below 1 where the turn decides the length."""
         self.turn = turn / max(self.length, 1e-12)
-        """Of the orientation `(3,)`, by the way [rad/m]."""
+        """Rotation vector per arc length `(3,)` [rad/m]."""
 
     def at(self, s: Array) -> CurvePoints:
-        """Where the tool is at ways `(T,)` [m]."""
+        """Tool poses at arc lengths `(T,)` [m]."""
         R = to_matrix(multiply(exp(s[:, None] * self.turn), np.broadcast_to(self._q, (len(s), 4))))
         dp, turn = (np.broadcast_to(row, (len(s), 3)) for row in (self.direction, self.turn))
         return CurvePoints(self._p + s[:, None] * dp, R, dp, np.zeros((len(s), 3)), turn)
@@ -68,9 +69,12 @@ class StraightCurve:
 class CornerCurve:
     """A corner rounded by a quintic Bezier curve that leaves and meets the lines without curvature.
 
+    The first three control points lie on the first line and the last three on the second, so that the second
+    derivative is along the line at both ends.
+
     Args:
-        p: where it leaves the first line, the corner, and where it meets the second `(3, 3)` [m].
-        q: orientation, which stays.
+        p: where it leaves the first line, the corner, and where it meets the second line `(3, 3)` [m].
+        q: orientation of the tool, which stays the same.
     """
 
     def __init__(self, p: Array, q: Array) -> None:
@@ -81,6 +85,8 @@ class CornerCurve:
         )  # fmt: skip
         self._R = to_matrix(q)
         u = np.linspace(0.0, 1.0, CORNER_ROWS)
+        # Arc length at every u by Gauss-Legendre quadrature of |dp/du| between neighbouring u; then u(s) by a
+        # cubic through these values with the slopes du/ds = 1 / |dp/du|.
         nodes, weights = np.polynomial.legendre.leggauss(5)
         inner = u[:-1, None] + np.diff(u)[:, None] * 0.5 * (nodes + 1.0)
         speeds = np.linalg.norm(self._bezier(inner.ravel(), 1), axis=1).reshape(inner.shape)
@@ -95,17 +101,18 @@ class CornerCurve:
         return float(np.linalg.norm(bends, axis=1).max())
 
     def at(self, s: Array) -> CurvePoints:
-        """Where the tool is at ways `(T,)` [m]."""
+        """Tool poses at arc lengths `(T,)` [m]."""
         u = np.clip(self._u_of(s), 0.0, 1.0)
         d, dd = self._bezier(u, 1), self._bezier(u, 2)
         rate = np.linalg.norm(d, axis=1, keepdims=True)
         dp = d / rate
+        # Curvature vector: the part of p'' across the tangent, over |p'|^2.
         ddp = (dd - np.sum(dd * dp, axis=1, keepdims=True) * dp) / rate**2
         R = np.broadcast_to(self._R, (len(s), 3, 3))
         return CurvePoints(self._bezier(u, 0), R, dp, ddp, np.zeros((len(s), 3)))
 
     def _bezier(self, u: Array, order: int) -> Array:
-        """Derivative of an order at parameters `(T,)` (de Casteljau): `(T, 3)`."""
+        """Derivative of the given order at parameters `(T,)` by de Casteljau's algorithm: `(T, 3)`."""
         points, degree, factor = self._points, 5, 1.0
         for _ in range(order):
             points, factor, degree = np.diff(points, axis=0), factor * degree, degree - 1
@@ -116,7 +123,7 @@ class CornerCurve:
 
 
 def trimmed(X_start: Pose, X_end: Pose, cuts: Sequence[float]) -> StraightCurve:
-    """The line between two poses of one orientation with a length cut off at either end [m]."""
+    """The line between two poses of equal orientation, with a length cut off at each end [m]."""
     step = X_end.p - X_start.p
     direction = step / np.linalg.norm(step)
     ends = X_start.p + cuts[0] * direction, X_end.p - cuts[1] * direction

@@ -1,4 +1,4 @@
-"""Lines of the tool, one after the other, as a joint reference."""
+"""Turns consecutive lines of the tool into a joint reference."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from pack_motion.reference.stretches import Stretch
 from pack_motion.reference.trajectory import ReferenceTrajectory, grid
 
 LARGEST_STEP = 0.5
-"""Of a joint between rows [rad]; a larger one is a jump to another branch, or a singular wrist."""
+"""Largest step of a joint between rows [rad]; a larger one is a change of branch or a singular wrist."""
 
 LARGEST_SLOWING = 20.0
-"""Of a run, for the sake of the joint limits."""
+"""Largest factor by which lines may be slowed to keep the joint limits; beyond it the move is refused."""
 
 
 def line_run(
@@ -36,14 +36,15 @@ def line_run(
     """The joint reference along stretches, slowed as a whole until every joint keeps its limits.
 
     Raises:
-        MoveRefused: the way leaves the arm's reach, a joint's range or the branch.
+        MoveRefused: the lines leave the arm's reach, a joint's range or the branch of the inverse
+            kinematics, or pass too near to a singular posture.
     """
     speeds = border_speeds([stretch.portion for stretch in run], entry_speed)
     times, rates, points, segments = _timed(run, speeds)
     q = _joint_positions(arm, points, q_start, branch)
     v, a = _joint_rates(arm, q, points, rates)
     slow = _slowing(v, a, limits)
-    if not slow < LARGEST_SLOWING:
+    if not slow < LARGEST_SLOWING:  # written so that nan is refused too
         raise MoveRefused(
             f"the line passes so near to a singular posture that it would take {slow:.0f} times longer"
         )
@@ -53,11 +54,11 @@ def line_run(
 def _timed(
     run: Sequence[Stretch], speeds: Sequence[float]
 ) -> tuple[Array, Array, CurvePoints, npt.NDArray[np.int64]]:
-    """Times, way rates `(T, 2)` (speed and acceleration), curve points and segments of all rows."""
+    """Times, speed and acceleration along the curve `(T, 2)`, curve points and segments of all rows."""
     times, rates, points, segments, elapsed = [], [], [], [], 0.0
     for i, stretch in enumerate(run):
         profile = portion_profile(stretch.portion, speeds[i], speeds[i + 1])
-        rows = grid(profile.duration)[bool(i) :]
+        rows = grid(profile.duration)[bool(i) :]  # from the second stretch on, row 0 is the last one's end
         states = np.array([profile.at_time(float(time)) for time in rows])[:, :, 0]
         times.append(elapsed + rows)
         rates.append(states[:, 1:])
@@ -88,10 +89,11 @@ def _joint_rates(arm: MotionArm, q: Array, points: CurvePoints, rates: Array) ->
     ds, dds = rates[:, :1], rates[:, 1:]
     slope = np.hstack([points.dp, points.turn])
     bend = np.hstack([points.ddp, np.zeros_like(points.turn)])
+    # Chain rule for the pose x(s(t)): dx/dt = x' ds/dt, and d2x/dt2 = x' d2s/dt2 + x'' (ds/dt)^2.
     return arm.chain.joint_rates(q, slope * ds, slope * dds + bend * ds**2)
 
 
 def _slowing(v: Array, a: Array, limits: MoveLimits) -> float:
-    """By what factor the run must take longer."""
+    """Factor k >= 1 by which the run must take longer: speeds fall with k, accelerations with k^2."""
     speed = float((np.abs(v) / limits.velocity).max())
     return max(1.0, speed, float(np.sqrt((np.abs(a) / limits.acceleration).max())))

@@ -1,4 +1,4 @@
-"""From a path to one reference through all of its segments."""
+"""Plans one joint reference through all segments of a path."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from pack_motion.reference.stretches import stretches
 from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
 
 SHARE = 0.98
-"""Of the joint limits that references use; the rest is left to the tracking."""
+"""Share of the joint limits that references use; the rest is left to the tracking."""
 
 LONG_WAY = 0.02
-"""What the other joints' times count for beside the longest when a posture is chosen."""
+"""Weight of the sum of all joints' times beside the longest one, when a posture is chosen."""
 FLIP = 0.15
-"""What a flip of the wrist counts for [s]: the tool sweeps wide on it."""
+"""Penalty for a flip of the wrist [s], on which the tool sweeps through a wide arc."""
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,9 @@ class MotionPlan:
     """A reference through a path.
 
     Attributes:
-        trajectory: from the start to rest at the goal.
-        segments: of the path; the trajectory's rows point to them.
-        X_WT: the goal of the tool.
+        trajectory: the reference, from the start to rest at the goal.
+        segments: segments of the path; each row of the trajectory has the index of one.
+        X_WT: pose of the tool at the goal.
     """
 
     trajectory: ReferenceTrajectory
@@ -53,7 +53,7 @@ class PathPlanner:
         """The reference from `start` through all segments, to rest at the last one's end.
 
         Raises:
-            MoveRefused: there is none within the arm's reach and limits.
+            MoveRefused: there is no such reference within the arm's reach and limits.
         """
         if not path.segments:
             raise PackError("a path needs at least one segment")
@@ -78,6 +78,7 @@ class PathPlanner:
         raise MoveRefused(f"'{segments[i].label}': {refusals[0] if refusals else 'the pose is out of reach'}")
 
     def _lines_first(self, start: JointState, segments: Sequence[Segment], i: int) -> ReferenceTrajectory:
+        """The reference from the i-th segment on, which is a line: lines begin at rest, so the arm brakes."""
         if not start.is_at_rest:
             stopped = brake(start, self._limits, i)
             return stopped.followed_by(self._lines_first(stopped.end, segments, i))
@@ -87,7 +88,10 @@ class PathPlanner:
     def _through(
         self, start: JointState, q: Array, segments: Sequence[Segment], i: int
     ) -> ReferenceTrajectory:
-        """A joint move to `q`, and all that follows."""
+        """A joint move to `q`, and the reference through all segments after it.
+
+        Without a stop the move ends in the state in which the next segment begins.
+        """
         move = segments[i]
         assert not isinstance(move, Line)
         limits = self._limits.scaled(move.speed, move.acceleration)
@@ -114,7 +118,7 @@ class PathPlanner:
     def _run(
         self, q: Array, segments: Sequence[Segment], i: int, entry_speed: float
     ) -> tuple[ReferenceTrajectory, int]:
-        """The lines from the i-th segment on, and the index of what follows them."""
+        """The reference along the lines from the i-th segment on, and the index of the segment after them."""
         j = i
         while j < len(segments) and isinstance(segments[j], Line):
             j += 1
@@ -131,7 +135,7 @@ class PathPlanner:
             raise MoveRefused(f"'{lines[0].label}' to '{lines[-1].label}': {refusal}") from refusal
 
     def _goals(self, start: JointState, segments: Sequence[Segment], i: int) -> list[Array]:
-        """Joint positions that a segment may end at, the soonest reached first."""
+        """Joint positions at which a segment may end; those that take the least time come first."""
         move = segments[i]
         if isinstance(move, JointMove):
             return [self._within(move)]
@@ -141,16 +145,18 @@ class PathPlanner:
         return sorted(found, key=lambda q: self._effort(q - start.q, self._arm.inverse.branch(q)[2] != wrist))
 
     def _effort(self, step: Array, is_flip: bool) -> float:
-        """About how long a step of the joints takes [s]; more for long ways and flips of the wrist."""
+        """Estimated duration of a step of the joints [s], plus penalties for other joints and wrist flips."""
         v, a, way = self._limits.velocity, self._limits.acceleration, np.abs(step)
+        # A trapezoid of speed takes d / v + v / a; a step too short to reach v takes 2 sqrt(d / a).
         times = np.where(way * a > v**2, way / v + v / a, 2.0 * np.sqrt(way / a))
         return float(times.max() + LONG_WAY * times.sum() + FLIP * is_flip)
 
     def _passing(self, start: JointState, q: Array, segments: Sequence[Segment], i: int) -> JointState:
-        """How `q` is passed on the way to the next segment: joints that go on in a direction do not stop.
+        """The state in which `q` is passed on the way to the next segment.
 
-        After Fritsch and Carlson, "Monotone piecewise cubic interpolation", 1980: the harmonic mean of
-        both average velocities, and none where they differ in sign.
+        Joints that go on in the same direction do not stop. After Fritsch and Carlson, "Monotone piecewise
+        cubic interpolation", 1980: half the harmonic mean of both average velocities, and zero where they
+        differ in sign.
         """
         goals = self._goals(JointState.at_rest(q), segments, i)
         if not goals:
@@ -174,7 +180,7 @@ class PathPlanner:
         return q
 
     def _check(self, trajectory: ReferenceTrajectory) -> None:
-        """The last word on joint ranges: ruckig knows none."""
+        """Check the ranges of the joints, which ruckig does not know."""
         limits = self._arm.limits
         beyond = (trajectory.q < limits.lower) | (trajectory.q > limits.upper)
         if np.any(beyond):
@@ -183,9 +189,11 @@ class PathPlanner:
 
 
 def _stopping(line: Line) -> Line:
+    """The same line with exit speed and blend 0: a path ends at rest."""
     return Line(line.X_WT, line.speed, line.acceleration, line.entry_speed, 0.0, 0.0, line.label, line.mode)
 
 
 def _standing(q: Array, segment: int) -> ReferenceTrajectory:
+    """A reference that stands at `q`; two rows with rising times, as every reference has."""
     rows = np.zeros((2, len(q)))
     return ReferenceTrajectory(np.array([0.0, 1e-6]), rows + q, rows, rows, np.full(2, segment))

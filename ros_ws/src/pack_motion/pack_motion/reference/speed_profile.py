@@ -1,4 +1,4 @@
-"""How fast a way is travelled: jerk-limited, portion by portion, passing from one to the next at speed."""
+"""Jerk-limited speed profiles along consecutive portions of a curve, without a stop between them."""
 
 from __future__ import annotations
 
@@ -13,19 +13,20 @@ from pack_motion.reference.fastest import fastest
 from pack_motion.reference.refusal import MoveRefused
 
 OVERSHOOT = 1e-6
-"""What a portion may be overrun by, for rounding [m]."""
+"""A profile may overrun the ends of its portion by this, for rounding [m]."""
 BISECTIONS = 40
+"""Number of halvings of the interval in which a speed is searched."""
 
 
 @dataclass(frozen=True)
 class Portion:
-    """A part of the way.
+    """A part of the curve with limits of its own.
 
     Attributes:
-        length: [m].
-        speed: at most [m/s].
-        acceleration: at most [m/s^2]; it is reached within `JERK_TIME`.
-        exit_speed: at its end, at most [m/s].
+        length: arc length [m].
+        speed: largest speed [m/s].
+        acceleration: largest acceleration [m/s^2]; it is reached within `JERK_TIME`.
+        exit_speed: largest speed at its end [m/s].
     """
 
     length: float
@@ -35,20 +36,26 @@ class Portion:
 
     @property
     def jerk(self) -> float:
-        """At most [m/s^3]."""
+        """Largest jerk [m/s^3]."""
         return self.acceleration / JERK_TIME
 
 
 def change_length(portion: Portion, v_0: float, v_1: float) -> float:
-    """How long the way is on which the speed changes from one to another [m]."""
+    """Shortest length [m] for a change of speed from `v_0` to `v_1` [m/s] within the portion's limits."""
     change, a = abs(v_1 - v_0), portion.acceleration
+    # The acceleration rises and falls within JERK_TIME each. If the change is large enough it stays at its
+    # largest value between, else it turns at a lower peak. By symmetry the mean speed is (v_0 + v_1) / 2.
     has_plateau = change >= a * JERK_TIME
     time = change / a + JERK_TIME if has_plateau else 2.0 * np.sqrt(change / portion.jerk)
     return float(0.5 * (v_0 + v_1) * time)
 
 
 def border_speeds(portions: Sequence[Portion], entry_speed: float) -> list[float]:
-    """Speeds at all borders, first and last included, that can be kept to; each as wished or lower."""
+    """The highest feasible speeds at all borders between portions, first and last included [m/s].
+
+    Each starts from its limit. A backward pass lowers speeds from which the portion after cannot brake in
+    time, a forward pass those that cannot be reached from the border before.
+    """
     speeds = [min(entry_speed, portions[0].speed)]
     following = [*portions[1:], None]
     for portion, after in zip(portions, following, strict=True):
@@ -62,10 +69,10 @@ def border_speeds(portions: Sequence[Portion], entry_speed: float) -> list[float
 
 
 def portion_profile(portion: Portion, v_0: float, v_1: float) -> ruckig.Trajectory:
-    """Way over time along one portion.
+    """Arc length over time along one portion, entered at `v_0` and left at `v_1` [m/s].
 
     Raises:
-        MoveRefused: it would be left at either end, as happens where the speeds at its ends do not fit.
+        MoveRefused: the speeds do not fit the length, so that the profile would overrun the portion's ends.
     """
     request = ruckig.InputParameter(1)
     request.target_position, request.max_velocity = [portion.length], [max(portion.speed, v_0, v_1)]
@@ -86,7 +93,7 @@ def _is_inside(found: ruckig.Trajectory, length: float) -> bool:
 
 
 def _reachable(portion: Portion, fixed: float, wished: float) -> float:
-    """The speed up to `wished` at one end for which the portion is long enough, `fixed` at the other."""
+    """The highest speed up to `wished` at one end, with `fixed` at the other, that the length allows."""
     if wished <= fixed or change_length(portion, fixed, wished) <= portion.length:
         return wished
     near, far = fixed, wished
