@@ -1,4 +1,4 @@
-"""The motion controller: targets in, joint setpoints out, step by step; it owns no clock."""
+"""The motion controller: it turns motion targets into joint setpoints, step by step, without a clock."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from pack_motion.tracking.pursuit import Pursuit, pursuit_of
 from pack_motion.tracking.tracker import PolicyInputs, Tracker
 
 LONGEST_STEP = 0.1
-"""A longer step is a gap in time that must not be integrated over [s]."""
+"""Longest step that is integrated [s]; a longer one is a gap in the measurements and an error."""
 
 
 class MotionController:
     """Moves one arm.
 
     Args:
-        arm: what moves.
+        arm: the arm that moves.
         config: a named set of parameters.
         time: now [s].
-        q: where the arm stands `(n,)` [rad].
+        q: joint positions at the start, at rest `(n,)` [rad].
     """
 
     def __init__(self, arm: MotionArm, config: MotionSet, time: float, q: Array) -> None:
@@ -62,27 +62,27 @@ class MotionController:
 
     @property
     def commanded(self) -> JointState:
-        """Where the joints were last told to be."""
+        """The state that the last setpoint commanded."""
         return self._tracker.state
 
     @property
     def time(self) -> float:
-        """That the last setpoint was for [s]."""
+        """Time of the last setpoint [s]."""
         return self._time
 
     @property
     def is_standing(self) -> bool:
-        """Whether the joints were told to stand, and no driver holds them elsewhere."""
+        """Whether the joints are commanded to stand still, and the driver does not hold them."""
         return not self._is_held and self.commanded.is_at_rest
 
     @property
     def is_held(self) -> bool:
-        """Whether the driver holds the arm; no steps are taken until it stands and `resume` is called."""
+        """Whether the driver holds the arm; then no steps are made until it stands and `resume` is called."""
         return self._is_held
 
     @property
     def plan(self) -> MotionPlan:
-        """What is being followed."""
+        """The plan that is being followed."""
         return self._pursuit.plan
 
     def command(self, target: MotionTarget) -> Acceptance:
@@ -93,7 +93,7 @@ class MotionController:
         return self.take(self.prepare(target))
 
     def prepare(self, target: MotionTarget) -> PreparedTarget:
-        """Plan a target from the present commanded state; changes nothing, and may take its time."""
+        """Plan a target from the commanded state; changes nothing, and may run in another thread."""
         X_WT = self._arm.chain.forward(self.commanded.q)
         others = rising(target, X_WT) if target is self._resumed else ()
         return self._planner.prepare(self.commanded, target, others)
@@ -108,7 +108,7 @@ class MotionController:
         return Acceptance(True, "", plan.trajectory.duration)
 
     def stop(self) -> None:
-        """Come to rest as fast as the limits allow; of a move that is held nothing is left then."""
+        """Come to rest as fast as the limits allow; a move that was interrupted is given up."""
         self._left = None
         if self._is_held:
             return
@@ -116,28 +116,28 @@ class MotionController:
         self._follow(replace(self._target, move=Path(())), plan)
 
     def wait(self, time: float) -> None:
-        """Stand on until `time` [s], through a gap in the measurements; only where it `is_standing`."""
+        """Skip to `time` [s] after a gap in the measurements; allowed only while `is_standing`."""
         self._time = time
 
     def hold(self, reason: str) -> None:
-        """The arm is not where it was told to be: its driver holds it, until `resume`."""
+        """Note that the driver holds the arm, away from its setpoints; lasts until `resume`."""
         self._left = left_of(self._target, self.plan, self._pursuit.segment, self._monitor.state)
         self._is_held = True
         self._monitor.hold(reason, is_unfinished=self._left is not None)
 
     def see(self, sample: JointSample) -> None:
-        """Take a measurement of the arm that is held."""
+        """Take a measurement of the arm while the driver holds it."""
         self._monitor.progress.see(sample, self.plan.X_WT)
 
     def resume(self, time: float, q: Array) -> MotionTarget | None:
-        """Go on from where the arm came to rest.
+        """Continue from where the arm came to rest.
 
         Args:
             time: now [s].
-            q: where it stands `(n,)` [rad].
+            q: measured joint positions `(n,)` [rad].
 
         Returns:
-            What is left of the move, to be prepared and taken as any target; None where nothing is.
+            The rest of the move, to be prepared and taken like any target; None where nothing is left.
         """
         plan = standing_plan(q, self.plan, self._pursuit.segment)
         self._time, self._is_held = time, False
@@ -149,7 +149,7 @@ class MotionController:
         return left
 
     def observe(self, obstacles: Iterable[Obstacle]) -> None:
-        """Where moving obstacles are now; those of an earlier call that are not named are gone."""
+        """Set the moving obstacles; those of an earlier call that are not among them are removed."""
         self._moving = {item.name: item for item in obstacles}
         self._refresh_field()
 
@@ -157,7 +157,7 @@ class MotionController:
         """Advance to `time`.
 
         Args:
-            time: that the setpoint is for [s]; later than the last one.
+            time: time of the setpoint [s]; later than the last one.
             sample: the newest measurement, not later than `time`.
 
         Raises:
@@ -182,7 +182,7 @@ class MotionController:
         return JointSetpoint(time, tracker.state.q, tracker.state.v, tracker.state.a)
 
     def status(self) -> MotionStatus:
-        """Where the move stands."""
+        """State and progress of the newest move."""
         return self._monitor.status(self._time, self._pursuit)
 
     def _follow(self, target: MotionTarget, plan: MotionPlan) -> None:

@@ -41,7 +41,7 @@ class MotionNodeConfig(Config):
 
 
 class MotionNode(CellNode):
-    """Steps with every joint state; plans in a thread, while the arm stands."""
+    """Makes a step for every joint state; plans in a thread while the arm stands still."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("motion", **kwargs)
@@ -56,7 +56,8 @@ class MotionNode(CellNode):
         self._status = self.advertise(contracts.MOTION_STATUS)
         self.listen(contracts.MOTION_TARGET, self._on_target)
         self.listen(contracts.MOTION_OBSTACLES, self._on_obstacles)
-        self.listen(replace(contracts.JOINT_STATES, qos=NEWEST), self._on_joints)  # old ones lead nowhere
+        # Only the newest joint state: setpoints made for an older one would be late.
+        self.listen(replace(contracts.JOINT_STATES, qos=NEWEST), self._on_joints)
         self.watch(("sim",))
 
     def destroy_node(self) -> None:
@@ -91,21 +92,21 @@ class MotionNode(CellNode):
         self._status.publish(to_status(stream.controller.status()))
 
     def _start(self, sample: JointSample) -> SetpointStream:
-        """From where the arm is; time begins anew, and what was wanted before is not any more."""
+        """Start from the measured posture, and drop all targets: time has begun anew."""
         self._waiting = self._planned = None
         controller = MotionController(self._arm, self._set, sample.time, sample.q)
         config, velocity = self._config, self._arm.limits.velocity
         return SetpointStream(controller, config.period, config.horizon, velocity)
 
     def _note_interruption(self, reason: str) -> None:
-        """Say so; what was being planned began where the arm is no more."""
+        """Report an interruption; a target that is being planned is planned again from the new posture."""
         self._waiting, self._planned = self._waiting or self._planned, None
         text = f"{reason}: is the machine too slow for this real_time_factor?"
         self.health.count("interrupted", text)
         self.get_logger().warning(text)
 
     def _take_up(self, controller: MotionController) -> None:
-        """Give a waiting target to the planner, and a planned one to the controller."""
+        """Pass a waiting target to the planner, and a planned one to the controller."""
         if self._waiting is not None and controller.is_standing:
             self._planned, self._waiting = self._waiting, None
             self._planning.submit(self._planned)

@@ -1,4 +1,4 @@
-"""What is said about a move: whether it goes on, has arrived, is held, stuck or was refused, and why."""
+"""Judges a move: whether it is running, has arrived, is held, is stuck or was refused, and why."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class MoveMonitor:
     """Judges one move after the other.
 
     Args:
-        arm: what moves.
+        arm: the arm that moves.
         config: when a move counts as stuck.
 
     Attributes:
-        state: of the newest target.
-        progress: how that is being reached, as measured.
+        state: state of the newest target.
+        progress: measured errors towards that target.
     """
 
     def __init__(self, arm: MotionArm, config: Stuck) -> None:
@@ -36,29 +36,29 @@ class MoveMonitor:
         self.progress = ReachProgress(arm)
 
     def begin(self, target_id: int) -> None:
-        """A target was taken."""
+        """Start to judge a target that was accepted."""
         self.progress.restart()
         self._stuck.restart()
         self.state, self._reason, self._id = MotionState.MOVING, "", target_id
         self._is_pursuing = True
 
     def refuse(self, target_id: int, reason: str) -> None:
-        """A target was refused; what is being followed is judged no more."""
+        """Note a refused target; the plan that is still followed is not judged any more."""
         self.state, self._reason, self._id = MotionState.REFUSED, reason, target_id
         self._is_pursuing = False
 
     def stand(self) -> None:
-        """There is no move to judge."""
+        """Note that there is no move to judge."""
         self.state, self._is_pursuing = MotionState.IDLE, False
 
     def hold(self, reason: str, *, is_unfinished: bool) -> None:
-        """The driver holds the arm; where a move is left unfinished, this is why."""
+        """Note that the driver holds the arm; the reason is reported if a move is unfinished."""
         self._is_pursuing = False
         if is_unfinished:
             self.state, self._reason = MotionState.HELD, reason
 
     def resume(self, *, is_unfinished: bool) -> None:
-        """The arm stands, and is held no more."""
+        """Note that the arm stands and is not held any more."""
         self.progress = ReachProgress(self._arm)
         if not is_unfinished and self.state is MotionState.HELD:
             self.state, self._reason = MotionState.IDLE, ""
@@ -72,9 +72,9 @@ class MoveMonitor:
         Args:
             h: duration of the step [s].
             sample: the newest measurement.
-            pursuit: of the plan.
-            target: that is pursued.
-            near: least distance to an obstacle [m], and the names of those that are felt.
+            pursuit: the pursuit of the plan.
+            target: the target that is pursued.
+            near: smallest distance to an obstacle [m], and the names of the obstacles considered.
         """
         self.progress.measure(sample, pursuit.plan.X_WT, target.tolerance, pursuit.is_over)
         if not self._is_pursuing:
@@ -90,7 +90,7 @@ class MoveMonitor:
             self._reason = ""
 
     def status(self, time: float, pursuit: Pursuit) -> MotionStatus:
-        """Where the move stands at `time` [s]."""
+        """State and progress of the move at `time` [s]."""
         progress = self.progress
         return MotionStatus(
             time=time, id=self._id, state=self.state, segment=pursuit.segment,

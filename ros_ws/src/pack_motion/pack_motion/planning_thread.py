@@ -1,4 +1,4 @@
-"""Plans targets in a thread of its own, while the arm stands and its setpoints go on."""
+"""Plans targets in a separate thread, so that setpoints for the standing arm are not delayed."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from pack_motion.target_planner import PreparedTarget
 
 
 class PlanningThread:
-    """Hands each target to `prepare`, one at a time; the newest replaces one that still waits.
+    """Passes each target to `prepare`, one at a time; the newest replaces one that is still waiting.
 
     Args:
         prepare: plans a target.
-        on_error: is told what should not have happened.
+        on_error: called with an unexpected exception of `prepare`.
     """
 
     def __init__(
@@ -29,19 +29,19 @@ class PlanningThread:
         self._thread.start()
 
     def submit(self, target: MotionTarget) -> None:
-        """Plan this next; what was planned before is not wanted any more."""
+        """Plan this target next; the result of an earlier one is dropped."""
         with self._condition:
             self._target, self._prepared = target, None
             self._condition.notify()
 
     def result(self) -> PreparedTarget | None:
-        """What has been planned since the last call."""
+        """The target planned since the last call; None while there is none."""
         with self._condition:
             prepared, self._prepared = self._prepared, None
             return prepared
 
     def end(self) -> None:
-        """Finish what is being planned, and end."""
+        """Finish the target that is being planned, and end the thread."""
         with self._condition:
             self._is_ended = True
             self._condition.notify()
@@ -61,5 +61,5 @@ class PlanningThread:
                 self._on_error(error)
                 prepared = PreparedTarget(target, None, str(error))
             with self._condition:
-                if self._target is None:
+                if self._target is None:  # otherwise a newer target waits and this result is dropped
                     self._prepared = prepared

@@ -1,4 +1,4 @@
-"""How a target is being reached, as measured."""
+"""Measured errors of the tool towards its target and its commanded path."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.trajectory import JointState
 
 MEMORY = 64
-"""Commanded states that are kept, to be compared with measurements that come later."""
+"""Number of commanded states that are kept: setpoints are ahead of the measurements they belong to."""
 
 
 class ReachProgress:
-    """Compares what the joints do with what they were told and with where they are going."""
+    """Compares the measured tool pose with the commanded one and with the goal."""
 
     def __init__(self, arm: MotionArm) -> None:
         self._arm = arm
@@ -27,11 +27,11 @@ class ReachProgress:
         self.reached_steps = 0
 
     def restart(self) -> None:
-        """A new target."""
+        """Start to count for a new target."""
         self.reached_steps = 0
 
     def record(self, time: float, state: JointState) -> None:
-        """What the joints were told for a time [s]."""
+        """Keep the commanded state for a time [s]."""
         self._commanded.append((time, state))
 
     def measure(self, sample: JointSample, X_WG: Pose, tolerance: ReachTolerance, is_over: bool) -> None:
@@ -47,13 +47,13 @@ class ReachProgress:
         self.reached_steps = self.reached_steps + 1 if is_there else 0
 
     def see(self, sample: JointSample, X_WG: Pose) -> None:
-        """Where the tool is, and how far from its goal."""
+        """Update the tool pose and its error to the goal X_WG."""
         self.X_WT = self._arm.chain.forward(sample.q)
         self.position_error = float(np.linalg.norm(self.X_WT.p - X_WG.p))
         self.orientation_error = float(angle_between(self.X_WT.q, X_WG.q))
 
     def _told(self, sample: JointSample) -> Array:
-        """What the joints had been told for the moment of the measurement."""
+        """Commanded joint positions `(n,)` [rad] at the time of the measurement."""
         for time, state in reversed(self._commanded):
             if time <= sample.time + 1e-9:
                 ahead = sample.time - time

@@ -1,4 +1,4 @@
-"""Keeps setpoints ahead of the measurements, so that the driver never runs out of them."""
+"""Computes setpoints up to a horizon beyond each measurement, so that the driver never runs out of them."""
 
 from __future__ import annotations
 
@@ -12,23 +12,24 @@ from pack_core.rotations import Array
 from pack_motion.controller import MotionController
 
 MEMORY = 256
+"""Largest number of setpoints that are kept."""
 DEVIATION = 0.002
-"""An arm that is farther from its setpoint than its velocity limits allow in this time is held [s]."""
+"""An arm counts as held when it is farther from its setpoint than it can move in this time [s]."""
 REST_SPEED = 0.01
-"""Below it a joint of a held arm stands [rad/s]."""
+"""Below this speed a joint of a held arm counts as standing still [rad/s]."""
 
 
 class SetpointStream:
     """Steps a controller to a horizon beyond each measurement.
 
-    Where measurements stop coming, or the arm is not where the setpoints had it, its driver has run out of
-    them and holds it: the stream pauses until the arm stands, and goes on from there.
+    If measurements stop, or the arm is away from its setpoints, the driver has run out of setpoints and holds
+    the arm. The stream then pauses until the arm stands still, and continues from there.
 
     Args:
-        controller: freshly started.
-        period: between setpoints [s].
-        horizon: how far they reach beyond the newest measurement [s].
-        velocity: limits of the joints `(n,)` [rad/s].
+        controller: a newly started controller.
+        period: time between setpoints [s].
+        horizon: time that the setpoints reach beyond the newest measurement [s].
+        velocity: velocity limits of the joints `(n,)` [rad/s].
     """
 
     def __init__(self, controller: MotionController, period: float, horizon: float, velocity: Array) -> None:
@@ -37,17 +38,17 @@ class SetpointStream:
         self._deviation = DEVIATION * velocity
         self._rested = np.inf
         self.left: MotionTarget | None = None
-        """What is left of an interrupted move; set when the arm has come to stand."""
+        """The rest of an interrupted move; set in the step in which the arm has come to rest."""
         self.interruption = ""
-        """Why the stream pauses; set when it begins to."""
+        """Why the stream pauses; set in the step in which the pause begins."""
         self._restart()
 
     def has_begun_anew(self, sample: JointSample) -> bool:
-        """Whether time went back."""
+        """Whether time went back, as after a reset of the simulator."""
         return sample.time < self._rows[-1].time - 2.0 * self._horizon
 
     def advance(self, sample: JointSample) -> JointReference | None:
-        """Setpoints from the last that has come to the horizon; None while the arm is held."""
+        """Setpoints from the last one that is due up to the horizon; None while the arm is held."""
         controller = self.controller
         self.left, self.interruption = None, ""
         gap = sample.time - self._rows[-1].time
@@ -75,7 +76,7 @@ class SetpointStream:
         self.controller.hold(self.interruption)
 
     def _has_rested(self, sample: JointSample) -> bool:
-        """Whether the arm has stood for longer than any setpoints reach that the driver may still have."""
+        """Whether the arm has stood for longer than the last setpoints can last that the driver may have."""
         if np.abs(sample.v).max() > REST_SPEED:
             self._rested = np.inf
             return False

@@ -1,30 +1,30 @@
-"""Notices that a move does not get on."""
+"""Detects that a move makes no progress."""
 
 from __future__ import annotations
 
 from pack_motion.tracking.config import Stuck
 
 STANDING = 0.02
-"""A reference that goes on at less than this rate stands still."""
+"""Rate below which the reference counts as standing still; 1 is as planned."""
 
 
 class StuckDetector:
-    """Counts how long the reference has waited, and how long its end has not been reached."""
+    """Measures how long the reference has waited, and how long after its end the target is not reached."""
 
     def __init__(self, config: Stuck) -> None:
         self._config = config
         self._waited = self._settled = 0.0
 
     def restart(self) -> None:
-        """A new move."""
+        """Start to count for a new move."""
         self._waited = self._settled = 0.0
 
     def update(self, h: float, rate: float, is_over: bool, is_reached: bool) -> str:
-        """What is wrong after a further step of `h` [s]; empty when nothing is.
+        """Why the move is stuck after a further step; empty when it is not.
 
         Args:
             h: duration of the step [s].
-            rate: at which the reference goes on.
+            rate: rate at which the reference advances.
             is_over: whether the reference is at its end.
             is_reached: whether the tool is at its target.
         """

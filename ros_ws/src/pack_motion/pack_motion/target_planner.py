@@ -1,4 +1,4 @@
-"""From a target to a plan that is within reach, within limits and clear."""
+"""Plans a target: within the arm's reach and limits, and clear of obstacles."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class TargetPlanner:
     """Plans for one arm; keeps no state.
 
     Args:
-        arm: what moves.
-        clearance: of moves that are checked [m].
+        arm: the arm that moves.
+        clearance: smallest allowed distance to obstacles in moves that are checked [m].
     """
 
     def __init__(self, arm: MotionArm, clearance: float) -> None:
@@ -42,7 +42,7 @@ class TargetPlanner:
         """The plan for a target from `start`.
 
         Raises:
-            MoveRefused: there is none; its text says why.
+            MoveRefused: there is no plan; the text says why.
         """
         around = Surrounding(target.obstacles, target.carried, target.contacts, target.opening)
         if not isinstance(target.move, Path):
@@ -59,9 +59,9 @@ class TargetPlanner:
         """The target with a plan from `start`, or with the reason why there is none.
 
         Args:
-            start: of the joints.
-            target: what is wanted.
-            others: ways to the same end that are tried where the target itself is refused.
+            start: state of the joints at the start.
+            target: the wanted target.
+            others: targets with the same end, which are tried where the first one is refused.
         """
         refusals = []
         for way in (target, *others):

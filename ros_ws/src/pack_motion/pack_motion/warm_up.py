@@ -1,4 +1,4 @@
-"""Compiles everything before it is needed."""
+"""Has numba compile all functions before the arm moves."""
 
 from __future__ import annotations
 
@@ -15,7 +15,11 @@ from pack_motion.tracking.config import MotionSet
 
 
 def warm_up(arm: MotionArm, config: MotionSet) -> None:
-    """Plan and step with an arm that is not there; half a minute where nothing has been compiled yet."""
+    """Plan and step once without a robot; takes half a minute if nothing has been compiled yet.
+
+    The moves use all that is compiled: a path and a transfer, with a carried box, a standing obstacle and a
+    moving one.
+    """
     controller = MotionController(arm, config, 0.0, arm.home)
     X_WT = arm.chain.forward(arm.home)
     X_up = Pose(X_WT.p + 0.02 * UP, X_WT.q)
