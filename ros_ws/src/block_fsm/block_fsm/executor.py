@@ -24,7 +24,7 @@ from pack_core.errors import PackError
 
 
 class Executor:
-    """One rearrangement.
+    """Carries out one rearrangement, from the first picture to an outcome.
 
     Args:
         task: the goals.
@@ -60,7 +60,7 @@ class Executor:
 
     @property
     def phase(self) -> Phase:
-        """What it is doing."""
+        """What is being done now."""
         return self._skills.phase
 
     @property

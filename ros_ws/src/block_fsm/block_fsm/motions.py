@@ -23,7 +23,7 @@ CORNER = 0.03
 
 
 class Motions:
-    """Makes the paths.
+    """Makes the paths of the tool for each part of an action.
 
     Args:
         config: heights and speeds.
@@ -64,7 +64,7 @@ class Motions:
         )
 
     def look(self) -> Path:
-        """Out of the camera's sight."""
+        """The path to where the camera sees past the arm."""
         return Path((self._home(),))
 
     def approach(self, X_WT: Pose) -> Path:
@@ -92,7 +92,7 @@ class Motions:
         ))  # fmt: skip
 
     def push(self, X_WG: Pose) -> Path:
-        """Along the push."""
+        """The path from behind a block to the end of its push."""
         return Path((Line(X_WG, self._config.speed.push, label="push"),))
 
     def back_off(self, X_WT: Pose, X_WG: Pose) -> Path:

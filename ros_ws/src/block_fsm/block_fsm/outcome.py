@@ -44,7 +44,7 @@ class Tally:
 
     @property
     def actions(self) -> int:
-        """Carried out, whatever came of them."""
+        """Number of actions carried out, whatever came of them."""
         return self.picks + self.pushes
 
 

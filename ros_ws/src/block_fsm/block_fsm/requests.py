@@ -22,19 +22,19 @@ REACHED = ReachTolerance(position=0.0005, orientation_deg=0.1)
 
 @dataclass(frozen=True)
 class Look:
-    """A picture of the table, taken from now on."""
+    """Asks for a picture of the table that is taken from now on."""
 
 
 @dataclass(frozen=True)
 class PlanFor:
-    """A plan for a problem."""
+    """Asks the planner for a plan."""
 
     problem: Problem
 
 
 @dataclass(frozen=True)
 class MoveArm:
-    """Along a path, until the tool has reached its end.
+    """Moves the arm along a path until the tool has reached its end.
 
     Attributes:
         path: of the tool.
@@ -59,14 +59,14 @@ class MoveArm:
 
 @dataclass(frozen=True)
 class MoveFingers:
-    """Until the fingers have come to rest."""
+    """Moves the fingers until they have come to rest."""
 
     command: FingerCommand
 
 
 @dataclass(frozen=True)
 class NoPicture:
-    """There is none, or nothing was told of it."""
+    """The answer where no picture was taken, or none of its poses arrived."""
 
     reason: str
 

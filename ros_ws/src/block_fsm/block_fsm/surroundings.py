@@ -20,7 +20,7 @@ CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
 class Surroundings:
-    """Makes obstacles.
+    """Makes the obstacles that a move is checked against.
 
     Args:
         cell: whose table it is.

@@ -15,7 +15,7 @@ from pack_core.blocks.problem import PlacedBlock, Point, Problem
 
 @dataclass(frozen=True)
 class RearrangeTask:
-    """Goals of all blocks.
+    """What a rearrangement is to achieve, whatever the table looks like now.
 
     Attributes:
         goals: X_WB by id.

@@ -20,7 +20,7 @@ from pack_core.ros.motion_messages import from_status
 
 
 class CellState:
-    """Listens.
+    """Subscribes to what arm, gripper and tag perception say, and keeps the newest.
 
     Args:
         node: that listens.

@@ -26,7 +26,7 @@ def to_status(executor: Executor, time: float) -> RearrangeStatus:
 
 
 def to_feedback(executor: Executor, elapsed: float) -> Rearrange.Feedback:
-    """The same, shorter."""
+    """Where a rearrangement stands, for the client of the action."""
     return Rearrange.Feedback(
         phase=executor.phase.value, block=executor.action.block if executor.action else "",
         done=executor.done, actions=len(executor.plan.actions) if executor.plan else 0, elapsed=elapsed,
@@ -34,7 +34,7 @@ def to_feedback(executor: Executor, elapsed: float) -> Rearrange.Feedback:
 
 
 def to_result(outcome: Outcome, elapsed: float) -> Rearrange.Result:
-    """How it ended."""
+    """The result of the action, from how the rearrangement ended."""
     tally = outcome.tally
     return Rearrange.Result(
         success=outcome.success, exit_reason=outcome.exit_reason.value, message=outcome.message,

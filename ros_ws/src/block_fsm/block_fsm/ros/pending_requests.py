@@ -45,7 +45,7 @@ class PendingLook(PendingRequest):
         self._trouble = "the camera does not answer"
 
     def poll(self, state: CellState) -> Answer | None:
-        """Ask again where the camera was busy."""
+        """The sighting, once it is of a picture taken late enough; asks again where the camera was busy."""
         if state.time < self._start + self._delay:
             return None
         sighting = state.sighting
@@ -66,7 +66,7 @@ class PendingLook(PendingRequest):
 
 
 class PendingPlan(PendingRequest):
-    """Asks the planner."""
+    """Asks the planner, and waits for its answer."""
 
     def __init__(
         self, start: float, client: Client, request: PlanFor, method: str, seed: int, timeout: float
@@ -89,7 +89,7 @@ class PendingPlan(PendingRequest):
 
 
 class PendingMove(PendingRequest):
-    """Sends a target to the motion controller."""
+    """Sends a target to the motion controller, and waits until it is reached or given up."""
 
     def __init__(
         self, start: float, publisher: Publisher, request: MoveArm, number: int, timeout: float
@@ -110,7 +110,7 @@ class PendingMove(PendingRequest):
 
 
 class PendingFingers(PendingRequest):
-    """Sends a command to the gripper."""
+    """Sends a command to the gripper, and waits until the fingers are at rest."""
 
     def __init__(
         self,

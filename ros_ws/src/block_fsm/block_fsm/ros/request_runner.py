@@ -22,7 +22,7 @@ from pack_core.ros.contracts import motion
 
 
 class RequestRunner:
-    """Knows which node does what.
+    """Sends each request to the node that can do it.
 
     Args:
         node: that asks.
@@ -43,7 +43,7 @@ class RequestRunner:
         self._number = 0
 
     def begin(self, request: ExecutorRequest, method: str, seed: int) -> PendingRequest:
-        """Have a request done.
+        """Send a request, and return what tells when it is done.
 
         Args:
             request: of the executor.

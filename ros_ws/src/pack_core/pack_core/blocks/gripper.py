@@ -34,7 +34,7 @@ class GripperFootprint(Config):
 
     @property
     def finger_thickness(self) -> float:
-        """Of what is beside the block [m]."""
+        """Thickness of a finger at a block's top, which is its thickest part beside the block [m]."""
         return self.finger_tip_thickness + self.finger_taper * self.insertion
 
     @property

@@ -36,7 +36,7 @@ class PlanarPose:
 
     @property
     def row(self) -> tuple[float, float, float]:
-        """x, y, yaw."""
+        """The pose as x [m], y [m], yaw [rad]."""
         return self.x, self.y, self.yaw
 
     @property

@@ -32,7 +32,7 @@ class BlockEntry(Config):
 
 
 class ProblemFile(Config):
-    """The file."""
+    """A problem file as written: lengths in mm, angles in degrees."""
 
     workspace: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=3)]
     """Corners [mm] of the convex polygon in which blocks may be put down."""

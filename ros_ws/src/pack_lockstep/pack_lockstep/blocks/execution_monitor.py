@@ -35,7 +35,7 @@ class ExecutionMonitor:
         self._carried: tuple[str, Pose] | None = None
 
     def on_request(self, request: ExecutorRequest, truth: SceneState, X_WT: Pose, block: str) -> None:
-        """Take note.
+        """Note what a request is about to change.
 
         Args:
             request: what is about to be carried out.

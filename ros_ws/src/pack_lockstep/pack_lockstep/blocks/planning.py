@@ -18,7 +18,7 @@ class CountingClock:
         self._step, self._time = step, 0.0
 
     def __call__(self) -> float:
-        """Time [s]."""
+        """The time [s], a step later at every reading."""
         self._time += self._step
         return self._time
 

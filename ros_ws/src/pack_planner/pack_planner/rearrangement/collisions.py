@@ -18,7 +18,7 @@ TOUCH = 1e-7
 
 
 def hits(footprints: Array, squares: Array) -> Words:
-    """Which squares each footprint overlaps.
+    """Which squares each footprint overlaps, as bits.
 
     Args:
         footprints: `(..., rectangles, 6)`, each the union of its rectangles.

@@ -18,7 +18,7 @@ from pack_core.rotations import Array
 
 
 def rows_of(poses: Iterable[PlanarPose]) -> Array:
-    """Poses `(n, 3)`."""
+    """Poses as rows of x [m], y [m], yaw [rad], `(n, 3)`."""
     return np.array([pose.row for pose in poses], dtype=float).reshape(-1, 3)
 
 

@@ -26,7 +26,7 @@ class GoalAccess:
 
     @classmethod
     def of(cls, goals: Array, side: float, gripper: GripperFootprint) -> GoalAccess:
-        """Of goals `(n, 3)`."""
+        """Find what bars the access to goals at poses `(n, 3)`."""
         headings = goals[:, 2, None] + QUARTER * np.arange(4)
         ends = np.repeat(goals[:, None], 4, axis=1)
         pushes = sweeps(ends, headings, 0.0, side, gripper)[..., None, :]

@@ -29,7 +29,7 @@ def workspace_side(n: int, density: float, side: float = CUBE_SIDE) -> float:
 
 
 def square_workspace(length: float, centre: Point = (0.0, 0.0)) -> tuple[Point, ...]:
-    """Corners of a square [m]."""
+    """Corners [m] of a square workspace."""
     (x, y), half = centre, length / 2
     return ((x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half))
 

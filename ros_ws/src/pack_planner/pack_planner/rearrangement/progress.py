@@ -33,11 +33,11 @@ class PlanningProgress:
         self.started = self.clock()
 
     def elapsed(self) -> float:
-        """Since the call [s]."""
+        """Time since the call of the planner [s]."""
         return self.clock() - self.started
 
     def is_over(self) -> bool:
-        """The time is spent."""
+        """Whether the planner's time is spent."""
         return self.elapsed() >= self.budget_s
 
     def found(self, actions: int) -> None:
@@ -50,5 +50,5 @@ class PlanningProgress:
         self.expanded += expanded
 
     def statistics(self) -> PlanStatistics:
-        """As part of a plan."""
+        """What a plan tells about how it came about."""
         return PlanStatistics(self.setup_s, self.first_s, self.first_actions, self.elapsed(), self.expanded)

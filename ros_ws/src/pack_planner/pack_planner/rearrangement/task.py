@@ -67,17 +67,17 @@ class Task:
 
     @property
     def side(self) -> float:
-        """Of a block [m]."""
+        """Length of a block's side [m]."""
         return self.problem.side
 
     @property
     def gripper(self) -> GripperFootprint:
-        """Its room on the table."""
+        """The gripper's room on the table."""
         return self.problem.gripper
 
 
 def is_at_goal(problem: Problem, block: str, pose: PlanarPose) -> bool:
-    """The block counts as standing on its goal."""
+    """Whether a block at a pose counts as standing on its goal."""
     goal, tolerance = problem.goals[block], problem.tolerance
     turn = abs(turn_between(pose, goal, problem.symmetry))
     return pose.distance_to(goal) <= tolerance.position and turn <= np.deg2rad(tolerance.angle_deg)

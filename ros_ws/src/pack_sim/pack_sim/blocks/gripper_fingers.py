@@ -15,8 +15,8 @@ STILL = 0.001
 """Speed of a finger below which it stands still [m/s]."""
 SETTLED = 0.0003
 """A finger this near its target has reached it [m]."""
-PATIENCE = 0.03
-"""For this long it must have been so [s]."""
+SETTLING_TIME = 0.03
+"""A status is told once it has lasted this long, so that a bounce at a block's face is none [s]."""
 
 
 class GripperFingers:
@@ -33,6 +33,7 @@ class GripperFingers:
         self._model = model
         self._joints = [model.joint(name) for name in FINGER_JOINTS]
         self._actuators = [model.actuator(name).id for name in FINGER_JOINTS]
+        # Both fingers move, so each goes half the way that the opening does.
         self._step = 0.5 * speed * float(model.opt.timestep)
         self._target = self._setpoint = 0.5 * opening
         self._force = force
@@ -40,7 +41,7 @@ class GripperFingers:
         self._limit()
 
     def command(self, command: FingerCommand) -> None:
-        """Take a command.
+        """Take a command, from the next step on.
 
         Raises:
             MessageError: an opening or a force that the gripper does not have.
@@ -60,11 +61,11 @@ class GripperFingers:
         found = self._judge(data)
         if found is not self._candidate:
             self._candidate, self._since = found, data.time
-        if data.time - self._since >= PATIENCE:
+        if data.time - self._since >= SETTLING_TIME:
             self._status = found
 
     def state(self, data: mujoco.MjData) -> FingerState:
-        """What its sensors say."""
+        """What the sensors of the gripper say."""
         position, force, _ = self._sense(data)
         return FingerState(float(data.time), 2.0 * position, force, self._status)
 

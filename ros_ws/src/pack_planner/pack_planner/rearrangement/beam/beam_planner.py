@@ -27,7 +27,7 @@ WORTH = 1e-4
 """A plan must be cheaper than the best before it by this, in pick-and-place actions; below it is rounding."""
 LATE = 2
 """Times as many buffer poses in rounds after the widest."""
-PATIENCE = 3
+FRUITLESS_ROUNDS = 3
 """Rounds without a plan before the search opens up."""
 
 
@@ -49,7 +49,7 @@ class PlanCosts(Config):
 
     @property
     def push_price(self) -> PushPrice:
-        """In pick-and-place actions."""
+        """What a push costs beyond a pick-and-place action."""
         return PushPrice(self.push / self.pick_place - 1.0, self.push_length / self.pick_place)
 
 
@@ -94,7 +94,7 @@ class BeamPlanner(RearrangementPlanner):
         price = self.push_price
         longest, cheapest = LONGEST * (task.n + 3), np.inf
         for number in range(self.rounds):
-            is_lost = best is None and number >= PATIENCE
+            is_lost = best is None and number >= FRUITLESS_ROUNDS
             is_late = number >= len(self.widths)
             if number == 0 or is_lost or is_late:
                 size = self.pool * (LATE if is_late else 1)

@@ -51,7 +51,7 @@ class StateSummary(NamedTuple):
 
 @njit(cache=True, inline="always")
 def summarize(occupied: Words, spots: npt.NDArray[np.int16], tables: Tables) -> StateSummary:
-    """The summary of a state."""
+    """What the estimates of all children of a state have in common."""
     n = spots.shape[0]
     filled = occupied[0] >> np.uint64(GOAL)  # the first word has the starts, then from bit GOAL the goals
     left, ready = np.uint64(0), np.uint64(0)

@@ -38,7 +38,7 @@ class History:
         return numbers
 
     def moves(self, node: int) -> list[BlockMove]:
-        """From the root to a node."""
+        """The moves that lead from the root to a node."""
         rows = np.concatenate(self._chunks)
         path = []
         while node > 0:

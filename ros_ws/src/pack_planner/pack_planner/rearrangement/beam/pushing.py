@@ -24,7 +24,7 @@ OUT_LENGTHS = (0.006, 0.01, 0.015, 0.022, 0.03, 0.05, 0.08, 0.115)
 
 @dataclass(frozen=True)
 class Pushes:
-    """Any number of them.
+    """Any number of pushes, by where they end.
 
     Attributes:
         ends: poses `(..., 3)`.

@@ -29,7 +29,7 @@ Pending = list[tuple[States, Children, Indices]]
 
 @dataclass(frozen=True)
 class Beam:
-    """What a round keeps to.
+    """The limits of one round of the search.
 
     Attributes:
         width: states kept of a layer.
@@ -77,7 +77,7 @@ def run_round(
     is_over: Callable[[], bool],
     rng: np.random.Generator,
 ) -> Round:
-    """Search once.
+    """Search one round, layer after layer, and return the cheapest plan found.
 
     The first plan found has the fewest actions, and where a push costs no more than another action it is the
     cheapest, so the search ends with it. Where a push costs more, a longer plan with fewer or shorter pushes

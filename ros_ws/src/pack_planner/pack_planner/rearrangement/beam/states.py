@@ -74,7 +74,7 @@ class Children(NamedTuple):
 
 @njit(cache=True)
 def empty_children(room: int) -> Children:
-    """Room for so many."""
+    """Arrays for up to `room` children, not filled yet."""
     return Children(
         np.empty((room, 5), np.int32), np.empty(room, np.int32), np.empty(room, np.int32),
         np.empty(room, np.float64), np.empty(room, np.float64), np.empty(room, np.float64),
@@ -84,7 +84,7 @@ def empty_children(room: int) -> Children:
 
 @njit(cache=True)
 def first_children(children: Children, count: int) -> Children:
-    """The first `count`."""
+    """Copies of the first `count` children."""
     return Children(
         children.moves[:count].copy(), children.bound[:count].copy(), children.cycles[:count].copy(),
         children.detours[:count].copy(), children.travel[:count].copy(), children.premium[:count].copy(),

@@ -30,7 +30,7 @@ class Sizes(NamedTuple):
 
     @classmethod
     def of(cls, side: float, gripper: GripperFootprint) -> Sizes:
-        """As floats that compiled code takes."""
+        """The sizes of blocks of a side [m] and of a gripper, as floats that compiled code takes."""
         half_width = max(side / 2 + gripper.block_margin, gripper.push_width / 2 + gripper.safety_margin)
         return cls(
             side, gripper.block_margin, gripper.slab_thickness, gripper.slab_width, half_width,

@@ -41,7 +41,7 @@ from pack_planner.rearrangement.task import Task
 
 
 class Costs(Config):
-    """Of actions in the roadmaps, Eq. 1."""
+    """What the edges of a roadmap cost, Eq. 1."""
 
     pick_place: PositiveFloat = Field(1.0, description="alpha_1")
     push: PositiveFloat = Field(1.5, description="alpha_2; a push is less precise")
@@ -192,7 +192,7 @@ class PirsSearch:
         return actions, alpha
 
     def shuffled(self, blocks: frozenset[int]) -> list[int]:
-        """In random order."""
+        """The blocks of a set in random order."""
         return [int(i) for i in self._rng.permutation(sorted(blocks))]
 
 

@@ -21,7 +21,7 @@ PUSHED = 4
 
 
 class Prices(NamedTuple):
-    """Of Eq. 1: alpha_1, alpha_2, alpha_3."""
+    """The parameters alpha_1, alpha_2 and alpha_3 of Eq. 1."""
 
     pick_place: float
     push: float
