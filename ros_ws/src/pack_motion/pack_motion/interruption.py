@@ -1,4 +1,4 @@
-"""What remains of a move when the arm's driver held it in between."""
+"""What remains of a move that was interrupted because the arm's driver held the arm."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.trajectory import ReferenceTrajectory
 
 UNFINISHED = (MotionState.MOVING, MotionState.SETTLING)
-"""States in which something of a move is left."""
+"""States of a move that is not finished."""
 SHORT = 1e-6
-"""Duration of a reference that stands [s]."""
+"""Duration of a reference that stands still [s]; rows need rising times."""
 RISES = (0.1, 0.2, 0.3, 0.5, 0.7)
-"""Heights that the tool rises by before it goes on, where it cannot go on at once [m]."""
+"""Heights by which the tool is raised first, where the move cannot continue from its present pose [m]."""
 
 
 def left_of(target: MotionTarget, plan: MotionPlan, segment: int, state: MotionState) -> MotionTarget | None:
-    """The segments of a plan from the running one on, under the target's number; None where none is left.
+    """A target with the segments of a plan from the running one on; None where the move is finished.
 
-    A line that is begun anew is not quite the old one, so that the corner after it is not rounded.
+    A line begins at the present tool pose now and is not quite the planned one, so that the corner after it
+    is not rounded.
     """
     if state not in UNFINISHED or target.move == Path(()):
         return None
@@ -34,7 +35,10 @@ def left_of(target: MotionTarget, plan: MotionPlan, segment: int, state: MotionS
 
 
 def rising(target: MotionTarget, X_WT: Pose) -> tuple[MotionTarget, ...]:
-    """What is left of a move, with a rise from X_WT before it: the arm may have come to rest too low."""
+    """The rest of a move after a straight rise from X_WT, for each height of `RISES`.
+
+    They are tried where the arm came to rest too low to continue at once; a line needs none.
+    """
     assert isinstance(target.move, Path)
     first = target.move.segments[0]
     if isinstance(first, Line):
@@ -44,7 +48,7 @@ def rising(target: MotionTarget, X_WT: Pose) -> tuple[MotionTarget, ...]:
 
 
 def standing_plan(q: Array, interrupted: MotionPlan, segment: int) -> MotionPlan:
-    """Stand at `q` `(n,)` [rad] in the middle of another plan: its goal and the running label stay."""
+    """A plan that stands at `q` `(n,)` [rad], with the goal and the running label of another plan."""
     rest = np.zeros((2, len(q)))
     trajectory = ReferenceTrajectory(
         np.array([0.0, SHORT]), rest + q, rest, rest, np.zeros(2, dtype=np.int64)

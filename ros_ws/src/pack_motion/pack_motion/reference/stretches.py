@@ -1,4 +1,4 @@
-"""Lines in a row as curves: where they go on, where they stop, where their corners are rounded."""
+"""Turns consecutive lines into curves: straight on where directions agree, else a stop or a round corner."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.speed_profile import Portion
 
 IN_LINE = 1e-4
-"""Directions that differ by less are one [rad]."""
+"""Directions that differ by less count as equal [rad]."""
 SHORTEST = 1e-6
-"""A shorter line is none [m]."""
+"""Shorter lines are left out [m]."""
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """A curve, how fast it is travelled, and which segment of the path it belongs to."""
+    """A curve, the limits of its speed, and the index of the segment of the path that it belongs to."""
 
     curve: Curve
     portion: Portion
@@ -53,7 +53,7 @@ def _straight(X_start: Pose, X_end: Pose, cut_start: float, cut_end: float) -> S
 
 
 def _cut(poses: Sequence[Pose], line: Line) -> float:
-    """How much of two lines a corner takes: at most half of the shorter."""
+    """Length that the corner cuts off both lines [m]: at most half of the shorter line."""
     if not line.blend or not line.exit_speed or _is_in_line(poses):
         return 0.0
     if max(angle_between(poses[0].q, poses[1].q), angle_between(poses[1].q, poses[2].q)) > IN_LINE:
@@ -70,12 +70,13 @@ def _corner(poses: Sequence[Pose], cut: float, line: Line, after: Line, segment:
     end = corner + cut * (last - corner) / np.linalg.norm(last - corner)
     curve = CornerCurve(np.array([start, corner, end]), poses[1].q)
     acceleration = min(line.acceleration, after.acceleration)
+    # Centripetal acceleration v^2 kappa within the limit: v <= sqrt(a / kappa).
     speed = min(line.exit_speed, after.speed, float(np.sqrt(acceleration / curve.sharpest)))
     return Stretch(curve, Portion(curve.length, speed, acceleration, speed), segment)
 
 
 def _is_in_line(poses: Sequence[Pose]) -> bool:
-    """Whether two lines go on in the same direction, turning alike."""
+    """Whether two lines have the same direction and the same turn per length."""
     first, second = (StraightCurve(poses[i], poses[i + 1]) for i in (0, 1))
     if min(first.length, second.length) < SHORTEST:
         return False
