@@ -16,9 +16,9 @@ class BoxBody:
     """A box B with its origin in its middle.
 
     Attributes:
-        name: unique in the cell.
-        size: extents along its own axes as it arrives, x long, z up [m].
-        mass: evenly filled [kg].
+        name: name that is unique in the cell.
+        size: extents along its own axes as it arrives, x along the longest side, z up [m].
+        mass: mass, evenly spread [kg].
     """
 
     name: str
@@ -41,10 +41,10 @@ class BoxBody:
     @property
     def inertia(self) -> Array:
         """Principal moments about its middle `(3,)` [kg m^2]."""
-        x, y, z = np.square(self.size)
+        x, y, z = np.square(self.size)  # of a solid cuboid: m (y^2 + z^2) / 12 about x
         return self.mass / 12.0 * np.array([y + z, x + z, x + y])
 
     @property
     def look(self) -> int:
-        """A number that its printing is chosen by, the same in every run."""
+        """A number by which the box's printing is chosen; it depends on the name alone."""
         return zlib.crc32(self.name.encode())

@@ -1,4 +1,4 @@
-"""What box vision is asked for, and what it answers."""
+"""The request to box vision, and its answer."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class ExpectedBox:
     """The box that should be in the picture.
 
     Attributes:
-        id: its name in the order.
-        dims: d_x >= d_y >= d_z as it arrives, d_z upright [m].
-        time: pictures from before are of no use [s].
+        id: name of the box in the order.
+        dims: extents d_x >= d_y >= d_z as it arrives, d_z upright [m].
+        time: time from which on pictures are used [s].
     """
 
     id: str
@@ -26,7 +26,7 @@ class ExpectedBox:
 
 
 class DetectionStatus(IntEnum):
-    """Outcome; the values of pack_interfaces/BoxDetection."""
+    """Outcome of a detection; the values are those of pack_interfaces/BoxDetection."""
 
     DETECTED = 1
     NOT_FOUND = 2
@@ -36,16 +36,16 @@ class DetectionStatus(IntEnum):
 
 @dataclass(frozen=True)
 class BoxDetection:
-    """One picture's answer.
+    """What was detected in one picture.
 
     Attributes:
         time: when the picture was taken [s].
-        box_id: the expected box.
-        status: whether it was detected.
-        reason: why not, in words; empty when it was.
-        X_WB: the box, its origin in its middle, x along d_x; None unless detected.
-        X_WT: the tool (z: approach) with its pad on the middle of the top face; None unless detected.
-        size: of the top face as measured, along and across [m]; zeros when not found.
+        box_id: name of the expected box.
+        status: whether the box was detected.
+        reason: why it was not, in words; empty when it was.
+        X_WB: pose of the box, its origin in its middle, x along d_x; None unless detected.
+        X_WT: pose of the tool (z: approach) with its pad on the middle of the top face; None unless detected.
+        size: measured size of the top face, along and across [m]; zeros when not found.
     """
 
     time: float

@@ -27,12 +27,13 @@ class ArmMount(Config):
     """Where the KR 210 stands, and where it starts."""
 
     base: Point
-    """Its base [m], on a pedestal of this height."""
+    """Position of its base [m]; z is the height of the pedestal."""
     home: Joints
+    """Joint positions at the start [rad]."""
 
     @property
     def X_WB(self) -> Pose:
-        """The base in the world."""
+        """Nominal pose of the arm's base in the world."""
         return Pose(np.array(self.base))
 
 
@@ -68,41 +69,41 @@ class OverheadCameraMount(Config):
 
 
 class Spawn(Config):
-    """How far from the middle of the picking table, and how turned, a box arrives: uniform, +-."""
+    """Half widths of the uniform distributions of a box's offset and yaw when it arrives on the table."""
 
     offset: NonNegativeFloat
     yaw_deg: NonNegativeFloat
 
 
 class BoxContact(Config):
-    """How boxes, tables and pallet touch."""
+    """Parameters of the contacts of boxes, tables and pallet, and which of them count as unwanted."""
 
     friction: PositiveFloat
     solref: Pair
     solimp: Point
     noslip_iterations: Annotated[int, Field(ge=0)]
     sleep_speed: NonNegativeFloat
-    """Boxes that are slower for 10 steps rest until something touches them [m/s, rad/s]; 0: never."""
+    """Boxes slower than this for 10 steps sleep until something touches them [m/s, rad/s]; 0: never."""
     watch_force: PositiveFloat
     """Unwanted contacts above it are recorded [N]."""
     landing_speed: PositiveFloat
-    """What a carried box may come down on something with before it counts as a collision [m/s]."""
+    """Speed above which a carried box that comes down on something counts as a collision [m/s]."""
 
 
 class Calibration(Config):
-    """How far the arm stands from where everyone believes it; the direction is drawn from the seed."""
+    """Size of the error of the arm's nominal base pose; its direction is drawn from the seed."""
 
     position: NonNegativeFloat
-    """[m]"""
+    """Displacement of the base [m]."""
     orientation_deg: NonNegativeFloat
-    """About the middle between tables and pallet."""
+    """Rotation of the base about the middle between tables and pallet [deg]."""
 
 
 class ArmPreset(Config):
     """How the real arm differs from the ideal one."""
 
     gears: Gears | None
-    """None: rigid."""
+    """Elastic gears; None: rigid ones."""
     calibration: Calibration
 
 
@@ -111,7 +112,7 @@ class PalletizingCell(Config):
 
     arm: ArmMount
     tool: SerializeAsAny[GripperTool]
-    """The gripper; which one `tool.kind` says."""
+    """The gripper; its kind is that of `tool.kind`."""
     grip: GripLimits
     picking_table: BoxTable
     reorientation_table: BoxTable
@@ -122,7 +123,7 @@ class PalletizingCell(Config):
     contact: BoxContact
     presets: dict[str, ArmPreset]
     preset: str = "rigid"
-    """Which of the presets the arm is."""
+    """Name of the preset that describes the arm."""
 
     @model_validator(mode="after")
     def _parts_fit(self) -> Self:

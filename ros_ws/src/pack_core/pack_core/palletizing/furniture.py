@@ -10,7 +10,7 @@ from pack_core.robots.kr210 import ARM_BITS
 
 BOX = mujoco.mjtGeom.mjGEOM_BOX
 SOLID = {"contype": 1, "conaffinity": 1 | ARM_BITS, "condim": 3}
-"""Boxes and the arm touch it."""
+"""Contact bits of a geom that boxes and the arm collide with."""
 DRAWN = {"contype": 0, "conaffinity": 0, "mass": 0}
 TOP = 0.05
 """Thickness of a table's top [m]."""
@@ -49,7 +49,7 @@ def _add_table(spec: mujoco.MjSpec, name: str, table: BoxTable, *, look: bool) -
 
 
 def _add_pallet(spec: mujoco.MjSpec, pallet: PalletPlace, *, look: bool) -> None:
-    """A solid block to touch; boards and blocks to see."""
+    """A solid block for contacts; boards and blocks that are only drawn."""
     (l, w), h = 0.5 * np.array(pallet.size), pallet.deck_height
     x, y = pallet.corner
     body = spec.worldbody.add_body(name="pallet", pos=(x + l, y + w, 0.0))

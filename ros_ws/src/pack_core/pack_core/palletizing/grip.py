@@ -1,4 +1,4 @@
-"""What a surface gripper says about its grip, and how much of a load it bears."""
+"""State of a surface gripper, the load on its pad, and the limits at which it takes hold and lets go."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pydantic import NonNegativeFloat, PositiveFloat, PositiveInt
 from pack_core.config import Config
 
 ASKED = "asked to open"
-"""Reason of a gripper that was told to let go, and of one that never held anything."""
+"""The reason of a gripper that was commanded to open, and of one that has not held anything yet."""
 
 
 @dataclass(frozen=True)
@@ -17,9 +17,9 @@ class GripLoad:
     """Load on the pad.
 
     Attributes:
-        coaxial: pull along the pad's axis [N]; negative where the box is pressed against it.
-        shear: across the axis [N].
-        moment: about the middle of the pad's face, all axes together [N m].
+        coaxial: pull along the pad's axis [N]; negative where the box is pressed against the pad.
+        shear: force across the pad's axis [N].
+        moment: norm of the moment about the middle of the pad's face [N m].
     """
 
     coaxial: float = 0.0
@@ -27,7 +27,7 @@ class GripLoad:
     moment: float = 0.0
 
     def worst(self, other: GripLoad) -> GripLoad:
-        """The larger of both in every respect."""
+        """The larger value of both loads in each component."""
         return GripLoad(
             max(self.coaxial, other.coaxial), max(self.shear, other.shear), max(self.moment, other.moment)
         )
@@ -35,7 +35,7 @@ class GripLoad:
 
 @dataclass(frozen=True)
 class PassedLimit:
-    """A limit that a load passes: its key, the load, what is allowed, and their unit."""
+    """A limit that a load exceeds: its key, the load, the allowed value, and the unit of both."""
 
     key: str
     load: float
@@ -49,25 +49,25 @@ class PassedLimit:
 
 
 class GripLimits(Config):
-    """When a surface gripper takes hold and when it lets go."""
+    """The limits at which a surface gripper takes hold of a box and loses it."""
 
     max_grip_distance: PositiveFloat
     """How far a face may be from the pad along its axis [m]."""
     coaxial_force: PositiveFloat
-    """Pull along the pad's axis [N]; pressing is no load."""
+    """Largest pull along the pad's axis [N]; pressing is no load."""
     shear_force: PositiveFloat
-    """Across the pad's axis [N]."""
+    """Largest force across the pad's axis [N]."""
     moment: PositiveFloat
-    """About the middle of the pad's face, all axes together [N m]."""
+    """Largest norm of the moment about the middle of the pad's face [N m]."""
     tolerated_steps: PositiveInt
-    """Steps in a row, of the physics, above a limit before it lets go."""
+    """Number of consecutive physics steps above a limit after which the gripper loses the box."""
     retry_interval: NonNegativeFloat
-    """How long closing goes on trying [s]; 0: once."""
+    """How long the gripper tries to close [s]; 0: it tries once."""
     carrying_acceleration: NonNegativeFloat
-    """At which boxes are carried, at most and in any direction; orders are checked with it [m/s^2]."""
+    """Largest acceleration of a carried box in any direction; orders are checked with it [m/s^2]."""
 
     def passed_by(self, load: GripLoad, share: float) -> tuple[PassedLimit, ...]:
-        """The limits that a load passes on a seal that bears a share of them."""
+        """The limits that a load exceeds; `share` is the share of each limit that the seal can bear."""
         rows = (
             ("coaxial_force", load.coaxial, share * self.coaxial_force, "N"),
             ("shear_force", load.shear, share * self.shear_force, "N"),
@@ -81,11 +81,11 @@ class GripState:
     """The gripper now.
 
     Attributes:
-        held: name of the box that it holds; empty when none.
+        held: name of the box that it holds; empty when it holds none.
         is_closing: whether it is still trying to take hold.
-        load: on the pad in the last step.
-        peak: worst loads since it took hold, kept after it let go.
-        reason: why it does not hold; empty while it holds or tries.
+        load: load on the pad in the last step.
+        peak: largest loads since it took hold; kept after the release.
+        reason: why it does not hold a box; empty while it holds one or is closing.
     """
 
     held: str = ""

@@ -1,4 +1,4 @@
-"""What only pictures of the palletizing cell need: materials, lights, sky, fence."""
+"""The parts of the palletizing cell that only pictures need: materials, lights, sky, marks on the floor."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pack_core.palletizing.wood import wood_picture
 from pack_core.room import Light, add_lights, add_sky, add_tiles
 
 CARDBOARDS = 8
-"""How many different printings there are."""
+"""Number of different cardboard materials."""
 RGB = mujoco.mjtTextureRole.mjTEXROLE_RGB
 
 

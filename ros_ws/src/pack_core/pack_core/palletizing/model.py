@@ -17,7 +17,7 @@ from pack_core.rotations import Pose
 
 GRIP_SOLREF = (0.01, 1.0)
 GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
-"""Compliance of the grip: a box of 15 kg sags by 0.06 mm."""
+"""Compliance of the grip's weld, in MuJoCo's solver parameters: a box of 15 kg sags by 0.06 mm."""
 
 
 def build_model(
@@ -33,11 +33,11 @@ def build_model(
 
     Args:
         cell: the cell's physical facts.
-        boxes: in the order of their coming; the model with one more box has the same first coordinates.
+        boxes: boxes in the order of their arrival; a model with one more box has the same first coordinates.
         timestep: step of the integrator [s].
-        look: shapes, textures and lights for pictures.
-        X_WB: where the arm really stands; by default where everyone believes it.
-        gears: gears that give way; by default rigid ones.
+        look: whether shapes, textures and lights for pictures are added.
+        X_WB: true pose of the arm's base; by default the nominal one.
+        gears: elastic gears; by default rigid ones.
 
     Returns:
         The model. Arm joints and their motors carry the names of `LIMITS`, the tool is body `tool`; every

@@ -21,11 +21,11 @@ from pack_core.rotations import Array, Pose, to_matrix
 
 Picture = npt.NDArray[np.uint8]
 NEAR, FAR = 0.05, 30.0
-"""What a pinhole camera's picture shows, by distance [m]."""
+"""Nearest and farthest distance that the picture of a pinhole camera shows [m]."""
 
 
 class CellView:
-    """Draws the arm and boxes where they are said to be; a context manager, bound to the thread that made it.
+    """Draws the arm and boxes at given poses; a context manager, bound to the thread that made it.
 
     Boxes are drawn into the picture rather than built into the model: they come and go at no cost.
 
@@ -97,12 +97,13 @@ class CellView:
 
 
 def _point(scene: mujoco.MjvScene, camera: PinholeCamera) -> None:
-    """Make both of the scene's cameras (for either eye) that of the intrinsics."""
+    """Give both cameras of the scene, one for each eye, the pose and the intrinsics of a pinhole camera."""
     R_WC = to_matrix(camera.X_WC.q)
     scale = NEAR / camera.f
     for eye in scene.camera:
         eye.pos[:], eye.forward[:], eye.up[:] = camera.X_WC.p, R_WC[:, 2], -R_WC[:, 1]
         eye.frustum_near, eye.frustum_far = NEAR, FAR
+        # Pixel centres have whole coordinates, so that the picture reaches from -0.5 to its size less 0.5.
         eye.frustum_top = scale * (camera.c[1] + 0.5)
         eye.frustum_bottom = -scale * (camera.height - camera.c[1] - 0.5)
         eye.frustum_center = scale * (0.5 * camera.width - camera.c[0] - 0.5)

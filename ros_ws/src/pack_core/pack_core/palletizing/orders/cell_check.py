@@ -1,4 +1,4 @@
-"""What keeps a cell from building an order that stands: another pallet, boxes too much for its gripper."""
+"""Checks whether a cell can build an order: the size of its pallet, and the limits of its gripper."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pack_core.palletizing.orders.grips import grips_of
 from pack_core.palletizing.orders.order import Order, OrderBox
 
 TOLERANCE = 0.001
-"""By which an order's pallet may differ from the cell's [m]."""
+"""An order's pallet may differ from the cell's by this [m]."""
 WHERE = "config/cells/palletizing.yaml"
 
 
@@ -27,10 +27,11 @@ def _wrong_pallet(order: Order, cell: PalletizingCell) -> Iterator[str]:
 
 
 def _not_held(item: OrderBox, cell: PalletizingCell) -> Iterator[str]:
-    """For each limit of the gripper that is passed, the first grip that passes it."""
+    """For each limit of the gripper that is exceeded, the first grip that exceeds it."""
     reasons: dict[str, str] = {}
     seals = cell.tool.seals()
     for grip in grips_of(item, cell.grip.carrying_acceleration):
+        # Seals are ordered from the largest to the smallest: the first that fits the face is used.
         seal = next((seal for seal in seals if seal.side <= grip.face), seals[-1])
         for passed in cell.grip.passed_by(grip.load, seal.share):
             key, unit = passed.key, passed.unit

@@ -1,4 +1,4 @@
-"""How a box is gripped on its way to the pallet, and what its weight and acceleration ask of the gripper."""
+"""How a box is gripped on its way to the pallet, and the loads of its weight and acceleration on the pad."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.orders.order import OrderBox
 
 GRAVITY = 9.81
-"""[m/s^2]"""
+"""Acceleration of free fall [m/s^2]."""
 
 
 @dataclass(frozen=True)
 class PlannedGrip:
-    """One of the ways in which a box hangs in the hand.
+    """One of the ways in which a box is held by the gripper.
 
     Attributes:
-        how: in words.
+        how: the grip in words.
         face: the shorter side of the face at the pad [m].
-        load: at most, whatever the direction of the acceleration.
+        load: upper bound of the load, whatever the direction of the acceleration.
     """
 
     how: str
@@ -28,11 +28,11 @@ class PlannedGrip:
 
 
 def grips_of(item: OrderBox, acceleration: float) -> tuple[PlannedGrip, ...]:
-    """The grips that a box's handling takes.
+    """The grips that a box's handling needs.
 
     Args:
-        item: the box; its mass is taken to be in its middle.
-        acceleration: at which it is carried, in any direction [m/s^2].
+        item: the box; its centre of mass is assumed in its middle.
+        acceleration: largest acceleration at which it is carried, in any direction [m/s^2].
     """
     lying, shorter = item.dims[2], item.dims[1]
     from_above = PlannedGrip("held from above", shorter, _hanging(item.weight, lying, acceleration))
@@ -47,12 +47,15 @@ def grips_of(item: OrderBox, acceleration: float) -> tuple[PlannedGrip, ...]:
 
 
 def _hanging(mass: float, depth: float, acceleration: float) -> GripLoad:
-    """The box, `depth` [m] along the pad's axis, hangs under the pad: gravity pulls, acceleration shears."""
+    """Load of a box that hangs under the pad, `depth` [m] along the pad's axis: its centre is depth / 2 away.
+
+    Gravity and acceleration pull, acceleration shears, and the shear has the lever arm depth / 2.
+    """
     shear = mass * acceleration
     return GripLoad(mass * (GRAVITY + acceleration), shear, 0.5 * depth * shear)
 
 
 def _sideways(mass: float, depth: float, acceleration: float) -> GripLoad:
-    """The pad's axis is level: gravity and acceleration shear and bend."""
+    """Load of a box held at its side, the pad's axis level: gravity and acceleration shear and bend."""
     shear = mass * (GRAVITY + acceleration)
     return GripLoad(mass * acceleration, shear, 0.5 * depth * shear)

@@ -1,9 +1,9 @@
-"""How a box gets from the way it arrives to the way it stands on the pallet.
+"""The turn from a box's orientation on arrival to its orientation on the pallet, and the handling it needs.
 
 Chapter 5 of the thesis names an orientation by `orient_id` and `bundling_axis`. Its bypass rules leave one
 consistent reading: the planner's triple (l, w, h) is (d_x, d_y, d_z) with bundling axis z and (d_x, d_z, d_y)
-with y, and `orient_id` is a fixed permutation of it. Ids 1 and 3, which the thesis prints twice or upside
-down, are given the two orientations that would be missing.
+with y, and `orient_id` is a fixed permutation of it. The thesis prints ids 1 and 3 twice or upside down: they
+are given the two orientations that would be missing otherwise.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ ARRIVAL: dict[BundlingAxis, tuple[int, int, int]] = {"z": (0, 1, 2), "y": (0, 2,
 
 
 class Handling(StrEnum):
-    """What has to be done to a box on its way."""
+    """How a box must be turned on its way to the pallet."""
 
     NONE = "none"
     FLIP = "flip"
@@ -43,7 +43,7 @@ class Turn:
     """From the way a box arrives, d_x along the world's x and d_z up, to the way it stands on the pallet.
 
     Attributes:
-        handling: what it takes: nothing, a quarter turn in flight, or standing it up on the table.
+        handling: how it is done: not at all, by a quarter turn in flight, or by standing it up on the table.
         extents: of the box on the pallet along x, y and z [m].
     """
 

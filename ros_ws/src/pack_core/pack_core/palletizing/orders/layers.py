@@ -8,7 +8,7 @@ from itertools import groupby
 from pack_core.palletizing.orders.placed_box import PlacedBox
 
 STEP = 0.001
-"""Bases nearer in height are in one layer [m]."""
+"""Heights of bases are rounded to multiples of this; equal ones are in one layer [m]."""
 
 
 def layers_of(boxes: Sequence[PlacedBox]) -> list[tuple[PlacedBox, ...]]:

@@ -12,7 +12,7 @@ from pack_core.rotations import Array
 
 
 class LayoutStatus(IntEnum):
-    """Outcome; the values of pack_interfaces/PlanLayout."""
+    """Outcome of planning a layout; the values are those of pack_interfaces/PlanLayout."""
 
     SUCCESS = 1
     INFEASIBLE = 2
@@ -22,10 +22,10 @@ class LayoutStatus(IntEnum):
 
 @dataclass(frozen=True)
 class Insertion:
-    """From where a box comes to its place (Sec. 6.3 of the thesis).
+    """The way on which a box comes to its place (Sec. 6.3 of the thesis).
 
     Attributes:
-        direction: name of the side it comes from; Center: straight down.
+        direction: name of the side that the box comes from; Center: straight down.
         outward: horizontal unit vector `(3,)` in P from the place towards where the box comes from; zero
             for Center.
         corridor: length [m] along `outward` that is free for the box at its height; zero for Center.
@@ -46,7 +46,7 @@ class Insertion:
 
 @dataclass(frozen=True)
 class PlannedBox:
-    """A box in its regularised place, and how it comes there."""
+    """A box at its place in the layout with gaps, and its insertion."""
 
     placed: PlacedBox
     insertion: Insertion
@@ -57,11 +57,11 @@ class LayoutPlan:
     """A layout that can be built.
 
     Attributes:
-        status: whether it was found.
-        reason: why it was not, in words; empty after success.
-        boxes: in the sequence in which they are to be placed; empty without success.
-        gap: free distance between neighbours that was asked for [m].
-        virtual_margin: how far boxes may stand over the pallet's edge to get it [m].
+        status: whether a layout was found.
+        reason: why none was found, in words; empty after success.
+        boxes: the boxes in the sequence in which they are to be placed; empty without success.
+        gap: the wanted free distance between neighbours [m].
+        virtual_margin: how far boxes may stand over the pallet's edge to reach the gap [m].
     """
 
     status: LayoutStatus

@@ -1,4 +1,4 @@
-"""An order: which boxes arrive, and where a packing algorithm wants each on the pallet."""
+"""An order: the boxes that arrive, and the place on the pallet that a packing algorithm gave each of them."""
 
 from __future__ import annotations
 
@@ -65,17 +65,17 @@ class OrderBox(Config):
 
     @cached_property
     def turn(self) -> Turn:
-        """What brings it from the way it arrives to the way it stands on the pallet."""
+        """The turn from the box's orientation on arrival to that on the pallet."""
         return turn_of(self.dims, self.bundling_axis, self.orient_id)
 
     @property
     def placed(self) -> PlacedBox:
-        """Where it is to stand."""
+        """The box at its place on the pallet."""
         return PlacedBox(self.id, np.array(self.position), np.array(self.turn.extents), self.weight)
 
 
 class Order(Config):
-    """An order."""
+    """An order; the fields that are given as a check may be left out."""
 
     order_id: Name
     pallet: OrderPallet
@@ -90,7 +90,7 @@ class Order(Config):
 
     @property
     def placed(self) -> tuple[PlacedBox, ...]:
-        """Where the boxes are to stand, in the order's sequence."""
+        """The boxes at their places on the pallet, in the order's sequence."""
         return tuple(item.placed for item in self.boxes)
 
     def box(self, name: str) -> OrderBox:

@@ -1,4 +1,4 @@
-"""What is wrong with an order whose keys and values are each in range: all of it, in words."""
+"""Finds everything that is wrong with an order although each of its keys and values is allowed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pack_core.palletizing.orders.placed_box import TOUCH
 from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
 
 ROUNDING = 0.01
-"""Sums in a file may differ by this from those of its boxes [kg, m]."""
+"""Totals in an order file may differ by this from those of its boxes [kg, m]."""
 
 
 def problems_of(order: Order, config: SupportConfig) -> list[str]:
@@ -23,7 +23,7 @@ def problems_of(order: Order, config: SupportConfig) -> list[str]:
     named = [*_repeated(order), *_misdeclared(order)]
     placed = [*named, *_outside(order), *_overlapping(order)]
     if placed:
-        return placed  # what carries a box is not worth telling while places are wrong
+        return placed  # whether boxes are carried is meaningless while their places are wrong
     return [f"box '{name}': {reason}" for name, reason in unstable_boxes(order.placed, config).items()]
 
 

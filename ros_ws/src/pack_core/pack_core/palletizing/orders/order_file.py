@@ -1,4 +1,4 @@
-"""Reading orders: whatever a file holds, out comes an order that can be built or words that say why not."""
+"""Reads orders from JSON: the result is an order that can be built, or an error that names every problem."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def load_order(path: Path, cell: PalletizingCell | None = None) -> Order:
     """Read an order's file.
 
     Args:
-        path: of the file.
-        cell: that shall build it; None: any.
+        path: path of the file.
+        cell: the cell that shall build the order; None: any cell.
 
     Raises:
-        OrderError: it cannot be read, or cannot be built; its text has a line for every problem.
+        OrderError: the order cannot be read or built; the text has a line for every problem.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -45,13 +45,13 @@ def parse_order(
     """Read an order from JSON text.
 
     Args:
-        text: the order.
-        source: names it in errors.
-        config: what a box needs under it.
-        cell: that shall build it; None: any.
+        text: the order as JSON.
+        source: where the text is from, for errors.
+        config: the support that every box must have.
+        cell: the cell that shall build the order; None: any cell.
 
     Raises:
-        OrderError: as for `load_order`.
+        OrderError: the order cannot be read or built; the text has a line for every problem.
     """
     try:
         data = json.loads(text)

@@ -13,7 +13,10 @@ import numpy.typing as npt
 from pack_core.rotations import Array
 
 TOUCH = 1e-5
-"""Blocks nearer to each other [m] touch, and overlap only when deeper; orders are written in millimetres."""
+"""Boxes nearer than this touch, and those that overlap by more than this overlap [m].
+
+It is for rounding, and far below the millimetres in which orders are written.
+"""
 
 
 @dataclass(frozen=True)
@@ -21,10 +24,10 @@ class PlacedBox:
     """A box on the pallet.
 
     Attributes:
-        id: its name.
+        id: name of the box.
         lower: corner with the smallest coordinates `(3,)` in P [m].
         size: extents along the axes of P `(3,)` [m].
-        mass: [kg]
+        mass: mass of the box [kg].
     """
 
     id: str
@@ -57,18 +60,18 @@ class PlacedBox:
         return np.maximum(self.lower - other.upper, other.lower - self.upper)
 
     def overlaps(self, other: PlacedBox) -> bool:
-        """The two share space."""
+        """Whether the two boxes overlap in space."""
         return bool(np.all(self.clearance(other) < -TOUCH))
 
     def is_beside(self, other: PlacedBox) -> bool:
-        """The two reach into the same height."""
+        """Whether the height intervals of the two boxes overlap."""
         return bool(self.clearance(other)[2] < -TOUCH)
 
     def is_over(self, other: PlacedBox) -> bool:
-        """Seen from above the two overlap, and this one is the higher."""
+        """Whether the two boxes overlap seen from above, and this one is above the other."""
         above, clear = self.lower[2] >= other.upper[2] - TOUCH, self.clearance(other)[:2]
         return bool(above and np.all(clear < -TOUCH))
 
     def rests_on(self, other: PlacedBox) -> bool:
-        """This one's base touches the other's top."""
+        """Whether this box's base lies on the other's top."""
         return self.is_over(other) and bool(self.lower[2] - other.upper[2] < TOUCH)

@@ -8,11 +8,11 @@ from pack_core.palletizing.orders.placed_box import PlacedBox
 
 
 def resequence(boxes: Sequence[PlacedBox], rise: float) -> tuple[PlacedBox, ...]:
-    """Sort boxes by where they can be put, else as given.
+    """Sort boxes so that the stack grows evenly; otherwise keep the given sequence.
 
-    The next box is the first in the given sequence that has nothing left to come under it and whose top is at
-    most `rise` [m] over the lowest base of those that could be next. Where no top is that low, it is the
-    lowest one: the neighbours of what is put later stay as low as they can.
+    A box is ready when no box that is still to be placed belongs under it. The next box is the first ready
+    one in the given sequence whose top is at most `rise` [m] over the lowest base of all ready boxes. Where
+    there is none, it is the ready box with the lowest top, so that boxes placed later have low neighbours.
     """
     rest, sorted_boxes = list(boxes), []
     while rest:

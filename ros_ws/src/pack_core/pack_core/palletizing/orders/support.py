@@ -1,4 +1,4 @@
-"""Whether a box would stay where it is put: what carries it, and where its centre of mass is over that."""
+"""Static stability of a box: the share of its base that is carried, and the margin of its centre of mass."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
 
 
 class SupportConfig(Config):
-    """What a box needs under it."""
+    """The support that every box must have."""
 
     min_share: float = Field(0.7, ge=0, le=1, description="of a box's base that must be carried")
     min_margin: NonNegativeFloat = Field(
@@ -23,13 +23,13 @@ class SupportConfig(Config):
 
 @dataclass(frozen=True)
 class Support:
-    """What carries one box.
+    """The support of one box.
 
     Attributes:
-        id: the box's.
-        share: of its base that lies on the deck or on other boxes, 0 to 1.
-        margin: distance of its centre of mass, seen from above, from the edge of the hull of what carries
-            it [m]; negative outside.
+        id: name of the box.
+        share: share of its base that lies on the deck or on other boxes, 0 to 1.
+        margin: distance of its centre of mass, seen from above, from the edge of the convex hull of all
+            surfaces that carry it [m]; negative outside.
     """
 
     id: str
@@ -37,7 +37,7 @@ class Support:
     margin: float
 
     def problem(self, config: SupportConfig) -> str | None:
-        """Why the box would not stay, in words; None where it would."""
+        """Why the box would not stay at its place, in words; None where it would."""
         if self.share < config.min_share:
             return f"{self.share:.1%} of its base is carried; allowed: at least {config.min_share:.0%}"
         if self.margin < config.min_margin:
@@ -50,7 +50,7 @@ class Support:
 
 
 def support_of(item: PlacedBox, others: Sequence[PlacedBox]) -> Support:
-    """What carries a box, on the deck or on top of others."""
+    """The support of a box on the deck or on top of other boxes."""
     base = _footprint(item)
     if item.lower[2] < TOUCH:
         patches = [base]
@@ -65,7 +65,7 @@ def support_of(item: PlacedBox, others: Sequence[PlacedBox]) -> Support:
 
 
 def unstable_boxes(boxes: Sequence[PlacedBox], config: SupportConfig) -> dict[str, str]:
-    """The boxes that would not stay, and why."""
+    """The names of the boxes that would not stay at their place, and the reason for each."""
     problems = {item.id: support_of(item, boxes).problem(config) for item in boxes}
     return {name: problem for name, problem in problems.items() if problem is not None}
 
