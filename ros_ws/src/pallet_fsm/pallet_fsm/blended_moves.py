@@ -1,4 +1,4 @@
-"""Moves of the blended profile: from one stop of the arm to the next, through the states between."""
+"""Moves of the profile `blended`: from one stop of the arm to the next, through the states between them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Range = tuple[PositiveFloat, PositiveFloat]
 
 
 class BlendedConfig(Config):
-    """Speeds and distances."""
+    """Speeds and distances of blended moves."""
 
     lift: Range = Field(default=(0.06, 0.7), description="straight up from a stop, shortest and longest [m]")
     hover: Range = Field(default=(0.07, 1.0), description="straight down to a stop, shortest and longest [m]")
@@ -43,12 +43,12 @@ class BlendedConfig(Config):
 
 
 class BlendedMoves:
-    """Every move is a transfer whose lift and hover heights the motion searches.
+    """Makes moves that are transfers: the motion searches the lengths of their first and last line.
 
     Args:
         goals: finds tool poses over boxes and places.
         config: speeds and distances.
-        way_points: of the states that have no move of their own here.
+        way_points: way-points for the states that have no move of their own here.
     """
 
     def __init__(self, goals: Goals, config: BlendedConfig, way_points: ThesisConfig) -> None:
@@ -58,10 +58,10 @@ class BlendedMoves:
         """The ways on from where the arm has stopped, best first.
 
         Args:
-            state: the first that the move goes through.
-            stop: the one at whose target it ends.
+            state: the first state that the move goes through.
+            stop: the state at whose target it ends.
             item: the box that the move is for; None: it goes to the safe position over the pallet.
-            X_WT: the tool now.
+            X_WT: the present pose of the tool.
         """
         if state in (State.RETREAT, State.RETURN):  # straight to the next box, if it was found already
             home = [self._home(X_WT)]
@@ -100,7 +100,10 @@ class BlendedMoves:
         return legs
 
     def _departs(self, state: State, item: WorkItem) -> list[Retreat | None]:
-        """From a box on table B straight back, or rising where the arm cannot fold so far; else up."""
+        """The first lines that are tried: from a box on table B straight back or obliquely up, else up.
+
+        The oblique ones are for places where the arm cannot fold far enough to go straight back.
+        """
         if state is State.STEP_BACK and item.approach is not None:
             length = self._config.step_back
             return [self._retreat(rise * UP - item.approach, length) for rise in (0.0, 0.5, 1.0)]
@@ -139,7 +142,7 @@ class BlendedMoves:
         return Leg(Path((lift, cross) if is_low else (cross,)), goal, State.RETURN)
 
     def _lines(self, goal: Pose, offset: Array) -> tuple[Line, Line]:
-        """To beside or over the goal, and the last stretch."""
+        """The line to a point offset from the goal, and the last line to the goal itself."""
         config = self._config
         return (
             Line(

@@ -1,4 +1,4 @@
-"""Whether the measured tool is where a state wants it (section 8.2)."""
+"""Checks whether the measured tool pose has reached a state's target (section 8.2)."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ TOLERANCES = {Check.PRECISE: ReachTolerance(0.002, 0.5, 1), Check.TRANSIT: Reach
 
 
 class TargetChecker:
-    """Confirms one target.
+    """Confirms that one target was reached.
 
     Orientations are compared by their angle: the norm of a unit error quaternion, which Eq. 5.5
     tests, is always one.
 
     Args:
-        X_WT: where the tool shall be.
-        check: how exactly.
+        X_WT: target pose of the tool.
+        check: which tolerance applies.
     """
 
     def __init__(self, X_WT: Pose, check: Check) -> None:
@@ -27,7 +27,10 @@ class TargetChecker:
         self._steps = 0
 
     def look(self, X_WT: Pose) -> bool:
-        """Take a measured tool pose; whether the target is reached with it."""
+        """Take a measured tool pose, and return whether the target is reached with it.
+
+        The pose must be within the tolerance in a number of consecutive calls.
+        """
         position = float(np.linalg.norm(X_WT.p - self._X_WT.p))
         angle = float(np.degrees(angle_between(X_WT.q, self._X_WT.q)))
         is_near = position <= self._tolerance.position and angle <= self._tolerance.orientation_deg

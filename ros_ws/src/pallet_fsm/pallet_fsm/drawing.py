@@ -1,4 +1,4 @@
-"""Draws the machine from its tables, as mermaid and as text tables; docs/palletizing/states.md is this."""
+"""Draws the machine from its tables, as mermaid and as text tables: the page docs/palletizing/states.md."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _cycle(rows: Iterable[Transition]) -> Iterable[str]:
 
 
 def _faults(rows: Iterable[Transition]) -> Iterable[str]:
-    """An arrow for each event and guard, one from all numbered states that have it."""
+    """One arrow for each event, guard and target; all numbered states that share them share the arrow."""
     groups: dict[tuple[str, str, str], list[State]] = {}
     for row in rows:
         target = RESUMED if row.next is RESUME else _next(row).label

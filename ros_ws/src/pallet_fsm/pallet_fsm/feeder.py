@@ -1,4 +1,4 @@
-"""Brings boxes to table A and has the camera find them, ahead of time where the profile says so."""
+"""Sends for boxes and has them detected on table A, ahead of time where the profile allows it."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from pallet_fsm.work_item import WorkItem
 
 
 class FeederConfig(Config):
-    """Times."""
+    """Times that the feeder waits."""
 
     settle: NonNegativeFloat = 0.3
-    """From a box's arrival to the picture, so that it rests [s]."""
+    """Time from a box's arrival to the picture, so that the box is at rest [s]."""
     patience: PositiveFloat = 5.0
-    """For a box to come, and for the camera's answer [s]."""
+    """Longest time until a box arrives, and until the camera answers [s]."""
 
 
 class Feeder:
-    """One box at a time: sent for, arrived, looked at, found or not.
+    """Feeds one box at a time: it sends for the box, waits for its arrival, and has it detected.
 
     Attributes:
         item: the box that is fed; None before the first.
-        answer: of the camera, about this box since it was last looked at.
+        answer: detection from the last picture of this box; None until it comes.
     """
 
     def __init__(self, config: FeederConfig) -> None:
@@ -42,7 +42,7 @@ class Feeder:
         return self._arrival is not None
 
     def send_for(self, item: WorkItem, time: float) -> None:
-        """Have a box brought; does nothing when it is on its way."""
+        """Send for a box; does nothing when that was done already."""
         if self.item is item:
             return
         self._sent = time
@@ -50,13 +50,13 @@ class Feeder:
         self._commands.append(SpawnBox(item.name, item.box.dims, item.box.weight))
 
     def forget(self) -> None:
-        """Look again before believing anything."""
+        """Drop the detection of the box, so that it is detected again."""
         self.answer = self._looked = None
         if self.item is not None:
             self.item.X_WB = None
 
     def look(self, time: float) -> None:
-        """Have the box found; does nothing when that is under way or done, or before it rests."""
+        """Take a picture of the box; does nothing if one was taken already, or before the box is at rest."""
         if self.item is None or self._arrival is None or self._looked is not None:
             return
         if time >= self._arrival + self._config.settle:
@@ -73,14 +73,14 @@ class Feeder:
         return waits and time > (self._looked or 0.0) + self._config.patience
 
     def observe(self, seen: PalletObservation) -> None:
-        """Take note of arrivals and answers."""
+        """Note the arrival of the box, and the detection that belongs to its picture."""
         if self.item is not None:
             if self._arrival is None and seen.spawned == self.item.name:
                 self._arrival = seen.time
             self._note_answer(seen.detection)
 
     def commands(self) -> tuple[Command, ...]:
-        """What is to be done since the last call."""
+        """The commands since the last call."""
         commands, self._commands = tuple(self._commands), []
         return commands
 

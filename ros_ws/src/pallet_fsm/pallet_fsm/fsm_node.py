@@ -63,7 +63,7 @@ class PalletFsmNode(GoalNode):
         return ""
 
     async def pursue(self, request: Palletize.Goal) -> Palletize.Result:
-        """Build the order's pallet; nothing moves before order and layout are found good."""
+        """Build the order's pallet; nothing moves before the order and its layout were checked."""
         try:
             order = requested_order(request, palletizing_cell())
             config = requested_config(request, self._config)
@@ -94,7 +94,7 @@ class PalletFsmNode(GoalNode):
         return result
 
     def _step(self) -> None:
-        """One turn of the machine, with every status of the motion."""
+        """Step the machine once; called after every status of the motion."""
         seen = self._observer.newest
         if self._run is not None and seen is not None:
             self._run.step(seen)

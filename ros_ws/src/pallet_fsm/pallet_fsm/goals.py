@@ -1,4 +1,4 @@
-"""The tool's goals for the box in work, those with the least turning of the wrist first."""
+"""The tool's goals for the box in work, sorted by how far the wrist must turn."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class Leg:
     """A move up to the next stop of the arm.
 
     Attributes:
-        move: for the motion.
-        X_WT: the tool at its end.
+        move: the move as the motion takes it.
+        X_WT: pose of the tool at its end.
         end: the state in which it ends.
-        approach: direction in which the tool holds the box at its end, where it stands it up `(3,)`.
+        approach: approach direction of the tool at the end, where it stands a box up `(3,)`; else None.
     """
 
     move: Move
@@ -42,19 +42,19 @@ class Goals:
         self._cell, self._config = cell, config
 
     def grasps(self, item: WorkItem, X_WT: Pose) -> list[Pose]:
-        """Over the box where it stands."""
+        """Tool poses on the top face of the box where it stands."""
         assert item.X_WB is not None
         return self._sorted(grasps(item.X_WB, item.dims, self._config), X_WT)
 
     def stands(self, item: WorkItem, X_WT: Pose) -> list[Stand]:
-        """With the box in the hand stood up at the edge of table B."""
+        """Ways to stand the gripped box up at the edge of table B."""
         assert item.X_TB is not None
         found = stands(item.box, item.X_TB, self._cell, self._config)
         order = self._sorted([stand.X_WT for stand in found], X_WT)
         return [next(stand for stand in found if stand.X_WT is goal) for goal in order]
 
     def placements(self, item: WorkItem, X_WT: Pose) -> list[Pose]:
-        """With the box in the hand at its place."""
+        """Tool poses at which the gripped box is at its place on the pallet."""
         assert item.X_TB is not None
         pallet = self._cell.pallet
         return self._sorted(
@@ -66,5 +66,5 @@ class Goals:
 
 
 def raised(X_WT: Pose, offset: Array) -> Pose:
-    """The pose, displaced in the world by `(3,)` [m]."""
+    """The pose, displaced by an offset `(3,)` [m] in the world frame."""
     return Pose(X_WT.p + offset, X_WT.q)

@@ -1,4 +1,4 @@
-"""Closes and opens the gripper, and waits for the vacuum."""
+"""Closes and opens the gripper, and waits for the vacuum to build up or break down."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from pallet_fsm.transitions import Event
 
 
 class Hand:
-    """One closing or opening at a time.
+    """Runs one closing or opening of the gripper at a time.
 
     Args:
-        dwell: for the vacuum to build up or break down [s].
-        timeout: for the gripper to do as it is told [s].
+        dwell: time for the vacuum to build up or break down [s].
+        timeout: longest time until the gripper has carried out a command [s].
 
     Attributes:
-        is_busy: whether it closes or opens just now.
-        reason: why the last closing failed.
+        is_busy: whether a closing or opening is under way.
+        reason: why the last one failed; empty if it did not.
     """
 
     def __init__(self, dwell: float, timeout: float) -> None:
@@ -28,14 +28,14 @@ class Hand:
         self.reason = ""
 
     def begin(self, grip: Grip, time: float) -> Command:
-        """Close or open; to be followed by `look` until an event comes of it."""
+        """Close or open the gripper; then `look` is to be called until it returns an event."""
         self._grip, self._start, self.is_busy, self.reason = grip, time, True, ""
         return CloseGripper() if grip is Grip.CLOSE else OpenGripper()
 
     def look(self, state: GripState, time: float) -> Event | None:
-        """What has come of it, if anything yet.
+        """The event that ends the closing or opening; None while it is under way.
 
-        That it was asked to open is why the gripper was open before: no answer to a closing.
+        A gripper that is open with the reason `ASKED` was opened before and has not answered a closing yet.
         """
         waited = time - self._start
         if waited < self._dwell:

@@ -1,4 +1,4 @@
-"""Runs the machine's states as legs, one after the other, and knows what each of them may touch."""
+"""Runs the machine's states as legs, one after the other, each with the obstacles that it may touch."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from pallet_fsm.work_item import WorkItem
 
 
 class LegRunner:
-    """The arm's side of the machine.
+    """Begins and follows the legs of the arm.
 
     Args:
         profile: how states become moves.
         book: the order's boxes.
         cell: the cell's physical facts.
         config: parameters.
-        stop_after: at the target of which state the arm stops next, seen from a state.
+        stop_after: gives the next state from a given one on at whose target the arm stops.
 
     Attributes:
-        approach: direction in which the tool held the box at the last leg's end, at table B.
+        approach: approach direction of the tool at the end of the last leg, at table B; else None.
     """
 
     def __init__(
@@ -51,11 +51,11 @@ class LegRunner:
 
     @property
     def reason(self) -> str:
-        """Of the last trouble; empty if there was none since the leg began."""
+        """Why the last leg failed; empty if it did not."""
         return self._mover.reason
 
     def note_grip(self, state: State) -> None:
-        """The box in the hand was gripped at the state's target, and still stands there."""
+        """Note that the box was gripped at the state's target: it still touches what it stands on."""
         place = ROWS[state].place
         self._touched = frozenset({TABLES[place]}) if place in TABLES else frozenset()
 
@@ -81,7 +81,7 @@ class LegRunner:
         return self._mover.begin(legs, item.carried, self._book.obstacles(), seen.time)
 
     def _touched_at(self, end: State, item: WorkItem | None) -> frozenset[str]:
-        """Names of what the hand or its box touches, or nearly, where a leg ends."""
+        """Names of the obstacles that the pad or its box touches, or nearly touches, where a leg ends."""
         row = ROWS[end]
         if item is None or row.place is None:
             return frozenset()
@@ -90,5 +90,5 @@ class LegRunner:
         return frozenset({item.name}) | self._standing_on(row.place, item)
 
     def _standing_on(self, place: Place, item: WorkItem) -> frozenset[str]:
-        """Names of what a box touches, or nearly, where it is put down."""
+        """Names of the obstacles that a box touches, or nearly touches, where it is put down."""
         return self._book.beside(item) if place is Place.PALLET else frozenset({TABLES[place]})

@@ -1,4 +1,4 @@
-"""Walks the table of transitions and remembers where it has been."""
+"""The state machine: it follows the table of transitions and keeps every state that it has entered."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class Visit:
 
 
 class Machine:
-    """Where the cell is in the table.
+    """The present state, and all states before it.
 
     Args:
         time: now [s].
-        holds: whether a guard holds.
-        box: the first in work.
+        holds: tells whether a guard holds.
+        box: name of the first box in work.
     """
 
     def __init__(self, time: float, holds: Callable[[Guard], bool], box: str = "") -> None:
@@ -37,7 +37,7 @@ class Machine:
 
     @property
     def state(self) -> State:
-        """Now."""
+        """The present state."""
         return self.visits[-1].state
 
     @property
@@ -47,7 +47,7 @@ class Machine:
 
     @property
     def reason(self) -> str:
-        """Of the last fault; empty if there was none."""
+        """Reason of the last fault; empty if there was none."""
         return next((visit.reason for visit in reversed(self.visits) if visit.reason), "")
 
     @property
@@ -62,7 +62,7 @@ class Machine:
         return state
 
     def fire(self, event: Event, time: float, box: str = "", reason: str = "") -> State:
-        """Go on; `box` is the one in work in the state that is entered.
+        """Enter the state that an event leads to; `box` is the one in work from then on.
 
         Raises:
             PackError: the table has no row for this event here.

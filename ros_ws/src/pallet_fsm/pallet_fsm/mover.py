@@ -1,4 +1,4 @@
-"""Pursues a leg: offers its alternatives to the motion one by one, then follows the one it takes."""
+"""Executes a leg: sends its alternatives to the motion one by one until one is accepted, then follows it."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ class MoverConfig(Config):
     """How long the machine waits for the motion."""
 
     answer_time: PositiveFloat = 10.0
-    """For the motion to take or refuse a target [s]."""
+    """Longest time until the motion accepts or refuses a target [s]."""
     settling_time: PositiveFloat = 2.0
-    """For the checker to be satisfied once the motion has ended [s]."""
+    """Longest time from the end of the motion until the checker confirms the target [s]."""
 
 
 class Mover:
-    """One leg at a time.
+    """Executes one leg at a time.
 
     Attributes:
-        leg: the one that is pursued; None between legs.
-        reason: why there was trouble.
+        leg: the leg that is being executed; None between legs.
+        reason: why the last leg failed; empty if it did not.
     """
 
     def __init__(self, profile: Profile, config: MoverConfig) -> None:
@@ -53,15 +53,16 @@ class Mover:
         obstacles: tuple[Obstacle, ...],
         time: float,
     ) -> PursueTarget | Event:
-        """Offer the first of some legs, each with the names of what it may touch."""
+        """Send the first of some alternative legs, each with the names of the obstacles it may touch."""
         self._rest, self._refusals, self.reason = list(legs), [], ""
         self._surroundings = carried, obstacles
         return self._offer(time) or self._trouble(Event.NOT_CLEAR, "there is no way to hold the box so")
 
     def follow(self, status: MotionStatus, state: State) -> Event | PursueTarget | None:
-        """What becomes of the leg while the machine is in `state`."""
+        """The event or the next target that the status leads to while the machine is in `state`."""
         if self.leg is None or status.id != self._id:
             return self._wait(status.time)
+        # Refused after it was accepted: the rest of the move was planned anew after an interruption.
         if status.state is MotionState.REFUSED and self._is_accepted:
             return self._trouble(Event.MOTION_STUCK, f"interrupted, and no way on: {status.reason}")
         if status.state is MotionState.REFUSED:
@@ -119,4 +120,4 @@ class Mover:
 
 
 PARTS = {"depart": Part.DEPART, "transit": Part.CROSS} | {part.name: part for part in Part}
-"""What the motion calls the segment it runs, in the machine's words."""
+"""The part of a blended move that each segment label of the motion stands for."""

@@ -1,4 +1,4 @@
-"""The boxes of an order: which is in work, which comes next, where those that have been put down stand."""
+"""The boxes of an order: the one in work, the next one, and the poses of those that have been put down."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ class OrderBook:
 
     @property
     def has_boxes(self) -> bool:
-        """Whether anything is left to do."""
+        """Whether any box is not finished yet."""
         return any(not item.is_finished for item in self.items)
 
     def advance(self) -> None:
-        """Take up the next box when the current one is finished."""
+        """Make the next box the current one if the current one is finished."""
         if self.current.is_finished and self.upcoming is not None:
             self.current = self.upcoming
 
     def skip(self, reason: str) -> None:
-        """Leave out the current box, and all that would rest on it."""
+        """Leave out the current box, and all boxes that would rest on it."""
         self.current.finish(BoxOutcome.SKIPPED, reason)
         self.current.X_WB = None
         for item in self.items:
@@ -57,12 +57,12 @@ class OrderBook:
                 item.finish(BoxOutcome.SKIPPED, f"it would rest on {', '.join(missing)}, which was skipped")
 
     def obstacles(self) -> tuple[Obstacle, ...]:
-        """Furniture, and every box that stands somewhere."""
+        """The furniture, and every box whose pose is known."""
         boxes = (standing_box(item.box, item.X_WB) for item in self.items if item.X_WB is not None)
         return (*self._furniture, *boxes)
 
     def beside(self, item: WorkItem) -> frozenset[str]:
-        """Names of what a box touches, or nearly, at its place."""
+        """Names of the obstacles that a box touches, or nearly touches, at its place."""
         placed = {other.name: other.plan.placed for other in self.items if other.X_WB is not None}
         return neighbours(item.plan.placed, placed)
 

@@ -1,6 +1,6 @@
-"""An order in progress: the machine, the box in work, and what the cell is asked to do, step by step.
+"""An order in progress: the machine, the box in work, and the commands to the cell, step by step.
 
-It owns no clock and calls nobody: a step takes what is seen and returns commands.
+It has no clock and calls nothing outside: a step takes an observation and returns commands.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Palletizer:
         return self._book.current
 
     def report(self) -> OrderReport:
-        """What has become of the order."""
+        """A report of the order so far."""
         boxes = self._book.reports()
         is_complete = all(box.outcome is BoxOutcome.PLACED for box in boxes)
         reason = self.machine.reason if self.machine.state is State.SAFE_STOP else ""
@@ -66,7 +66,7 @@ class Palletizer:
         self._halt = reason
 
     def step(self, seen: PalletObservation) -> tuple[Command, ...]:
-        """Go on as far as what is seen allows; what is to be done now."""
+        """Go through as many states as the observation allows, and return the commands of this step."""
         self._commands = []
         self._feeder.observe(seen)
         while not self.machine.is_over and (found := self._happened(seen)) is not None:
@@ -139,7 +139,7 @@ class Palletizer:
             self._commands.append(StopArm())
 
     def _take_effect(self, event: Event, state: State, seen: PalletObservation) -> None:
-        """What an event makes of the box in work."""
+        """Update the box in work after an event."""
         item, X_WT = self.item, seen.motion.X_WT
         if event is Event.GRIPPED:
             item.take(X_WT)
@@ -165,7 +165,7 @@ class Palletizer:
             self.item.finish(BoxOutcome.LOST, self.machine.reason)
 
     def _feed_ahead(self, time: float) -> None:
-        """Have the next box brought and found while this one is on its way."""
+        """Send for the next box and have it detected while this one is on its way."""
         row, item, upcoming = ROWS.get(self.machine.state), self.item, self._book.upcoming
         if not self._profile.feeds_ahead or row is None or not row.feeds or upcoming is None:
             return

@@ -1,4 +1,4 @@
-"""What the machine sees at a moment, and what it asks of the cell."""
+"""The inputs of the machine at one moment, and the commands that it gives to the cell."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ class PalletObservation:
     """What is known now.
 
     Attributes:
-        time: [s].
-        motion: newest status.
-        grip: of the gripper.
-        spawned: name of the box that came to table A last; empty before the first.
-        detection: newest answer of the camera, if any.
+        time: present time [s].
+        motion: newest status of the motion.
+        grip: newest state of the gripper.
+        spawned: name of the box that arrived on table A last; empty before the first.
+        detection: newest detection of a box; None before the first.
     """
 
     time: float

@@ -1,4 +1,4 @@
-"""How the states become motion: stop and check at each, or pass the transit states without stopping."""
+"""The profiles: the arm stops and is checked at every state, or passes the transit states without a stop."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class Profile:
     """One way to run the steps.
 
     Attributes:
-        parts: of a blended move, by state; empty: every state is a move of its own, with a stop.
-        feeds_ahead: whether the next box is sent for and looked at while this one is still in work; if not,
-            states 0 and 1 do.
+        parts: part of a blended move that each state is; empty: every state is a move of its own with a stop.
+        feeds_ahead: whether the next box is sent for and detected while this one is still in work; if not,
+            that is done in states 0 and 1.
     """
 
     parts: Mapping[State, Part]

@@ -26,14 +26,14 @@ class BoxReport:
     """A box of the order.
 
     Attributes:
-        name: of the box.
+        name: name of the box.
         dims: edges as it arrives [m].
-        mass: [kg].
+        mass: mass of the box [kg].
         handling: none, flip or table.
-        outcome: what became of it.
+        outcome: what became of the box.
         reason: why it was skipped or lost; empty otherwise.
-        direction: of its insertion.
-        X_WB: where it was meant to stand.
+        direction: name of the side that it was inserted from.
+        X_WB: planned pose on the pallet.
     """
 
     name: str
@@ -51,11 +51,11 @@ class OrderReport:
     """An order that has ended.
 
     Attributes:
-        order: its id.
-        is_complete: every box was placed.
+        order: id of the order.
+        is_complete: whether every box was placed.
         reason: why the order stopped before its end; empty if it did not.
-        boxes: in the sequence of the plan.
-        visits: every state that was entered.
+        boxes: report of each box, in the sequence of the plan.
+        visits: every state that was entered, in order.
     """
 
     order: str
@@ -66,11 +66,11 @@ class OrderReport:
 
     @property
     def faults(self) -> tuple[Visit, ...]:
-        """Every fault there was."""
+        """The visits of fault states."""
         return tuple(visit for visit in self.visits if visit.state in FAULTS)
 
     def to_json(self) -> dict[str, Any]:
-        """As plain values; poses are position and quaternion wxyz."""
+        """The report as plain values; poses are position and quaternion wxyz."""
         cycles = self.cycle_times()
         boxes = [
             {
@@ -84,7 +84,10 @@ class OrderReport:
         return {"order": self.order, "is_complete": self.is_complete, "reason": self.reason, "boxes": boxes}
 
     def cycle_times(self) -> dict[str, float]:
-        """By box, from its state 0 to that of the next; for the last, to the end of its retreat [s]."""
+        """Cycle time of each placed box [s]: from its state 0 to that of the next box.
+
+        The cycle of the last box ends with its retreat.
+        """
         starts: dict[str, float] = {}
         ends: dict[str, float] = {}
         before = ""

@@ -1,7 +1,7 @@
 """The states of the palletizing machine: the thesis's 21 (Table 8.1), the faults and the ends.
 
-What a state is, is data: a row of `STEPS`. The profiles, the transitions for faults and the page of states
-are derived from these rows, so that a new step is a row here, its transitions and its tool pose.
+Every state is a row of data in `STEPS`. The profiles, the transitions for faults and the page of states are
+derived from these rows, so that a new step is a row here, its transitions and its tool pose.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pack_core.motion.moves import Mode
 
 
 class State(Enum):
-    """States by name; the values of the thesis's 21 steps are its numbers, those of all others words."""
+    """The states; the values of the thesis's 21 steps are its numbers, those of all others are words."""
 
     SPAWN = 0
     DETECT = 1
@@ -49,7 +49,7 @@ class State(Enum):
 
     @property
     def label(self) -> str:
-        """Number and name, as logs and drawings have them."""
+        """Number and name, as in logs and drawings."""
         words = self.name.lower().replace("_", " ")
         return f"{self.value} {words}" if isinstance(self.value, int) else words
 
@@ -71,17 +71,17 @@ class Check(Enum):
 
 
 class Shape(Enum):
-    """How the tool gets to the state's target in the profile `thesis`."""
+    """How the tool moves to the state's target in the profile `thesis`."""
 
     FREE = "through free space"
     LINE = "along a straight line"
 
 
 class Part(IntEnum):
-    """Which part of a blended move, from one stop of the arm to the next, a state is; in their order.
+    """The part of a blended move, from one stop of the arm to the next, that a state stands for; in order.
 
-    A state whose part is NONE has no target of its own in the profile `blended` and is passed when it is
-    entered. One that is FINAL has: the arm stops there.
+    In the profile `blended` a state whose part is NONE has no target of its own and is left as soon as it is
+    entered; at the target of a FINAL state the arm stops.
     """
 
     NONE = -1
@@ -104,14 +104,14 @@ class StateRow:
     """A line of Table 8.1.
 
     Attributes:
-        state: which one.
-        what: in words, for the page of states.
-        mode: how the policies are tuned; None: the arm has no target in this state.
+        state: the state that the row describes.
+        what: what happens in it, in words, for the page of states.
+        mode: mode of the motion policies; None: the arm has no target in this state.
         grip: what the gripper does.
         check: how exactly the target must be reached.
-        shape: of the way to the target, in the profile `thesis`.
-        part: of a blended move, in the profile `blended`.
-        place: where the box stands, or nearly, at the target; the box and what is about it may be touched.
+        shape: shape of the path to the target, in the profile `thesis`.
+        part: part of a blended move, in the profile `blended`.
+        place: what the box stands on, or nearly, at the target; the box and what is beside it may be touched.
         feeds: whether the next box may be sent for, in the profile `blended`.
     """
 
@@ -182,7 +182,7 @@ ROWS = {row.state: row for row in STEPS}
 MOVING = tuple(row.state for row in STEPS if row.mode is not None)
 """States in which the arm has a target."""
 HOLDING = tuple(row.state for row in STEPS if row.grip in (Grip.HOLD, Grip.OPEN))
-"""States in which a box is in the hand."""
+"""States in which the gripper holds a box."""
 FAULTS = (
     State.NO_DETECTION, State.WRONG_SIZE, State.GRIP_FAILED, State.BOX_LOST,
     State.MOTION_STUCK, State.LIMIT_PASSED, State.NOT_CLEAR,

@@ -1,4 +1,4 @@
-"""What the arm must not touch, and what it may: furniture, and boxes where they are believed to stand."""
+"""The obstacles of the arm, and those it may touch: furniture, and boxes at their estimated poses."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ PICKING_TABLE = "picking_table"
 REORIENTATION_TABLE = "reorientation_table"
 PALLET = "pallet"
 TABLES = {Place.TABLE_A: PICKING_TABLE, Place.TABLE_B: REORIENTATION_TABLE}
-"""Names of what boxes are gripped on."""
+"""Name of the obstacle of each table on which boxes are gripped."""
 BESIDE = 0.02
-"""Boxes this near to a place [m] are touched, or nearly, when a box goes there."""
+"""Boxes nearer to a place than this may be touched when a box is put there [m]."""
 
 
 def furniture(cell: PalletizingCell) -> tuple[Obstacle, ...]:
@@ -34,12 +34,12 @@ def furniture(cell: PalletizingCell) -> tuple[Obstacle, ...]:
 
 
 def standing_box(box: OrderBox, X_WB: Pose) -> Obstacle:
-    """A box where it stands."""
+    """The obstacle of a box that stands at X_WB."""
     return Obstacle(box.id, X_WB, np.array(box.dims))
 
 
 def neighbours(placed: PlacedBox, others: Mapping[str, PlacedBox]) -> frozenset[str]:
-    """Names of the pallet and of the boxes next to a place, over it or under it."""
+    """Names of the pallet and of the boxes that are next to a place, over it or under it."""
     near = {name for name, other in others.items() if np.all(placed.clearance(other) < BESIDE)}
     return frozenset(near - {placed.id}) | {PALLET}
 

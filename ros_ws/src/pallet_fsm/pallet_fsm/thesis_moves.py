@@ -26,10 +26,10 @@ class ThesisMoves:
         """The ways to a state's target, best first.
 
         Args:
-            state: the present one.
-            stop: the state whose target the arm stops at next; here it is the present one.
-            item: the box that the move is for; None: there is none any more.
-            X_WT: the tool now.
+            state: the present state.
+            stop: the state at whose target the arm stops next; here it is the present one.
+            item: the box that the move is for; None: no box is left.
+            X_WT: the present pose of the tool.
         """
         now = Situation(self._goals, self._config, item, X_WT)
         return [self._leg(stop, target) for target in targets_of(stop, now)]

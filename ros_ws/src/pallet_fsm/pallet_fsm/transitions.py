@@ -1,4 +1,4 @@
-"""From which state an event leads where: the whole machine as one table (Algorithm 1).
+"""The transitions of the machine as one table of states, events and next states (Algorithm 1).
 
 Of the rows for a state and an event, the first whose guard holds is taken.
 """
@@ -32,7 +32,7 @@ class Event(Enum):
 
 
 class Guard(Enum):
-    """What a row may depend on besides the event."""
+    """A condition on which a row of the table may depend besides the event."""
 
     IS_UPRIGHT = "handling none"
     IS_FLIP = "handling flip"
@@ -45,12 +45,12 @@ class Guard(Enum):
 
 
 RESUME = None
-"""Instead of a state: the one that the fault came from."""
+"""As the next state of a row: go back to the state that the fault interrupted."""
 
 
 @dataclass(frozen=True)
 class Transition:
-    """A row of the table."""
+    """A row of the table; `guard` None means that the row always applies."""
 
     state: State
     event: Event

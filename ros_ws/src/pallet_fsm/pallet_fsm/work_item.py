@@ -1,4 +1,4 @@
-"""The box in work: what is known of it, growing from state to state."""
+"""A box of the order with all that is known about it while it is handled."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from pallet_fsm.states import State
 
 @dataclass
 class WorkItem:
-    """A box on its way.
+    """A box of the order and its state.
 
     Attributes:
-        box: as ordered.
-        plan: its regularised place and its insertion.
-        X_WB: where it is believed to stand; None before it was detected and while it is in the hand.
-        X_TB: how it hangs in the hand; None while it does not.
-        approach: direction in which the tool held it when it stood it up on table B `(3,)`.
-        outcome: what became of it.
+        box: the box as ordered.
+        plan: its place in the layout and its insertion.
+        X_WB: estimated pose where it stands; None before it was detected and while it is gripped.
+        X_TB: pose in the tool's frame while it is gripped; None otherwise.
+        approach: approach direction of the tool when it stood the box up on table B `(3,)`.
+        outcome: what became of the box.
         reason: why it was skipped or lost; empty otherwise.
-        tries: faults of each kind so far.
+        tries: number of faults of each kind so far.
     """
 
     box: OrderBox
@@ -42,7 +42,7 @@ class WorkItem:
 
     @property
     def name(self) -> str:
-        """Of the box."""
+        """Name of the box."""
         return self.box.id
 
     @property
@@ -52,30 +52,30 @@ class WorkItem:
 
     @property
     def handling(self) -> Handling:
-        """What it takes."""
+        """How the box must be turned on its way."""
         return self.box.turn.handling
 
     @property
     def is_finished(self) -> bool:
-        """Whether nothing is to be done for it any more."""
+        """Whether the box was placed, skipped or lost."""
         return self.outcome is not BoxOutcome.PENDING
 
     def finish(self, outcome: BoxOutcome, reason: str = "") -> None:
-        """Nothing is to be done for it any more."""
+        """Note what became of the box; nothing more is done for it."""
         self.outcome, self.reason = outcome, reason
 
     @property
     def carried(self) -> CarriedBox | None:
-        """The box in the hand, for the motion."""
+        """The gripped box as the motion's collision checks need it; None while it is not gripped."""
         return None if self.X_TB is None else CarriedBox(self.X_TB, self.dims)
 
     def take(self, X_WT: Pose) -> None:
-        """It hangs in the hand now: what was believed of it gives its pose in the tool's frame."""
+        """Note that the box was gripped: its estimated pose gives X_TB."""
         assert self.X_WB is not None
         self.X_TB, self.X_WB = X_WT.inverse() @ self.X_WB, None
 
     def let_go(self, X_WT: Pose, drop: float) -> None:
-        """It stands where it was let go, `drop` [m] lower."""
+        """Note that the box was released: it stands `drop` [m] below the pose of its release."""
         assert self.X_TB is not None
         X_WB = X_WT @ self.X_TB
         self.X_WB, self.X_TB = Pose(X_WB.p - np.array([0.0, 0.0, drop]), X_WB.q), None

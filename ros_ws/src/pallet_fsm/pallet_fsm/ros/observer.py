@@ -1,4 +1,4 @@
-"""Gathers what the machine sees from the topics it comes on."""
+"""Collects the machine's observations from their topics."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from pallet_fsm.ports import PalletObservation
 
 
 class Observer:
-    """Newest message of each topic.
+    """Keeps the newest message of each topic.
 
     Args:
-        node: that listens.
-        on_motion: is called with every status of the motion.
+        node: the node that subscribes.
+        on_motion: called after every status of the motion.
 
     Attributes:
-        spawned: name of the box that came last.
+        spawned: name of the box that arrived last.
     """
 
     def __init__(self, node: CellNode, on_motion: Callable[[], None]) -> None:
@@ -44,9 +44,9 @@ class Observer:
 
     @property
     def newest(self) -> PalletObservation | None:
-        """What is known now; None before arm and gripper were heard of.
+        """The present observation; None before the first messages of motion and gripper.
 
-        The status of the motion is ahead of the clock, as setpoints are: it says no time.
+        Its time is the node's clock: the time in the motion's status is that of setpoints, which are ahead.
         """
         if self._motion is None or self._grip is None:
             return None

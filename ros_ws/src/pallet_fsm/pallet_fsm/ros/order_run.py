@@ -1,4 +1,4 @@
-"""An order that is being built, and what is told of it on the way."""
+"""Runs the machine for one order, and publishes its states and feedback."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from pallet_fsm.ros.results import to_feedback, to_state
 
 
 class StateTeller:
-    """Publishes states, and logs and counts those that have a reason.
+    """Publishes states, and logs and counts those that have a reason, which are faults.
 
     Args:
-        node: that publishes.
+        node: the node that publishes.
     """
 
     def __init__(self, node: CellNode) -> None:
         self._node, self._publisher = node, node.advertise(contracts.PALLET_STATE)
 
     def tell(self, visit: Visit) -> None:
-        """A state was entered."""
+        """Publish a state that was entered."""
         self._publisher.publish(to_state(visit))
         if visit.reason:
             self._node.health.count(visit.state.label, visit.reason)
@@ -32,13 +32,13 @@ class StateTeller:
 
 
 class OrderRun:
-    """From the machine's first step to its last.
+    """Steps the machine from its first state to its last.
 
     Args:
-        node: whose goal it is.
-        session: the machine.
-        apply: carries a command out.
-        teller: of the states.
+        node: the node that has the goal.
+        session: the order in progress.
+        apply: carries out a command.
+        teller: publishes the states.
     """
 
     def __init__(
@@ -50,11 +50,11 @@ class OrderRun:
 
     @property
     def elapsed(self) -> float:
-        """Up to the last change of state [s]."""
+        """Time from the start to the last change of state [s]."""
         return self.session.machine.since - self._start
 
     def step(self, seen: PalletObservation) -> None:
-        """One turn of the machine; none after its end."""
+        """Step the machine once; does nothing after its end."""
         if self.session.machine.is_over:
             return
         if self._node.is_cancel_requested:

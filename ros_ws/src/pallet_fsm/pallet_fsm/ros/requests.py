@@ -1,4 +1,4 @@
-"""Goals of `/palletize` as what the machine needs."""
+"""Reads the order and the parameters of a goal of `/palletize`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def requested_order(goal: Palletize.Goal, cell: PalletizingCell) -> Order:
     """The order of a goal.
 
     Raises:
-        OrderError: there is none, or the cell cannot build it; the text says all that is wrong.
+        OrderError: the goal has no order, or the cell cannot build it; the text names every problem.
     """
     if goal.order:
         return parse_order(goal.order, "the order of the goal", cell=cell)

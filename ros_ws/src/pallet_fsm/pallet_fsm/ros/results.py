@@ -1,4 +1,4 @@
-"""The machine's progress and outcome as messages."""
+"""Converts the machine's progress and outcome into messages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pallet_fsm.report import BoxOutcome, OrderReport
 
 
 def to_state(visit: Visit) -> PalletState:
-    """A state that was entered."""
+    """The message about a state that was entered."""
     event = visit.event.value if visit.event else ""
     message = PalletState(state=visit.state.label, box=visit.box, event=event, reason=visit.reason)
     message.header.stamp = to_stamp(visit.time)
@@ -22,7 +22,7 @@ def to_state(visit: Visit) -> PalletState:
 
 
 def to_feedback(session: Palletizer, elapsed: float) -> Palletize.Feedback:
-    """Where an order stands."""
+    """The action feedback: present state, box, and number of placed boxes."""
     report = session.report()
     return Palletize.Feedback(
         state=session.machine.state.label, box=session.machine.visits[-1].box, placed=_placed(report),
@@ -31,7 +31,7 @@ def to_feedback(session: Palletizer, elapsed: float) -> Palletize.Feedback:
 
 
 def to_result(report: OrderReport, elapsed: float) -> Palletize.Result:
-    """What became of an order."""
+    """The action result of an order that has ended."""
     return Palletize.Result(
         success=report.is_complete, message=message_of(report), placed=_placed(report),
         boxes=len(report.boxes), execution_time=elapsed, report=json.dumps(report.to_json()),
