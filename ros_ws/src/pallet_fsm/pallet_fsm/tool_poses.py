@@ -1,6 +1,6 @@
-"""Where the tool goes for a box: to grasp it, to stand it up at the table's edge, to put it on the pallet.
+"""Tool poses to grasp a box, to stand it up at the table's edge, and to put it on the pallet.
 
-Every function gives alternatives, as box and tool look the same after half or quarter turns.
+Every function gives alternatives, since box and tool are symmetric under half or quarter turns.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pack_core.rotations import Array, Pose, angle_between, from_yaw, multiply, 
 from pallet_fsm.orientations import box_orientations, points_along
 
 LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""q_WT of a tool that looks down with its x axis along the world's."""
+"""q_WT, wxyz, of a tool that points down with its x axis along the world's: half a turn about x."""
 
 
 class ToolPoseConfig(Config):
@@ -56,7 +56,7 @@ def grasps(X_WB: Pose, dims: Array, config: ToolPoseConfig) -> list[Pose]:
 def placements(
     placed: PlacedBox, box: OrderBox, X_TB: Pose, X_WP: Pose, config: ToolPoseConfig
 ) -> list[Pose]:
-    """Tool poses X_WT, looking down, at which the box in the hand is let go over its place."""
+    """Tool poses X_WT, looking down, at which the gripped box is released over its place."""
     p_WB = X_WP.apply(placed.centre) + np.array([0.0, 0.0, config.drop])
     poses = [
         Pose(p_WB, multiply(X_WP.q, q_PB)) @ X_TB.inverse()
@@ -86,7 +86,11 @@ def stands(box: OrderBox, X_TB: Pose, cell: PalletizingCell, config: ToolPoseCon
 def _standing_place(
     box: OrderBox, q_WB: Array, axis: int, cell: PalletizingCell, config: ToolPoseConfig
 ) -> Array:
-    """The middle of a box `(3,)` [m] that stands at the table's edge and its corner next to the arm."""
+    """The middle `(3,)` [m] of a box that stands at the table's edge, at the corner nearest to the arm.
+
+    Along the approach axis it stands over the edge by `overhang`, or less so that its middle stays
+    `overhang_margin` behind the edge; along the other axis it stands `inset` from the corner.
+    """
     table, edges = cell.reorientation_table, np.abs(to_matrix(q_WB)) @ np.array(box.dims)
     p_WB = np.empty(3)
     p_WB[2] = table.height + edges[2] / 2.0 + config.drop
@@ -107,14 +111,14 @@ def _away_from_arm(cell: PalletizingCell, axis: int) -> Array:
 
 
 def _level_yaw(X_WB: Pose) -> float:
-    """Yaw [rad] of the box's edges in the plane: that of any axis of it that lies level."""
+    """Yaw [rad] of the box's edges in the horizontal plane: the yaw of its axis that is nearest to level."""
     R_WB = to_matrix(X_WB.q)
     level = int(np.argmin(np.abs(R_WB[2])))
     return float(np.arctan2(R_WB[1, level], R_WB[0, level]))
 
 
 def placed_pose(placed: PlacedBox, box: OrderBox, X_WP: Pose, X_WB: Pose | None) -> Pose:
-    """Where a box shall stand; of the orientations that look alike, the one next to X_WB."""
+    """The pose of a box at its place; of its equivalent orientations, the one nearest to X_WB."""
     poses = [
         Pose(X_WP.apply(placed.centre), multiply(X_WP.q, q_PB))
         for q_PB in box_orientations(box.dims, [float(edge) for edge in placed.size])
