@@ -24,16 +24,16 @@ from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 
 @dataclass(frozen=True)
 class PalletSetup:
-    """What decides the results, orders and seeds apart."""
+    """All settings that decide the results, besides orders and seeds."""
 
     name: str
-    """Short, as in tables: profile, motion, the arm's preset, and how boxes are seen."""
+    """Short name for tables: profile, motion, the arm's preset, and how boxes are detected."""
     cell: PalletizingCell
     config: PalletLockstepConfig
     layout: LayoutConfig
 
     def record(self) -> dict[str, Any]:
-        """All of it as plain values, for the head of the results."""
+        """All settings as plain values, for the head of the results."""
         parts = {"cell": self.cell, "config": self.config, "layout": self.layout}
         return {
             "name": self.name, **{name: part.model_dump(mode="json") for name, part in parts.items()}
@@ -49,7 +49,7 @@ class OrderJob:
 
     @property
     def name(self) -> str:
-        """Tells the trial from every other one."""
+        """Name of the trial, unique in the benchmark."""
         return f"{self.path.stem}_seed{self.seed}"
 
 
@@ -58,7 +58,7 @@ def order_jobs(folder: Path, seeds: int, cell: PalletizingCell) -> list[OrderJob
 
     Raises:
         ConfigError: there is no order file.
-        OrderError: the cell cannot build some; the text says why for each of them.
+        OrderError: the cell cannot build some of the orders; the text has the reasons for each of them.
     """
     files = sorted(folder.glob("*.json"))
     if not files:
@@ -77,7 +77,7 @@ def _refusal(path: Path, cell: PalletizingCell) -> str:
 
 
 def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
-    """Plan and build an order; a line of the results."""
+    """Plan and build an order; the result is a line of the results file, as plain values."""
     order = load_order(job.path)
     plan = plan_order(order, setup.layout)
     lockstep = PalletLockstep(setup.cell, order, plan, setup.config, job.seed)
@@ -92,7 +92,7 @@ def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
 
 
 def plan_order(order: Order, config: LayoutConfig) -> LayoutPlan:
-    """The layout; raises PackError where there is none."""
+    """Plan the layout of an order; raises PackError where there is none."""
     plan = LayoutPlanner(config).plan(order)
     if plan.status is not LayoutStatus.SUCCESS:
         raise PackError(f"order {order.order_id}: {plan.reason}")
@@ -100,7 +100,7 @@ def plan_order(order: Order, config: LayoutConfig) -> LayoutPlan:
 
 
 def stack(order: Order, run: PalletRun) -> dict[BoxBody, Any]:
-    """The boxes that were placed, where they stand at the end."""
+    """The boxes that were placed, with their true poses at the end of the run."""
     placed = [box.name for box in run.boxes if box.outcome == "placed"]
     bodies = {name: order.box(name) for name in placed}
     return {
@@ -110,7 +110,7 @@ def stack(order: Order, run: PalletRun) -> dict[BoxBody, Any]:
 
 @dataclass(frozen=True)
 class PalletBenchmark(Benchmark[OrderJob, dict[str, Any]]):
-    """Orders under one setting."""
+    """A benchmark of orders with one setup."""
 
     cell: ClassVar[str] = "palletizing"
 
@@ -119,24 +119,24 @@ class PalletBenchmark(Benchmark[OrderJob, dict[str, Any]]):
 
     @property
     def folder_name(self) -> str:
-        """Profile, motion, the arm's preset, and how boxes are seen."""
+        """Name of the results folder: profile, motion, the arm's preset, and how boxes are detected."""
         return f"{self.cell}_{self.setup.name.replace(' ', '_')}"
 
     def settings(self) -> Mapping[str, Any]:
-        """Cell, parameters of all nodes, and the layout planner's."""
+        """The cell's facts, and the parameters of all nodes and of the layout planner."""
         return self.setup.record()
 
     @property
     def work(self) -> Callable[[OrderJob], dict[str, Any]]:
-        """Plans and builds an order."""
+        """The function that plans and builds an order."""
         return partial(run_order, self.setup)
 
     def keep(self, result: dict[str, Any], folder: Path) -> Mapping[str, Any]:
-        """The measures; nothing is kept beside them."""
+        """The measures of the trial; no further files are kept."""
         return result
 
     def verdict(self, trial: Mapping[str, Any]) -> Verdict:
-        """How many boxes stand, the worst of them, the cycle, the tracking and every fault."""
+        """One line: placed boxes, largest error, mean cycle time, tracking error, contacts and all faults."""
         m = trial["measures"]
         errors = [box["error_mm"] for box in m["boxes"] if box["error_mm"] is not None]
         cycles = [box["cycle_s"] for box in m["boxes"] if box["cycle_s"] is not None]

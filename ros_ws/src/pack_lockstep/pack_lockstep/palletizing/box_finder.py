@@ -1,4 +1,4 @@
-"""How boxes are found in lockstep: in the camera's pictures, or by the truth with stated noise."""
+"""How boxes are detected in lockstep: in the camera's pictures, or by their true pose with added noise."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from pack_sim.palletizing.simulator import PalletSimulator
 
 
 class NoiseConfig(Config):
-    """Noise of a detection, one standard deviation."""
+    """Standard deviations of the noise of a detection."""
 
     position: NonNegativeFloat = Field(default=0.0003, description="along each horizontal axis [m]")
     yaw_deg: NonNegativeFloat = Field(default=0.05, description="about the vertical [deg]")
 
 
 class BoxFinderConfig(Config):
-    """How boxes are found."""
+    """How boxes are detected."""
 
     by: Literal["vision", "noise"] = "noise"
     latency: NonNegativeFloat = Field(default=0.2, description="from a picture to its detection [s]")
@@ -36,25 +36,25 @@ class BoxFinderConfig(Config):
 
 
 class BoxFinder(Protocol):
-    """Finds boxes."""
+    """Detects boxes."""
 
     def detect(self, expected: ExpectedBox, simulator: PalletSimulator) -> BoxDetection:
-        """What is found of the expected box now."""
+        """The detection of the expected box at the present time."""
 
 
 class NoisyBoxFinder:
-    """Sees boxes where they are, and a little beside.
+    """Detects boxes by their true pose, with Gaussian noise.
 
     Args:
-        config: the noise.
-        rng: its source.
+        config: standard deviations of the noise.
+        rng: generator of the noise.
     """
 
     def __init__(self, config: NoiseConfig, rng: np.random.Generator) -> None:
         self._config, self._rng = config, rng
 
     def detect(self, expected: ExpectedBox, simulator: PalletSimulator) -> BoxDetection:
-        """A detection of the box that truly stands there."""
+        """A detection at the box's true pose plus noise; the size is the expected one."""
         X_WB = simulator.truth().objects[expected.id].X_WO
         offset = np.array([*self._rng.normal(0.0, self._config.position, 2), 0.0])
         yaw = np.deg2rad(self._rng.normal(0.0, self._config.yaw_deg))
@@ -64,19 +64,19 @@ class NoisyBoxFinder:
 
 
 class CameraBoxFinder:
-    """Takes a picture and looks at it.
+    """Takes a picture and detects the box in it.
 
     Args:
-        cell: where the table is.
-        camera: draws pictures.
-        vision: looks at them.
+        cell: the cell's facts, with the height of the table.
+        camera: draws the pictures.
+        vision: detects boxes in pictures.
     """
 
     def __init__(self, cell: PalletizingCell, camera: PalletCamera, vision: BoxVision) -> None:
         self._cell, self._camera, self._vision = cell, camera, vision
 
     def detect(self, expected: ExpectedBox, simulator: PalletSimulator) -> BoxDetection:
-        """What the vision makes of a picture of now."""
+        """The detection of box vision in a picture of the present state."""
         picture, height = self._camera.picture(simulator.snapshot()), self._cell.picking_table.height
         return self._vision.detect(picture, self._camera.camera, expected, height, simulator.time).detection
 
@@ -85,7 +85,7 @@ class CameraBoxFinder:
 def open_box_finder(
     cell: PalletizingCell, config: BoxFinderConfig, rng: np.random.Generator
 ) -> Iterator[BoxFinder]:
-    """The configured way; `rng` is for its noise.
+    """Open the configured box finder; `rng` generates its noise.
 
     Raises:
         PackError: pictures are wanted and there is no OpenGL to draw with.

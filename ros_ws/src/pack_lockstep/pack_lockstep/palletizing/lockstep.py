@@ -58,7 +58,7 @@ class PalletLockstepConfig(Config):
 
 @dataclass(frozen=True)
 class Tick:
-    """One cycle of the loop, for logs: where the machine is and what the motion says."""
+    """One cycle of the loop, for logs: state of the machine, box in work, and status of the motion."""
 
     time: float
     state: State
@@ -67,14 +67,14 @@ class Tick:
 
 
 class PalletLockstep:
-    """One order from start to end.
+    """Runs one order from start to end.
 
     Args:
         cell: the cell's physical facts.
-        order: what to build.
-        plan: where every box goes.
+        order: the order to build.
+        plan: the place of every box.
         config: parameters.
-        seed: of where boxes arrive and of the detections' noise.
+        seed: seed of the poses at which boxes arrive and of the detections' noise.
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class PalletLockstep:
         self._pending: tuple[float, BoxDetection] | None = None
 
     def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
-        """Run to the end; `on_tick` sees every cycle."""
+        """Run to the end; `on_tick` is called in every cycle."""
         with open_box_finder(self._cell, self._config.sight, self._rng) as finder:
             while not self.palletizer.machine.is_over:
                 self._turn(finder, on_tick)
@@ -108,7 +108,7 @@ class PalletLockstep:
         return self._log.run(self._seed, self.palletizer.report())
 
     def _turn(self, finder: BoxFinder, on_tick: Callable[[Tick], None] | None) -> None:
-        """One cycle: what is seen, what is to be done, one period of motion and physics."""
+        """One cycle: observe, step the machine, carry out its commands, and advance motion and physics."""
         simulator, machine = self.simulator, self.palletizer.machine
         if self._pending is not None and simulator.time >= self._pending[0]:
             self._detection, self._pending = self._pending[1], None
@@ -141,7 +141,7 @@ class PalletLockstep:
                 self.simulator.gripper.open()
 
     def _advance(self) -> None:
-        """One period of the motion, and the physics under it."""
+        """Make one step of the motion controller, and the physics steps of the same period."""
         simulator, period = self.simulator, self._config.period
         last, time = self._setpoint, simulator.time
         self._log.note(last.q)
@@ -153,7 +153,7 @@ class PalletLockstep:
         self._setpoint = new
 
     def _hand_over(self, reference: JointReference) -> None:
-        """Give the driver its setpoints; an order whose setpoints it refuses is over."""
+        """Give the driver its setpoints; if it refuses them the order is halted."""
         try:
             self.simulator.accept(reference)
         except MessageError as error:

@@ -22,11 +22,11 @@ from pallet_fsm.report import BoxReport, OrderReport
 
 
 class PalletRunLog:
-    """Takes note of the arm in every step, and of the boxes as often as /sim/truth would.
+    """Records the arm in every step, and the boxes at the rate of /sim/truth.
 
     Args:
-        simulator: what is watched.
-        period: between two steps [s].
+        simulator: the simulator that is recorded.
+        period: time between two steps [s].
     """
 
     def __init__(self, simulator: PalletSimulator, period: float) -> None:
@@ -37,7 +37,7 @@ class PalletRunLog:
         self._peaks: dict[str, GripLoad] = {}
 
     def note(self, q_ref: Array) -> None:
-        """Take note of now; `q_ref` `(n,)` [rad] is what the setpoints want now."""
+        """Record the present state; `q_ref` `(n,)` [rad] are the joint positions of the present setpoint."""
         simulator = self._simulator
         self._times.append(simulator.time)
         self._joints.append((q_ref, simulator.joints().q))
@@ -49,7 +49,7 @@ class PalletRunLog:
                 self._boxes.setdefault(name, []).append((truth.time, state.X_WO.p, state.X_WO.q))
 
     def run(self, seed: int, report: OrderReport) -> PalletRun:
-        """The run, which has ended."""
+        """The record of a run that has ended."""
         return PalletRun(
             report.order, seed, report.reason,
             tuple(

@@ -1,4 +1,4 @@
-"""What a run of the palletizing cell is made of, from the nodes' own configuration."""
+"""Reads the settings of a lockstep run of the palletizing cell from the nodes' own configuration."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class PalletCameraParameters(Config):
 
 
 def set_up(*, profile: str, motion: str, preset: str, vision: bool) -> PalletSetup:
-    """Read what a command refers to.
+    """Read the settings that the options of a command refer to.
 
     Raises:
         ConfigError: there is no such profile, motion set or preset.

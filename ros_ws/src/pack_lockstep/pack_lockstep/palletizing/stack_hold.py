@@ -1,4 +1,4 @@
-"""Whether a finished stack stands a push: the test of EUMOS 40509, unwrapped, at a given acceleration.
+"""Tests whether a finished stack stays in place when pushed: EUMOS 40509, unwrapped, at a given acceleration.
 
 The acceleration is reached within 50 ms, kept for 0.3 s and taken away again, along each of the pallet's
 four sides in turn; it acts on everything, as when the floor under the pallet is accelerated.
@@ -17,6 +17,7 @@ from pack_core.palletizing.model import build_model
 from pack_core.rotations import Array, Pose
 
 RAMP, HOLD, REST = 0.05, 0.3, 0.5
+"""Times in which the acceleration rises, for which it is kept, and for which the stack then rests [s]."""
 SIDES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 STANDARD_GRAVITY = 9.81
 
@@ -30,7 +31,7 @@ def hold_shift_mm(cell: PalletizingCell, boxes: Mapping[BoxBody, Pose], accelera
         acceleration: as a share of gravity.
     """
     model = build_model(cell, list(boxes))
-    model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)  # gravity that changes wakes nobody
+    model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)  # a change of gravity wakes no box
     shifts = [_shift(model, cell, boxes, acceleration * np.array(side)) for side in SIDES]
     return 1e3 * max(shifts, default=0.0)
 
@@ -47,6 +48,7 @@ def _shift(
     while data.time < 2 * RAMP + HOLD + REST:
         share = np.clip(min(data.time / RAMP, (2 * RAMP + HOLD - data.time) / RAMP), 0.0, 1.0)
         model.opt.gravity[:2] = -STANDARD_GRAVITY * share * acceleration
+        # The arm comes first in the model and is held at home; it does not move with the ground.
         data.qpos[: len(home)], data.qvel[: len(home)] = home, 0.0
         mujoco.mj_step(model, data)
     mujoco.mj_kinematics(model, data)

@@ -31,7 +31,7 @@ class VisionNodeConfig(VisionConfig):
 
 
 class BoxVisionNode(CellNode):
-    """Answers every picture that shows the expected box, or should."""
+    """Detects the expected box in every picture that was taken since it was announced."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("vision", **kwargs)
@@ -61,7 +61,7 @@ class BoxVisionNode(CellNode):
         self._answer()
 
     def _answer(self) -> None:
-        """Look at the last picture once all that belongs to it has come, in whatever sequence."""
+        """Detect in the last picture, once picture, intrinsics and expected box have come in any sequence."""
         message, camera, box = self._image, self._camera, self._expected
         if message is None or camera is None or box is None:
             return

@@ -1,4 +1,4 @@
-"""Pictures that show how a detection came about (Sec. 7.8 of the thesis)."""
+"""Pictures that show the stages of a detection (Sec. 7.8 of the thesis)."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class DebugImages:
 
     Attributes:
         frame: the whole picture, reduced `(h, w, 3)` RGB.
-        roi: the part that was looked at `(h, w, 3)` RGB.
-        mask: what counts as box `(h, w)`.
-        overlay: the part with what was found drawn into it `(h, w, 3)` RGB.
+        roi: the region of interest `(h, w, 3)` RGB.
+        mask: 255 where there is box `(h, w)`.
+        overlay: the region of interest with the detection drawn into it `(h, w, 3)` RGB.
     """
 
     frame: Picture
@@ -33,7 +33,7 @@ class DebugImages:
     overlay: Picture
 
     def write(self, folder: Path, stem: str) -> list[Path]:
-        """Write them as `<stem>_frame.png` and so on."""
+        """Write the pictures as `<stem>_frame.png` and so on, and return their paths."""
         folder.mkdir(parents=True, exist_ok=True)
         paths = []
         for field in fields(self):

@@ -14,7 +14,7 @@ from pack_core.rotations import Array
 from pack_perception.boxes.segmentation import Picture
 
 FADE = 2.0
-"""Over which the window about a slope fades out [pixel]."""
+"""Width over which the window around a slope fades out [pixel]."""
 
 
 class EdgeConfig(Config):
@@ -32,13 +32,13 @@ class EdgeLine:
     """A line on the plane of the top face.
 
     Attributes:
-        middle: a point of it `(2,)` in the world [m].
-        direction: unit vector along it `(2,)`.
-        length: of the part that was looked at [m].
+        middle: the point in the middle of the edge `(2,)` in the world [m].
+        direction: unit vector along the line `(2,)`.
+        length: length of the edge along which it was searched [m].
         inliers: share of the profiles whose slope lies on the line.
-        contrast: how much brighter the box is than what lies outside, the median over the profiles, of 255;
-            the amount by which it is darker where that is looked for.
-        inside: brightness just inside the edge, the median over the profiles.
+        contrast: median over the profiles of how much brighter the box is than its surroundings, of 255; for
+            a dark box, how much darker.
+        inside: median over the profiles of the brightness just inside the edge.
     """
 
     middle: Array
@@ -54,11 +54,11 @@ class TopFace:
     """The picture seen as a map of the plane of the top face.
 
     Attributes:
-        value: brightness `(h, w)`.
-        corner: of `value` in the camera's picture `(2,)`.
-        camera: that took it.
-        height: of the plane in the world [m].
-        is_dark: the box is darker than what surrounds it.
+        value: brightness of a region of the picture `(h, w)`.
+        corner: column and row of that region in the camera's picture `(2,)`.
+        camera: the camera that took the picture.
+        height: height of the plane in the world [m].
+        is_dark: whether the box is darker than its surroundings.
     """
 
     value: Picture
@@ -73,7 +73,7 @@ class TopFace:
         return float(self.camera.X_WC.p[2] - self.height) / self.camera.f
 
     def brightness(self, points: Array) -> Array:
-        """At points `(..., 2)` of the plane, interpolated."""
+        """Brightness at points `(..., 2)` [m] of the plane, interpolated bilinearly."""
         p_W = np.concatenate([points, np.full((*points.shape[:-1], 1), self.height)], axis=-1)
         uv = (self.camera.project(p_W) - self.corner).astype(np.float32)
         rows = uv.reshape(len(uv), -1, 2)
@@ -86,8 +86,8 @@ class TopFace:
 def find_edge(face: TopFace, start: Array, end: Array, config: EdgeConfig) -> EdgeLine | None:
     """The edge near the line from `start` to `end` `(2,)` [m], the box to its left; None where there is none.
 
-    The edge of a profile across it is the centroid of its slope, and a line is fitted to the edges of all
-    profiles, those that lie off it left out.
+    Profiles of brightness are sampled across the line, one for each pixel along it. The edge in a profile is
+    the centroid of its steepest slope, and a line is fitted to these points without the outliers.
     """
     length = float(np.linalg.norm(end - start))
     along = (end - start) / length
@@ -99,7 +99,7 @@ def find_edge(face: TopFace, start: Array, end: Array, config: EdgeConfig) -> Ed
     slopes = np.gradient(profiles, config.step, axis=1) * (1.0 if face.is_dark else -1.0)
     offsets = _slope_middles(slopes, across, config.core)
     slant, shift, is_on = _robust_line(places / face.pixel, offsets, config.max_residual)
-    if is_on.sum() < 10:
+    if is_on.sum() < 10:  # too few profiles for a line
         return None
     direction = along + slant * outward
     middle_place = 0.5 * length / face.pixel
@@ -126,7 +126,11 @@ def _slope_middles(slopes: Array, across: Array, core: float) -> Array:
 
 
 def _robust_line(places: Array, offsets: Array, max_residual: float) -> tuple[float, float, np.ndarray]:
-    """Slant and shift of offsets = slant * places + shift, from the median inwards, and who lies on it."""
+    """Slant and shift of offsets = slant * places + shift, and which points lie on that line `(n,)`.
+
+    The first line is the median of the offsets, without slant. It is fitted again and again to the points
+    near the last line, while the limit of what counts as near shrinks to `max_residual`.
+    """
     slant, shift = 0.0, float(np.nanmedian(offsets)) if np.any(np.isfinite(offsets)) else np.nan
     is_on = np.zeros(len(places), dtype=bool)
     for limit in (8.0, 4.0, 2.0, 1.0, 1.0):
@@ -138,7 +142,7 @@ def _robust_line(places: Array, offsets: Array, max_residual: float) -> tuple[fl
 
 
 def _levels(profiles: Array, offsets: Array, across: Array, core: float) -> tuple[float, float]:
-    """Brightness just inside the edge, and by how much it exceeds that just outside."""
+    """Brightness just inside the edge, and its excess over that just outside; medians over the profiles."""
     distance = across - offsets[:, None]
     sides = [(distance < -core) & (distance > -2 * core), (distance > core) & (distance < 2 * core)]
     inside, outside = (np.sum(profiles * side, axis=1) / np.maximum(side.sum(axis=1), 1) for side in sides)

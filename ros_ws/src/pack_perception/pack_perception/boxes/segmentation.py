@@ -1,4 +1,4 @@
-"""What in a picture is box and what is table (Sec. 7.3 to 7.5 of the thesis)."""
+"""Separates box and table in a picture (Sec. 7.3 to 7.5 of the thesis)."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class Segmentation:
     """One picture, segmented.
 
     Attributes:
-        corner: of the region of interest in the picture, column and row `(2,)`.
-        region: that part of the picture `(h, w, 3)` RGB.
+        corner: column and row of the region of interest in the picture `(2,)`.
+        region: the region of interest `(h, w, 3)` RGB.
         value: its smoothed HSV value channel `(h, w)`.
         mask: 255 where there is box `(h, w)`.
-        is_dark: what counts as box is darker than the rest, the mask was inverted.
+        is_dark: whether the box is darker than the rest, so that the mask was inverted.
         contrast: difference between the mean values of the two classes, of 255.
-        contours: outlines `(n, 2)` in the region of all that is large enough, the largest first.
+        contours: outlines `(n, 2)`, in the region, of all objects that are large enough, largest first.
     """
 
     corner: tuple[int, int]
@@ -57,7 +57,7 @@ class Segmentation:
 
 
 def segment(picture: Picture, config: SegmentationConfig) -> Segmentation:
-    """Segment a picture `(H, W, 3)` RGB."""
+    """Segment a picture `(H, W, 3)` RGB: crop, smooth, threshold by Otsu, clean, and find contours."""
     height, width = picture.shape[:2]
     left, top = round(config.margin_x * width), round(config.margin_y * height)
     region = picture[top : height - top, left : width - left]
@@ -78,6 +78,7 @@ def _smooth_value(region: Picture, blur: float) -> Picture:
 def _cleaned(mask: Picture, kernel: int) -> Picture:
     ellipse = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (kernel, kernel))
     opened = cv2.morphologyEx(mask, cv2.MORPH_OPEN, ellipse)
+    # Opening has removed specks that are smaller than the kernel; closing fills holes that are.
     return np.asarray(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, ellipse), dtype=np.uint8)
 
 

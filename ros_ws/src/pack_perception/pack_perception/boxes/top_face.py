@@ -1,9 +1,9 @@
 """The pose of a box's top face from its four edges.
 
-The camera sees the side of a box below an edge that lies between the box and the camera's foot, so that the
-outline there may be the edge of the top or that of the base. The other edges hide their side: they are the
-top face's own. A pose comes from those alone, with the known size where only one of two opposite edges is
-sure; the doubtful ones serve to check the size.
+The camera sees a side of the box where the edge above it lies between the box and the camera's foot, so that
+the outline there may be the edge of the top face or that of the base. The other sides are hidden: there the
+outline is the edge of the top face. The pose comes from these sure edges alone, with the known size where
+only one of two opposite edges is sure; the doubtful edges serve to check the size.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from pack_core.rotations import Array
 from pack_perception.boxes.edge_line import EdgeLine
 
 HIDDEN = 1e-4
-"""A side that sticks out by less cannot be told from the edge above it [m]."""
+"""A side that is visible by less than this cannot be told from the edge above it [m]."""
 
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """Where the camera is as seen from the plane of the top face.
+    """The camera's position relative to the plane of the top face.
 
     Attributes:
         foot: point of the plane below the camera `(2,)` in the world [m].
-        slope: how far the base of a side sticks out in the picture, on the plane of the top face, for every
-            metre between the edge above it and the foot.
+        slope: ratio of the visible width of a side, projected to the plane of the top face, to the distance
+            of the edge above it from the foot.
     """
 
     foot: Array
@@ -39,10 +39,10 @@ class Span:
     """The top face along one of its axes.
 
     Attributes:
-        middle: coordinate of its middle along the axis [m].
+        middle: coordinate of the middle of the face along the axis [m].
         measured: distance of the two edges [m].
-        mismatch: how much it differs from what it should be [m].
-        is_sure: for the edges at the lower and at the upper end: it is the top face's own.
+        mismatch: difference between the measured and the expected distance [m].
+        is_sure: whether the edge at the lower and that at the upper end are edges of the top face.
     """
 
     middle: float
@@ -53,14 +53,14 @@ class Span:
 
 @dataclass(frozen=True)
 class TopPose:
-    """A hypothesis about the top face.
+    """A hypothesis about the pose of the top face.
 
     Attributes:
-        yaw: of the side d_x [rad], in (-pi/2, pi/2].
-        centre: `(2,)` in the world [m].
-        size: as measured along d_x and d_y [m].
-        mismatch: the larger of the two of the spans [m].
-        sure: indices of the edges that it rests on.
+        yaw: yaw of the side d_x [rad], in (-pi/2, pi/2].
+        centre: centre of the face `(2,)` in the world [m].
+        size: measured size along d_x and d_y [m].
+        mismatch: the larger mismatch of the two spans [m].
+        sure: indices of the edges that the pose is computed from.
     """
 
     yaw: float
@@ -71,13 +71,15 @@ class TopPose:
 
 
 def measure_span(low: float, high: float, expected: float, foot: float, slope: float) -> Span:
-    """A span between edges at `low` and `high`, with the camera's foot at `foot` on the axis [m]."""
+    """The span between edges at `low` and `high` along an axis, with the camera's foot at `foot` [m]."""
     measured = high - low
+    # How wide the side beyond each edge is in the picture, if the opposite edge is the top face's own.
     beyond_high = (foot - low - expected) * slope
     beyond_low = (high - expected - foot) * slope
     visible = max(beyond_high, beyond_low)
     if visible < HIDDEN:
         return Span(0.5 * (low + high), measured, abs(measured - expected), (True, True))
+    # The doubtful edge may be that of the top face or that of the base: whichever fits the size better.
     mismatch = min(abs(measured - expected), abs(measured - expected - visible))
     if beyond_high > beyond_low:
         return Span(low + 0.5 * expected, measured, mismatch, (True, False))
@@ -88,14 +90,15 @@ def top_poses(edges: Sequence[EdgeLine], dims: tuple[float, float], view: Viewpo
     """The two hypotheses: d_x along the first edge, or along the second.
 
     Args:
-        edges: four, counter-clockwise as seen from above.
-        dims: d_x and d_y [m].
-        view: where the camera is.
+        edges: the four edges, counter-clockwise as seen from above.
+        dims: expected d_x and d_y [m].
+        view: position of the camera.
     """
     return [_hypothesis(edges, first, dims, view) for first in (0, 1)]
 
 
 def _hypothesis(edges: Sequence[EdgeLine], first: int, dims: tuple[float, float], view: Viewpoint) -> TopPose:
+    # All edges give a first yaw, by which the sure edges are known; these alone give the final one.
     yaw = _mean_direction(edges, first, range(4))
     spans, sure = _spans(edges, first, yaw, dims, view)
     yaw = _mean_direction(edges, first, sure)
@@ -110,7 +113,10 @@ def _hypothesis(edges: Sequence[EdgeLine], first: int, dims: tuple[float, float]
 def _spans(
     edges: Sequence[EdgeLine], first: int, yaw: float, dims: tuple[float, float], view: Viewpoint
 ) -> tuple[list[Span], tuple[int, ...]]:
-    """Along d_x, between the edges that lead across it, and along d_y; and which edges are sure."""
+    """The spans along d_x and along d_y, and the indices of the sure edges.
+
+    The span along d_x is between the two edges across it, and that along d_y between the other two.
+    """
     axes, spans, sure = _axes(yaw), [], []
     for axis, expected, one in zip(axes, dims, (first + 1, first), strict=True):
         ends = sorted((float(axis @ edges[k % 4].middle), k % 4) for k in (one, one + 2))
@@ -122,7 +128,11 @@ def _spans(
 
 
 def _mean_direction(edges: Sequence[EdgeLine], first: int, which: Sequence[int]) -> float:
-    """Yaw of the first edge by all of `which`, each turned onto it [rad]; long edges tell it better."""
+    """Weighted mean yaw [rad] of the edges `which`, each turned by quarter turns onto the first one.
+
+    The weight is the length cubed: the variance of the slope of a line fitted to evenly spaced points falls
+    with the cube of its length.
+    """
     start = np.arctan2(edges[first].direction[1], edges[first].direction[0])
     turns, weights = [], []
     for k in which:

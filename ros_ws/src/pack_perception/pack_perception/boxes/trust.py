@@ -1,4 +1,4 @@
-"""What must hold before a detection is believed; whatever does not is refused with its reason."""
+"""The checks that a detection must pass; one that fails is refused with the reason."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pack_perception.boxes.top_face import TopPose
 
 
 class TrustConfig(Config):
-    """What must hold of a detection that is believed."""
+    """The limits that a detection must keep."""
 
     min_contrast: PositiveFloat = Field(15.0, description="between box and table, of 255")
     min_edge_contrast: PositiveFloat = Field(8.0, description="across an edge, of 255")
@@ -37,9 +37,9 @@ class DetectionRefusal:
     """Why there is no detection.
 
     Attributes:
-        status: what kind of reason it is.
-        reason: in words.
-        size: what was measured of the top face, along and across [m]; zeros where nothing was.
+        status: the kind of the reason.
+        reason: the reason in words.
+        size: measured size of the top face, along and across [m]; zeros where nothing was measured.
     """
 
     status: DetectionStatus
@@ -48,9 +48,10 @@ class DetectionRefusal:
 
 
 def outline_of(found: Segmentation, trust: TrustConfig) -> Array | DetectionRefusal:
-    """The outline `(n, 2)` in the region of the one thing on the table.
+    """The outline `(n, 2)` [pixel] of the only object on the table, in the region of interest.
 
-    Refused where there is none, where there are several, and where it is cut off or no rectangle.
+    It is refused where there is no object or more than one, where the object is cut off by the region's
+    border, and where it is not a rectangle.
     """
     if found.contrast < trust.min_contrast or not found.contours:
         reason = f"nothing stands out from the table: contrast {found.contrast:.0f} of 255"
@@ -72,7 +73,7 @@ def outline_of(found: Segmentation, trust: TrustConfig) -> Array | DetectionRefu
 
 
 def all_edges(edges: Sequence[EdgeLine | None]) -> list[EdgeLine] | DetectionRefusal:
-    """All four edges, or a refusal where one was not found."""
+    """All four edges, or a refusal if one of them was not found."""
     lines = [edge for edge in edges if edge is not None]
     if len(lines) < len(edges):
         reason = f"only {len(lines)} of 4 edges are straight lines"
@@ -83,7 +84,7 @@ def all_edges(edges: Sequence[EdgeLine | None]) -> list[EdgeLine] | DetectionRef
 def doubt_of_size(
     pose: TopPose, box: ExpectedBox, pixel: float, trust: TrustConfig
 ) -> DetectionRefusal | None:
-    """A refusal unless the top face has the expected size; `pixel` is that of the picture on it [m]."""
+    """A refusal unless the top face has the expected size; `pixel` is the width of a pixel on it [m]."""
     tolerance = max(trust.size_tolerance, pixel)
     if pose.mismatch > tolerance:
         along, across = pose.size
@@ -98,11 +99,11 @@ def doubt_of_size(
 def doubt_of_edges(
     edges: Sequence[EdgeLine], pose: TopPose, middle: float, trust: TrustConfig
 ) -> DetectionRefusal | None:
-    """A refusal unless the edges that the pose rests on are clear, straight, square and the box's own.
+    """A refusal unless the edges that the pose was computed from are clear, straight, square and the box's.
 
     Args:
-        edges: all four.
-        pose: what was made of them.
+        edges: all four edges.
+        pose: the pose computed from them.
         middle: brightness of the middle of the top face.
         trust: the limits.
     """

@@ -29,13 +29,13 @@ class DebugPublisher:
         self._publishers = {name: node.advertise(contract) for name, contract in TOPICS.items()}
 
     def publish(self, time: float, images: DebugImages) -> None:
-        """Publish those of a picture taken at `time` [s]."""
+        """Publish the debug images of a picture taken at `time` [s]."""
         for name, publisher in self._publishers.items():
             publisher.publish(to_compressed(time, getattr(images, name)))
 
 
 def to_compressed(time: float, image: Picture) -> CompressedImage:
-    """An RGB picture `(h, w, 3)` as JPEG or a mask `(h, w)` as PNG."""
+    """Encode an RGB picture `(h, w, 3)` as JPEG, or a mask `(h, w)` as PNG."""
     is_mask = image.ndim == 2
     _, data = (
         cv2.imencode(".png", image)
