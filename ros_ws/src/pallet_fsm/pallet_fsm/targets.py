@@ -1,4 +1,4 @@
-"""Where the tool goes in each state: one function for a state, or for several that go to the same.
+"""The tool's targets in each state: one function for a state, or for several with the same target.
 
 A new step needs a row in `states.py`, its transitions in `transitions.py` and an entry in `TARGETS`.
 """
@@ -23,8 +23,8 @@ class ToolTarget:
     """Where the tool shall be at the end of a state.
 
     Attributes:
-        X_WT: its pose.
-        approach: direction in which it then holds a box that it stands up `(3,)`; None elsewhere.
+        X_WT: pose of the tool.
+        approach: horizontal approach direction of the tool where it stands a box up `(3,)`; None elsewhere.
     """
 
     X_WT: Pose
@@ -33,13 +33,13 @@ class ToolTarget:
 
 @dataclass(frozen=True)
 class Situation:
-    """What the target of a state is found from.
+    """Everything that the target of a state depends on.
 
     Attributes:
         goals: finds tool poses over boxes and places.
         config: way-points and distances.
         box: the box in work; None where the tool only leaves one that is placed.
-        X_WT: the tool now.
+        X_WT: present pose of the tool.
     """
 
     goals: Goals
@@ -58,7 +58,7 @@ Finder = Callable[[Situation], list[ToolTarget]]
 
 
 def targets_of(state: State, now: Situation) -> list[ToolTarget]:
-    """The alternatives for a state, best first: box and tool look the same after half or quarter turns."""
+    """The alternative targets of a state, best first, since box and tool are symmetric under some turns."""
     return TARGETS[state](now)
 
 
@@ -67,7 +67,7 @@ def _at(poses: list[Pose]) -> list[ToolTarget]:
 
 
 def _up(now: Situation) -> list[ToolTarget]:
-    """Straight up from here."""
+    """Straight up from the present pose."""
     return _at([raised(now.X_WT, now.config.above * UP)])
 
 
@@ -80,7 +80,7 @@ def _on_box(now: Situation) -> list[ToolTarget]:
 
 
 def _over_table(now: Situation) -> list[ToolTarget]:
-    """The box already turned as it will stand, over its place at the edge of table B."""
+    """The box over its place at the edge of table B, already turned as it will stand."""
     height = now.config.before_table * UP
     found = now.goals.stands(now.item, now.X_WT)
     return [ToolTarget(raised(stand.X_WT, height), stand.approach) for stand in found]
@@ -117,12 +117,12 @@ def _return(now: Situation) -> list[ToolTarget]:
 
 
 def _safe(point: tuple[float, float, float], turned: list[Pose]) -> list[ToolTarget]:
-    """A safe position, with the orientations of some poses."""
+    """A safe position, with the orientation of each of some poses."""
     return _at([Pose(np.array(point), X_WT.q) for X_WT in turned])
 
 
 def _turned_to_place(now: Situation) -> list[Pose]:
-    """Tool poses whose orientation is that over the box's place; without a box in the hand that of now."""
+    """Tool poses with the orientation that is needed over the box's place; the present one without a box."""
     return [now.X_WT] if now.item.X_TB is None else now.goals.placements(now.item, now.X_WT)
 
 
@@ -141,7 +141,7 @@ def _on_place(now: Situation) -> list[ToolTarget]:
 
 
 def _before_insertion(now: Situation) -> Array:
-    """From the box's place to where its insertion begins `(3,)` [m]."""
+    """Offset from the box's place to where its insertion begins `(3,)` [m]."""
     return now.item.plan.insertion.offset(now.config.standoff, now.config.final_height)
 
 

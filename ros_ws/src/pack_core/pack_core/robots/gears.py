@@ -1,4 +1,4 @@
-"""Gears that give way."""
+"""Parameters of elastic gears with play."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ class Gears(Config):
     """The gears of six joints, between motors, which the controller measures, and links."""
 
     stiffness: Six
-    """Of each, beyond its play [N m/rad]."""
+    """Stiffness of each gear beyond its play [N m/rad]."""
     damping: Six
-    """[N m s/rad]"""
+    """Damping of each gear [N m s/rad]."""
     inertia: Six
-    """Of the gear behind its spring [kg m^2]."""
+    """Inertia of each gear behind its spring [kg m^2]."""
     backlash_deg: NonNegativeFloat
-    """Full play of each, seen at the joint."""
+    """Full play of each gear, seen at the joint [deg]."""
     stiffness_error: Annotated[float, Field(gt=-1.0)]
-    """Of what the controller believes, as a share: it leads the motors by the load over this stiffness."""
+    """Relative error of the stiffness that the controller assumes when it compensates the deflection."""

@@ -29,21 +29,21 @@ LIMITS = JointLimits(
 JERK_LIMITS = LIMITS.acceleration / 0.1
 """Full acceleration within 0.1 s [rad/s^3]; not published."""
 PAYLOAD = 210.0
-"""What the flange may carry [kg]."""
+"""Largest mass that the flange may carry [kg]."""
 ARMATURE = np.array([300.0, 300.0, 200.0, 40.0, 40.0, 20.0])
 """Motor inertia seen through the gears [kg m^2]; not published, of the size of such drives."""
 FRICTION = 0.015
 """Coulomb friction of a joint as a fraction of its effort; not published."""
 
 ARM_BITS = 2 | 4
-"""Of contype: what the arm and its tool are; bit 4 is the pad."""
+"""Bits of contype: 2 is the arm and its tool, 4 is the pad."""
 ARM_CONTACT = {"contype": 2, "conaffinity": 0, "condim": 3}
-"""The arm and its tool touch what has their bit in its conaffinity, and never each other."""
+"""The arm and its tool collide with geoms that have their bit in conaffinity, and never with each other."""
 
 
 @dataclass(frozen=True)
 class Kr210Link:
-    """One link: where its joint sits on the last link, and its inertia, as published."""
+    """One link: the frame of its joint on the link before it, and its mass and inertia, as published."""
 
     X_PJ: Pose
     """Joint frame in the parent's, at q = 0; the joint turns about z."""
@@ -52,7 +52,7 @@ class Kr210Link:
     inertia: tuple[float, float, float]
     """Principal moments about the centre of mass [kg m^2]."""
     inertia_rpy: tuple[float, float, float]
-    """Orientation of the principal axes."""
+    """Roll, pitch and yaw of the principal axes in the joint frame [rad]."""
 
 
 def _link(
@@ -86,9 +86,9 @@ def add_kr210(spec: mujoco.MjSpec, X_WB: Pose, *, look: bool, gears: Gears | Non
 
     Args:
         spec: the model under construction.
-        X_WB: where its base stands.
-        look: shapes for pictures; without them it has only what it touches with.
-        gears: gears that give way; their deflections are joints of their own, see `gear_joint`.
+        X_WB: pose of its base.
+        look: whether shapes for pictures are added to the colliding ones.
+        gears: elastic gears; the deflection of each is a joint of its own, see `gear_joint`.
 
     Returns:
         The body `flange`, whose z axis points out of the arm.
@@ -121,5 +121,5 @@ def add_kr210(spec: mujoco.MjSpec, X_WB: Pose, *, look: bool, gears: Gears | Non
 
 
 def gear_joint(joint: str) -> str:
-    """Name of the hinge that is the deflection of a joint's gear."""
+    """Name of the hinge whose angle is the deflection of a joint's gear."""
     return f"{joint}_gear"

@@ -1,11 +1,11 @@
-"""How the KR 210 looks, and the capsules that it touches other things with, link by link."""
+"""The shapes by which the KR 210 is drawn, and the capsules by which it collides, link by link."""
 
 from __future__ import annotations
 
 import mujoco
 
 Capsules = tuple[tuple[float, tuple[float, ...]], ...]
-"""Radius and end points [m] of each."""
+"""Radius and both end points of each capsule [m]."""
 Shapes = tuple[tuple[str, tuple[float, ...], tuple[float, ...], tuple[float, ...]], ...]
 """Kind, place, size and colour of each: a `rod` is a cylinder from point to point with a radius, a
 `round` a capsule likewise, a `block` a box at a point with half sizes."""
@@ -76,7 +76,7 @@ LINK_CAPSULES: tuple[Capsules, ...] = (
 
 
 def draw_base(body: mujoco.MjsBody, height: float) -> None:
-    """The base, and a pedestal of that height [m] under it."""
+    """Draw the base, and a pedestal of the given height [m] under it."""
     _draw(body, BASE_SHAPES)
     if height <= 0.0:
         return
@@ -85,7 +85,7 @@ def draw_base(body: mujoco.MjsBody, height: float) -> None:
 
 
 def draw_link(body: mujoco.MjsBody, index: int) -> None:
-    """Link `index`, counted from 0."""
+    """Draw link `index`, counted from 0."""
     _draw(body, LINK_SHAPES[index])
 
 

@@ -22,9 +22,9 @@ FINGER_JOINTS = ("finger_left_joint", "finger_right_joint")
 PADS = ("finger_left_pad", "finger_right_pad")
 """Geoms of the rubber pads."""
 TIPS = ("finger_left_tip", "finger_right_tip")
-"""Geoms of the metal behind them, whose sides push."""
+"""Geoms of the metal tips behind the pads, whose sides push blocks."""
 STROKE = 0.0425
-"""Way of each finger from closed to open [m]; the opening is twice that."""
+"""Travel of each finger from closed to open [m]; the opening is twice that."""
 MAX_FORCE = 235.0
 """Largest force between the fingers [N]."""
 MAX_SPEED = 0.150
@@ -35,13 +35,13 @@ X_FT = Pose(np.array([0.0, 0.0, LENGTH]))
 """Tool frame T on the flange: origin between the finger tips, z out of the gripper, fingers at +-x."""
 
 TIP_WIDTH, PAD_WIDTH = 0.027, 0.022
-"""Across the closing axis, of finger tip and rubber pad [m]."""
+"""Widths of finger tip and rubber pad across the closing axis [m]."""
 TIP_THICKNESS, SLOPE = 0.0057, 0.52
-"""Along the closing axis at the tip [m], and more of it a metre above."""
+"""Thickness along the closing axis at the tip [m], and its increase per metre above the tip."""
 WEDGE_HEIGHT, PAD_HEIGHT, PAD_THICKNESS = 0.032, 0.0375, 0.002
 BODY_MASS, FINGER_MASS = 0.725, 0.1
 DRIVE_INERTIA = 1.0
-"""Of the motor behind its gear, felt at a finger [kg]."""
+"""Inertia of the motor behind its gear, seen at a finger [kg]."""
 
 DARK, GREY, RUBBER = (0.13, 0.13, 0.14, 1.0), (0.62, 0.63, 0.65, 1.0), (0.08, 0.08, 0.08, 1.0)
 BOX = mujoco.mjtGeom.mjGEOM_BOX
@@ -116,11 +116,12 @@ def _add_wedge_mesh(spec: mujoco.MjSpec) -> None:
 
 
 def _couple(spec: mujoco.MjSpec) -> None:
-    """Both fingers go the same way, as the one motor moves them, each pushed by a position servo."""
+    """Couple the fingers, which one motor moves by equal distances, and give each a position servo."""
     equality = spec.add_equality(
         type=mujoco.mjtEq.mjEQ_JOINT, name1=FINGER_JOINTS[0], name2=FINGER_JOINTS[1],
         solref=(0.004, 1.0), solimp=(0.95, 0.99, 0.001, 0.5, 2.0),
     )  # fmt: skip
+    # Coefficients of a quartic: the first joint's position is 0 + 1 times the second's.
     equality.data[:5] = (0.0, 1.0, 0.0, 0.0, 0.0)
     for name in FINGER_JOINTS:
         actuator = spec.add_actuator(

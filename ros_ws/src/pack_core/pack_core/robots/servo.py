@@ -12,19 +12,22 @@ from pack_core.rotations import Array
 
 
 class JointServoGains(Config):
-    """A position loop on every joint, as stiff as its frequency says, with a slow integral."""
+    """A position loop on every joint, with gains from its natural frequency, and a slow integral.
+
+    With the joint's inertia I and omega = 2 pi f: kp = I omega^2 and kd = 2 zeta I omega.
+    """
 
     inertia: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)]
-    """Of the joints near the middle of the workspace, for the gains [kg m^2]."""
+    """Inertia at each joint near the middle of the workspace, from which the gains are computed [kg m^2]."""
     frequency: PositiveFloat
     """Natural frequency of the position loop [Hz]."""
     damping_ratio: PositiveFloat
     integral_rate: NonNegativeFloat
-    """Of the position gain [1/s]."""
+    """Integral gain as a share of the position gain [1/s]."""
     integral_limit: NonNegativeFloat
-    """Of the published effort."""
+    """Largest torque of the integral as a share of the published effort."""
     stop_deceleration: PositiveFloat
-    """Of the published acceleration, when no reference comes any more."""
+    """Deceleration when references stop coming, as a share of the published acceleration."""
 
     @property
     def stiffness(self) -> Array:

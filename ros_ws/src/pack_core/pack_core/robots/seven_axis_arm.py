@@ -17,7 +17,7 @@ Capsule = tuple[float, tuple[float, ...]]
 """Radius and both end points in the link's frame, x, y, z each [m]."""
 
 AXES = 7
-"""Joints of the arm, and its links without the base."""
+"""Number of the arm's joints, and of its links without the base."""
 UNROTATED = (1.0, 0.0, 0.0, 0.0)
 _S = 0.7071067811865476
 QUARTER_X = (_S, _S, 0.0, 0.0)

@@ -1,6 +1,6 @@
-"""What every suction gripper under a flange is to the rest: a body of the model, and the seals that it has.
+"""The interface of every suction gripper under a flange: a body of the model, and the seals that it has.
 
-The kinds of gripper stand in `pack_core/robots/grippers/`, a file for each.
+The kinds of gripper are in `pack_core/robots/grippers/`, one file for each.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from pack_core.robots import grippers
 from pack_core.rotations import Array
 
 TOOL = "tool"
-"""The gripper's body in every model."""
+"""Name of the gripper's body in every model."""
 PAD_BIT = 4
-"""Of contype: a pad. A box that is held drops this bit from what it touches."""
+"""The contype bit of a pad. It is removed from the conaffinity of a box that is held."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +31,10 @@ class Seal:
     """One way in which a gripper can hold a face.
 
     Attributes:
-        points: of the pad, in the tool's frame `(k, 3)` [m]; it holds where all of them meet one box's face.
+        points: points of the pad in the tool's frame `(k, 3)` [m]; all must meet the face of one box.
         side: edge of the smallest square face that it fits on, however it is turned [m].
-        key: of the configuration that makes it so large, for messages.
-        share: of the limits under `grip` that it bears.
+        key: key of the configuration that sets its size, for messages.
+        share: share of the limits under `grip` that it can bear.
     """
 
     points: Array
@@ -49,7 +49,7 @@ class GripperTool(Config, ABC):
     kind: str
     """Name of its module in `pack_core/robots/grippers/`."""
     length: PositiveFloat
-    """From the flange to the face of the pad."""
+    """Distance from the flange to the face of the pad [m]."""
     mass: PositiveFloat
 
     @abstractmethod
@@ -57,8 +57,8 @@ class GripperTool(Config, ABC):
         """Add the gripper below the flange.
 
         Args:
-            flange: whose z axis points out of the arm.
-            look: whether shapes that are only to be seen are wanted.
+            flange: the arm's flange, whose z axis points out of the arm.
+            look: whether shapes that are only drawn are added.
 
         Returns:
             The body `TOOL`, whose origin is the middle of the pad's face and whose z axis points out of it.
@@ -67,15 +67,15 @@ class GripperTool(Config, ABC):
 
     @abstractmethod
     def seals(self) -> tuple[Seal, ...]:
-        """The ways in which it can hold a face, the largest first: the first that seals is taken."""
+        """The ways in which it can hold a face, the largest first; the first one that fits is used."""
 
 
 def gripper_tool(values: Mapping[str, Any], source: str) -> GripperTool:
-    """The gripper that some keys and values describe.
+    """The gripper that a section of the configuration describes.
 
     Args:
-        values: section `tool` of a cell; `kind` names the module that has the gripper as `GRIPPER`.
-        source: where they stand, for errors.
+        values: section `tool` of a cell; `kind` names the module that has the gripper class as `GRIPPER`.
+        source: where the section is from, for errors.
 
     Raises:
         ConfigError: there is no such kind, or a key or value is not allowed.

@@ -21,7 +21,7 @@ JOINTS = (
     "wrist_1_joint", "wrist_2_joint", "wrist_3_joint",
 )  # fmt: skip
 BASE = "ur10e_base"
-"""The body that stands still."""
+"""Name of the body of the base, which does not move."""
 _TURN = 2 * np.pi
 LIMITS = JointLimits(
     names=JOINTS,
@@ -88,7 +88,7 @@ def _links() -> tuple[Ur10eLink, ...]:
 
 LINKS = _links()
 X_6F = Pose(np.array([0.0, 0.0, D6]))
-"""The flange, z out of it, in the frame of the last joint."""
+"""Pose of the flange, z pointing out of it, in the frame of the last joint."""
 
 
 def add_ur10e(spec: mujoco.MjSpec, X_WB: Pose, *, contype: int, conaffinity: int) -> mujoco.MjsBody:
@@ -96,9 +96,9 @@ def add_ur10e(spec: mujoco.MjSpec, X_WB: Pose, *, contype: int, conaffinity: int
 
     Args:
         spec: the model under construction.
-        X_WB: the base, whose z axis is the first joint's; at angles 0 the arm lies along minus x.
-        contype: of the housings.
-        conaffinity: of the housings.
+        X_WB: pose of the base, whose z axis is the first joint's; at angles 0 the arm lies along minus x.
+        contype: contype of the housings.
+        conaffinity: conaffinity of the housings.
 
     Returns:
         The body `flange`, to hang a tool on.

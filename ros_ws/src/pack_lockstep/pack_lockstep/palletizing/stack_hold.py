@@ -48,7 +48,7 @@ def _shift(
     while data.time < 2 * RAMP + HOLD + REST:
         share = np.clip(min(data.time / RAMP, (2 * RAMP + HOLD - data.time) / RAMP), 0.0, 1.0)
         model.opt.gravity[:2] = -STANDARD_GRAVITY * share * acceleration
-        # The arm comes first in the model and is held at home; it does not move with the ground.
+        # The arm's joints come first in the model; it is held at its home posture.
         data.qpos[: len(home)], data.qvel[: len(home)] = home, 0.0
         mujoco.mj_step(model, data)
     mujoco.mj_kinematics(model, data)

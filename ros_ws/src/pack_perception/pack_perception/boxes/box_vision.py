@@ -1,7 +1,7 @@
-"""The pose of the expected box in one picture, or the reason why what is in it must not be trusted.
+"""Detects the expected box in one picture, or gives the reason why the picture must not be trusted.
 
-The thesis's pipeline (chapter 7) gives a first rectangle; its edges are then found anew with sub-pixel
-accuracy on the plane of the top face, and everything that was found must fit together.
+The thesis's pipeline (chapter 7) gives a first rectangle. Its edges are then found again with sub-pixel
+accuracy on the plane of the top face, and size and edges must pass the checks of `trust.py`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from pack_perception.boxes.trust import (
 )
 
 PAD_DOWN = exp([0.0, np.pi, 0.0])
-"""R_WT of the tool looking straight down with its y axis along the world's."""
+"""q_WT of a tool that points straight down with its y axis along the world's: half a turn about y."""
 
 
 class VisionConfig(Config):
@@ -43,7 +43,7 @@ class VisionConfig(Config):
 
 @dataclass(frozen=True)
 class IllustratedDetection:
-    """A detection, and the pictures that show how it came about."""
+    """A detection, and the pictures that show its stages."""
 
     detection: BoxDetection
     images: DebugImages
@@ -74,7 +74,7 @@ class BoxVision:
     def _locate(
         self, found: Segmentation, camera: PinholeCamera, box: ExpectedBox, top: float
     ) -> TopPose | DetectionRefusal:
-        """The pose of the top face at height `top` [m], or why it must not be trusted."""
+        """The pose of the top face at height `top` [m], or a refusal."""
         trust = self._config.trust
         outline = outline_of(found, trust)
         if isinstance(outline, DetectionRefusal):
@@ -83,11 +83,13 @@ class BoxVision:
         rough = all_edges(find_edges(face, rough_corners(outline, face), self._config.edge))
         if isinstance(rough, DetectionRefusal):
             return rough
-        edges = all_edges(find_edges(face, corners_of(rough), self._config.edge))  # from where they are
+        # The same search again, starting from the edges that were found.
+        edges = all_edges(find_edges(face, corners_of(rough), self._config.edge))
         if isinstance(edges, DetectionRefusal):
             return edges
         corners = corners_of(edges)
         camera_height = float(camera.X_WC.p[2]) - top + box.dims[2]
+        # A point of the base at a distance x from the foot appears nearer to it by x d_z / camera_height.
         view = Viewpoint(camera.X_WC.p[:2], box.dims[2] / camera_height)
         pose = _likeliest(top_poses(edges, box.dims[:2], view), face.pixel)
         doubt = doubt_of_size(pose, box, face.pixel, trust)
@@ -95,11 +97,11 @@ class BoxVision:
 
 
 CORNERS: Array = np.array([[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
-"""Of the top face, d_x first, in half extents."""
+"""Corners of the top face in the box's frame, in units of its half extents; the first edge is along d_x."""
 
 
 def _likeliest(poses: list[TopPose], pixel: float) -> TopPose:
-    """The one that fits the size better; of two that fit it alike, the smaller turn."""
+    """The hypothesis that fits the size better; for a nearly square face, the one with the smaller yaw."""
     first, second = sorted(poses, key=lambda pose: pose.mismatch)
     if second.mismatch - first.mismatch < 2.0 * pixel:
         return min(poses, key=lambda pose: abs(pose.yaw))
