@@ -14,7 +14,7 @@ from pack_core.robots.seven_axis_arm import SevenAxisArm
 Joints = Annotated[tuple[float, ...], Field(min_length=7, max_length=7)]
 
 GUIDED_ARMATURE = 1e4
-"""Inertia added to a joint that no contact shall move [kg m^2]: far above the arm's own, of a few."""
+"""Inertia added to joints that contacts shall not move [kg m^2]; the arm's own is a few kg m^2."""
 
 
 class ArmDrive(Config):
@@ -64,7 +64,7 @@ def add_motors(spec: mujoco.MjSpec, arm: SevenAxisArm) -> None:
 
 
 def add_servos(spec: mujoco.MjSpec, drive: ArmDrive) -> None:
-    """The driver's law inside the model, where the integrator treats its damping implicitly (Eq. 4).
+    """Add the driver's control law (Eq. 4) to the model, where the integrator treats its damping implicitly.
 
     Controls are desired positions and velocities `(14,)` [rad, rad/s]; the sum of both torques is
     limited as the driver limits it.
@@ -79,7 +79,7 @@ def add_servos(spec: mujoco.MjSpec, drive: ArmDrive) -> None:
 
 
 def make_heavy(spec: mujoco.MjSpec, arm: SevenAxisArm) -> None:
-    """Joints that contacts do not move, for a caller that sets their positions and velocities."""
+    """Make the joints too heavy for contacts to move, for a caller that sets their motion itself."""
     for name in arm.joints:
         spec.joint(name).armature = GUIDED_ARMATURE
 
