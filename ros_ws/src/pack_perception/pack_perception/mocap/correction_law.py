@@ -20,7 +20,7 @@ class CorrectionConfig(Config):
 
 
 def pose_errors(seen: Array, expected: Array) -> Array:
-    """Translation [m] and rotation vector [rad] `(k, 6)`, in world axes, from `expected` to `seen` `(k, 7)`."""
+    """Translation [m] and rotation vector [rad] `(k, 6)` in world axes from `expected` to `seen` poses."""
     turns = log(multiply(seen[:, 3:], conjugate(expected[:, 3:])))
     return np.concatenate([seen[:, :3] - expected[:, :3], turns], axis=1)
 

@@ -2,7 +2,7 @@
 
 After Russell, Xu, Roa, Dogar, "Pack it in" (section III-B): simulated physics moves the objects as the
 measured arm pushes them, and what the cameras measure corrects it. Two markers alone do not determine a pose.
-Together with the direction of the object's z axis they do: the predicted one, or upright before the first fit.
+Together with the direction of the object's z axis they do: as predicted, or upright before the first fit.
 """
 
 from __future__ import annotations
