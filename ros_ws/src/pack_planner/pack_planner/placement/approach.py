@@ -1,8 +1,9 @@
-"""Which of the best placements can be entered, and leaning to which side.
+"""Chooses which of the best placements can be entered, and to which side the object leans.
 
-Algorithm 1 judges where the new object ends, not how it comes there: on its way it may land on what it was
-to push aside. Here its best placements are entered in rehearsal, leaning towards several sides, and those
-that go well once more a few millimetres off; then variations of the best so far beside further placements.
+Algorithm 1 judges where the new object ends, not how it gets there: on its way it may land on what it was to
+push aside. Here the entries of its best placements are rehearsed in simulation, leaning to several sides.
+The good ones are rehearsed again with their goals a few millimetres off. Further rounds rehearse variations
+of the best entry so far and further placements.
 """
 
 from __future__ import annotations
@@ -23,21 +24,21 @@ from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal
 
 OFF: Array = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-"""Directions in which a rehearsal is repeated with everything off by `error`."""
+"""Directions `(x, y, z)` in which a rehearsal is repeated with its goal off by `error`."""
 RESISTANCE = 10.0
-"""Weight of lag in an entry's score [1 / (m s)]: without resistance it is 0.015 m s, at the limit 0.06."""
+"""Weight of the lag in a score [1 / (m s)]; a lag is 0.015 m s without resistance, 0.06 at the limit."""
 GOOD, FAIR = 0.45, 0.8
-"""Scores below which the search ends, at once or when a round brought no better one."""
+"""Scores below which the search ends: at once, or after a round without a better entry."""
 HOPELESS = 2.0
-"""Score from which on an entry fails; variations of it are not worth a rehearsal."""
+"""An entry with this score or more fails; variations of it are not rehearsed."""
 TURNS = np.deg2rad([-20.0, 0.0, 20.0])
-"""Angles by which a variation leans to another side than the best entry [rad]."""
+"""Angles between the sides to which the best entry and its variations lean [rad]."""
 Vary = Callable[[PlacementCandidate], list[PlacementCandidate]]
-"""Samples feasible placements near one."""
+"""Samples feasible placements near a given one."""
 
 
 class ApproachPlanner:
-    """Chooses how one scene's new object enters."""
+    """Chooses placement and entry of one scene's new object by rehearsals."""
 
     def __init__(self, scene: Scene, cell: PackingCell, config: ApproachConfig, threads: int) -> None:
         self._scene, self._config = scene, config
@@ -55,13 +56,13 @@ class ApproachPlanner:
 
         Args:
             candidates: the cheapest first, at least one.
-            vary: samples feasible placements near one.
-            poses: X_WO of what stands in the container.
+            vary: samples feasible placements near a given one.
+            poses: X_WO of the objects in the container.
             lean: tilt at the entry [rad].
             failures: placements that failed before.
 
         Returns:
-            The choice, and how many rounds of rehearsals it took, that of the likely ones included.
+            The choice, and the number of rounds of rehearsals; 0 if none was needed.
         """
         is_roomy = not failures and self._covered(candidates[0], poses) < self._config.crowded
         if is_roomy or not self._config.rounds:
@@ -80,7 +81,7 @@ class ApproachPlanner:
         return best, rounds
 
     def _most(self, lowest: float) -> int:
-        """Rounds at most: half of them have shown whether there is any way in."""
+        """Largest number of rounds; half of it, rounded up, while every entry so far fails."""
         most = self._config.rounds
         return (most + 1) // 2 if lowest >= HOPELESS else most
 
@@ -91,7 +92,7 @@ class ApproachPlanner:
         vary: Vary,
         poses: Mapping[str, Pose],
     ) -> list[PlacementCandidate]:
-        """What is rehearsed next: the next candidates to every side, and variations of the best."""
+        """Entries of the next round: the next candidates to every side, and variations of the best one."""
         n = self._config.candidates if best is None else self._config.fresh
         options = [option for candidate in islice(fresh, n) for option in self._options(candidate, poses)]
         if best is not None:
@@ -100,7 +101,7 @@ class ApproachPlanner:
         return options
 
     def _options(self, candidate: PlacementCandidate, poses: Mapping[str, Pose]) -> list[PlacementCandidate]:
-        """The candidate with every side to rehearse."""
+        """The candidate, once for every side to which it may lean."""
         if not candidate.collisions:
             return [candidate]
         angles = 2.0 * np.pi * np.arange(self._config.sides) / self._config.sides
@@ -112,9 +113,9 @@ class ApproachPlanner:
     ) -> tuple[PlacementCandidate, float]:
         """The best entry of a round, and its score.
 
-        Every entry is rehearsed as planned; the best `finalists` of them once more in each direction of
-        `OFF`. The score is the cost (Eq. 6) + r as planned + the mean of r over the directions, where
-        r = `RESISTANCE` * lag, + 1 for an entry that fails.
+        Every entry is rehearsed as planned, and the best `finalists` of them again with their goals shifted
+        in each direction of `OFF`. The score is the cost (Eq. 6) + r as planned + the mean of r over the
+        directions, where r = `RESISTANCE` * lag, + 1 if the entry fails.
         """
         entries = [plan_entry(self._scene, o.X_WN, o.collisions, poses, lean, o.over) for o in options]
         scores = np.array([option.cost for option in options])
@@ -133,13 +134,13 @@ class ApproachPlanner:
         shifts: Array,
         poses: Mapping[str, Pose],
     ) -> Array:
-        """Scores of n entries without their cost `(m, n)`, with the goals off by `shifts` `(m, 3)` [m]."""
+        """The part r of the scores of n entries `(m, n)`, their goals off by `shifts` `(m, 3)` [m]."""
         goals = [Pose(option.X_WN.p + shift, option.X_WN.q) for shift in shifts for option in options]
         seen = self._rehearsal.run(poses, goals, [*entries] * len(shifts))
         return np.asarray(RESISTANCE * seen.lags + ~seen.is_success).reshape(len(shifts), -1)
 
     def _covered(self, candidate: PlacementCandidate, poses: Mapping[str, Pose]) -> float:
-        """Share of the container's base under the objects, the new one included."""
+        """Share of the container's base that the objects cover, the new one included."""
         scene = self._scene
         standing = [footprint(scene.model_of(name), poses[name]) for name in scene.names]
         area = sum(outline.area for outline in (*standing, footprint(scene.new_object, candidate.X_WN)))
@@ -147,11 +148,11 @@ class ApproachPlanner:
 
 
 def beside(candidate: PlacementCandidate, poses: Mapping[str, Pose]) -> PlacementCandidate:
-    """The candidate leaning over its obstacles, unrehearsed."""
+    """The candidate leaning towards its obstacles, without a rehearsal."""
     return replace(candidate, over=side_of(candidate.X_WN, candidate.collisions, poses))
 
 
 def _turned(over: Array, angle: float) -> Array:
-    """The horizontal vector `(2,)`, turned [rad]."""
+    """The horizontal vector `(2,)`, turned by an angle [rad]."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]]) @ over

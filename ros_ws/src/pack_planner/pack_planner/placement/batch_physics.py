@@ -1,4 +1,4 @@
-"""A scene without the arm, rolled out from many states at once."""
+"""Simulates a scene without the arm from many states at once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 class BatchPhysics:
-    """Rollouts of one scene; the same for any number of threads."""
+    """Rollouts of one scene; the results do not depend on the number of threads."""
 
     def __init__(
         self, scene: Scene, cell: PackingCell, *, timestep: float, held: HeldRole, threads: int
@@ -43,7 +43,7 @@ class BatchPhysics:
         return self._rollouts.run(states, controls)[0]
 
     def rest(self, states: Array, steps: int) -> Array:
-        """The states `(n, steps, nstate)` that follow from `(n, nstate)` by themselves."""
+        """The states `(n, steps, nstate)` that follow from `(n, nstate)` under zero controls."""
         return self.roll_out(states, np.zeros((len(states), steps, self._model.nu)))
 
     def penetrations(self, state: Array) -> dict[tuple[str, str], float]:
@@ -53,5 +53,6 @@ class BatchPhysics:
         return penetrations(self._model, data)
 
     def column(self, name: str) -> int:
-        """Where an object's pose X_WO begins in a state, seven numbers."""
+        """Index in a state at which the seven numbers of an object's pose X_WO begin."""
+        # a full physics state is time, then qpos, then the rest
         return 1 + int(self._model.joint(name).qposadr[0])

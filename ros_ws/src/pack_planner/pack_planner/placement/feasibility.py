@@ -1,4 +1,4 @@
-"""Which settled samples are placements: the new object packed, the others still contained (Sec. II)."""
+"""Decides which settled samples are feasible: new object packed, others still contained (section II)."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ TILT_LIMIT = np.deg2rad(10.0)
 BASE_LIMIT = 0.015
 """The new object counts as standing on the base up to this height [m], the paper's tolerance."""
 WALL_LIMIT = 0.003
-"""How far the new object's outline may reach into a wall: soft contact and its tilt [m]."""
+"""How far the new object's outline may reach into a wall, by soft contact and its tilt [m]."""
 
 
 @dataclass(frozen=True)
 class FeasibilityVerdict:
-    """What is wrong with each sample; `faults` has a mask `(S,)` for every reason."""
+    """Why samples are infeasible; `faults` has a mask `(S,)` for every reason."""
 
     faults: dict[str, npt.NDArray[np.bool_]]
 
@@ -32,14 +32,14 @@ class FeasibilityVerdict:
         return np.asarray(~np.any(list(self.faults.values()), axis=0))
 
     def reason(self) -> str:
-        """The faults in words, the most frequent first."""
+        """The numbers of samples with each fault in words, the most frequent fault first."""
         counts = sorted(((int(mask.sum()), fault) for fault, mask in self.faults.items()), reverse=True)
         total = len(self.is_feasible)
         return f"none of {total} samples: " + ", ".join(f"{fault} in {n}" for n, fault in counts if n)
 
 
 def judge(scene: Scene, settled: Array, penetration: Array) -> FeasibilityVerdict:
-    """Judge settled samples.
+    """Decide which settled samples are feasible, and why the others are not.
 
     Args:
         scene: container and objects.
@@ -59,7 +59,7 @@ def judge(scene: Scene, settled: Array, penetration: Array) -> FeasibilityVerdic
 
 
 def _is_contained(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
-    """The centre is between the walls and below their rim `(S, objects)`."""
+    """Whether each object's centre is between the walls and below their rim `(S, objects)`."""
     container = scene.container
     p = poses[..., :3]
     is_between = np.all((p[..., :2] > container.lower) & (p[..., :2] < container.upper), axis=-1)
@@ -67,12 +67,12 @@ def _is_contained(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
 
 
 def _clearance(scene: Scene, poses: Array) -> Array:
-    """Height `(S,)` of the new object's centre over where it is when standing on the base [m]."""
+    """How much higher the new object's centre is than when it stands on the base `(S,)` [m]."""
     return np.asarray(poses[:, 2] - scene.new_object.half_extents[2])
 
 
 def _is_between_walls(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
-    """The outline, taken as upright, is between the walls `(S,)`."""
+    """Whether the new object's outline, taken as upright, is between the walls `(S,)`."""
     return wall_clearance(scene, poses) > -WALL_LIMIT
 
 

@@ -1,12 +1,14 @@
-"""Algorithm 1: put the new object where it disturbs the others least, and rehearse the way in.
+"""Algorithm 1: put the new object where it disturbs the others least, and rehearse its entry.
 
-Russell, Xu, Roa, Dogar, "Pack it in: Packing into Partially Filled Containers Through Contact". Two
-readings of it:
+Russell, Xu, Roa, Dogar, "Pack it in: Packing into Partially Filled Containers Through Contact". Two points
+that the paper leaves open are read as follows:
 
-- The collision list G holds the objects that the chosen, settled pose overlaps where they stand now
-  (P_0), since those are what the arm has to push aside; line 10 leaves open which pose and state it means.
-- The sum of Eq. 6 counts the new object too, from where it was teleported to: one that the physics
-  throws on top of another, which then need not move, is not a cheap placement.
+- The collision list G holds the objects that the chosen, settled pose overlaps where they stand now (P_0),
+  because those are the objects that the arm has to push aside. Line 10 leaves open which pose and state it
+  means.
+- The sum of Eq. 6 includes the new object, whose displacement counts from where it was teleported to.
+  Otherwise a placement at which the physics throws it on top of an object, which then need not move, would
+  be cheap.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ from pack_planner.placement.ranking import cheapest_elsewhere, spread_out
 
 
 class LeastDisturbancePlanner:
-    """The paper's planner, with entries that are rehearsed; the interface is `PlacementPlanner`."""
+    """Algorithm 1 followed by rehearsed entries; implements `PlacementPlanner`."""
 
     def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
         self._scene, self._config = scene, config

@@ -1,4 +1,4 @@
-"""Lines 3 to 9 of Algorithm 1: what it does to the others to put the new object at a pose (Eq. 6)."""
+"""Lines 3 to 9 of Algorithm 1: the disturbance that placing the new object at a pose causes (Eq. 6)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pack_planner.placement.settling import Settling
 
 
 class PlacementEvaluation:
-    """Teleports the new object of one scene to sampled poses, lets the overlaps resolve, and judges.
+    """Teleports the new object to sampled poses, simulates until overlaps resolve, and rates the result.
 
     Args:
         scene: container and objects; their poses do not matter.
@@ -34,7 +34,7 @@ class PlacementEvaluation:
         self._settling = Settling(scene, cell, config.timestep, config.threads)
 
     def start(self, state: SceneState) -> tuple[dict[str, Pose], Array]:
-        """X_WO of every object, and the physics' state `(nstate,)` with all of them at rest there.
+        """X_WO of every object, and the physics state `(nstate,)` with all of them at rest there.
 
         Raises:
             PackError: `state` lacks an object, or has one that the scene does not know.
@@ -50,14 +50,14 @@ class PlacementEvaluation:
         return poses, self._settling.start(poses)
 
     def evaluate(self, now: Array, sampled: Array) -> tuple[PlacementSamples, str]:
-        """Settle and judge poses `(S, 7)` of the new object.
+        """Settle poses `(S, 7)` of the new object, and compute their costs and feasibility.
 
         Args:
-            now: the physics' state `(nstate,)` before.
-            sampled: where the new object is teleported to.
+            now: the physics state `(nstate,)` before.
+            sampled: poses to which the new object is teleported.
 
         Returns:
-            The samples, and why none of them would do.
+            The samples, and the reason to give if none of them is feasible.
         """
         teleported = self._settling.teleport(now, sampled)
         states = self._settling.settle(teleported, self._config.steps)
@@ -68,7 +68,7 @@ class PlacementEvaluation:
         return PlacementSamples(sampled, settled[:, -1], costs, verdict.is_feasible), verdict.reason()
 
     def candidate(self, now: Array, pose: Array, cost: float) -> PlacementCandidate:
-        """A pose `(7,)` of the new object with what it overlaps in the state `now`."""
+        """A pose `(7,)` of the new object with the objects that it overlaps in the state `now`."""
         teleported = self._settling.teleport(now, pose[None])[0]
         depths = self._settling.penetrations(teleported)
         new = self.scene.new_object.name
@@ -77,7 +77,7 @@ class PlacementEvaluation:
         return PlacementCandidate(Pose(pose[:3], pose[3:]), collisions, float(cost))
 
     def disturbance(self, before: Array, settled: Array) -> Array:
-        """First term of Eq. 6 `(S,)`: weighted displacements of all objects `(S, objects, 7)`."""
+        """First term of Eq. 6 `(S,)`: sum of the weighted displacements of all objects `(S, objects, 7)`."""
         displacements = (settled - before)[..., :3] * np.array(self._config.weights)
         return np.asarray(np.linalg.norm(displacements, axis=-1).sum(axis=-1))
 

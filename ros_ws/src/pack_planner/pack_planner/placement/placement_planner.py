@@ -1,6 +1,6 @@
 """The placement planners: their interface, and the one place that lists them.
 
-The node, lockstep, replay and, through presets, the CLI make their planners here. A further planner is a
+The node, lockstep, replay and, through presets, the CLI create their planners here. A further planner is a
 class with the interface of `PlacementPlanner` in a file of its own, and one entry in `PLACEMENT_PLANNERS`.
 """
 
@@ -34,11 +34,11 @@ class PlacementPlanner(Protocol):
 
         Args:
             state: where the objects are, the new one included; taken to be at rest.
-            rng: decides the samples.
+            rng: source of the samples.
             lean: how far the object will be tilted at its entry [rad].
-            avoid: points `(3,)` [m] tried before; a sample within `avoid_radius` of one, as seen from
-                above, is taken only if all are, and then the farthest.
-            avoid_radius: [m]
+            avoid: positions `(3,)` [m] of placements that were tried before. A sample within `avoid_radius`
+                of one, as seen from above, is chosen only if all samples are, and then the farthest.
+            avoid_radius: horizontal distance to keep from them [m].
 
         Raises:
             PackError: `state` lacks an object, or has one that the scene does not know.
@@ -47,20 +47,20 @@ class PlacementPlanner(Protocol):
 
 
 MakePlanner = Callable[[Scene, PackingCell, PlacementConfig], PlacementPlanner]
-"""Builds a planner for a scene, whose poses do not matter; raises PackError where nothing can fit."""
+"""Builds a planner for a scene, whose poses are ignored; raises PackError if the object cannot fit."""
 
 PLACEMENT_PLANNERS: dict[str, MakePlanner] = {
     "physics": LeastDisturbancePlanner,
     "random": RandomPosePlanner,
 }
-"""By the name that the parameter `variant` gives."""
+"""All placement planners, by their value of the parameter `variant`."""
 
 
 def checked_variant(name: str) -> str:
-    """The name, if a planner has it.
+    """The name, if there is a planner of that name.
 
     Raises:
-        PackError: there is none.
+        PackError: there is no such planner.
     """
     if name not in PLACEMENT_PLANNERS:
         raise PackError(f"variant is '{name}'; allowed: {', '.join(PLACEMENT_PLANNERS)}")
@@ -82,12 +82,12 @@ class PlacementPlannerConfig(PlacementConfig):
 
 
 class PlacementPlanners:
-    """The planners of one scene: the configured one, and others when a request first asks for them.
+    """The planners of one scene: the configured one, and others built on their first request.
 
     Args:
         scene: container and objects; their poses do not matter.
         cell: the cell's physical facts.
-        config: the variant that plans unless another is asked for, and parameters.
+        config: the variant that plans unless a request names another, and parameters.
 
     Raises:
         PackError: the new object does not fit into the container.

@@ -1,4 +1,4 @@
-"""What the placement planner answers with."""
+"""Result types of the placement planners."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pack_core.rotations import Array, Pose
 
 
 class PlacementStatus(IntEnum):
-    """Outcome; the values of pack_interfaces/PlanPlacement."""
+    """Outcome of planning, with the values of pack_interfaces/PlanPlacement."""
 
     SUCCESS = 1
     NO_FEASIBLE_PLACEMENT = 2
@@ -21,13 +21,13 @@ class PlacementStatus(IntEnum):
 
 @dataclass(frozen=True)
 class PlacementSamples:
-    """The poses that were tried, S of them.
+    """The S poses that were tried.
 
     Attributes:
         sampled: X_WO of the new object as teleported `(S, 7)`: position [m], quaternion wxyz.
         settled: X_WO after the physics has resolved the overlaps `(S, 7)`.
-        costs: Eq. 6 `(S,)`.
-        is_feasible: `(S,)`.
+        costs: cost of each sample by Eq. 6 `(S,)`.
+        is_feasible: whether each sample is a feasible placement `(S,)`.
     """
 
     sampled: Array
@@ -43,7 +43,7 @@ class PlacementCandidate:
     Attributes:
         X_WN: the pose of the new object N.
         collisions: objects that it overlaps where they stand now, the collision list G.
-        cost: Eq. 6.
+        cost: cost by Eq. 6.
         over: horizontal unit vector `(2,)` towards which it leans at its entry; zero: to no side.
     """
 
@@ -58,14 +58,14 @@ class PlannedPlacement:
     """Where to pack the new object.
 
     Attributes:
-        status: whether there is such a place.
-        reason: why there is none; empty after success.
+        status: whether a placement was found.
+        reason: why none was found; empty after success.
         X_WO: the packing pose; None without success.
         collisions: objects that it overlaps where they stand now, the collision list G.
         over: horizontal unit vector `(2,)` towards which it leans at its entry; zero: to no side.
-        cost: Eq. 6 of the chosen sample; infinite without success.
-        rounds: of rehearsals that it took.
-        samples: all that was tried.
+        cost: cost of the chosen sample by Eq. 6; infinite without success.
+        rounds: number of rounds of rehearsals.
+        samples: all samples that were tried.
     """
 
     status: PlacementStatus
@@ -79,7 +79,7 @@ class PlannedPlacement:
 
     @classmethod
     def success(cls, chosen: PlacementCandidate, rounds: int, samples: PlacementSamples) -> Self:
-        """A placement that was chosen after so many rounds of rehearsals."""
+        """The result with a placement that was chosen after `rounds` rounds of rehearsals."""
         return cls(
             PlacementStatus.SUCCESS, "", chosen.X_WN, chosen.collisions, chosen.over, chosen.cost, rounds,
             samples,
@@ -87,11 +87,11 @@ class PlannedPlacement:
 
     @classmethod
     def failure(cls, reason: str, samples: PlacementSamples) -> Self:
-        """No sample would do."""
+        """The result when no sample is feasible."""
         status = PlacementStatus.NO_FEASIBLE_PLACEMENT
         return cls(status, reason, None, (), np.zeros(2), np.inf, 0, samples)
 
     @property
     def is_rehearsed(self) -> bool:
-        """Whether the way down was tried in simulation."""
+        """Whether the entry was rehearsed in simulation."""
         return self.rounds > 0

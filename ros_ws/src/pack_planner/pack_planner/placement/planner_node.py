@@ -26,7 +26,7 @@ from pack_planner.placement.ros.placement_markers import to_visual_markers
 
 
 class PlannerNode(CellNode):
-    """Plans a placement on request, in the scene that was described last."""
+    """Plans a placement on request, for the cell description that came last."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("planner", **kwargs)
@@ -42,7 +42,7 @@ class PlannerNode(CellNode):
 
     @property
     def is_ready(self) -> bool:
-        """A scene was described that can be planned in."""
+        """Whether a cell description has come in which the new object fits."""
         return self._planners is not None
 
     def _on_description(self, message: String) -> None:

@@ -15,13 +15,13 @@ def sample_poses(
 ) -> Array:
     """Uniformly random poses at which the object stands on the base between the walls.
 
-    Yaws that look alike are drawn once, by the smallest turn from `yaw`: none for a cylinder, a quarter
-    turn's range for a square box, half a turn's for others.
+    Of yaws at which the object looks the same, only the one nearest to `yaw` is drawn: the range is zero for
+    a cylinder, a quarter turn for a square box and half a turn for other boxes.
 
     Args:
         item: the object.
         container: where it is to stand.
-        n: how many.
+        n: number of poses.
         yaw: the object's present yaw [rad].
         rng: the source of randomness.
 
@@ -50,8 +50,8 @@ def sample_near(
         X_WN: where the object stands.
         item: the object.
         container: where it is to stand.
-        n: how many.
-        deviation: standard, of the position [m] and of the yaw [rad].
+        n: number of poses.
+        deviation: standard deviations of the position [m] and of the yaw [rad].
         rng: the source of randomness.
     """
     yaws = yaw_of(X_WN.q) + deviation[1] * rng.normal(size=n)
@@ -65,5 +65,6 @@ def _standing(item: SceneItem, container: Container, offsets: Array, yaws: Array
     poses = np.zeros((len(yaws), 7))
     poses[:, :2] = np.array(container.centre) + offsets
     poses[:, 2] = item.half_extents[2]
+    # w and z of the quaternion of a rotation about z
     poses[:, 3], poses[:, 6] = np.cos(yaws / 2), np.sin(yaws / 2)
     return poses

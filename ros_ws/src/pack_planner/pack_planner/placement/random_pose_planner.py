@@ -1,4 +1,4 @@
-"""Uninformed Pose, a baseline of section IV-A: any pose in the container, whatever it does to the others."""
+"""Uninformed Pose, a baseline of section IV-A: a random pose in the container, whatever it displaces."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pack_planner.placement.ranking import cheapest_elsewhere
 
 
 class RandomPosePlanner:
-    """Takes the first random pose that was not tried before; the interface is `PlacementPlanner`."""
+    """Takes the first random pose that was not tried before; implements `PlacementPlanner`."""
 
     def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
         self._scene, self._config = scene, config
@@ -30,7 +30,7 @@ class RandomPosePlanner:
         self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
         avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02,
     ) -> PlannedPlacement:  # fmt: skip
-        """A pose that leans over what it overlaps; `lean` is the caller's and changes nothing here."""
+        """A random pose, leaning towards the objects that it overlaps; `lean` has no influence here."""
         poses, now = self._evaluation.start(state)
         new = self._scene.new_object
         yaw = yaw_of(poses[new.name].q)

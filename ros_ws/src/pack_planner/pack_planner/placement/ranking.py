@@ -1,4 +1,4 @@
-"""In which order sampled placements are considered."""
+"""Order in which sampled placements are considered."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from pack_core.rotations import Array
 def cheapest_elsewhere(
     costs: Array, poses: Array, avoid: Sequence[npt.ArrayLike], radius: float
 ) -> npt.NDArray[np.int_]:
-    """Indices of the poses `(n, 7)` near none of `avoid`, the cheapest first; if all are, of the farthest."""
+    """Indices of the poses `(n, 7)` that are near none of the points `avoid`, the cheapest first.
+
+    Near means within `radius` [m], as seen from above. If all poses are near one, the farthest is returned.
+    """
     if not len(avoid):
         return np.argsort(costs, kind="stable")
     tried = np.asarray(avoid, dtype=float)[:, :2]
@@ -25,10 +28,10 @@ def cheapest_elsewhere(
 
 
 def spread_out(ranked: npt.NDArray[np.int_], poses: Array, spacing: float, n: int) -> list[int]:
-    """`n` of `ranked`, or all if there are fewer, in layers.
+    """At most `n` of the indices `ranked`, reordered in layers so that neighbours come late.
 
-    The first layer are those of the poses `(S, 7)` that keep `spacing` [m] from better ones of it, seen from
-    above; the next layer are those of the rest that do so among themselves, and so on.
+    The first layer has the poses of `(S, 7)` that keep a distance of `spacing` [m], as seen from above, from
+    every better one in the same layer. The next layer is made of the remaining poses likewise, and so on.
     """
     chosen: list[int] = []
     rest = ranked.tolist()
@@ -39,7 +42,7 @@ def spread_out(ranked: npt.NDArray[np.int_], poses: Array, spacing: float, n: in
 
 
 def _layer(ranked: Sequence[int], points: Array, spacing: float) -> tuple[list[int], list[int]]:
-    """Those that keep `spacing` from better ones, and the rest."""
+    """The indices that keep `spacing` from all better ones in the layer, and the remaining ones."""
     layer: list[int] = []
     rest: list[int] = []
     for k in ranked:

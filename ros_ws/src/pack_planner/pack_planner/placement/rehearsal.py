@@ -1,7 +1,7 @@
 """Rehearsals of entries: the new object is lowered into the container in simulation, without an arm.
 
-It hangs on springs whose force is limited as the arm's push is (`pack_core/packing/steering.py`), and its
-place is led down at a fixed speed, leaning and aside as the entry says.
+It hangs on springs whose force is limited like the arm's (`pack_core/packing/steering.py`). The springs' rest
+pose moves down at a fixed speed, with the tilt and offset of the entry.
 """
 
 from __future__ import annotations
@@ -22,27 +22,29 @@ from pack_planner.placement.batch_physics import BatchPhysics
 
 UP = np.array([0.0, 0.0, 1.0])
 TIMESTEP = 0.01
+"""Step of the physics [s]."""
 SPEED = 0.15
-"""Speed at which the object is lowered [m/s]."""
+"""Speed at which the springs' rest pose moves down [m/s]."""
 CLEARANCE = 0.01
 """Gap between the lower end and the obstacles' tops at the start [m]."""
 REST = 0.25
-"""Time for which everything may settle after the way down [s]."""
+"""Time for which everything may settle after the object was lowered [s]."""
 LOWEST_START = 0.05
 """Height at which the lower end starts when there are no obstacles [m]."""
 DOWN_BELOW = 0.015
-"""A lower end below this height has arrived [m]; the height at which INSERT is done."""
+"""The object has arrived when its lower end is below this height [m]; INSERT ends at the same height."""
 UPRIGHT = np.cos(np.deg2rad(20.0))
-"""Objects that lean more have been tipped over."""
+"""Cosine of the tilt beyond which an object counts as tipped over."""
 
 
 @dataclass(frozen=True)
 class Rehearsed:
-    """How n rehearsals went.
+    """Outcome of n rehearsals.
 
     Attributes:
-        is_success: the object came down, and all stand between the walls `(n,)`.
-        lags: how far it stayed above where it was led, over time `(n,)` [m s]: what resists costs.
+        is_success: whether the object came down and all objects stand between the walls `(n,)`.
+        lags: time integral `(n,)` of how far the object stayed above the springs' rest pose [m s]; it grows
+            with resistance.
     """
 
     is_success: npt.NDArray[np.bool_]
@@ -50,7 +52,7 @@ class Rehearsed:
 
 
 class Rehearsal:
-    """Rehearses entries of one scene's new object; the same for any number of threads."""
+    """Rehearses entries of a scene's new object; results do not depend on the number of threads."""
 
     def __init__(self, scene: Scene, cell: PackingCell, threads: int) -> None:
         """Build the model; `threads` 0 uses all cores."""
@@ -58,7 +60,7 @@ class Rehearsal:
         self._physics = BatchPhysics(scene, cell, timestep=TIMESTEP, held=HeldRole.STEERED, threads=threads)
 
     def run(self, poses: Mapping[str, Pose], goals: Sequence[Pose], entries: Sequence[Entry]) -> Rehearsed:
-        """Lower the object to each goal X_WN by its entry, the others standing at `poses` to begin with."""
+        """Lower the object to each goal X_WN by its entry, the others standing at `poses` at the start."""
         paths = [self._way_down(X_WN, entry) for X_WN, entry in zip(goals, entries, strict=True)]
         steps = max(map(len, paths)) + round(REST / TIMESTEP)
         controls = np.stack([np.pad(path, ((0, steps - len(path)), (0, 0)), mode="edge") for path in paths])
@@ -80,7 +82,7 @@ class Rehearsal:
         return is_orderly
 
     def _way_down(self, X_WN: Pose, entry: Entry) -> Array:
-        """Controls `(T, 6)`: wanted positions [m] and rotation vectors [rad], a box's nearest yaw to zero."""
+        """Controls `(T, 6)` of the springs: desired positions [m] and rotation vectors [rad]."""
         half_height = float(self._scene.new_object.half_extents[2])
         top = max((*entry.tops, LOWEST_START)) + CLEARANCE
         bottoms = np.append(np.arange(top, 0.0, -SPEED * TIMESTEP), 0.0)
@@ -90,11 +92,12 @@ class Rehearsal:
         # the object's z axis leans by its x and y components, that is, it turns about (-y, x)
         tilts = Rotation.from_rotvec(np.column_stack([-axes[:, 1], axes[:, 0], np.zeros(len(axes))]))
         turns = tilts * Rotation.from_rotvec([0.0, 0.0, yaw])
+        # the centre is half a height up the leaning axis from the lower end
         places = X_WN.p[:2] + half_height * axes + asides
         return np.column_stack([places, bottoms + half_height, turns.as_rotvec()])
 
     def _start(self, poses: Mapping[str, Pose], control: Array) -> Array:
-        """The state `(nstate,)` at rest with the new object where it is led to at first."""
+        """The state `(nstate,)` at rest with the new object at the first desired pose."""
         q_WN = Rotation.from_rotvec(control[3:]).as_quat(scalar_first=True)
         return self._physics.state({**poses, self._scene.new_object.name: Pose(control[:3], q_WN)})
 

@@ -1,4 +1,4 @@
-"""Physics of the placement planner: teleport the new object, let the overlaps push each other away."""
+"""Physics of Algorithm 1: teleports the new object and simulates until overlapping objects part."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class Settling:
         return self._physics.state(poses)
 
     def teleport(self, state: Array, poses: Array) -> Array:
-        """States `(n, nstate)` that differ by the new object's pose `(n, 7)`."""
+        """States `(n, nstate)` equal to `state` except for the new object's pose `(n, 7)`."""
         states = np.tile(state, (len(poses), 1))
         self._object_poses(states)[:, -1] = poses
         return states
 
     def settle(self, states: Array, steps: int) -> Array:
-        """States `(n, nstate)` after so many steps; the same for any number of threads."""
+        """States `(n, nstate)` after `steps` steps without controls."""
         return np.array(self._physics.rest(states, steps)[:, -1])
 
     def poses(self, states: Array) -> Array:
@@ -46,5 +46,6 @@ class Settling:
 
     def _object_poses(self, states: Array) -> Array:
         """A view `(n, objects, 7)` of the free joints' positions."""
+        # the objects' free joints are adjacent in the state, in the order of `names`
         first = self._physics.column(self.names[0])
         return states[:, first : first + 7 * len(self.names)].reshape(len(states), -1, 7)

@@ -1,1 +1,1 @@
-"""What the node `planner` needs of ROS beside its shell."""
+"""ROS messages of the node `planner`."""

@@ -16,13 +16,14 @@ from pack_planner.placement.placement_result import PlacementSamples, PlannedPla
 INFEASIBLE = ColorRGBA(r=0.4, g=0.4, b=0.4, a=0.35)
 CHOSEN = ColorRGBA(r=0.1, g=0.8, b=0.3, a=0.45)
 KINDS = {mujoco.mjtGeom.mjGEOM_BOX: Marker.CUBE, mujoco.mjtGeom.mjGEOM_CYLINDER: Marker.CYLINDER}
-"""Markers that look like the shapes; their scale is the bounding box's edges."""
+"""Marker types by geometry type; their scale is the bounding box's edge lengths."""
 SAMPLE_DIAMETER = 0.004
 SAMPLE_HEIGHT = 0.002
+"""Diameter of a sample's dot and height of its centre over the base [m]."""
 
 
 def to_visual_markers(time: float, placement: PlannedPlacement, item: SceneItem) -> MarkerArray:
-    """The samples as dots on the base, green (cheap) to red (dear), and the chosen pose as a ghost."""
+    """Samples as dots on the base, green (cheap) to red (expensive), and the chosen pose, translucent."""
     return MarkerArray(markers=[_samples(time, placement.samples), _chosen(time, placement, item)])
 
 
@@ -64,5 +65,6 @@ def _marker(time: float, namespace: str, kind: int) -> Marker:
 
 
 def _ranks(costs: Array) -> Array:
-    """Share of samples that are cheaper `(S,)`, since costs spread over decades."""
+    """Share of cheaper samples `(S,)`; ranks, because costs differ by orders of magnitude."""
+    # sorting twice turns costs into their ranks
     return np.argsort(np.argsort(costs)) / max(len(costs) - 1, 1)
