@@ -1,1 +1,1 @@
-"""The packing cell: Panda, suction pump, container, motion capture."""
+"""Simulation of the packing cell: Panda, suction pump, container, motion capture."""

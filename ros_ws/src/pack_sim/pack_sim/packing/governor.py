@@ -1,8 +1,8 @@
-"""The contact governor: while the held object touches something, the driver bounds how hard it presses.
+"""The contact governor: while the held object touches something, it bounds how hard the driver presses.
 
-A landing at the speed of free motion is over before the planner can know of it; the damping of Eq. 4
-alone turns 0.35 m/s into about 80 N. So this belongs to the driver, at its rate. In free motion it does
-nothing: bounded there, the arm would only be late.
+An impact at the speed of free motion is over before the planner can react: the damping of Eq. 4 alone turns
+0.35 m/s into about 80 N. So the governor runs in the driver, at the driver's rate. It does nothing in free
+motion, where bounds would only make the arm late.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from pack_sim.packing.governor_config import GovernorConfig
 HOLD_TARE_TIME = 0.05
 """Time constant of the bias estimate while the arm is held [s]."""
 DAMPING = 1e-4
-"""Damping of the least squares that turn joint torques into a wrench."""
+"""Damping of the least-squares problems below, which keeps them solvable near singular postures."""
 
 
 class ContactGovernor:
-    """Changes references and torques while there is contact.
+    """Limits reference velocities and joint torques while there is contact.
 
     Args:
-        config: bounds.
-        timestep: of the driver [s].
+        config: bounds and time constants.
+        timestep: step of the driver [s].
     """
 
     def __init__(self, config: GovernorConfig, timestep: float) -> None:
@@ -36,12 +36,13 @@ class ContactGovernor:
         self._drawn_back = 0.0
 
     def update(self, time: float, force: Array, bending: float, *, is_holding: bool) -> bool:
-        """Take the external force on the held object `(3,)` [N], world frame, and what bends the cup [N m].
+        """Update with the external force on the held object `(3,)` [N] and the cup's bending moment [N m].
 
-        The sensor's bias is what it shows while the arm is held in its place or moves freely.
+        The force is in the world frame. The sensor's bias is estimated while the arm is held in place or moves
+        freely.
 
         Returns:
-            Whether there is contact, or was just now.
+            Whether there is contact, or was within the last `config.latch` seconds.
         """
         # first-order low-pass, discretised by backward Euler
         gain = self._timestep / (self._config.filter_time + self._timestep)
@@ -60,7 +61,11 @@ class ContactGovernor:
         return not is_free
 
     def follow(self, velocity: Array) -> None:
-        """Follow the cup, at a velocity `(3,)` [m/s]: what pushes it however far it yields is a bias."""
+        """Detect a bias that passes for a contact, from the cup's velocity `(3,)` [m/s].
+
+        A contact ends when the cup yields. A force that has pushed the cup back by more than `draw_back` and
+        still persists is taken for a bias of the sensor.
+        """
         if self._strength <= self._config.trigger:
             return
         self._drawn_back = max(0.0, self._drawn_back + self._timestep * float(self._away @ velocity))
@@ -73,11 +78,11 @@ class ContactGovernor:
         self._bias = self._limited(self._bias + gain * (force - self._bias))
 
     def _limited(self, bias: Array) -> Array:
-        """A contact that grows slowly must not pass for a bias."""
+        """The bias, limited to `config.bias` [N] so that a slowly growing contact is not taken for one."""
         return bias * min(1.0, self._config.bias / max(float(np.linalg.norm(bias)), 1e-9))
 
     def slow_down(self, v_d: Array, J: Array) -> Array:
-        """The desired joint velocity `(7,)`, slower into the contact; J is the cup's `(6, 7)`."""
+        """The desired joint velocity `(7,)`, its speed into the contact limited; J is the cup's `(6, 7)`."""
         if self._strength <= self._config.trigger:
             return v_d
         excess = float(-self._away @ (J[:3] @ v_d)) - self._config.approach
@@ -89,7 +94,7 @@ class ContactGovernor:
         return np.asarray(v_d + excess * retreat)
 
     def bound(self, tau: Array, J: Array) -> Array:
-        """Joint torques `(7,)` that press no harder than allowed, less where the load bends the cup."""
+        """Joint torques `(7,)` limited in how hard they press, and reduced where the load bends the cup."""
         wrench = _wrench(tau, J)
         scale = self._scale(wrench)
         if self._strength <= self._config.trigger:
@@ -98,6 +103,7 @@ class ContactGovernor:
         # like a spring: the harder the contact already is, the less push is allowed, down to a pull back
         beyond = max(self._strength - self._config.push, 0.0)
         allowed = max(self._config.push - self._config.reflex * beyond, -self._config.pull_back)
+        # torques of a unit force away from the contact; the division makes the wrench change by the excess
         back = J[:3].T @ self._away
         return np.asarray(
             scale * tau + max(push - allowed, 0.0) / float(self._away @ _wrench(back, J)[:3]) * back
@@ -109,11 +115,11 @@ class ContactGovernor:
 
     @property
     def _away(self) -> Array:
-        """Unit vector `(3,)` in which the contact pushes the held object."""
+        """Unit vector `(3,)` along which the contact pushes the held object."""
         return np.asarray(self._force / self._strength)
 
     def _scale(self, wrench: Array) -> float:
-        """The share of the arm's torques that remains: none of them where the cup would bend off."""
+        """Factor on the arm's torques that bounds its push sideways and down; 0 at the limit of bending."""
         config = self._config
         sideways, down = float(np.hypot(wrench[0], wrench[1])), float(max(-wrench[2], 0.0))
         room = (config.bending_limit - self._bending) / (config.bending_limit - config.bending)

@@ -8,7 +8,7 @@ from pack_core.config import Config
 
 
 class GovernorConfig(Config):
-    """Bounds while there is contact; wrenches are those of the driver on the cup."""
+    """Bounds while there is contact; they hold for the wrench that the driver exerts on the cup."""
 
     trigger: PositiveFloat = Field(default=4.0, description="external force that counts as contact [N]")
     tare_time: PositiveFloat = Field(

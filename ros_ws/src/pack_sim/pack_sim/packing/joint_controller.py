@@ -1,6 +1,6 @@
 """Low-level joint controller: interpolated setpoints, PD with feed-forward torque, watchdog, brake.
 
-Eq. 4 of "Pack it in", with the sign that stabilises:
+Eq. 4 of "Pack it in", with the signs of the errors turned so that it is stable:
 `tau = tau_ff + Kp (q_d - q) + Kd (v_d - v)`. Gravity is compensated below this law.
 """
 
@@ -18,7 +18,7 @@ from pack_core.rotations import Array
 from pack_sim.packing.governor import ContactGovernor
 
 SLACK = 1e-6
-"""What a setpoint may exceed a limit by, for rounding on the way [rad, rad/s, N m]."""
+"""By how much a setpoint may exceed a limit, for rounding errors [rad, rad/s, N m]."""
 BRAKE_TIME = 0.005
 """Time constant of the stop before a hold [s]; the gains of Eq. 4 alone would take up to 0.4 s."""
 SLIDING = 0.02
@@ -28,13 +28,13 @@ AT_REST = 0.01
 
 
 class JointController:
-    """Tracks the newest setpoints; without fresh ones it stops the arm and holds it where it is.
+    """Tracks the newest setpoints; without fresh ones it stops the arm and holds its position.
 
     Args:
-        robot: the arm, whose limits hold, and the gains.
+        robot: the arm with its limits, and the gains.
         watchdog: age at which setpoints are stale [s].
-        governor: bounds what it does in contact.
-        friction: of each joint; compensated in the direction of its desired velocity [N m].
+        governor: limits velocities and torques in contact; None: nothing does.
+        friction: friction of each joint, which is compensated along its desired velocity [N m].
     """
 
     def __init__(
@@ -53,10 +53,10 @@ class JointController:
         self._received = -np.inf
         self._q_hold: Array | None = None
         self.is_holding = False
-        """Whether the last torque came from the watchdog: the arm brakes or is held."""
+        """Whether the last torque braked or held the arm, for want of fresh setpoints."""
 
     def accept(self, setpoints: Setpoints, time: float) -> None:
-        """Take setpoints that arrived at `time` [s].
+        """Check and store setpoints that arrived at `time` [s].
 
         Raises:
             MessageError: wrong size, not finite, out of order, or beyond a joint's limits.
@@ -65,20 +65,20 @@ class JointController:
         self._setpoints, self._received = setpoints, time
 
     def drop(self) -> None:
-        """Forget the setpoints, as when their sender died: hold from the next step on."""
+        """Discard the setpoints, as when their sender died: brake and hold from the next step on."""
         self._setpoints = None
 
     def update_contact(
         self, time: float, force: Array, bending: float, v: Array, J: Callable[[], Array]
     ) -> None:
-        """Take what is measured at the cup.
+        """Update the governor with what is measured at the cup.
 
         Args:
             time: now [s].
-            force: external, on the held object `(3,)` [N], in the world frame.
-            bending: of the cup [N m].
+            force: external force on the held object `(3,)` [N], in the world frame.
+            bending: bending moment on the cup [N m].
             v: joint velocities `(7,)` [rad/s].
-            J: gives the cup's Jacobian `(6, 7)`, linear part first, in the world frame.
+            J: returns the cup's Jacobian `(6, 7)`, linear part first, in the world frame.
         """
         if self._governor is not None:
             is_contact = self._governor.update(time, force, bending, is_holding=self.is_holding)
@@ -109,7 +109,7 @@ class JointController:
             time: now [s].
             q: measured positions `(7,)` [rad].
             v: measured velocities `(7,)` [rad/s].
-            M: gives the arm's mass matrix `(7, 7)` [kg m^2], where it must brake.
+            M: gives the arm's mass matrix `(7, 7)` [kg m^2]; called only to brake.
         """
         q_d, v_d, tau_ff = self.reference(time, q, v, M)
         J = None if self.is_holding else self._jacobian

@@ -1,4 +1,4 @@
-"""How the cell differs from what its nodes are told of it."""
+"""Differences between the simulated cell and the description that its nodes get."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Range = Annotated[tuple[NonNegativeFloat, NonNegativeFloat], AfterValidator(_ris
 
 
 class MismatchConfig(Config):
-    """Bounds of uniform deviations; the defaults are none."""
+    """Bounds of the uniformly distributed differences; by default there are none."""
 
     friction: Range = Field(
         default=(1.0, 1.0), description="least and most of an object's true friction, as share of described"
@@ -43,10 +43,10 @@ class MismatchConfig(Config):
 
 
 def actual(scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator) -> Scene:
-    """The scene as it is: other frictions and masses, the geometry as given.
+    """The scene as it truly is: friction and masses differ from the description, the geometry does not.
 
-    A contact has the larger friction of both sides, so base and walls get the smallest: an object on them
-    slides with its own.
+    MuJoCo gives a contact the larger friction of both sides. So base and walls get the smallest possible
+    friction, and an object on them slides with its own.
     """
     items = [_actual_object(item, scene, mismatch, rng) for item in (*scene.objects, scene.new_object)]
     friction = scene.friction * mismatch.friction[0]
@@ -54,7 +54,7 @@ def actual(scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator) -> 
 
 
 def believed(scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator) -> Scene:
-    """The description of a scene as the nodes get it: other sizes, the container elsewhere, no poses."""
+    """The description that the nodes get: sizes and container position with errors, and no poses."""
     items = [_believed_object(item, mismatch.size, rng) for item in (*scene.objects, scene.new_object)]
     centre = np.array(scene.container.centre) + mismatch.container * rng.uniform(-1.0, 1.0, 2)
     container = scene.container.model_copy(update={"centre": tuple(centre.tolist())})

@@ -1,4 +1,4 @@
-"""Motion capture: which markers the cameras see, and where they measure them to be."""
+"""Motion capture: which markers the cameras see, and the positions that they measure."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ from pack_core.rotations import Array
 
 Counts = npt.NDArray[np.int_]
 GRAZE = 0.001
-"""A ray that ends this close before a marker's centre has reached it: about a marker's radius [m]."""
+"""A ray that gets this close to a marker's centre has reached the marker: about its radius [m]."""
 ROUNDING = 1e-9
+"""Tolerance when simulated times are compared [s]."""
 
 
 class MocapConfig(Config):
@@ -37,14 +38,14 @@ class MocapConfig(Config):
 class MocapSystem:
     """Cameras around the cell that track every object of the scene, the new one included.
 
-    A camera sees a marker that lies in its field of view and that a ray from the camera reaches;
-    every geometry of the cell is in the way: arm, pump, container and all objects.
+    A camera sees a marker that lies in its field of view and that a ray from the camera reaches. Arm, pump,
+    container and all objects block rays.
 
     Args:
         scene: the objects, whose models say where their markers are.
         cell: where the cameras are.
         config: rate, noise and latency.
-        rng: of the noise.
+        rng: source of the noise.
     """
 
     def __init__(
@@ -66,16 +67,17 @@ class MocapSystem:
         self._pending: deque[MarkerFrame] = deque()
 
     def update(self, model: mujoco.MjModel, data: mujoco.MjData, time: float) -> None:
-        """Take a frame when one is due at `time` [s]; call it at every step of the physics."""
+        """Capture a frame if one is due at `time` [s]; call it at every step of the physics."""
         if time < self._next - ROUNDING:
             return
         late = time - self._next
         period = 1.0 / self._config.rate
+        # keep the rate's raster unless more than a period was missed, as at the first frame
         self._next = (self._next if late < period else time) + period
         self._pending.append(self.capture(model, data, time))
 
     def due(self, time: float) -> list[MarkerFrame]:
-        """Frames that are delivered by `time` [s] and were not handed out yet, oldest first."""
+        """Frames that are delivered by `time` [s] and were not returned before, oldest first."""
         frames = []
         while self._pending and self._pending[0].time + self._config.latency <= time + ROUNDING:
             frames.append(self._pending.popleft())

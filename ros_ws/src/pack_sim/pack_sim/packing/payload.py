@@ -1,4 +1,4 @@
-"""What the driver adds to the arm's torques to carry the object that it was told of."""
+"""Torques that the driver adds to carry the held object as described."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from pack_core.packing.scene import Scene
 
 
 class PayloadCompensation:
-    """The weight of the object as described, at its described centre, as torques of the arm's joints.
+    """Compensates the described weight of the held object, at its described centre, by joint torques.
 
     Args:
-        model: of the cell, with the object on the cup; what it compensates by itself is left out.
-        description: what the driver believes to hold.
+        model: model of the cell with the object on the cup; weight that the model itself compensates
+            (`gravcomp`) is not compensated twice.
+        description: the scene as the driver knows it.
     """
 
     def __init__(self, model: mujoco.MjModel, description: Scene) -> None:

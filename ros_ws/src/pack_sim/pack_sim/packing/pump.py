@@ -1,4 +1,4 @@
-"""The suction pump: what it holds, how hard it is pulled, and when it lets go."""
+"""The suction pump: the load on its cup, and when it lets go of the object."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Load:
 
 @dataclass(frozen=True)
 class PumpState:
-    """What the pump does now."""
+    """State of the pump; `release_reason` says why it opened, empty while it is closed."""
 
     is_closed: bool
     load: Load = Load()
@@ -40,10 +40,10 @@ class PumpModel:
         self.state = PumpState(is_closed=True)
 
     def update(self, force: Array, torque: Array) -> bool:
-        """Take the load on the cup `(3,)`, `(3,)` in its frame, z along the pull.
+        """Update with the force [N] and torque [N m] on the cup, each `(3,)` in its frame, z along the pull.
 
         Returns:
-            Whether the pump holds on.
+            Whether the pump still holds the object.
         """
         raw = (float(force[2]), float(np.hypot(force[0], force[1])), float(np.hypot(torque[0], torque[1])))
         old, g = self.state.load, self._gain
@@ -55,7 +55,7 @@ class PumpModel:
         return not reason
 
     def open(self, reason: str) -> None:
-        """Let go of the object; `reason` is reported."""
+        """Release the object; `reason` is reported in the state."""
         self.state = PumpState(is_closed=False, release_reason=reason)
 
     def close(self) -> None:

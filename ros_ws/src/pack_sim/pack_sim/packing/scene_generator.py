@@ -1,8 +1,8 @@
 """Random scenes: the cell's objects, dropped into the container and shaken together.
 
-Objects are dropped upright where there is room, with any yaw, and then jostled by a gravity that tilts
-to and fro while friction is low. A scene is kept when everything stands upright on the base, at rest;
-`blocked` ones leave no place where the new object would stand without contact.
+Objects are dropped upright where there is room, with random yaws. They are then shaken by a gravity that
+keeps changing its direction, while friction is low. A scene is kept if everything stands upright on the base,
+at rest. A `blocked` scene has no place where the new object would stand without contact.
 """
 
 from __future__ import annotations
@@ -22,27 +22,32 @@ from pack_core.rotations import Array, Pose, from_yaw, rotate
 MAX_ATTEMPTS = 500
 TIMESTEP = 0.004
 DROP_HEIGHT = 0.01
+"""Height over the base from which objects are dropped [m]."""
 SMALLEST_GAP = 1e-6
-"""Nothing is dropped where less room than this is left for its centre [m^2]."""
+"""No object is dropped if less area than this is free for its centre [m^2]."""
 MAX_TILT = np.deg2rad(20.0)
+"""Largest angle between the shaking gravity and the vertical [rad]."""
 TILT_PERIOD = 0.12
-"""The shaking gravity takes a new direction this often [s]."""
+"""Time after which the shaking gravity changes its direction [s]."""
 SHAKES = 6
+"""Number of directions that the shaking gravity takes."""
 SETTLE_TIME = 0.8
+"""Time for objects to come to rest under vertical gravity [s]."""
 SHAKING_FRICTION = 0.12
 UPRIGHT = np.cos(np.deg2rad(5.0))
+"""Cosine of the largest tilt of an object that counts as upright."""
 CLEARANCE = 0.002
-"""An object may overlap a wall or hover over the base by so much [m]."""
+"""An object may overlap a wall by this much, or be this far off the base [m]."""
 REST_SPEED = 0.005
-"""[m/s] and, times ten, [rad/s]"""
+"""An object slower than this is at rest [m/s]; the bound of its angular velocity is 10 times it [rad/s]."""
 
 
 def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Scene:
     """A random scene of the cell; the same seed gives the same scene, bit for bit.
 
     Args:
-        seed: which scene.
-        cell: whose container and objects are used.
+        seed: number of the scene.
+        cell: the cell with container and objects.
         blocked: keep only scenes without a collision-free placement of the new object.
 
     Raises:
@@ -66,7 +71,7 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
 
 
 def _drop(scene: Scene, rng: np.random.Generator) -> dict[str, Pose] | None:
-    """Upright poses over the base that overlap neither each other nor a wall; None: no room left."""
+    """Upright poses over the base that overlap neither each other nor a wall; None if there is no room."""
     poses: dict[str, Pose] = {}
     taken: list[shapely.Polygon] = []
     for i in rng.permutation(len(scene.objects)):
@@ -93,7 +98,7 @@ def _point_within(area: shapely.Geometry, rng: np.random.Generator) -> Array:
 def _shake(
     scene: Scene, model: mujoco.MjModel, poses: dict[str, Pose], rng: np.random.Generator
 ) -> Scene | None:
-    """The scene after shaking and settling, if all is well with it."""
+    """The scene after shaking and settling; None if an object moves, leans or is not inside."""
     data = mujoco.MjData(model)
     set_object_poses(model, data, poses)
     for _ in range(SHAKES):

@@ -1,4 +1,4 @@
-"""The simulator as a ROS 2 node: it stands in for the robot driver, the pump and the cameras."""
+"""The simulator as a ROS 2 node that replaces the robot driver, the pump and the cameras."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class PackingSimNodeConfig(SimulatorConfig, Pacing):
 
 
 class PackingSimNode(PhysicsNode):
-    """The packing cell's driver, pump and motion capture."""
+    """Node `sim` of the packing cell: driver, pump and motion capture."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -47,22 +47,22 @@ class PackingSimNode(PhysicsNode):
 
     @property
     def simulator(self) -> Simulator:
-        """The scene in motion."""
+        """The simulator of the current scene."""
         return self._simulator
 
     def advance(self) -> float:
-        """Advance by a block of steps and publish what is due; how long it was [s]."""
+        """Advance by a block of steps, publish what is due, and return the simulated time that passed [s]."""
         self._sensors.step(self._simulator)
         return self._sensors.period
 
     def accept(self, message: JointTrajectory) -> None:
-        """Hand setpoints to the driver."""
+        """Pass setpoints to the joint controller."""
         setpoints = from_setpoints(message)
         with self.lock:
             self._simulator.accept(setpoints)
 
     def drop(self) -> None:
-        """Hold the arm."""
+        """Discard the setpoints, so that the arm brakes and is held."""
         self._simulator.controller.drop()
 
     def _first_scene(self) -> Scene:

@@ -1,4 +1,4 @@
-"""The simulated cell: MuJoCo physics behind the interface of a robot driver."""
+"""The simulated cell: MuJoCo physics with the interface of a robot driver."""
 
 from __future__ import annotations
 
@@ -26,23 +26,24 @@ from pack_sim.packing.wrench_sensor import WrenchSensor
 
 GRIP_DISTANCE = 0.005
 GRIP_ANGLE = np.deg2rad(2.0)
+"""The pump can grip an object that is at most this far from where it would hang [m] and [rad]."""
 STICTION = 0.999
-"""Impedance of the joints' friction: where it is softer they creep under torques that they should resist."""
+"""Impedance of the joints' friction constraint; a softer one lets joints creep under static friction."""
 
 
 class Simulator:
-    """One scene in motion.
+    """Simulates one scene.
 
     Args:
         cell: the cell's physical facts.
-        scene: with a pose for every object.
+        scene: the scene, with a pose for every object.
         config: rates and limits.
-        rng: for the sensors' noise and for what the description has wrong.
-        time: what the clock shows at the start [s].
+        rng: source of the sensors' noise and of the errors of the description.
+        time: simulated time at the start [s].
 
     Attributes:
-        scene: as it is, with the true frictions and masses.
-        description: what the nodes are told of it.
+        scene: the scene as it truly is, with true friction and masses.
+        description: the scene as the nodes know it.
     """
 
     def __init__(
@@ -83,11 +84,11 @@ class Simulator:
         return np.array([0.0, 0.0, -gravity * self.description.new_object.mass])
 
     def accept(self, setpoints: Setpoints) -> None:
-        """Hand setpoints to the joint controller; raises MessageError when they are refused."""
+        """Pass setpoints to the joint controller; raises MessageError if they are refused."""
         self.controller.accept(setpoints, self.time)
 
     def step(self) -> None:
-        """Advance by one time step; the physics stays still when it would diverge."""
+        """Advance by one time step: control, physics, pump and sensors."""
         data = self.data
         q, v = data.qpos[self._q], data.qvel[self._v]
         if self.config.governor is not None:
@@ -107,15 +108,15 @@ class Simulator:
         self.mocap.update(self.model, data, self.time)
 
     def joints(self) -> JointSample:
-        """What the joint sensors measure."""
+        """Measured positions, velocities and torques of the joints."""
         d = self.data
         return JointSample(self.time, d.qpos[self._q].copy(), d.qvel[self._v].copy(), d.ctrl.copy())
 
     def external_wrench(self) -> tuple[Array, Array]:
-        """What the sensor says of the external force `(3,)` [N] and torque `(3,)` [N m] on the held object.
+        """Measured external force `(3,)` [N] and torque `(3,)` [N m] on the held object.
 
-        In the frame of site `tip`, that of the held object N at the middle of its top, and less the weight
-        of the object as described; its errors alone when nothing is held.
+        They are given in the frame of site `tip`, at the middle of the held object's top and with the axes of
+        the object N, without the object's described weight. If nothing is held, they are the sensor's errors.
         """
         if not self.pump.state.is_closed:
             return self._wrench_sensor.read(np.zeros(3), np.zeros(3))
@@ -124,7 +125,7 @@ class Simulator:
         return self._wrench_sensor.read(R_WN.T @ self._weight - force, -torque)
 
     def truth(self) -> SceneState:
-        """True poses and twists of all objects, the new one included; the run goes on as if unobserved."""
+        """True poses and twists of all objects, the new one included; the simulation is not affected."""
         model, seen = self.model, self._seen
         seen.qpos[:], seen.qvel[:] = self.data.qpos, self.data.qvel
         for forward in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):
@@ -132,16 +133,16 @@ class Simulator:
         return SceneState(self.time, {name: _object_state(model, seen, name) for name in self._names})
 
     def release(self, reason: str = "asked to open") -> None:
-        """Open the pump; the object falls or stays where it stands."""
+        """Open the pump and free the object; does nothing if the pump is open."""
         if self.pump.state.is_closed:
             self.pump.open(reason)
             self._swap(HeldRole.FREE)
 
     def grip(self) -> str:
-        """Close the pump.
+        """Close the pump, if the object is where it would hang from the cup.
 
         Returns:
-            Why it could not grip, empty when it holds.
+            Why it could not grip; empty if it holds the object.
         """
         if self.pump.state.is_closed:
             return ""
@@ -175,19 +176,19 @@ class Simulator:
         self._seen = mujoco.MjData(self.model)
 
     def _mass_matrix(self) -> Array:
-        """The arm's `(7, 7)`, with what it holds [kg m^2]."""
+        """Mass matrix `(7, 7)` of the arm with the held object [kg m^2]."""
         M = np.empty((self.model.nv, self.model.nv))
         mujoco.mj_fullM(self.model, self.data, M)
         return np.asarray(M[np.ix_(self._v, self._v)])
 
     def _cup_jacobian(self) -> Array:
-        """The cup's `(6, 7)`, linear part first, in the world frame."""
+        """Jacobian `(6, 7)` of the cup, linear part first, in the world frame."""
         J = np.empty((6, self.model.nv))
         mujoco.mj_jacBody(self.model, self.data, J[:3], J[3:], self.model.body("tool").id)
         return J[:, self._v]
 
     def _swap(self, held: HeldRole) -> None:
-        """Go on with the new object held or free, everything else as it is."""
+        """Continue with a model in which the new object is held or free, everything else unchanged."""
         joints, truth = self.joints(), self.truth()
         self.model = self._compile(held)
         self.data = mujoco.MjData(self.model)
@@ -204,6 +205,7 @@ class Simulator:
         set_object_poses(self.model, self.data, {name: state.X_WO})
         v = self.model.joint(name).dofadr[0]
         self.data.qvel[v : v + 3] = state.v_WO_W
+        # MuJoCo has a free joint's angular velocity in the body's axes
         self.data.qvel[v + 3 : v + 6] = rotate(conjugate(state.X_WO.q), state.w_WO_W)
 
     def _hang(self, X_WN: Pose) -> None:
@@ -215,10 +217,12 @@ class Simulator:
             self.data.joint(name).qpos[0] = value
 
     def _cup_load(self) -> tuple[Array, Array]:
+        # the sensors tip_force and tip_torque are the first of the model
         return self.data.sensordata[:3].copy(), self.data.sensordata[3:6].copy()
 
 
 def _object_state(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> ObjectState:
     twist = np.empty(6)
     mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, model.body(name).id, twist, 0)
+    # MuJoCo gives the angular part first
     return ObjectState(body_pose(data, name), twist[3:].copy(), twist[:3].copy())

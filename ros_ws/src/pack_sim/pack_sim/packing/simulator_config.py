@@ -12,7 +12,7 @@ from pack_sim.packing.wrench_sensor import WrenchSensorConfig
 
 
 class SimulatorConfig(Config):
-    """Parameters of the simulated driver and its sensors."""
+    """Parameters of the simulated driver, its sensors and its errors."""
 
     timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
     watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")

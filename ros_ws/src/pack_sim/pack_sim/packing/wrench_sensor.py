@@ -10,7 +10,7 @@ from pack_core.rotations import Array
 
 
 class WrenchSensorConfig(Config):
-    """Standard deviations along each axis; 0: none."""
+    """Standard deviations of the sensor's errors along each axis; 0 disables one."""
 
     force_noise: NonNegativeFloat = Field(
         default=0.0, description="white noise of the force, at every step of the physics [N]"
@@ -22,14 +22,14 @@ class WrenchSensorConfig(Config):
 
 
 class WrenchSensor:
-    """Adds its errors to a wrench.
+    """Adds the sensor's errors to a wrench.
 
     The bias is an Ornstein-Uhlenbeck process: normal at every instant, and correlated over `bias_time`.
 
     Args:
-        config: how large they are.
-        timestep: between two calls of `advance` [s].
-        rng: of the errors.
+        config: standard deviations and correlation time.
+        timestep: time between two calls of `advance` [s].
+        rng: source of the errors.
     """
 
     def __init__(self, config: WrenchSensorConfig, timestep: float, rng: np.random.Generator) -> None:
@@ -42,7 +42,7 @@ class WrenchSensor:
         self._error = self._bias.copy()
 
     def advance(self) -> None:
-        """Go on by one time step."""
+        """Draw the errors of the next time step."""
         if self._is_exact:
             return
         # exact discretisation of the Ornstein-Uhlenbeck process: the variance stays `spread` squared
@@ -51,5 +51,5 @@ class WrenchSensor:
         self._error = self._bias + self._noise * noise
 
     def read(self, force: Array, torque: Array) -> tuple[Array, Array]:
-        """What it says of a force `(3,)` [N] and a torque `(3,)` [N m], until it advances."""
+        """A force `(3,)` [N] and a torque `(3,)` [N m] with the errors of this time step."""
         return force + self._error[:3], torque + self._error[3:]

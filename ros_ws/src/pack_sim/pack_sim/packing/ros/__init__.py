@@ -1,1 +1,1 @@
-"""What the node `sim` needs of ROS beside its shell."""
+"""Publishers of the packing cell's node `sim`."""

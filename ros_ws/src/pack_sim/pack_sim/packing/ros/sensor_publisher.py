@@ -1,4 +1,4 @@
-"""What the simulated driver and its sensors publish, each at its rate."""
+"""Publishes the data of the simulated driver and its sensors, each topic at its rate."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class SensorPublisher:
     """Steps the physics from one tick of /clock to the next and publishes what is due.
 
     Args:
-        node: that publishes.
-        timestep: of the physics [s].
+        node: the node that publishes.
+        timestep: step of the physics [s].
     """
 
     def __init__(self, node: CellNode, timestep: float) -> None:
