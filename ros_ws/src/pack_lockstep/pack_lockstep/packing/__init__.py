@@ -1,1 +1,1 @@
-"""The packing cell in lockstep, its benchmark, and the replay of its cores."""
+"""The packing cell in lockstep, its benchmark, and the replay of recordings through its cores."""

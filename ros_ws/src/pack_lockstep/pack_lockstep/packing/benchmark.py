@@ -1,4 +1,4 @@
-"""The benchmark of the packing cell: many scenes, each kept as a run and a scene file."""
+"""The benchmark of the packing cell: many scenes, each saved as a run and a scene file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SCENES = "scenes"
 
 @dataclass(frozen=True)
 class PackingBenchmark(Benchmark[SceneJob, SceneResult]):
-    """Scenes under one setting."""
+    """Runs many scenes under one setting."""
 
     cell: ClassVar[str] = "packing"
     files: ClassVar[tuple[str, ...]] = (f"{RUNS}/*{SUFFIX}", f"{SCENES}/*.yaml")
@@ -30,7 +30,7 @@ class PackingBenchmark(Benchmark[SceneJob, SceneResult]):
 
     @property
     def threads(self) -> int:
-        """Cores that the controller of each scene plans with."""
+        """Number of threads that the controller of each scene plans with."""
         return self.setup.config.session.controller.threads
 
     @property
@@ -39,12 +39,12 @@ class PackingBenchmark(Benchmark[SceneJob, SceneResult]):
         return self.setup.name.replace(" ", "_")
 
     def settings(self) -> Mapping[str, Any]:
-        """Settings, cell, parameters of all nodes, and weights."""
+        """Everything that decides the results: settings, cell, parameters of all nodes, and weights."""
         return self.setup.record()
 
     @property
     def work(self) -> Callable[[SceneJob], SceneResult]:
-        """Runs a scene to its outcome."""
+        """The function that runs a scene to its outcome."""
         return partial(run_scene, self.setup)
 
     def keep(self, result: SceneResult, folder: Path) -> Mapping[str, Any]:
@@ -56,7 +56,7 @@ class PackingBenchmark(Benchmark[SceneJob, SceneResult]):
         return trial_line(result, trial_of(result.job.name, result.run), self.threads)
 
     def verdict(self, trial: Mapping[str, Any]) -> Verdict:
-        """How the goal ended, how long it took, how far off and how hard it pushed."""
+        """One line on a trial: how the goal ended, its duration, final distance, forces and placements."""
         text = (
             f"{trial['exit_reason']:12} {trial['execution_time_s']:5.1f} s {trial['distance_cm']:5.1f} cm "
             f"{trial['force_mean_N']:5.1f} N, peak {trial['peak_force_N']:5.0f} N "

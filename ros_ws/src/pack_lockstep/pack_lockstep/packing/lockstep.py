@@ -1,7 +1,7 @@
 """The packing cell in one process, without ROS, on simulated time.
 
-It composes the same cores as the nodes. Planning takes a stated time on the simulated clock,
-never the wall clock, so a run repeats bit for bit on any machine.
+It composes the same cores as the nodes. Planning takes a configured time on the simulated clock, whatever it
+takes on the wall clock, so a run repeats bit for bit on any machine.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from pack_sim.packing.simulator_config import SimulatorConfig
 
 
 class LockstepConfig(Config):
-    """Parameters of a run; the parts' own are those of the nodes."""
+    """Parameters of a run; those of the parts are the nodes' own parameters."""
 
     latency: PositiveFloat = Field(
         default=0.048, description="an optimizer iteration takes [s of simulated time]"
@@ -59,7 +59,7 @@ class LockstepConfig(Config):
 
 @dataclass(frozen=True)
 class Step:
-    """One cycle of the loop, for logs: time [s], stage, what was seen, the truth and the plan."""
+    """One cycle of the loop, for logs: time [s], stage, observation, true state and plan."""
 
     time: float
     stage: str
@@ -70,14 +70,14 @@ class Step:
 
 
 class Lockstep:
-    """One scene from start to outcome.
+    """Runs one scene from start to outcome.
 
     Args:
         cell: the cell's physical facts.
-        scene: with a pose for every object.
+        scene: the scene, with a pose for every object.
         config: parameters.
         method: PackItIn or a baseline.
-        seed: of the sensors' noise and the placements.
+        seed: seed of the sensors' noise and of the placements.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class Lockstep:
         self._answer: tuple[float, PlannedPlacement] | None = None
 
     def run(self, on_step: Callable[[Step], None] | None = None) -> PackingOutcome:
-        """Run to the outcome; `on_step` sees every cycle."""
+        """Run to the outcome; `on_step` is called in every cycle."""
         session = self.session
         self._refuse_unseen(session.scene)
         while session.task.outcome is None:
@@ -118,7 +118,7 @@ class Lockstep:
         return session.task.outcome
 
     def recorded(self) -> Run:
-        """What happened, in the form in which recordings are evaluated.
+        """The run in the form in which recordings are evaluated.
 
         Raises:
             ValueError: the run has not ended yet.
@@ -163,7 +163,7 @@ class Lockstep:
             )
 
     def _serve_placement(self, seen: PackingObservation) -> None:
-        """Take up a placement that is due, or plan one that will be due."""
+        """Plan a placement when the task needs one, and hand it over once its planning time has passed."""
         task, time = self.session.task, seen.joints.time
         if self._answer is None and task.needs_placement:
             placement = self._plan_placement(seen.scene, task.avoid)
@@ -186,7 +186,7 @@ class Lockstep:
 
 
 def lockstep_config(preset: PackingPreset | None = None) -> LockstepConfig:
-    """The nodes' own configuration, from `config/nodes`, under a preset."""
+    """The configuration of all nodes from `config/nodes`, with a preset's changes."""
     given = preset or PackingPreset()
     return LockstepConfig(
         simulator=given.parameters("sim", SimulatorConfig),

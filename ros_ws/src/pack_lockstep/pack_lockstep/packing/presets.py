@@ -19,11 +19,11 @@ Section = dict[str, Any]
 
 
 class PackingPreset(Config):
-    """What differs from the configuration files, in their own keys.
+    """Differences from the configuration files, by the keys of these files.
 
     Attributes:
-        cell: over config/cells/packing.yaml.
-        sim: over config/nodes/packing/sim.yaml; the other nodes likewise.
+        cell: overrides config/cells/packing.yaml.
+        sim: overrides config/nodes/packing/sim.yaml; the other nodes likewise.
     """
 
     cell: Section = Field(default_factory=dict)
@@ -33,15 +33,15 @@ class PackingPreset(Config):
     mpc: Section = Field(default_factory=dict)
 
     def over(self, section: str, values: Mapping[str, Any]) -> PackingPreset:
-        """The same preset with more values in one of its sections."""
+        """A copy of the preset in which `values` override one of its sections."""
         return self.model_copy(update={section: merged(getattr(self, section), values)})
 
     def packing_cell(self) -> PackingCell:
-        """The cell under this preset."""
+        """The packing cell with this preset's changes."""
         return packing_cell(yaml.safe_dump(self.cell))
 
     def parameters(self, node: str, cls: type[C]) -> C:
-        """A core's configuration from its node's parameter file, under this preset.
+        """A core's configuration: its node's parameter file with this preset's changes.
 
         Raises:
             ConfigError: the preset names a parameter that the core does not have.

@@ -1,4 +1,4 @@
-"""What a run in lockstep leaves behind: a `Run`, as the evaluation makes one of a recording."""
+"""Records a run in lockstep as a `Run`, the form in which recordings are evaluated."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class _Iteration:
 
 
 class PackingRunLog:
-    """Grows with the run; `to_run` turns it into arrays."""
+    """Collects samples during a run; `to_run` turns them into arrays."""
 
     def __init__(self) -> None:
         self._steps = 0
@@ -45,7 +45,7 @@ class PackingRunLog:
         self._iterations: list[_Iteration] = []
 
     def sense(self, simulator: Simulator, estimator: PhysicsEstimator) -> None:
-        """Note the cell after a step of its physics: forces always, the rest as often as /sim/truth."""
+        """Record the cell after a step of its physics: forces always, the rest at the rate of /sim/truth."""
         self._steps += 1
         force, _ = simulator.external_wrench()
         self._forces.append((simulator.time, float(np.linalg.norm(force))))
@@ -57,7 +57,7 @@ class PackingRunLog:
             self._estimate.append(estimator.state(estimator.time))
 
     def iterate(self, task: PackingTask, time: float, plan: ControlPlan) -> None:
-        """Note an iteration of the controller that planned from the state at `time` [s]."""
+        """Record an iteration of the controller that planned from the state at `time` [s]."""
         machine = task.machine
         assert machine is not None
         self._iterations.append(
@@ -70,7 +70,7 @@ class PackingRunLog:
     def to_run(
         self, scene: Scene, start: float, outcome: PackingOutcome, release_reason: str, arm: str
     ) -> Run:
-        """The run of a goal that was accepted at `start` [s] and has ended, packed by the arm `arm`."""
+        """The run of a goal that was accepted at `start` [s] and has ended; `arm` names the arm."""
         force_times, force = np.array(self._forces).T
         return Run(
             scene=scene.description(), start=start, end=start + outcome.execution_time,

@@ -1,4 +1,4 @@
-"""What a benchmark of the packing cell measures: method, optimizer, weights, conditions and scenes."""
+"""Settings of a packing benchmark: method, optimizer, weights, conditions and scenes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MM = 1e3
 
 
 class BenchmarkSettings(Config):
-    """What decides the results, seeds apart; None leaves it as config/nodes/packing/mpc.yaml has it."""
+    """Settings that decide the results beside the seeds; None: as in config/nodes/packing/mpc.yaml."""
 
     method: PackingMethod = PackingMethod.PACK_IT_IN
     optimizer: OptimizerName | None = None
@@ -37,7 +37,7 @@ class BenchmarkSettings(Config):
 
 @dataclass(frozen=True)
 class PackingSetup:
-    """Settings with everything that they refer to, ready to run and to be sent to other processes."""
+    """Settings with everything that they refer to, ready to run and to send to other processes."""
 
     settings: BenchmarkSettings
     cell: PackingCell
@@ -45,12 +45,12 @@ class PackingSetup:
 
     @property
     def optimizer(self) -> str:
-        """The one that plans."""
+        """Name of the optimizer that plans."""
         return self.settings.optimizer or self.config.session.controller.optimizer
 
     @property
     def name(self) -> str:
-        """Short, as in tables: method, optimizer, weights, conditions."""
+        """Short name for tables: method, optimizer, weights, conditions."""
         s, session = self.settings, self.config.session
         parts = [s.method.value, self.optimizer, session.weights, s.preset]
         if s.container is not None:
@@ -60,9 +60,9 @@ class PackingSetup:
         return " ".join(parts)
 
     def record(self) -> dict[str, Any]:
-        """All of it as plain values, for the head of the results.
+        """All settings as plain values, for the head of the results.
 
-        Left out is what decides no result: threads, and the parameters of optimizers that do not plan.
+        What has no influence on the results is left out: threads, and the parameters of other optimizers.
         """
         session = self.config.session
         config = self.config.model_dump(mode="json")
@@ -79,7 +79,7 @@ class PackingSetup:
 
 @dataclass(frozen=True)
 class SceneJob:
-    """A scene to run; it is generated from the seed where it is None. The seed is the noise's, too."""
+    """A scene to run, generated from the seed if it is None; the seed is that of the noise as well."""
 
     name: str
     seed: int
@@ -124,7 +124,7 @@ def scene_jobs(settings: BenchmarkSettings, seed: int, count: int) -> list[Scene
 
 
 def parse_size(text: str) -> tuple[float, float]:
-    """The inside of a container from `0.24x0.19` [m].
+    """Inside lengths of a container [m] from a text like `0.24x0.19`.
 
     Raises:
         ConfigError: the text is not of this form.

@@ -1,4 +1,4 @@
-"""One scene of the packing benchmark, from its seed to the run that came of it."""
+"""One scene of the packing benchmark, from its seed to its run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pack_sim.packing.scene_generator import generate_scene
 
 @dataclass(frozen=True)
 class SceneResult:
-    """A scene as it was, what happened in it, and how long that took [s of wall clock]."""
+    """A scene, its run, and the wall clock time that the run took [s]."""
 
     job: SceneJob
     scene: Scene
@@ -27,7 +27,7 @@ class SceneResult:
 
 
 def run_scene(setup: PackingSetup, job: SceneJob) -> SceneResult:
-    """Run one scene to its outcome; the result depends on nothing but the arguments.
+    """Run one scene to its outcome; the run depends on nothing but the arguments.
 
     Raises:
         PackError: the scene cannot be generated.

@@ -1,1 +1,1 @@
-"""Recorded inputs fed to a core, and what it answers compared with what was recorded."""
+"""Feeds recorded inputs to a core and compares its outputs with the recorded ones."""

@@ -1,4 +1,4 @@
-"""What a replay found: how much was fed in, and how far the core's answers are from the recorded ones."""
+"""Result of a replay: numbers of inputs, and differences between new and recorded outputs."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from pack_core.rotations import Array
 from pack_evaluation.bag import Bag
 
 MAX_MISSING = 0.01
-"""Share of a topic's messages that a recording may lack; beyond it no score is worth anything."""
+"""Share of a topic's messages that a recording may lack; with fewer, a replay is meaningless."""
 
 
 @dataclass(frozen=True)
 class ComparisonRow:
-    """One thing compared.
+    """The comparison of one output.
 
     Attributes:
-        name: of it.
-        compared: how many values.
+        name: name of the output.
+        compared: number of values that were compared.
         mean_mm: mean of their differences.
-        difference_mm: what is judged: their 95th percentile, or the only one.
-        limit_mm: what it may be at most.
+        difference_mm: the difference that decides: their 95th percentile, or the only one.
+        limit_mm: largest allowed difference.
     """
 
     name: str
@@ -35,7 +35,7 @@ class ComparisonRow:
 
     @property
     def agrees(self) -> bool:
-        """Whether the difference is within its limit; not when there was nothing to compare."""
+        """Whether the difference is within its limit; False if there was nothing to compare."""
         return self.compared > 0 and self.difference_mm <= self.limit_mm
 
 
@@ -44,9 +44,9 @@ class Replay:
     """The outcome of a replay.
 
     Attributes:
-        node: whose core it was.
-        inputs: messages fed in by topic.
-        rows: what was compared.
+        node: name of the node whose core was replayed.
+        inputs: number of input messages by topic.
+        rows: the comparisons.
     """
 
     node: str
@@ -55,7 +55,7 @@ class Replay:
 
     @property
     def agrees(self) -> bool:
-        """Whether the core does what the node did."""
+        """Whether the core's outputs agree with the node's recorded ones."""
         return bool(self.rows) and all(row.agrees for row in self.rows)
 
 
@@ -64,9 +64,9 @@ def check_frames(bag: Bag, topic: str, stamps: Sequence[float], rate: float | No
 
     Args:
         bag: the recording, for its name in errors.
-        topic: of the messages.
-        stamps: theirs [s], in order.
-        rate: that the topic has at least [Hz]; None where it is periodic and tells its rate itself.
+        topic: topic of the messages.
+        stamps: stamps of the messages [s], in order.
+        rate: least rate of the topic [Hz]; None for a periodic topic, whose rate follows from its stamps.
 
     Returns:
         The count.
@@ -85,9 +85,10 @@ def check_frames(bag: Bag, topic: str, stamps: Sequence[float], rate: float | No
 
 
 def expected_count(stamps: Array) -> int:
-    """Messages that a periodic topic has between its first and its last, were none missing.
+    """Number of messages that a periodic topic should have between its first and its last one.
 
-    The period is the mean of those gaps that are no longer than usual; stamps are whole milliseconds.
+    The period is the mean of the gaps in which no message is missing. It is the mean, not the median, because
+    stamps are whole milliseconds.
     """
     gaps = np.diff(stamps)
     period = float(gaps[gaps < 1.5 * np.median(gaps)].mean())

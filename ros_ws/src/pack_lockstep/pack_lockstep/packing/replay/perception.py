@@ -1,4 +1,4 @@
-"""The physics estimator on recorded joints and markers, against the recorded estimate."""
+"""Replays recorded joints and markers through the physics estimator."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from pack_perception.mocap.physics_estimator import PhysicsEstimator
 TOPICS = (DESCRIPTION, JOINT_STATES, MARKERS)
 PERCENT = 95
 LIMIT_MM = 1.0
-"""Of the 95th percentile: node and core take steps on joint samples of their own, which contact magnifies."""
+"""Limit of the 95th percentile; node and core step at different joint samples, which contact magnifies."""
 
 
 def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
-    """Estimate again, with the node's parameters under a preset, and compare within the goal.
+    """Estimate the poses again and compare them with the recorded estimate during the goal.
 
     Args:
         bag: the recording.
-        preset: of the run; None: config/nodes as it is.
+        preset: preset of the run; None: config/nodes without changes.
 
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
@@ -52,7 +52,7 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
 
 
 def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
-    """The estimate after every marker frame by object, the messages fed in as they were recorded."""
+    """Estimated tracks by object, with a pose after every marker frame, from the messages as recorded."""
     scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
     config = preset.parameters("perception", EstimatorConfig)
     cell = preset.packing_cell()

@@ -1,4 +1,4 @@
-"""The placement planner on recorded scenes, against the placements that the goal pursued."""
+"""Replays recorded scenes through the placement planner and compares the goal's placements."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ from pack_planner.placement.placement_planner import (
 )
 
 WINDOW = 0.05
-"""The request itself is not recorded: it held one of the scenes this close to when it was sent [s]."""
+"""Requests are not recorded; a request's scene is one of those this close to the time it was sent [s]."""
 LIMIT_MM = 1e-6
-"""The same scene gives the same placement."""
+"""The same scene gives the same placement, so only rounding is allowed."""
 
 
 @dataclass(frozen=True)
 class Request:
-    """A placement that was asked for, and what came of it.
+    """A request for a placement, with the placement that was recorded.
 
     Attributes:
-        sent: about when [s].
-        tried: positions of the placements before it `(n, 3)` [m].
-        p_WT: position that was answered `(3,)` [m].
-        collisions: its collision list.
+        sent: approximate time of the request [s].
+        tried: positions of the earlier placements `(n, 3)` [m].
+        p_WT: recorded position of the placement `(3,)` [m].
+        collisions: recorded collision list of the placement.
     """
 
     sent: float
@@ -57,13 +57,13 @@ def replay_planner(
     method: PackingMethod = PackingMethod.PACK_IT_IN,
     preset: PackingPreset | None = None,
 ) -> Replay:
-    """Plan again, with the nodes' parameters under a preset, each placement of the goal.
+    """Plan each placement of the goal again and compare it with the recorded one.
 
     Args:
         bag: the recording.
-        seed: of the goal.
-        method: of the goal.
-        preset: of the run; None: config/nodes as it is.
+        seed: seed of the goal.
+        method: method of the goal.
+        preset: preset of the run; None: config/nodes without changes.
 
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
@@ -84,9 +84,10 @@ def replay_planner(
 
 
 def requests(run: Run) -> Iterator[Request]:
-    """The placements of a goal in their order: the first asked for at its start, the others once it is out.
+    """The requests of a goal in their order.
 
-    Iterations before the first answer go above the container's middle and pursue no placement.
+    The first is sent at the goal's start, each later one once the object is out of the container again.
+    Iterations before the first answer move above the container's middle and have no placement yet.
     """
     done = run.iterations
     numbers, starts = np.unique(done.placements, return_index=True)
@@ -97,7 +98,7 @@ def requests(run: Run) -> Iterator[Request]:
 
 
 def _out(run: Run, start: int, end: int) -> float:
-    """When the iterations from `start` to `end` had given their placement up and the object was out [s]."""
+    """When, in iterations `start` to `end`, the placement was given up and the object was out [s]."""
     done, scene = run.iterations, run.scene
     above = [stage == "PRE_PACK" for stage in done.stages]
     back = [i for i in range(start + 1, end) if above[i] and not above[i - 1]]
@@ -114,7 +115,7 @@ def _compare(
     planner: PlacementPlanner, session: SessionConfig, request: Request, scenes: list[SceneState],
     seed: int,
 ) -> ComparisonRow:  # fmt: skip
-    """The nearest placement among those that the scenes give; stops at the one that was recorded."""
+    """Compare the recorded placement with the nearest of those that are planned for the scenes."""
     radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
     best, planned = float("inf"), 0
     for scene in scenes:
