@@ -75,7 +75,9 @@ class CellClient:
                 self._call(self._remove, RemoveBox.Request(name=name), f"box {name} cannot be taken out")
             case CloseGripper() | OpenGripper():
                 close = isinstance(command, CloseGripper)
-                self._call(self._gripper, GripperCommand.Request(close=close), "the gripper refused the command")
+                self._call(
+                    self._gripper, GripperCommand.Request(close=close), "the gripper refused the command"
+                )
 
     def _now(self) -> float:
         return from_stamp(self._node.get_clock().now().to_msg())
