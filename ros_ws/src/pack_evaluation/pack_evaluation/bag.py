@@ -1,4 +1,4 @@
-"""Messages of a bag as objects."""
+"""Reads the messages of a bag as Python objects."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Recorded:
 
 @dataclass(frozen=True)
 class Bag:
-    """What was read.
+    """The messages that were read from a bag.
 
     Attributes:
         path: the bag's folder or file.
-        messages: of the topics asked for, in order of time.
+        messages: messages of the requested topics, in order of time.
         is_cut: whether the recording ended without finishing the bag.
     """
 
@@ -47,8 +47,8 @@ def read_bag(path: Path, topics: Collection[str] | None = None) -> Bag:
     """Read a run's folder, a bag's folder or an MCAP file.
 
     Args:
-        path: what is to be read.
-        topics: names of those wanted; all if None.
+        path: the run's folder, bag's folder or MCAP file.
+        topics: names of the topics to read; None: all.
 
     Raises:
         BagError: the bag is missing, or nothing in it is readable.

@@ -1,4 +1,4 @@
-"""From a recording to its measures, plots, video and report: the one way that every cell takes."""
+"""Evaluation of a recording, the same for every cell: measures, plots, video and report."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 VIDEO, REPORT, PLOTS = "run.mp4", "report.html", "plots"
 OnProgress = Callable[[float], None]
-"""Is told the fraction done."""
+"""Called with the fraction that is done, 0 to 1."""
 
 
 class RecordedRun(Protocol):
@@ -34,7 +34,7 @@ MeasuresT = TypeVar("MeasuresT", bound="DataclassInstance")
 
 @dataclass(frozen=True)
 class Evaluation(Generic[RunT, MeasuresT]):
-    """What an evaluation found and wrote; `rows` are the measures in words.
+    """Results of an evaluation and the files that it wrote; `rows` are the measures in words.
 
     `plots` are PNG files, `video` is None where none was wanted, and `record` is what run.yaml holds.
     """
@@ -64,7 +64,7 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
             path: a run's folder, a bag's folder or an MCAP file.
             output: the folder for report.html, plots/ and run.mp4.
             with_video: render the run.
-            progress: of the video.
+            progress: called with the fraction of the video that is rendered.
 
         Raises:
             BagError: the recording is missing, broken, or holds no goal of this cell.

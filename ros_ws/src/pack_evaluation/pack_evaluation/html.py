@@ -10,11 +10,11 @@ from jinja2 import Environment, StrictUndefined
 
 
 def render(template: Path, **values: Any) -> str:
-    """The template with its values, escaped."""
+    """Render a Jinja template; values are escaped for HTML."""
     environment = Environment(autoescape=True, undefined=StrictUndefined)
     return environment.from_string(template.read_text()).render(**values)
 
 
 def embedded(path: Path) -> str:
-    """A file's content as base64."""
+    """A file's content in base64, to embed it in a page."""
     return b64encode(path.read_bytes()).decode()

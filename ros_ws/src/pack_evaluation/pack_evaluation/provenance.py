@@ -12,7 +12,7 @@ PACKAGES = ("mujoco", "numpy", "scipy", "numba", "rosbags", "ros-jazzy-rclpy", "
 
 
 def installed_versions() -> dict[str, str]:
-    """The version of every package that results depend on, by name; absent where it is not installed."""
+    """The version of every installed package that results depend on, by name."""
     versions = {}
     for package in PACKAGES:
         try:
@@ -33,5 +33,5 @@ def checked_out_commit() -> str:
 
 
 def provenance(command: str) -> dict[str, Any]:
-    """What made a result: the command line, the checked-out commit, and the versions of packages."""
+    """Origin of a result: command line, checked-out commit and versions of packages."""
     return {"command": command, "commit": checked_out_commit(), "versions": installed_versions()}

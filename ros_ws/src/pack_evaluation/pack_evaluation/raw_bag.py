@@ -1,6 +1,6 @@
-"""Serialised messages of a bag; one that a kill cut off is read up to the cut.
+"""Reads the serialised messages of a bag, also of one whose recording was killed.
 
-Types come from the schemas in the bag, so a bag is readable wherever it is carried.
+Message types come from the schemas in the bag, so a bag can be read without the packages that define them.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from rosbags.typesys.store import Typestore
 from pack_core.errors import BagError
 
 UNREADABLE = (AnyReaderError, OSError, TypeError, ValueError, struct.error)
-"""What rosbags raises on a bag that has no end, or is none."""
+"""Errors that rosbags raises on a bag that was not finished, or on something else."""
 HEAD = 9
-"""Bytes in front of a record's content: what it is (1), and its length (8)."""
+"""Bytes before the content of an MCAP record: its kind (1), and the length of its content (8)."""
 
 
 @dataclass(frozen=True)
 class Topic:
-    """What a bag knows of a topic; `type` is as in `sensor_msgs/msg/JointState`."""
+    """A topic of a bag; `type` is a name like `sensor_msgs/msg/JointState`."""
 
     name: str
     type: str
@@ -50,7 +50,7 @@ class RawMessage:
 
 @dataclass(frozen=True)
 class RawBag:
-    """What was read; `is_cut` where the recording ended without finishing the bag."""
+    """Content of a bag; `is_cut` is True if the recording ended without finishing the bag."""
 
     path: Path
     topics: dict[str, Topic]
@@ -63,7 +63,7 @@ def find_bag(path: Path) -> Path:
     """The bag in a run's folder, or `path` itself where it is a bag already.
 
     Raises:
-        BagError: there is nothing like a bag.
+        BagError: there is no bag.
     """
     for candidate in (path / "bag", path):
         if candidate.is_file() or (candidate / "metadata.yaml").is_file() or list(candidate.glob("*.mcap")):
@@ -76,8 +76,8 @@ def read_raw_bag(path: Path, topics: Collection[str] | None = None) -> RawBag:
     """Read a run's folder, a bag's folder or an MCAP file, in order of time.
 
     Args:
-        path: what `find_bag` accepts.
-        topics: names of those wanted; all if None.
+        path: a path that `find_bag` accepts.
+        topics: names of the topics to read; None: all.
 
     Raises:
         BagError: the bag is missing, or nothing in it is readable.
@@ -111,7 +111,7 @@ def _storage_file(bag: Path, reason: Exception) -> Path:
 
 
 def _read_cut(bag: Path, file: Path, topics: Collection[str] | None) -> RawBag:
-    """All messages of an MCAP file in front of the first broken record."""
+    """All messages of an MCAP file before the first broken record."""
     types = get_typestore(Stores.EMPTY)
     names: dict[int, str] = {}
     channels: dict[int, Topic] = {}
@@ -137,6 +137,7 @@ def _read_cut(bag: Path, file: Path, topics: Collection[str] | None) -> RawBag:
 
 def _whole_records(data: bytes) -> Iterator[Any]:
     end = len(MCAP0_MAGIC)
+    # records follow each other, each with its length: stop at the first that the file does not hold whole
     while (follows := end + HEAD + int.from_bytes(data[end + 1 : end + HEAD], "little")) <= len(data):
         end = follows
     try:

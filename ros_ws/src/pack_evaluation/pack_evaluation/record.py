@@ -1,4 +1,4 @@
-"""What a run was made with: run.yaml in its folder."""
+"""Reads run.yaml, which records the settings and origin of a run, from the run's folder."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ RECORD = "run.yaml"
 
 
 def load_record(recording: Path) -> dict[str, Any]:
-    """What run.yaml holds in the run's folder or, of a bag, beside it; empty where there is none.
+    """The content of run.yaml in a run's folder or beside its bag; empty if there is none.
 
     Raises:
         BagError: the file is broken.
@@ -36,9 +36,9 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def cell_of(recording: Path) -> str:
-    """The cell that was recorded; raises BagError where run.yaml names one that there is not.
+    """The cell that was recorded; raises BagError if run.yaml names an unknown one.
 
-    A bag without run.yaml, and a run that a benchmark saved, are taken for the first cell's.
+    A bag without run.yaml and a run that a benchmark saved are assumed to be of the first cell.
     """
     cell = str(load_record(recording).get("cell", CELLS[0]))
     if cell not in CELLS:

@@ -1,4 +1,4 @@
-"""How a measure is spread over trials, and whether it tells failures from successes."""
+"""Statistics of a measure over trials, and how well it separates failures from successes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.stats import rankdata
 
 Values = Sequence[float] | npt.NDArray[np.float64]
 PARTS = {"mean": "mean", "p95": "95th percentile", "max": "largest"}
-"""What `mean_p95_max` gives, and what tables call it."""
+"""Keys of the result of `mean_p95_max`, with their names in tables."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,10 @@ class Split:
     """A measure of trials that succeeded and of those that failed.
 
     Attributes:
-        success: of those that succeeded.
-        failure: of those that failed.
-        auc: probability that a failure measures more than a success, 0.5 being no information;
-            None unless there are both.
+        success: statistics of the trials that succeeded.
+        failure: statistics of the trials that failed.
+        auc: probability that a failure measures more than a success; 0.5 means no information, None that one
+            of the groups is empty.
     """
 
     success: Spread
@@ -54,7 +54,7 @@ class Split:
 
 
 def split(success: Values, failure: Values) -> Split:
-    """The spread of a measure by outcome, and how well it tells the outcome."""
+    """Statistics of a measure by outcome, and how well the measure predicts the outcome."""
     return Split(spread(success), spread(failure), auc(success, failure))
 
 
@@ -65,6 +65,7 @@ def auc(success: Values, failure: Values) -> float | None:
         return None
     ranks = rankdata(np.concatenate([high, low]))[: high.size]
     pairs = low.size * high.size
+    # Mann-Whitney U: the rank sum less its smallest possible value, which is n (n + 1) / 2
     return float((ranks.sum() - high.size * (high.size + 1) / 2) / pairs)
 
 
@@ -78,7 +79,7 @@ def mean_p95_max(values: Sequence[float]) -> dict[str, float | None]:
 
 
 def spread_text(values: Mapping[str, float | None], digits: int = 2) -> str:
-    """What `mean_p95_max` gives, for a table's cell; a part that there is not is a dash."""
+    """The result of `mean_p95_max` as text for a table's cell; a missing part is a dash."""
     parts = (values.get(part) for part in PARTS)
     return "   ".join("-" if value is None else f"{value:.{digits}f}" for value in parts)
 

@@ -1,4 +1,4 @@
-"""Many runs of one cell put side by side: what every cell provides for it."""
+"""Comparison of many runs of one cell: the interface that every cell implements."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pack_core.errors import ConfigError
 from pack_evaluation.table import TextTable
 
 RECORDINGS = "recordings"
-"""Name of the study that all recordings of a cell make together."""
+"""Name of the study that holds all recordings of a cell."""
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,9 @@ class KeptTrials:
 
     Attributes:
         folder: the benchmark's folder.
-        settings: what decides the results.
+        settings: settings that decide the results.
         origin: command, commit and versions that the results come from.
-        trials: one mapping a trial, each with a `name`.
+        trials: one mapping for each trial, with at least a `name`.
     """
 
     folder: Path
@@ -32,7 +32,7 @@ class KeptTrials:
     trials: Sequence[Mapping[str, Any]]
 
     def require(self, keys: Iterable[str]) -> None:
-        """Refuse trials that another version kept, by what they lack.
+        """Refuse trials of another version, which lack keys.
 
         Raises:
             ConfigError: a trial lacks one of the keys.
@@ -113,7 +113,7 @@ class StudyEvaluator(ABC, Generic[StudyT, RecordingT]):
 
     @abstractmethod
     def summary(self, study: StudyT) -> dict[str, Any]:
-        """What a study amounts to, as plain values."""
+        """The statistics of a study as plain values."""
 
     @abstractmethod
     def tables(self, studies: Sequence[StudyT]) -> Sequence[TextTable]:
@@ -128,7 +128,7 @@ class StudyEvaluator(ABC, Generic[StudyT, RecordingT]):
 
         Args:
             studies: the runs.
-            folder: the report's; pictures go into a folder below it.
+            folder: folder of the report; pictures go into a folder below it.
             count: runs of each study that are drawn; 0: none, which needs no OpenGL.
             videos: runs of each study that are rendered as MP4.
 

@@ -22,12 +22,12 @@ class StudySection:
 
     Attributes:
         title: its heading.
-        tables: studies side by side.
-        figures: PNG files.
+        tables: tables that compare the studies.
+        figures: paths of PNG files.
         pictures_title: heading of the pictures.
-        pictures_note: what they show.
-        pictures: of single runs.
-        about: how each study was run, by its name.
+        pictures_note: one sentence on what the pictures show.
+        pictures: pictures of single runs.
+        about: settings and origin of each study, by its name.
     """
 
     title: str
@@ -51,12 +51,12 @@ def study_section(
     """Draw everything that a cell shows of its studies.
 
     Args:
-        evaluator: the cell's.
-        studies: to be shown side by side.
-        folder: for figures/ and pictures.
+        evaluator: the cell's evaluator of studies.
+        studies: the studies to compare.
+        folder: folder for figures/ and pictures.
         pictures: runs of each study that are drawn.
         videos: runs of each study that are rendered as MP4.
-        warn: is told why there are no pictures, e.g. without OpenGL.
+        warn: called with the reason if there are no pictures, as without OpenGL.
     """
     try:
         shown = evaluator.pictures(studies, folder, count=max(pictures, videos), videos=videos)

@@ -1,4 +1,4 @@
-"""Tables of measures, for terminals and reports, and how a measure says what stands in them.
+"""Tables of measures for terminals and reports, and the annotation that turns a measure into a row.
 
 A measure is one field of a cell's dataclass of measures, annotated with its row. Nothing else lists it:
 
@@ -39,9 +39,9 @@ class MeasureText:
     """How a row shows a measure.
 
     Attributes:
-        name: of the row.
-        text: the measure's value in words.
-        meaning: what it is; a function takes all measures, where the words depend on them.
+        name: name of the row.
+        text: turns the measure's value into text.
+        meaning: explanation of the measure; a function of all measures where it depends on them.
     """
 
     name: str
@@ -65,15 +65,15 @@ def _meaning(text: MeasureText, measures: Any) -> str:
 
 
 def yes_or_no(value: bool) -> str:
-    """Words for a truth value."""
+    """`yes` or `no` for a truth value."""
     return "yes" if value else "no"
 
 
 def number(unit: str, digits: int = 2, factor: float = 1.0) -> Callable[[float], str]:
-    """Words for a number times a factor with its unit; NaN, which stands for no value, is a dash."""
+    """A function that formats a number, times a factor, with its unit; NaN (no value) becomes a dash."""
     return lambda value: "-" if value != value else f"{factor * value:.{digits}f} {unit}".strip()
 
 
 def mean_and_max(unit: str, digits: int = 3) -> Callable[[tuple[float, float]], str]:
-    """Words for a mean and a largest value with their unit."""
+    """A function that formats a pair of mean and largest value with their unit."""
     return lambda pair: f"{pair[0]:.{digits}f}, {pair[1]:.{digits}f} {unit}"

@@ -19,7 +19,7 @@ TEMPLATE = Path(__file__).with_name("report.html.j2")
 
 
 class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
-    """One rearrangement."""
+    """Evaluates the rearrangement of a recording."""
 
     def load(self, path: Path) -> BlocksRun:
         """The rearrangement in a recording."""

@@ -26,7 +26,7 @@ FIELDS = (
     "success", "exit_reason", "message", "execution_time", "picks", "pushes", "plans", "failed_grasps",
     "refusals", "deviations", "disturbances",
 )  # fmt: skip
-"""Of the action's result."""
+"""Fields that the action's result must have."""
 PUSH = 2
 """BlockAction's kind of a push."""
 PROBLEM_FILE = "problem.yaml"
@@ -34,7 +34,7 @@ PROBLEM_FILE = "problem.yaml"
 
 @dataclass(frozen=True)
 class Sight:
-    """What one picture told: time of exposure [s], X_WB by id, ids not seen or seen twice."""
+    """Detections in one picture: time of exposure [s], X_WB by id, and ids not seen or seen twice."""
 
     time: float
     poses: Mapping[str, PlanarPose]
@@ -46,16 +46,16 @@ class BlocksRun:
     """One recorded rearrangement.
 
     Attributes:
-        problem: where blocks stood and were to stand.
+        problem: start and goal poses of the blocks.
         result: the fields of the action's result.
         plans: every plan that was made, in order.
-        sights: every picture's poses.
-        times: of the truth `(T,)` [s].
+        sights: detections in every picture.
+        times: times of the true poses `(T,)` [s].
         truth: poses of every block `(T, 7)`, position and quaternion wxyz, by id.
-        joint_times: `(J,)` [s].
-        joints: `(J, 6)` [rad].
-        jaw_times: `(G,)` [s].
-        openings: between the pads `(G,)` [m].
+        joint_times: times of the joint positions `(J,)` [s].
+        joints: measured joint positions `(J, 6)` [rad].
+        jaw_times: times of the openings `(G,)` [s].
+        openings: distances between the gripper's pads `(G,)` [m].
         is_cut: whether the recording was cut off.
     """
 
@@ -105,8 +105,8 @@ def read_result(text: str, path: Path) -> dict[str, Any]:
     """The fields of the action's result.
 
     Args:
-        text: JSON.
-        path: of the bag, for the error.
+        text: the result as JSON.
+        path: path of the bag, for the error.
 
     Raises:
         BagError: a field is missing.
@@ -125,7 +125,7 @@ def planar(row: Array) -> PlanarPose:
 
 
 def _plans(messages: Sequence[Any]) -> list[Plan]:
-    """One for each time that the executor had a plan made which says what to do."""
+    """The plans with at least one action, in the order in which the executor requested them."""
     plans: dict[int, Plan] = {}
     for message in messages:
         if message.plan:

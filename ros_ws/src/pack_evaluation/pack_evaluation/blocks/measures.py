@@ -1,4 +1,4 @@
-"""What a recorded rearrangement amounts to."""
+"""The measures of a recorded rearrangement."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class BlocksMeasures:
 
     success: Annotated[bool, MeasureText("arranged", yes_or_no, lambda m: m.message)]
     exit_reason: str
-    """How it ended, by the executor's own account; `message` says the same in words."""
+    """How it ended according to the executor; `message` says the same in words."""
     message: str
     error_mm: Annotated[
         dict[str, float], MeasureText("position", _worst("mm"), "of the worst block from its goal, true")
@@ -73,7 +73,7 @@ class BlocksMeasures:
 
 
 def measure(run: BlocksRun) -> BlocksMeasures:
-    """Measure a run."""
+    """Measure a recorded rearrangement."""
     result, problem = run.result, run.problem
     final = run.poses_at(float(run.times[-1]))
     first = run.plans[0] if run.plans else None

@@ -1,4 +1,4 @@
-"""A plan drawn step by step: one small picture an action."""
+"""Draws a plan step by step, with one small picture for each action."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ WAITING, HOME, MOVING = "#c9ced6", "#7fb08a", "#2f6db5"
 CARRY, PUSH = "#2f6db5", "#d9722e"
 GRIPPER = "#3d434b"
 TILE = 1.75
-"""Of a picture [inch]."""
+"""Edge length of one small picture [inch]."""
 
 
 def draw_plan(problem: Problem, plan: Plan, columns: int = 6) -> Figure:
-    """The start, then every action: where the block was and is, and the fingers that moved it.
+    """Draw the start, then for every action the block before and after it and the fingers that move it.
 
     Blocks on their goals are green, those that wait grey; goals are outlined. Blue: picked and placed;
     orange: pushed.
@@ -91,7 +91,7 @@ def _draw_state(axes: Axes, problem: Problem, poses: Mapping[str, PlanarPose], a
 
 
 def _draw_action(axes: Axes, problem: Problem, action: Action) -> None:
-    """Where the block was, its way, and the fingers."""
+    """Draw the block before the action, its way, and the fingers."""
     colour = PUSH if isinstance(action, Push) else CARRY
     ghost = _square(action.start, problem.side)
     axes.add_patch(Polygon(ghost, facecolor=colour, alpha=0.14, edgecolor=colour, lw=0.7, zorder=1))
@@ -133,7 +133,7 @@ def _rectangle(centre: PlanarPose, heading: float, length: float, width: float) 
 
 
 def _upright(yaw: float) -> float:
-    """The turn [degrees] of a label that is readable on a square."""
+    """Angle [deg] at which a label on a square is parallel to a side and readable."""
     return (math.degrees(yaw) + 45.0) % 90.0 - 45.0
 
 

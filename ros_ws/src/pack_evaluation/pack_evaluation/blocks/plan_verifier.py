@@ -1,4 +1,4 @@
-"""Checks a plan action by action, with polygons: none of the planners' geometry is used."""
+"""Checks a plan action by action with polygons, independently of the planners' own geometry."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pack_core.blocks.primitive_action import is_refused
 from pack_core.blocks.problem import Problem
 
 TOUCH = 1e-6
-"""Polygons that reach less than this into each other touch [m]."""
+"""Polygons that overlap by less than this only touch [m]."""
 EXACT = 1e-6
-"""Between poses that must be the same [m, rad]."""
+"""Largest difference between poses that must be the same [m, rad]."""
 
 
 def verify(problem: Problem, plan: Plan) -> list[str]:
-    """What is wrong with a plan, in words; nothing for a plan that does what it should.
+    """The faults of a plan in words; empty for a valid plan that reaches all goals.
 
     Blocks that count as standing on their goals are taken to stand there exactly, and a block's first action
     may start within tolerance of where the block was measured, as the planner assumes.
@@ -59,7 +59,7 @@ def _faults(
 
 
 def _jump(problem: Problem, now: PlanarPose, start: PlanarPose, has_moved: bool) -> Iterator[str]:
-    """The action does not start where the block stands."""
+    """A fault if the action does not start where the block stands."""
     distance = EXACT if has_moved else problem.tolerance.push_line + EXACT
     angle = EXACT if has_moved else math.radians(problem.tolerance.angle_deg) + EXACT
     if now.distance_to(start) > distance or abs(turn_between(now, start)) > angle:
@@ -96,7 +96,7 @@ def _fingers(problem: Problem, pose: PlanarPose, grasp: int) -> Iterator[Polygon
 
 
 def _push_sweeps(problem: Problem, action: Action) -> Iterator[tuple[str, Polygon]]:
-    """The block on its way, and the fingers behind it from where they come down to where they leave."""
+    """Areas swept by the pushed block, and by the fingers behind it from touchdown to lift-off."""
     gripper, half = problem.gripper, problem.side / 2
     assert isinstance(action, Push)
     grown = half + gripper.block_margin

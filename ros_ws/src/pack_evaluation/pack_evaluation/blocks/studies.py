@@ -70,7 +70,7 @@ class BlocksStudies(StudyEvaluator[BlocksStudy, Recording]):
         return summarize(study.trials)
 
     def tables(self, studies: Sequence[BlocksStudy]) -> Sequence[TextTable]:
-        """Methods side by side, every instance, every recording."""
+        """Comparison of the methods, table of instances, table of recordings."""
         planned = [study for study in studies if not study.recordings]
         recorded = [item for study in studies for item in study.recordings]
         found: list[TextTable] = []

@@ -16,11 +16,11 @@ COUNTS = {
     "as short as the lower bound": ("at_lower_bound", "solved"),
     "carried out well": ("executed_ok", "executed"),
 }
-"""Rows of counts: which key of a summary, of which."""
+"""Rows of counts: name of the row, key of the count, key of the total."""
 
 
 def comparison(summaries: Mapping[str, Mapping[str, Any]], title: str) -> TextTable:
-    """A column a study, a row a measure; a measure that no study has is left out."""
+    """Table with a column for each study and a row for each measure that a study has."""
     found = summaries.values()
     lines = [
         (name, *(f"{s[part]} of {s[whole]}" for s in found))
@@ -37,10 +37,10 @@ def comparison(summaries: Mapping[str, Mapping[str, Any]], title: str) -> TextTa
 
 
 def instances(trials: Mapping[str, Sequence[Mapping[str, Any]]]) -> TextTable:
-    """A row an instance, a column a study.
+    """Table with a row for each instance and a column for each study.
 
     Args:
-        trials: of every study, by its name.
+        trials: the trials of every study, by its name.
     """
     by_name = {(name, t["instance"]): t for name, found in trials.items() for t in found}
     known = dict.fromkeys(t["instance"] for found in trials.values() for t in found)
@@ -50,7 +50,7 @@ def instances(trials: Mapping[str, Sequence[Mapping[str, Any]]]) -> TextTable:
 
 
 def recordings(measured: Sequence[tuple[str, BlocksMeasures]]) -> TextTable:
-    """A row a measure, a column a recording."""
+    """Table with a row for each measure and a column for each recording."""
     by_recording = [{row.name: row.value for row in measure_rows(measures)} for _, measures in measured]
     names = dict.fromkeys(name for values in by_recording for name in values)
     lines = tuple((name, *(values.get(name, "-") for values in by_recording)) for name in names)

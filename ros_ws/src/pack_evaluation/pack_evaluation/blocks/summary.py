@@ -1,4 +1,4 @@
-"""What many planned and executed rearrangements amount to, as plain values."""
+"""Statistics of many planned and executed rearrangements as plain values."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ OF_EXECUTIONS = {
 
 
 def summarize(lines: Sequence[Line]) -> dict[str, Any]:
-    """Counts, and the spread of each measure; those of plans over the instances solved."""
+    """Counts, and statistics of each measure; measures of plans are taken over the solved instances."""
     solved = [line for line in lines if line["is_solved"]]
     executions = [line["execution"] for line in lines if line["execution"] is not None]
     summary: dict[str, Any] = {
@@ -49,7 +49,7 @@ def summarize(lines: Sequence[Line]) -> dict[str, Any]:
 
 
 def summarize_recordings(measured: Sequence[BlocksMeasures]) -> dict[str, Any]:
-    """Counts, and the spread of what the worst block of each recording measures."""
+    """Counts, and statistics of the measures of each recording, errors being those of its worst block."""
     return {
         "recordings": len(measured),
         "arranged": sum(m.success for m in measured),

@@ -20,7 +20,7 @@ FPS = 25
 SPEED = 4.0
 """Simulated seconds a second of the video."""
 ROWS, COLUMNS = 2, 3
-"""Of the strip."""
+"""Rows and columns of pictures in the strip."""
 STRIP_SIZE = (640, 480)
 
 

@@ -23,7 +23,7 @@ class RunView:
 
     Args:
         run: the recording.
-        cell: that it was made in.
+        cell: the cell of the recording.
         size: width and height [pixel].
     """
 
@@ -64,7 +64,7 @@ class RunView:
         mujoco.mj_forward(self._model, data)
 
     def _camera(self) -> mujoco.MjvCamera:
-        """From the side of the work area, over the table's edge."""
+        """A camera at the side of the work area, over the table's edge."""
         camera = mujoco.MjvCamera()
         camera.lookat[:], camera.distance = (*self._cell.workspace.centre, 0.12), 1.25
         camera.azimuth, camera.elevation = 145.0, -32.0

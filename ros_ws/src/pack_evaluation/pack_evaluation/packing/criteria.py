@@ -14,7 +14,7 @@ PACKED_STAGE = "FINE_TUNE"
 
 
 class Criteria(Config):
-    """ExitReason conditions, as the paper has them."""
+    """Conditions under which a goal ends, with the paper's values (section IV-C)."""
 
     distance: PositiveFloat = Field(default=0.015, description="to the packing pose when placed [m]")
     timeout: PositiveFloat = Field(default=20.0, description="simulated time [s]")
@@ -27,14 +27,14 @@ def is_packed(run: Run) -> bool:
 
 
 def exit_reason(run: Run, criteria: Criteria) -> PackingExitReason:
-    """How the goal ended: what was recorded, else what the recorded motion says."""
+    """How the goal ended: as recorded in its result, else as derived from the recorded motion."""
     if "exit_reason" in run.outcome:
         return PackingExitReason(run.outcome["exit_reason"])
     return judge(run, criteria)
 
 
 def judge(run: Run, criteria: Criteria) -> PackingExitReason:
-    """How the goal ended by the recorded motion alone."""
+    """How the goal ended, derived from the recorded motion alone."""
     iterations = run.iterations
     if not iterations.times.size:
         return PackingExitReason.NO_PLACEMENT

@@ -1,4 +1,4 @@
-"""Draws a run's pictures in processes of their own, as OpenGL without a card keeps a core busy."""
+"""Draws a run's pictures in parallel processes, because software OpenGL keeps a core busy."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _open: dict[str, tuple[Run, View]] = {}
 
 @contextmanager
 def drawing_processes(run: Run, config: ViewConfig) -> Iterator[ProcessPoolExecutor]:
-    """One process a core, each with a view of the run that `draw` uses."""
-    with View(run, config):  # fails here, in words, where there is no OpenGL
+    """A pool with one process for each core, each with a view of the run that `draw` uses."""
+    with View(run, config):  # without OpenGL this raises a PackError here instead of in a process
         pass
     count = len(os.sched_getaffinity(0))
     with ProcessPoolExecutor(count, get_context("spawn"), _start, (run, config)) as pool:
@@ -33,5 +33,6 @@ def draw(times: Array) -> list[Picture]:
 
 
 def _start(run: Run, config: ViewConfig) -> None:
+    # one thread of the software renderer for each process, since there is a process for each core
     os.environ["LP_NUM_THREADS"] = "1"
     _open["run"] = (run, View(run, config))

@@ -14,7 +14,7 @@ from pack_evaluation.packing.video import write_still, write_video
 
 
 class PackingEvaluator(Evaluator[Run, PackingMeasures]):
-    """One packing goal."""
+    """Evaluates the last packing goal of a recording."""
 
     def load(self, path: Path) -> Run:
         """The goal in a recording."""

@@ -1,4 +1,4 @@
-"""Recorded messages to arrays."""
+"""A recording of the packing cell as arrays."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def load_run(path: Path) -> Run:
 
 
 def to_run(bag: Bag) -> Run:
-    """The last goal in what was read.
+    """The last goal in a bag.
 
     Raises:
         BagError: a topic that every run has is missing.
@@ -111,10 +111,11 @@ def _times(messages: Sequence[Any]) -> Array:
 
 
 def _last_goal(bag: Bag) -> tuple[Iterations, dict[str, Any]]:
-    """The last goal's iterations and its result; the result of an earlier goal is not taken for it."""
+    """Iterations and result of the last goal; the result is empty if only an earlier goal has one."""
     status = [item for item in bag.messages if item.topic == MPC_STATUS]
     results = [item for item in bag.messages if item.topic == RESULT]
     elapsed = np.array([item.message.elapsed for item in status])
+    # the time since the goal was accepted falls only where a new goal begins
     restarts = np.flatnonzero(np.diff(elapsed) < 0.0)
     last = status[restarts[-1] + 1 :] if restarts.size else status
     is_newer = bool(results) and (not last or results[-1].time_ns >= last[-1].time_ns)

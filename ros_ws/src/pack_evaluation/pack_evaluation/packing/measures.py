@@ -53,7 +53,7 @@ class PackingMeasures:
         float, MeasureText("MPC iteration, 95 %", number("ms", 1), "percentile of it")
     ]
     iterations: int
-    """How many the controller made."""
+    """Number of the controller's iterations."""
     placements: Annotated[int, MeasureText("placements", str, "packing poses that were tried")]
     displacement: Annotated[
         float,
@@ -100,14 +100,14 @@ def goal_force(run: Run) -> tuple[Array, Array]:
 
 
 def final_distance(run: Run) -> float:
-    """Distance [m] from the held object, as it truly is, to its packing pose at the end."""
+    """True distance [m] of the held object from its packing pose at the end."""
     if not run.iterations.placements.any():
         return NAN
     return float(run.truth[run.held].at(np.array([run.end])).distance_to(run.iterations.p_WT[-1])[0])
 
 
 def position_error(run: Run) -> float:
-    """M_pos (Eq. 7) [m]: over the objects in the container, estimate against truth."""
+    """M_pos (Eq. 7) [m]: mean distance of estimated from true positions of objects in the container."""
     errors = []
     for name in _estimated(run):
         estimate = run.estimate[name].between(run.start, run.end)
@@ -116,13 +116,13 @@ def position_error(run: Run) -> float:
 
 
 def rotation_error(run: Run) -> float:
-    """M_rot (Eq. 8) [rad]: angle between estimated and true orientation of the held object."""
+    """M_rot (Eq. 8) [rad]: mean angle between estimated and true orientation of the held object."""
     estimate = run.estimate[run.held].between(run.start, run.end)
     return _mean(estimate.angle_to(run.truth[run.held].at(estimate.times)))
 
 
 def predicted_objects(run: Run) -> float:
-    """M_per (Eq. 9): objects in the container that were not seen, their mean number over time."""
+    """M_per (Eq. 9): mean number over time of objects in the container that were not seen."""
     windows = [run.estimate[name].between(run.start, run.end) for name in _estimated(run)]
     return float(sum(_mean(window.is_predicted.astype(float)) for window in windows))
 

@@ -15,7 +15,7 @@ STAGE_COLOURS = {"PRE_PACK": "#4c78a8", "INSERT": "#e08a1e", "FINE_TUNE": "#3d9a
 STAGE_TITLES = {"PRE_PACK": "PRE-PACK", "INSERT": "INSERT", "FINE_TUNE": "FINE-TUNE"}
 OTHER_COLOUR = "#7f7f7f"
 UNITS = 36
-"""The bar's parts are sized in this fraction of the picture's height."""
+"""Unit of the caption's sizes: the picture's height divided by this."""
 OPACITY = 0.85
 INK = "#20252b"
 

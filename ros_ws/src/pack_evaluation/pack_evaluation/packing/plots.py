@@ -16,7 +16,7 @@ from pack_evaluation.packing.run import Run
 from pack_evaluation.track import Track
 
 SIZE = (9.0, 3.1)
-"""Of a figure [inch]."""
+"""Width and height of a figure [inch]."""
 INK = "#20252b"
 
 Draw = Callable[[Axes, Run], None]
@@ -29,7 +29,7 @@ def write_plots(run: Run, folder: Path) -> list[Path]:
 
 
 def draw_distance(axes: Axes, run: Run) -> None:
-    """Distance of the held object to its packing pose, as it truly is."""
+    """True distance of the held object from its packing pose."""
     axes.set(title="Distance to the packing pose", ylabel="distance [cm]")
     if not run.iterations.times.size:
         return
@@ -52,7 +52,7 @@ def draw_force(axes: Axes, run: Run) -> None:
 
 
 def draw_iterations(axes: Axes, run: Run) -> None:
-    """Wall clock of the controller's iterations."""
+    """Wall clock time of the controller's iterations."""
     axes.set(title="MPC iteration time", ylabel="wall clock [ms]")
     iterations = run.iterations
     if not iterations.ms.size:

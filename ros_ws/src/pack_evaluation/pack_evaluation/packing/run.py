@@ -17,16 +17,16 @@ class Iterations:
     """The controller's N iterations for one goal; none where no placement was found.
 
     Attributes:
-        times: of the state that was planned from `(N,)` [s].
-        elapsed: since the goal was accepted `(N,)` [s].
-        stages: names, N of them.
-        distance: of the held object to its packing pose, as estimated `(N,)` [m].
-        cost: `(N,)`.
-        ms: wall clock of each `(N,)` [ms].
-        placements: how many had been tried `(N,)`.
+        times: time of the state that was planned from `(N,)` [s].
+        elapsed: time since the goal was accepted `(N,)` [s].
+        stages: names of the stages, N of them.
+        distance: estimated distance of the held object from its packing pose `(N,)` [m].
+        cost: cost of the planned trajectory `(N,)`.
+        ms: wall clock time of each iteration `(N,)` [ms].
+        placements: number of placements tried so far `(N,)`.
         p_WT: packing position `(N, 3)` [m].
         q_WT: packing orientation `(N, 4)`, wxyz.
-        collisions: the collision list of each, N of them.
+        collisions: collision list G of the placement, N of them.
     """
 
     times: Array
@@ -49,15 +49,15 @@ class Run:
         scene: shapes, sizes and masses; no poses.
         start: when the goal was accepted [s].
         end: when it ended [s]; of a cut recording, the last iteration.
-        iterations: of the controller.
-        truth: by object, the held one included.
-        estimate: likewise, what perception said.
-        joint_times: `(J,)` [s].
-        joints: `(J, 7)` [rad].
-        force_times: `(F,)` [s].
+        iterations: the controller's iterations.
+        truth: true poses by object, the held one included.
+        estimate: poses that perception estimated, by object.
+        joint_times: times of the joint positions `(J,)` [s].
+        joints: measured joint positions `(J, 7)` [rad].
+        force_times: times of the forces `(F,)` [s].
         force: load on the cup less the held object's weight, magnitude `(F,)` [N].
         release_reason: why the pump let go; empty if it did not.
-        real_time_factors: achieved, one a second of wall clock.
+        real_time_factors: achieved real-time factors, one for each second of wall clock time.
         outcome: fields of the action's result; empty when none was recorded.
         is_cut: whether the recording was cut off.
         arm: name of the arm, one of `pack_core.robots.packing_arms`.

@@ -1,4 +1,4 @@
-"""A run as one `.npz` file: what lockstep keeps of every scene, read like a recording."""
+"""A packing run as one `.npz` file, which lockstep saves for every scene."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.track import Track
 
 UNREADABLE = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, ConfigError)
-"""What a file raises that is no saved run."""
+"""Errors of reading a file that is not a saved run."""
 SUFFIX = ".npz"
 TRACKS = ("truth", "estimate")
 TEXTS = ("stages", "collisions")
@@ -92,5 +92,5 @@ def _tracks(kind: str, names: list[str], arrays: Mapping[str, npt.NDArray[Any]])
 
 
 def _below(prefix: str, cls: type[Any], arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, Any]:
-    """The arrays of a class' fields, by field."""
+    """The arrays below a prefix that are fields of a class, by field."""
     return {field.name: arrays[f"{prefix}/{field.name}"] for field in fields(cls) if field.name not in TEXTS}

@@ -18,7 +18,7 @@ from pack_evaluation.study import RECORDINGS, KeptTrials, Picture, StudyEvaluato
 from pack_evaluation.table import TextTable
 
 RUNS = "runs"
-"""Folder of a benchmark with a run of each trial."""
+"""Folder, below a benchmark's, with the run of each trial."""
 ABOUT = ("method", "optimizer", "weights", "preset", "container", "scene_dir")
 """Settings that the summary and the report show."""
 
@@ -64,7 +64,7 @@ class PackingStudies(StudyEvaluator[PackingStudy, PackingTrial]):
         return tables(studies)
 
     def figures(self, studies: Sequence[PackingStudy], folder: Path) -> list[Path]:
-        """Who is packed by when, and the box plots of Fig. 5."""
+        """Share of packed scenes over time, and the box plots of Fig. 5."""
         return write_figures(studies, folder)
 
     def pictures(

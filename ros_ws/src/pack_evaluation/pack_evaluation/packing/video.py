@@ -18,10 +18,11 @@ from pack_evaluation.packing.view import View, ViewConfig
 FPS = 25
 """Frames a second of simulated time."""
 FRAMES_A_PART = 10
+"""Number of frames that a drawing process renders at a time."""
 LEAD_IN, LEAD_OUT = 0.4, 1.0
-"""Shown before the goal is accepted and after it ended [s]."""
+"""Time that is shown before the goal is accepted and after it ended [s]."""
 STILL_SCALE = 2
-"""Stills are drawn so much larger and scaled down, for smooth edges."""
+"""Stills are drawn this much larger and scaled down, for smooth edges."""
 
 
 def write_video(

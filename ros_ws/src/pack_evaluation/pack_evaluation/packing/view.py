@@ -20,6 +20,7 @@ from pack_evaluation.packing.run import Run
 
 Picture = npt.NDArray[np.uint8]
 GHOST = (0.15, 0.75, 0.35, 0.35)
+"""Colour of the translucent shape at the packing pose, RGBA."""
 
 
 class ViewConfig(Config):
@@ -108,6 +109,6 @@ class View:
 
 
 def _target(run: Run, time: float) -> Pose | None:
-    """The packing pose X_WT in force at `time` [s]."""
+    """The packing pose X_WT that is pursued at `time` [s]; None before the first iteration."""
     i = int(np.searchsorted(run.iterations.times, time, side="right")) - 1
     return Pose(run.iterations.p_WT[i], run.iterations.q_WT[i]) if i >= 0 else None

@@ -16,7 +16,7 @@ TEMPLATE = Path(__file__).with_name("report.html.j2")
 
 
 class PalletEvaluator(Evaluator[PalletRun, OrderMeasures]):
-    """One order."""
+    """Evaluates the order of a recording."""
 
     def load(self, path: Path) -> PalletRun:
         """The order in a recording."""

@@ -29,7 +29,7 @@ from pack_evaluation.palletizing.tool_track import tool_track
 
 TOPICS = (JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS)
 NEAR = 0.75
-"""Of the usual time between rows of setpoints: what is farther from all of them was told nothing."""
+"""Share of the usual time between setpoints; a moment farther from all setpoints had none to follow."""
 
 
 def load_pallet_run(path: Path) -> PalletRun:
@@ -73,7 +73,7 @@ def _box(box: dict[str, Any]) -> BoxRecord:
 
 
 def tool_of(bag: Bag, start: float) -> ToolTrack:
-    """Measured joints since `start`, and what the newest setpoints want at the same moments.
+    """Measured tool poses since `start` [s], and those that the newest setpoints command at the same times.
 
     Moments without setpoints, at which the driver holds the arm, are left out.
     """
@@ -93,14 +93,14 @@ def tool_of(bag: Bag, start: float) -> ToolTrack:
 
 
 def _are_near(times: Array, rows: Array) -> npt.NDArray[np.bool_]:
-    """Which of `times` `(n,)` have a row beside them."""
+    """Which of `times` `(n,)` are near the time of a setpoint, one of `rows`."""
     after = np.clip(rows.searchsorted(times), 1, len(rows) - 1)
     distance = np.minimum(np.abs(times - rows[after - 1]), np.abs(times - rows[after]))
     return np.asarray(distance <= NEAR * np.median(np.diff(rows)))
 
 
 def interruptions_of(messages: Sequence[Any]) -> int:
-    """How often the driver held the arm in a move."""
+    """Number of times that the driver held the arm during a move."""
     are_held = [message.state == "HELD" for message in messages]
     return sum(now and not before for before, now in pairwise([False, *are_held]))
 

@@ -91,7 +91,7 @@ def _draw_box(axes: Axes, item: PlacedBox, colour: str, label: str) -> None:
 
 
 def _draw_corridor(axes: Axes, item: PlannedBox) -> None:
-    """What the box sweeps on its way, and an arrow from where it begins to its place."""
+    """Draw the area that the box sweeps on its way in, and an arrow from the start to its place."""
     insertion, centre = item.insertion, item.placed.centre
     if not insertion.corridor:
         axes.plot(*centre[:2], "o", color=CORRIDOR, markersize=14, zorder=5)

@@ -15,34 +15,33 @@ from pack_evaluation.palletizing.run import BoxRecord, PalletRun, ToolTrack
 from pack_evaluation.table import MeasureText, mean_and_max, number, yes_or_no
 
 CLEAR_STATE = "17 pre deposit"
-"""From here to its end nothing but the box in the hand may move the stack: shifts are taken between these."""
+"""Shifts are measured between two entries of this state: a box is about to come down on the stack."""
 GOAL_STATES = ("4 lift", "9 step back", "13 lift table", "19 retreat")
-"""Entered when a goal was reached and the gripper has acted."""
+"""States that are entered when a goal was reached and the gripper has acted."""
 
 
 class PlacementCriteria(Config):
-    """When a box counts as placed correctly."""
+    """Largest errors, in position [m] and orientation [deg], of a correctly placed box."""
 
     position: float = 0.005
-    """[m]"""
     orientation_deg: float = 1.0
 
 
 @dataclass(frozen=True)
 class BoxMeasures:
-    """One box.
+    """The measures of one box.
 
     Attributes:
-        name: of the box.
+        name: name of the box.
         handling: none, flip or table.
         outcome: placed, skipped, lost or pending.
-        is_ok: placed, and at the end within the criteria.
-        error_mm: at the end, from where it was to stand; None if it is not on the pallet.
-        angle_deg: the same, turned by.
-        cycle_s: None if it was not placed.
-        coaxial_N: worst load of its grips; None if it was not gripped.
-        shear_N: the same.
-        moment_Nm: the same.
+        is_ok: whether it was placed and meets the criteria at the end.
+        error_mm: distance from its planned position at the end; None if it was not placed.
+        angle_deg: angle from its planned orientation at the end; None if it was not placed.
+        cycle_s: cycle time; None if it was not placed.
+        coaxial_N: largest coaxial force of its grips; None if it was not gripped.
+        shear_N: largest shear force of its grips; None if it was not gripped.
+        moment_Nm: largest bending moment of its grips; None if it was not gripped.
     """
 
     name: str
@@ -117,7 +116,7 @@ class OrderMeasures:
 
 
 def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> OrderMeasures:
-    """Measure a run."""
+    """Measure a run of an order."""
     boxes = tuple(_measure_box(run, box, criteria or PlacementCriteria()) for box in run.boxes)
     position_mm, angle_deg = tracking_errors(run.tool)
     goals = [visit.time for visit in run.visits if visit.state in GOAL_STATES]

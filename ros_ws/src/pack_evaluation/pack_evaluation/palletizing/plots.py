@@ -16,14 +16,14 @@ from pack_evaluation.palletizing.measures import tracking_errors
 from pack_evaluation.palletizing.run import PalletRun
 
 SIZE = (9.0, 4.2)
-"""Of a figure [inch]."""
+"""Width and height of a figure [inch]."""
 SLOW = ("3", "4", "7", "8", "9", "10", "11", "12", "13", "17", "18", "19")
 """Numbers of the states with the slow speed (Table 8.1)."""
 INK, GREY = "#20252b", "#9aa4ae"
 AXES = ("#c03a2b", "#2f8a46", "#2b6cb0")
 """Colours of x, y and z."""
 STRIDE = 5
-"""Every so many samples are drawn."""
+"""Only every fifth sample is drawn."""
 
 
 def write_plots(run: PalletRun, folder: Path) -> list[Path]:
@@ -39,7 +39,7 @@ def write_plots(run: PalletRun, folder: Path) -> list[Path]:
 
 
 def draw_position(figure: Figure, run: PalletRun) -> None:
-    """Wanted and measured position; slow phases shaded, as in Fig. 9.2."""
+    """Commanded and measured position; slow phases are shaded, as in Fig. 9.2."""
     axes, tool = figure.add_subplot(), run.tool
     axes.set(title="Tool position: measured (solid) and commanded (dashed)", ylabel="[m]", xlabel="time [s]")
     for i, (name, colour) in enumerate(zip("xyz", AXES, strict=True)):
@@ -50,7 +50,7 @@ def draw_position(figure: Figure, run: PalletRun) -> None:
 
 
 def draw_orientation(figure: Figure, run: PalletRun) -> None:
-    """Wanted and measured orientation as quaternions; slow phases shaded."""
+    """Commanded and measured orientation as quaternions; slow phases are shaded."""
     axes, tool = figure.add_subplot(), run.tool
     axes.set(title="Tool orientation, quaternion: measured (solid) and commanded (dashed)", xlabel="time [s]")
     q = continuous(tool.q)
@@ -63,7 +63,7 @@ def draw_orientation(figure: Figure, run: PalletRun) -> None:
 
 
 def continuous(q: Array) -> Array:
-    """Unit quaternions `(n, 4)` with the signs at which none is far from the one before it."""
+    """The same rotations as unit quaternions `(n, 4)` whose signs make them continuous."""
     flips = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0.0, -1.0, 1.0)
     return np.asarray(q * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
 
@@ -95,7 +95,7 @@ def draw_ways(figure: Figure, run: PalletRun) -> None:
 
 
 def draw_errors(figure: Figure, run: PalletRun) -> None:
-    """Where the placed boxes ended, from where they were to stand."""
+    """Errors of the placed boxes' final positions along x, y and z."""
     axes = figure.add_subplot()
     axes.set(title="Placement error at the end", ylabel="[mm]")
     placed = [box for box in run.boxes if box.outcome == "placed"]

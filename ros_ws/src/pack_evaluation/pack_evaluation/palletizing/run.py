@@ -13,12 +13,12 @@ class ToolTrack:
     """The tool at n moments.
 
     Attributes:
-        times: `(n,)` [s].
-        joints: measured `(n, 6)` [rad].
-        p_ref: where the setpoints wanted it `(n, 3)` [m].
-        q_ref: orientations wxyz `(n, 4)`.
-        p: where the measured joints have it `(n, 3)` [m].
-        q: `(n, 4)`.
+        times: the moments `(n,)` [s].
+        joints: measured joint positions `(n, 6)` [rad].
+        p_ref: commanded positions `(n, 3)` [m].
+        q_ref: commanded orientations wxyz `(n, 4)`.
+        p: positions by the measured joints `(n, 3)` [m].
+        q: orientations by the measured joints, wxyz `(n, 4)`.
     """
 
     times: Array
@@ -38,7 +38,7 @@ class BoxTrack:
     q: Array
 
     def at(self, time: float) -> Pose:
-        """Where it was last seen until `time` [s]; its first pose before that."""
+        """The last pose until `time` [s]; the first one if there is none."""
         i = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
         return Pose(self.p[i], self.q[i])
 
@@ -55,17 +55,17 @@ class StateVisit:
 
 @dataclass(frozen=True)
 class BoxRecord:
-    """What became of a box.
+    """The outcome of a box.
 
     Attributes:
-        name: of the box.
-        dims: edges as it arrives [m].
-        mass: [kg].
+        name: name of the box.
+        dims: edge lengths as it arrives [m].
+        mass: mass of the box [kg].
         handling: none, flip or table.
         outcome: placed, skipped, lost or pending.
         reason: why it was skipped or lost; empty otherwise.
-        direction: that it came from.
-        X_WB: where it was to stand.
+        direction: direction from which it was inserted.
+        X_WB: its planned pose.
     """
 
     name: str
@@ -93,15 +93,15 @@ class PalletRun:
 
     Attributes:
         order: id of the order.
-        seed: of the run.
+        seed: seed of the run.
         reason: why it stopped before its end; empty if it did not.
         boxes: in the sequence of the plan.
         visits: states in the order in which they were entered.
-        tool: wanted and measured tool poses.
+        tool: commanded and measured tool poses.
         tracks: true poses of the boxes by name.
         touches: contacts that should not have been.
-        cycles: time that each box took, by name [s].
-        grip_peaks: worst coaxial force, shear force [N] and moment [N m] of each box's grips, by name.
+        cycles: cycle time of each box, by name [s].
+        grip_peaks: largest coaxial force, shear force [N] and moment [N m] of each box's grips, by name.
         interruptions: how often setpoints came too late and the driver held the arm in a move.
         is_cut: whether the recording ended before the run did.
     """

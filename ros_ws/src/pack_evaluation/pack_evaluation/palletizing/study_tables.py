@@ -27,7 +27,7 @@ Summary = Mapping[str, Any]
 
 
 def comparison(summaries: Mapping[str, Summary]) -> TextTable:
-    """A column a study, a row a measure."""
+    """Table with a column for each study and a row for each measure."""
     found = summaries.values()
     rows = [
         ("orders complete with every seed", *(f"{s['orders_complete']} of {s['orders']}" for s in found)),
@@ -43,7 +43,7 @@ def comparison(summaries: Mapping[str, Summary]) -> TextTable:
 
 
 def orders(name: str, summary: Summary) -> TextTable:
-    """A row an order, over its seeds."""
+    """Table with a row for each order, over all its seeds."""
     head = ("order", "complete", "boxes", "error [mm]", "cycle [s]", "tracking, largest [mm]", "faults")
     rows = tuple(
         (

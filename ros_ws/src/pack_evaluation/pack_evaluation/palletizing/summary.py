@@ -11,7 +11,7 @@ import numpy as np
 from pack_evaluation.spread import mean_p95_max
 
 HOLD_LIMIT_MM = 10.0
-"""A stack holds if no box shifts by more on the pallet [mm]."""
+"""A stack holds if no box shifts by more than this on the pallet [mm]."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class OrderTrial:
 
     Attributes:
         order: stem of the order's file, or the order's id in a recording.
-        seed: of where boxes arrived and of the detections' noise.
+        seed: seed of the arrival poses and of the detections' noise.
         measures: the fields of `OrderMeasures`.
         hold_mm: how far the finished stack shifts under 0.2 g [mm]; None if that was not tested.
     """
@@ -34,7 +34,7 @@ class OrderTrial:
 def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
     """The figures of docs/palletizing/measurements.md, over all runs.
 
-    An order counts as complete if it is with every seed.
+    An order counts as complete if it is complete with every seed.
     """
     boxes = [box for trial in trials for box in trial.measures["boxes"]]
     errors = [box["error_mm"] for box in boxes if box["error_mm"] is not None]
@@ -94,7 +94,7 @@ def _order(runs: Sequence[OrderTrial]) -> dict[str, Any]:
 
 
 def _tracking(trials: Sequence[OrderTrial], key: str) -> dict[str, float]:
-    """Mean weighted by the runs' durations, and the largest."""
+    """Mean, weighted by the runs' durations, and largest value of a tracking error."""
     weights = [trial.measures["duration_s"] for trial in trials]
     means = [trial.measures[key][0] for trial in trials]
     return {

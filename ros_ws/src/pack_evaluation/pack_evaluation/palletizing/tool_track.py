@@ -1,4 +1,4 @@
-"""Joint positions to tool poses."""
+"""Tool poses from joint positions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pack_evaluation.palletizing.run import ToolTrack
 
 
 def tool_track(times: Array, q_ref: Array, q: Array) -> ToolTrack:
-    """The wanted and the measured tool at `times` `(n,)` from joint positions `(n, 6)` [rad]."""
+    """The commanded and the measured tool poses at `times` `(n,)` from joint positions `(n, 6)` [rad]."""
     return ToolTrack(times, q, *_poses(q_ref), *_poses(q))
 
 

@@ -48,7 +48,7 @@ def write_video(run: PalletRun, path: Path, progress: OnProgress = lambda _: Non
 
 
 def _camera() -> mujoco.MjvCamera:
-    """Over the pallet's far side, so that both tables, the arm and the pallet are seen."""
+    """A camera over the pallet's far side, which sees both tables, the arm and the pallet."""
     camera = mujoco.MjvCamera()
     camera.lookat[:], camera.distance = (-0.9, 1.4, 0.8), 6.2
     camera.azimuth, camera.elevation = 125.0, -28.0

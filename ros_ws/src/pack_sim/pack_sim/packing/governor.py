@@ -38,8 +38,7 @@ class ContactGovernor:
     def update(self, time: float, force: Array, bending: float, *, is_holding: bool) -> bool:
         """Update with the external force on the held object `(3,)` [N] and the cup's bending moment [N m].
 
-        The force is in the world frame. The sensor's bias is estimated while the arm is held in place or moves
-        freely.
+        The force is in the world frame. The sensor's bias is estimated while the arm is held or moves freely.
 
         Returns:
             Whether there is contact, or was within the last `config.latch` seconds.

@@ -1,4 +1,4 @@
-"""A study's figures: box plots of the failure metrics (Fig. 5), and who is packed by when."""
+"""A study's figures: box plots of the failure metrics (Fig. 5), and share of packed scenes over time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a study amounts to, as plain values."""
+"""The statistics of a packing study as plain values."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def summarize(study: PackingStudy) -> dict[str, Any]:
 
 
 def exits(study: PackingStudy) -> dict[str, int]:
-    """How many trials ended in each way, in the order of `ExitReason`."""
+    """How many trials ended in each way, in the order of `PackingExitReason`."""
     counts = Counter(trial.measures.exit_reason for trial in study.trials)
     return {reason.value: counts[reason] for reason in PackingExitReason if counts[reason]}
 

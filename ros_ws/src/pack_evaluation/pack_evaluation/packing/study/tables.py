@@ -12,7 +12,7 @@ from pack_evaluation.spread import Spread
 from pack_evaluation.table import TextTable
 
 FIXED = (PackingExitReason.FORCE, PackingExitReason.DETACHED, PackingExitReason.TIMEOUT)
-"""Exits that have a column even where none ended so."""
+"""Exit reasons that have a column even if no trial ended so."""
 METRIC_NAMES = {
     "m_pos_mm": "M_pos [mm] (Eq. 7)",
     "m_rot_deg": "M_rot [deg] (Eq. 8)",
@@ -23,7 +23,7 @@ METRIC_NAMES = {
 
 
 def tables(studies: Sequence[PackingStudy]) -> tuple[TextTable, ...]:
-    """All tables of some studies."""
+    """All tables that compare packing studies."""
     return (results(studies), forces(studies), iterations(studies), *map(metrics, studies))
 
 

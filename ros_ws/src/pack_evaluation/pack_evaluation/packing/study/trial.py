@@ -21,11 +21,11 @@ class PackingTrial:
     """One run, measured.
 
     Attributes:
-        name: of the scene or the recording.
-        measures: of the run.
+        name: name of the scene or the recording.
+        measures: the run's measures.
         message: how it ended, in words.
-        forces: all samples within the goal `(n,)` [N].
-        iterations_ms: wall clock of every controller iteration `(N,)` [ms].
+        forces: force samples during the goal `(n,)` [N].
+        iterations_ms: wall clock time of every controller iteration `(N,)` [ms].
     """
 
     name: str
