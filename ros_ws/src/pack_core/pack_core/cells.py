@@ -1,8 +1,8 @@
 """The register of cells: which cells there are, and where each package keeps its part of a cell.
 
-A cell is registered once, by its name in `CELLS`. Everything else is found by that name: the modules of `PARTS`,
-and the files config/cells/<cell>.yaml, config/graphs/<cell>.yaml and config/nodes/<cell>/. A module is imported
-when it is asked for, so that a command loads only what it needs.
+A cell is registered once, by its name in `CELLS`. Everything else is found by that name: the modules of
+`PARTS`, and the files config/cells/<cell>.yaml, config/graphs/<cell>.yaml and config/nodes/<cell>/. A module
+is imported when it is asked for, so that a command loads only what it needs.
 """
 
 from __future__ import annotations
