@@ -11,6 +11,6 @@ def test_failures_are_counted_among_all_that_ran() -> None:
     assert line == "PackCell: 2 of 10 tests failed in 3 s; they are listed above"
 
 
-def test_reasons_for_skipping_are_given_once_each() -> None:
-    line = closing_line(5, 0, ["no GPU", "needs root", "no GPU"], 61.0)
+def test_reasons_for_skipping_are_given_once_each_and_in_short() -> None:
+    line = closing_line(5, 0, ["no GPU", "needs root: use sudo", "no GPU"], 61.0)
     assert line.endswith("passed in 1 min 1 s; 3 skipped (needs root; no GPU)")
