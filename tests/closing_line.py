@@ -8,7 +8,9 @@ from collections.abc import Sequence
 import pytest
 
 
-def closing_line(passed: int, failed: int, skip_reasons: Sequence[str], seconds: float) -> str:
+def closing_line(
+    passed: int, failed: int, skip_reasons: Sequence[str], seconds: float, *, is_cut_off: bool = False
+) -> str:
     """What a run of the tests found, in one sentence.
 
     Args:
@@ -16,11 +18,14 @@ def closing_line(passed: int, failed: int, skip_reasons: Sequence[str], seconds:
         failed: Number of tests that failed or could not be started.
         skip_reasons: Why each skipped test was skipped.
         seconds: Duration of the run [s].
+        is_cut_off: Whether the run ended before all tests had run, as after Ctrl-C.
     """
     minutes, rest = divmod(round(seconds), 60)
     time_taken = f"{minutes} min {rest} s" if minutes else f"{rest} s"
     if failed:
         found = f"{failed} of {passed + failed} tests failed in {time_taken}; they are listed above"
+    elif is_cut_off:
+        found = f"stopped before the end; the first {passed} tests passed in {time_taken}"
     else:
         found = f"all {passed} tests passed in {time_taken}"
     if skip_reasons:
@@ -36,6 +41,10 @@ class ClosingLine:
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
         self._started = time.monotonic()
+        self._is_cut_off = False
+
+    def pytest_keyboard_interrupt(self) -> None:
+        self._is_cut_off = True
 
     def pytest_unconfigure(self) -> None:
         reporter = self._config.pluginmanager.get_plugin("terminalreporter")
@@ -47,5 +56,6 @@ class ClosingLine:
         ]
         if sum(count.values()) + len(reasons):
             seconds = time.monotonic() - self._started
-            line = closing_line(count["passed"], count["failed"] + count["error"], reasons, seconds)
+            failed = count["failed"] + count["error"]
+            line = closing_line(count["passed"], failed, reasons, seconds, is_cut_off=self._is_cut_off)
             reporter.write_line(line)

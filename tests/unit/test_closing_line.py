@@ -14,3 +14,8 @@ def test_failures_are_counted_among_all_that_ran() -> None:
 def test_reasons_for_skipping_are_given_once_each_and_in_short() -> None:
     line = closing_line(5, 0, ["no GPU", "needs root: use sudo", "no GPU"], 61.0)
     assert line.endswith("passed in 1 min 1 s; 3 skipped (needs root; no GPU)")
+
+
+def test_a_run_that_was_stopped_is_not_called_complete() -> None:
+    line = closing_line(7, 0, [], 3.0, is_cut_off=True)
+    assert line == "PackCell: stopped before the end; the first 7 tests passed in 3 s"
