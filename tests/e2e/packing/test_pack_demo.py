@@ -15,7 +15,8 @@ from pack_core.packing.scene_file import load_scene
 from pack_evaluation.packing.from_bag import load_run
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
-PACK = [sys.executable, "-m", "e2e.small_videos"]
+# A background job of a shell ignores Ctrl-C, and so would what it starts.
+PACK = ["env", "--default-signal=INT", sys.executable, "-m", "e2e.small_videos"]
 TESTS = Path(__file__).parents[2]
 
 
