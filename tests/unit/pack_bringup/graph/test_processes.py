@@ -70,6 +70,16 @@ def test_leaving_the_group_ends_every_process() -> None:
     assert group.exit_codes == {"sim": -signal.SIGINT, "mpc": -signal.SIGINT}
 
 
+def test_ctrl_c_ends_them_at_once_although_we_ignore_it_as_a_background_job_does() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with ProcessGroup({"sim": WAITS, "mpc": WAITS}, output=io.StringIO()) as group:
+            pass
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert group.exit_codes == {"sim": -signal.SIGINT, "mpc": -signal.SIGINT}
+
+
 def test_what_ignores_ctrl_c_is_killed_after_the_grace_time() -> None:
     output = Mailbox()
     group = ProcessGroup({"sim": IGNORES_CTRL_C}, output=output)

@@ -72,7 +72,8 @@ class ProcessGroup:
         return self._pids[name]
 
     def start(self) -> None:
-        """Start every process, and return once all have one."""
+        """Start every process, and return once all have one; to be called in the main thread."""
+        _pass_on_no_ignored_ctrl_c()
         Thread(target=self._relay, daemon=True).start()
         for process in self._processes.values():
             Thread(target=process.run, args=(self._events,), daemon=True).start()
@@ -117,6 +118,16 @@ class ProcessGroup:
         self._printer.write(Message("line", text, datetime.now(), name, None))
 
 
+def _pass_on_no_ignored_ctrl_c() -> None:
+    """Have what we start heed Ctrl-C, even where we ignore it because a shell runs us in the background.
+
+    What we ignore, the processes we start ignore, too, and `stop` could not end them; a handler is not
+    passed on. Ours does nothing, so that we go on as before.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, lambda _number, _frame: None)
+
+
 def _shell_command(command: Sequence[str]) -> str:
-    """Have it end when we are killed, and heed Ctrl-C even where we are a background job that ignores it."""
-    return "exec env --default-signal=INT setpriv --pdeathsig TERM " + shlex.join(command)
+    """The command as a shell runs it, so that it ends when we are killed."""
+    return "exec setpriv --pdeathsig TERM " + shlex.join(command)
