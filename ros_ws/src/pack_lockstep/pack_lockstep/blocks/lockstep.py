@@ -24,10 +24,9 @@ from pack_core.blocks.plan import Plan
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
 from pack_core.config import Config
-from pack_core.errors import MessageError
-from pack_core.joints import JointReference, JointSetpoint
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.states import SceneState
+from pack_lockstep.driven_arm import DrivenArm
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
@@ -83,7 +82,7 @@ class BlocksLockstep:
         self._vision = TagVision(config.vision, cell.block, tags)
         arm, q = load_arm("blocks"), np.array(cell.robot.look)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
-        self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
+        self._arm = DrivenArm(self.motion, self.simulator, q, config.period, self._fail)
         motions = Motions(config.executor, task.side, task.gripper, q, arm.chain.forward(q))
         surroundings = Surroundings(cell, task.side)
         self.executor = Executor(task, config.executor, motions, surroundings, cell.gripper.force)
@@ -129,19 +128,9 @@ class BlocksLockstep:
 
     def _advance(self, duration: float) -> None:
         """Step everything that runs all the time."""
-        simulator, period = self.simulator, self._config.period
-        for _ in range(round(duration / period)):
-            last, time = self._setpoint, simulator.time
-            new = self.motion.step(time + period, simulator.joints())
-            rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
-            self._hand_over(JointReference(time, np.array([0.0, period]), *rows))
-            for _ in range(round(period / simulator.config.timestep)):
-                simulator.step()
-            self._setpoint = new
+        for _ in range(round(duration / self._config.period)):
+            self._arm.advance()
 
-    def _hand_over(self, reference: JointReference) -> None:
-        """Give the driver its setpoints; a rearrangement whose setpoints it refuses is over."""
-        try:
-            self.simulator.accept(reference)
-        except MessageError as error:
-            self.executor.cancel(ExitReason.MOTION_FAILED, f"the driver refused setpoints: {error}")
+    def _fail(self, detail: str) -> None:
+        """A rearrangement whose setpoints the driver refuses is over."""
+        self.executor.cancel(ExitReason.MOTION_FAILED, detail)

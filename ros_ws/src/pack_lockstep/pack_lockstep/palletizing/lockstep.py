@@ -14,8 +14,6 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.errors import MessageError
-from pack_core.joints import JointReference, JointSetpoint
 from pack_core.motion.target import MotionStatus
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.box_detection import BoxDetection
@@ -23,6 +21,7 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
 from pack_evaluation.palletizing.run import PalletRun
+from pack_lockstep.driven_arm import DrivenArm
 from pack_lockstep.palletizing.box_finder import BoxFinder, BoxFinderConfig, open_box_finder
 from pack_lockstep.palletizing.run_log import PalletRunLog
 from pack_motion.arm.arms import load_arm
@@ -89,8 +88,8 @@ class PalletLockstep:
         self.simulator = PalletSimulator(cell, config.simulator, seed)
         arm, q = load_arm("palletizing"), np.array(cell.arm.home)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
-        self._setpoint = JointSetpoint(self.simulator.time, q, np.zeros_like(q), np.zeros_like(q))
         self.palletizer = Palletizer(order, plan, cell, config.palletizer, self.simulator.time)
+        self._arm = DrivenArm(self.motion, self.simulator, q, config.period, self.palletizer.halt)
         self._log = PalletRunLog(self.simulator, config.period)
         self._seed = seed
         self._rng = np.random.default_rng([seed, zlib.crc32(order.order_id.encode())])
@@ -141,20 +140,5 @@ class PalletLockstep:
                 self.simulator.gripper.open()
 
     def _advance(self) -> None:
-        """Make one step of the motion controller, and the physics steps of the same period."""
-        simulator, period = self.simulator, self._config.period
-        last, time = self._setpoint, simulator.time
-        self._log.note(last.q)
-        new = self.motion.step(time + period, simulator.joints())
-        rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
-        self._hand_over(JointReference(time, np.array([0.0, period]), *rows))
-        for _ in range(round(period / simulator.config.timestep)):
-            simulator.step()
-        self._setpoint = new
-
-    def _hand_over(self, reference: JointReference) -> None:
-        """Give the driver its setpoints; if it refuses them the order is halted."""
-        try:
-            self.simulator.accept(reference)
-        except MessageError as error:
-            self.palletizer.halt(f"the driver refused setpoints: {error}")
+        self._log.note(self._arm.q_des)
+        self._arm.advance()

@@ -1,0 +1,84 @@
+"""The motion controller and the driver that it sends setpoints to, stepped together on simulated time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from pack_core.errors import MessageError
+from pack_core.joints import JointReference, JointSample, JointSetpoint
+from pack_core.rotations import Array
+from pack_motion.controller import MotionController
+
+
+class SimulatorConfig(Protocol):
+    """What is asked of a simulator's configuration."""
+
+    @property
+    def timestep(self) -> float:
+        """Time step of the physics [s]."""
+
+
+class Simulator(Protocol):
+    """What is asked of a simulator that takes joint references."""
+
+    @property
+    def config(self) -> SimulatorConfig:
+        """Its parameters."""
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+
+    def joints(self) -> JointSample:
+        """The arm's measured joints."""
+
+    def accept(self, reference: JointReference) -> None:
+        """Take setpoints; MessageError if they are refused."""
+
+    def step(self) -> None:
+        """One time step of the physics."""
+
+
+class DrivenArm:
+    """Steps a motion controller and the physics together.
+
+    Args:
+        motion: makes a setpoint for each period.
+        simulator: carries setpoints out.
+        q: joint positions `(n,)` [rad] at the start, where the arm is at rest.
+        period: between two setpoints [s].
+        on_refusal: called with the reason when the simulator refuses setpoints.
+    """
+
+    def __init__(
+        self,
+        motion: MotionController,
+        simulator: Simulator,
+        q: Array,
+        period: float,
+        on_refusal: Callable[[str], None],
+    ) -> None:
+        self._motion, self._simulator, self._period = motion, simulator, period
+        self._setpoint = JointSetpoint(simulator.time, q, np.zeros_like(q), np.zeros_like(q))
+        self._on_refusal = on_refusal
+
+    @property
+    def q_des(self) -> Array:
+        """Joint positions `(n,)` [rad] of the last setpoint."""
+        return self._setpoint.q
+
+    def advance(self) -> None:
+        """Make one step of the motion controller, and the physics steps of the same period."""
+        simulator, period, last = self._simulator, self._period, self._setpoint
+        new = self._motion.step(simulator.time + period, simulator.joints())
+        rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
+        try:
+            simulator.accept(JointReference(simulator.time, np.array([0.0, period]), *rows))
+        except MessageError as error:
+            self._on_refusal(f"the driver refused setpoints: {error}")
+        for _ in range(round(period / simulator.config.timestep)):
+            simulator.step()
+        self._setpoint = new
