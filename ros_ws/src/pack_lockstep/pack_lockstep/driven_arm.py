@@ -13,7 +13,7 @@ from pack_core.rotations import Array
 from pack_motion.controller import MotionController
 
 
-class SimulatorConfig(Protocol):
+class SteppedPhysics(Protocol):
     """What is asked of a simulator's configuration."""
 
     @property
@@ -21,11 +21,11 @@ class SimulatorConfig(Protocol):
         """Time step of the physics [s]."""
 
 
-class Simulator(Protocol):
+class ReferenceDriver(Protocol):
     """What is asked of a simulator that takes joint references."""
 
     @property
-    def config(self) -> SimulatorConfig:
+    def config(self) -> SteppedPhysics:
         """Its parameters."""
 
     @property
@@ -56,7 +56,7 @@ class DrivenArm:
     def __init__(
         self,
         motion: MotionController,
-        simulator: Simulator,
+        simulator: ReferenceDriver,
         q: Array,
         period: float,
         on_refusal: Callable[[str], None],
