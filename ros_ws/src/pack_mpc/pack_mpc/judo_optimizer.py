@@ -16,16 +16,16 @@ from pydantic import Field, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
 from pack_core.errors import PackError
-from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
+from pack_mpc.feed_forward import predicted_setpoints
 from pack_mpc.plant import PackingPlant
 from pack_mpc.sgn_optimizer import SgnConfig
 from pack_mpc.solution import Optimizer, Solution
-from pack_mpc.spline import Basis, ResolvedRateServo
+from pack_mpc.spline import Basis, ResolvedRateServo, ServoReference
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
@@ -59,13 +59,13 @@ class JudoOptimizer(Optimizer):
     def __init__(self, scene: Scene, cell: PackingCell, config: JudoConfig, threads: int) -> None:
         sgn = config.sgn
         self.plant = PackingPlant(scene, cell, timestep=sgn.timestep, threads=threads, arm=ArmRole.SERVO)
-        self._sgn = sgn
+        self._sgn, self._drive = sgn, cell.robot
         self._method = _make_method(config)
         times = np.asarray(sgn.timestep * np.arange(sgn.horizon), dtype=float)
         self._basis = Basis(times, np.linspace(0.0, sgn.timestep * sgn.horizon, config.nodes))
         self._largest = np.array([sgn.speed_linear] * 3 + [sgn.speed_angular] * 3)
         self._knots = np.zeros((config.nodes, 6))
-        self._setpoints: Setpoints | None = None
+        self._reference: ServoReference | None = None
         np.random.seed(0)  # noqa: NPY002 - judo has no generator of its own
 
     @classmethod
@@ -74,22 +74,29 @@ class JudoOptimizer(Optimizer):
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from the state `x0`: the mean of the cheapest splines is the plan."""
-        last, now = self._setpoints, float(x0[0])
-        start = now if last is None else last.time
-        q_ref = x0[self.plant.layout.q] if last is None else last.at(now)[0]
+        last, now, q_arm = self._reference, float(x0[0]), x0[self.plant.layout.q]
+        start, q_ref = (now, q_arm) if last is None else (last.time, last.at(now, q_arm))
         servo = ResolvedRateServo(self.plant, x0, q_ref, self._sgn.leash)
         nominal = self._basis.shifted(self._knots, now - start)
         self._method.pre_optimization(start + self._basis.knots, now + self._basis.knots)
         samples = np.clip(self._method.sample_control_knots(nominal), -1.0, 1.0)
-        xs, ys = self.plant.rollout(x0, np.concatenate(self._references(servo, samples), axis=2))
-        costs = (cost.weighted(xs, ys) ** 2).sum(axis=1)
-        costs = np.where(np.isfinite(costs), costs, WORTHLESS)
+        costs = self._roll_out(servo, x0, cost, samples)[0]
         self._knots = self._method.update_nominal_knots(samples, -costs)
-        q, v = (rows[0] for rows in self._references(servo, self._knots[None]))
-        self._setpoints = Setpoints(now, self._basis.times, q, v, np.zeros_like(q))
-        best = int(np.argmin(costs))
-        path = ys[best][:, self.plant.sensor(HELD_POSITION)]
-        return Solution(self._setpoints, path, float(costs[best]), float(best > 0), 0.0)
+        # The mean of the elites was not among the samples: what it does is not known yet.
+        costs, xs, ys, q, v = self._roll_out(servo, x0, cost, self._knots[None])
+        self._reference = ServoReference(now, self._basis.times, q[0])
+        setpoints = predicted_setpoints(self.plant, self._drive, self._basis.times, xs[0, :-1], q[0], v[0])
+        path = ys[0][:, self.plant.sensor(HELD_POSITION)]
+        return Solution(setpoints, path, float(costs[0]), 1.0, 0.0)
+
+    def _roll_out(
+        self, servo: ResolvedRateServo, x0: Array, cost: PackingCost, knots: Array
+    ) -> tuple[Array, Array, Array, Array, Array]:
+        """Costs `(B,)`, states, outputs, and reference positions and velocities of knots `(B, K, 6)`."""
+        q, v = self._references(servo, knots)
+        xs, ys = self.plant.rollout(x0, np.concatenate([q, v], axis=2))
+        costs = (cost.weighted(xs, ys) ** 2).sum(axis=1)
+        return np.where(np.isfinite(costs), costs, WORTHLESS), xs, ys, q, v
 
     def _references(self, servo: ResolvedRateServo, knots: Array) -> tuple[Array, Array]:
         """Joint positions and velocities `(B, T, 7)` of scaled twist knots `(B, K, 6)`."""

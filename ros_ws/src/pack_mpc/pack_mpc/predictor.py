@@ -24,7 +24,8 @@ class Predictor:
     """
 
     def __init__(self, scene: Scene, cell: PackingCell) -> None:
-        self._plant = PackingPlant(scene, cell, timestep=TIMESTEP, threads=1, arm=ArmRole.SERVO)
+        driven = cell.model_copy(update={"robot": cell.robot.applied})
+        self._plant = PackingPlant(scene, driven, timestep=TIMESTEP, threads=1, arm=ArmRole.SERVO)
         self._data = mujoco.MjData(self._plant.model)
 
     def predict(self, x: Array, setpoints: Setpoints | None, latency: float) -> Array:

@@ -13,15 +13,15 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
-from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
+from pack_mpc.feed_forward import predicted_setpoints
 from pack_mpc.plant import PackingPlant
 from pack_mpc.solution import Optimizer, Solution
-from pack_mpc.spline import Basis, ResolvedRateServo
+from pack_mpc.spline import Basis, ResolvedRateServo, ServoReference
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
@@ -60,6 +60,7 @@ class RolloutBatch:
     Attributes:
         residuals: weighted residuals `(B, M)`.
         costs: `(B,)`; infinite for a rollout that diverged.
+        xs: states `(B, T+1, nx)`.
         ys: outputs `(B, T+1, ny)`.
         q: desired joint positions `(B, T, 7)` [rad].
         v: desired joint velocities `(B, T, 7)` [rad/s].
@@ -67,6 +68,7 @@ class RolloutBatch:
 
     residuals: Array
     costs: Array
+    xs: Array
     ys: Array
     q: Array
     v: Array
@@ -78,7 +80,7 @@ class SgnOptimizer(Optimizer):
     parameters = SgnConfig
 
     def __init__(self, scene: Scene, cell: PackingCell, config: SgnConfig, threads: int) -> None:
-        self._config = config
+        self._config, self._drive = config, cell.robot
         self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads, arm=ArmRole.SERVO)
         times = np.asarray(config.timestep * np.arange(config.horizon), dtype=float)
         end = config.horizon * config.timestep
@@ -89,14 +91,16 @@ class SgnOptimizer(Optimizer):
         self._upper = np.array([config.speed_linear] * 3 + [config.speed_angular] * 3)
         self._lower = -self._upper
         self._theta = np.zeros((config.knots, 6))
-        self._setpoints: Setpoints | None = None
+        self._reference: ServoReference | None = None
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from the state `x0`: the cheapest rollout of both batches is the plan."""
         config = self._config
         down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
         self._lower[2] = -down
-        servo = ResolvedRateServo(self.plant, x0, self._reference(x0), config.leash)
+        last = self._reference
+        q_ref = x0[self.plant.layout.q] if last is None else last.at(float(x0[0]), x0[self.plant.layout.q])
+        servo = ResolvedRateServo(self.plant, x0, q_ref, config.leash)
         nominal = self._clip(self._shifted(x0))
         thetas, signs = self._first_batch(nominal, x0, target)
         first = self._roll_out(servo, x0, cost, thetas)
@@ -109,22 +113,16 @@ class SgnOptimizer(Optimizer):
         # The last reference holds to the end of the horizon, where no step begins any more.
         offsets = np.append(self._basis.times, self._basis.knots[-1])
         q, v = (np.concatenate([part[i], part[i, -1:]]) for part in (batch.q, batch.v))
-        self._setpoints = Setpoints(float(x0[0]), offsets, q, v, np.zeros_like(q))
+        self._reference = ServoReference(float(x0[0]), offsets, q)
+        setpoints = predicted_setpoints(self.plant, self._drive, offsets, batch.xs[i], q, v)
         path = batch.ys[i][:, self.plant.sensor(HELD_POSITION)]
-        return Solution(self._setpoints, path, float(costs[best]), float(best > 0), 0.0)
-
-    def _reference(self, x0: Array) -> Array:
-        """Joint positions `(7,)` of the reference in force at the time of `x0`; the arm's own without one."""
-        plan = self._setpoints
-        if plan is None or not 0.0 <= x0[0] - plan.time <= plan.offsets[-1]:
-            return np.asarray(x0[self.plant.layout.q])
-        return np.array([np.interp(x0[0] - plan.time, plan.offsets, column) for column in plan.q.T])
+        return Solution(setpoints, path, float(costs[best]), float(best > 0), 0.0)
 
     def _shifted(self, x0: Array) -> Array:
         """The last plan's knots as seen from the time of `x0`."""
-        if self._setpoints is None:
+        if self._reference is None:
             return np.zeros_like(self._theta)
-        return self._basis.shifted(self._theta, float(x0[0]) - self._setpoints.time)
+        return self._basis.shifted(self._theta, float(x0[0]) - self._reference.time)
 
     def _first_batch(self, nominal: Array, x0: Array, target: PackingTarget) -> tuple[Array, Array]:
         """The splines of the first batch, all within bounds, and the signs of the perturbations.
@@ -162,7 +160,7 @@ class SgnOptimizer(Optimizer):
         xs, ys = self.plant.rollout(x0, np.concatenate([q, v], axis=2))
         residuals = cost.weighted(xs, ys)
         costs = (residuals**2).sum(axis=1) + self._config.effort * (thetas**2).sum(axis=(1, 2))
-        return RolloutBatch(residuals, np.where(np.isfinite(costs), costs, np.inf), ys, q, v)
+        return RolloutBatch(residuals, np.where(np.isfinite(costs), costs, np.inf), xs, ys, q, v)
 
     def _gauss_newton(self, batch: RolloutBatch, thetas: Array, signs: Array) -> Array:
         """Gauss-Newton steps from the nominal, one for each damping `(D, K, 6)`.

@@ -44,6 +44,27 @@ def _hat(times: Array, knots: Array) -> Array:
     return np.stack([np.interp(times, knots, row) for row in np.eye(len(knots))], axis=1)
 
 
+@dataclass(frozen=True)
+class ServoReference:
+    """Joint positions that the servos of the model were led along by a plan.
+
+    Attributes:
+        time: of the first row [s].
+        offsets: of each row from `time` `(T,)` [s].
+        q: `(T, 7)` [rad].
+    """
+
+    time: float
+    offsets: Array
+    q: Array
+
+    def at(self, time: float, q: Array) -> Array:
+        """Where the reference stands at `time` [s], `(7,)` [rad]; at the arm's own `q` if it has run out."""
+        if not 0.0 <= time - self.time <= self.offsets[-1]:
+            return np.asarray(q)
+        return np.array([np.interp(time - self.time, self.offsets, column) for column in self.q.T])
+
+
 class ResolvedRateServo:
     """Resolved-rate control (Whitney 1969): joint references that give the held object a twist V.
 

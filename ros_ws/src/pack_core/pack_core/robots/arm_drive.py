@@ -23,14 +23,26 @@ class ArmDrive(Config):
     Attributes:
         model: name of the arm, one of `pack_core.robots.packing_arms`.
         home: joint positions at the start [rad].
-        stiffness: position gain of each joint [N m/rad].
-        damping: velocity gain of each joint [N m s/rad].
+        stiffness: position gain of each joint [N m/rad], with which the controller's model pushes.
+        damping: velocity gain of each joint [N m s/rad], likewise.
+        feedback: share of these gains that the driver applies. The push itself comes as feed-forward torque,
+            so a lower share makes the arm yield to what no plan foresaw.
     """
 
     model: str = "panda"
     home: Joints
     stiffness: Joints
     damping: Joints
+    feedback: float = Field(default=1.0, gt=0, le=1)
+
+    @property
+    def applied(self) -> ArmDrive:
+        """The drive with the gains that the driver applies."""
+        share = {
+            name: tuple(self.feedback * gain for gain in getattr(self, name))
+            for name in ("stiffness", "damping")
+        }
+        return self.model_copy(update={**share, "feedback": 1.0})
 
     @property
     def arm(self) -> SevenAxisArm:

@@ -22,7 +22,7 @@ SLACK = 1e-6
 BRAKE_TIME = 0.005
 """Time constant of the stop before a hold [s]; the gains of Eq. 4 alone would take up to 0.4 s."""
 SLIDING = 0.02
-"""Desired joint speed from which most of the friction is compensated [rad/s]."""
+"""Speed from which most of the friction is compensated [rad/s]."""
 AT_REST = 0.01
 """Joint speed at which braking ends and the arm is held where it is [rad/s]."""
 
@@ -34,7 +34,7 @@ class JointController:
         robot: the arm with its limits, and the gains.
         watchdog: age at which setpoints are stale [s].
         governor: limits velocities and torques in contact; None: nothing does.
-        friction: friction of each joint, which is compensated along its desired velocity [N m].
+        friction: friction of each joint, which is compensated in the direction it is driven in [N m].
     """
 
     def __init__(
@@ -45,8 +45,9 @@ class JointController:
         friction: float = 0.0,
     ) -> None:
         self._limits = robot.arm.limits
-        self._kp = np.array(robot.stiffness)
-        self._kd = np.array(robot.damping)
+        applied = robot.applied
+        self._kp, self._kd = np.array(applied.stiffness), np.array(applied.damping)
+        self._kp_hold, self._kd_hold = np.array(robot.stiffness), np.array(robot.damping)
         self._watchdog, self._governor, self._friction = watchdog, governor, friction
         self._jacobian: Array | None = None
         self._setpoints: Setpoints | None = None
@@ -112,15 +113,25 @@ class JointController:
             M: gives the arm's mass matrix `(7, 7)` [kg m^2]; called only to brake.
         """
         q_d, v_d, tau_ff = self.reference(time, q, v, M)
-        J = None if self.is_holding else self._jacobian
-        if self._governor is not None and J is not None:
-            v_d = self._governor.slow_down(v_d, J)
-        tau: Array = tau_ff + self._kp * (q_d - q) + self._kd * (v_d - v)
-        # tanh instead of the sign: no chattering about a desired velocity of zero
-        tau += self._friction * np.tanh(v_d / SLIDING)
-        if self._governor is not None and J is not None:
-            tau = self._governor.bound(tau, J)
+        if self.is_holding:
+            tau: Array = tau_ff + self._kp_hold * (q_d - q) + self._kd_hold * (v_d - v)
+            return np.clip(tau, -self._limits.effort, self._limits.effort)
+        tau = tau_ff + self._kp * (q_d - q) + self._kd * (v_d - v)
+        # The speed at which the setpoints drive each joint: their own, and that which their torque would
+        # bring a joint to against the damping of the model. In contact it is where the arm pushes.
+        w_d = v_d + tau_ff / self._kd_hold
+        if self._governor is None or self._jacobian is None:
+            tau += self._compensation(w_d)
+        else:
+            slowed = self._governor.slow_down(w_d, self._jacobian)
+            tau += self._kd_hold * (slowed - w_d) + self._compensation(slowed)
+            tau = self._governor.bound(tau, self._jacobian)
         return np.clip(tau, -self._limits.effort, self._limits.effort)
+
+    def _compensation(self, w_d: Array) -> Array:
+        """Torque `(7,)` [N m] against the friction of joints that are driven at `w_d` [rad/s]."""
+        # tanh instead of the sign: no chattering about a speed of zero
+        return np.asarray(self._friction * np.tanh(w_d / SLIDING))
 
     def _is_fresh(self, plan: Setpoints, time: float) -> bool:
         return time - self._received <= self._watchdog and time <= plan.time + plan.offsets[-1]
