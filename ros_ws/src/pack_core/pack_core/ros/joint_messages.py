@@ -13,21 +13,13 @@ from pack_core import stamps
 from pack_core.errors import MessageError
 from pack_core.joints import JointReference, JointSample, Setpoints
 from pack_core.ros.conversions import finite, from_stamp, to_stamp
+from pack_core.rotations import Array
 
 
 def to_trajectory(reference: JointReference, names: Sequence[str]) -> JointTrajectory:
     """A message of a reference for the joints `names`."""
-    message = JointTrajectory(joint_names=list(names))
-    message.header.stamp = to_stamp(reference.time)
-    for offset, q, v, a in zip(reference.offsets, reference.q, reference.v, reference.a, strict=True):
-        sec, nanosec = stamps.split(float(offset))
-        message.points.append(
-            JointTrajectoryPoint(
-                positions=q.tolist(), velocities=v.tolist(), accelerations=a.tolist(),
-                time_from_start=Duration(sec=sec, nanosec=nanosec),
-            )
-        )  # fmt: skip
-    return message
+    columns = {"positions": reference.q, "velocities": reference.v, "accelerations": reference.a}
+    return _to_points(reference.time, reference.offsets, names, columns)
 
 
 def from_trajectory(message: JointTrajectory, names: Sequence[str]) -> JointReference:
@@ -36,16 +28,22 @@ def from_trajectory(message: JointTrajectory, names: Sequence[str]) -> JointRefe
     Raises:
         MessageError: other joints, no points, or rows of different length.
     """
-    if list(message.joint_names) != list(names):
-        raise MessageError(f"joint names are {list(message.joint_names)}; expected {list(names)}")
-    rows = [
-        (from_stamp(p.time_from_start), p.positions, p.velocities, p.accelerations) for p in message.points
-    ]
-    try:
-        offsets, q, v, a = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
-    except ValueError as error:
-        raise MessageError(f"a reference without points or with rows of different length: {error}") from error
-    return JointReference(from_stamp(message.header.stamp), offsets, q, v, a)
+    return JointReference(*_from_points(message, names, "accelerations"))
+
+
+def to_setpoints(setpoints: Setpoints, names: Sequence[str]) -> JointTrajectory:
+    """A message of setpoints over a horizon, for the joints `names`."""
+    columns = {"positions": setpoints.q, "velocities": setpoints.v, "effort": setpoints.tau}
+    return _to_points(setpoints.time, setpoints.offsets, names, columns)
+
+
+def from_setpoints(message: JointTrajectory, names: Sequence[str]) -> Setpoints:
+    """Setpoints as they came, for the joints `names`; the driver judges their size and limits.
+
+    Raises:
+        MessageError: other joints, no points, or rows of different length.
+    """
+    return Setpoints(*_from_points(message, names, "effort"))
 
 
 def to_joint_state(sample: JointSample, names: Sequence[str]) -> JointState:
@@ -59,8 +57,7 @@ def to_joint_state(sample: JointSample, names: Sequence[str]) -> JointState:
 
 def from_joint_state(message: JointState, names: Sequence[str]) -> JointSample:
     """The measured joints in a message; MessageError unless they are exactly `names`, in this order."""
-    if list(message.name) != list(names):
-        raise MessageError(f"joint names are {list(message.name)}; expected {list(names)}")
+    _check_names(message.name, names)
     columns = [finite(values, f"joint {what}") for what, values in _joint_columns(message)]
     return JointSample(from_stamp(message.header.stamp), *columns)
 
@@ -73,30 +70,40 @@ def _joint_columns(message: JointState) -> list[tuple[str, object]]:
     return columns
 
 
-def to_setpoints(setpoints: Setpoints, names: Sequence[str]) -> JointTrajectory:
-    """A message of setpoints over a horizon, for the joints `names`."""
+def _to_points(
+    time: float, offsets: Array, names: Sequence[str], columns: dict[str, Array]
+) -> JointTrajectory:
+    """A trajectory from `time` [s]; `columns` has the rows `(T, n)` of each field of its points."""
     message = JointTrajectory(joint_names=list(names))
-    message.header.stamp = to_stamp(setpoints.time)
-    for offset, q, v, tau in zip(setpoints.offsets, setpoints.q, setpoints.v, setpoints.tau, strict=True):
+    message.header.stamp = to_stamp(time)
+    for offset, *row in zip(offsets, *columns.values(), strict=True):
         sec, nanosec = stamps.split(float(offset))
+        fields = {field: values.tolist() for field, values in zip(columns, row, strict=True)}
         message.points.append(
-            JointTrajectoryPoint(
-                positions=q.tolist(), velocities=v.tolist(), effort=tau.tolist(),
-                time_from_start=Duration(sec=sec, nanosec=nanosec),
-            )
-        )  # fmt: skip
+            JointTrajectoryPoint(time_from_start=Duration(sec=sec, nanosec=nanosec), **fields)
+        )
     return message
 
 
-def from_setpoints(message: JointTrajectory) -> Setpoints:
-    """The setpoints in a message as they came; the driver judges their size and limits.
-
-    Raises:
-        MessageError: no points, or rows of different length.
-    """
-    rows = [(from_stamp(p.time_from_start), p.positions, p.velocities, p.effort) for p in message.points]
+def _from_points(
+    message: JointTrajectory, names: Sequence[str], third: str
+) -> tuple[float, Array, Array, Array, Array]:
+    """Time and offsets of a trajectory [s], with its positions, velocities and the field `third`."""
+    _check_names(message.joint_names, names)
+    rows = [
+        (from_stamp(p.time_from_start), p.positions, p.velocities, getattr(p, third)) for p in message.points
+    ]
     try:
-        offsets, q, v, tau = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
+        offsets, q, v, x = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
     except ValueError as error:
-        raise MessageError(f"setpoints without points or with rows of different length: {error}") from error
-    return Setpoints(from_stamp(message.header.stamp), offsets, q, v, tau)
+        raise MessageError(
+            f"a trajectory without points, or points of different length in positions, velocities or "
+            f"{third}: {error}"
+        ) from error
+    return from_stamp(message.header.stamp), offsets, q, v, x
+
+
+def _check_names(given: Sequence[str], names: Sequence[str]) -> None:
+    # In any other order each value would go to another joint, so only the exact list will do.
+    if list(given) != list(names):
+        raise MessageError(f"joint names are {list(given)}; expected {list(names)}, in this order")

@@ -57,7 +57,7 @@ class PackingSimNode(PhysicsNode):
 
     def accept(self, message: JointTrajectory) -> None:
         """Pass setpoints to the joint controller."""
-        setpoints = from_setpoints(message)
+        setpoints = from_setpoints(message, self._cell.robot.arm.joints)
         with self.lock:
             self._simulator.accept(setpoints)
 

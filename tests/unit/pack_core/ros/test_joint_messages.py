@@ -1,0 +1,81 @@
+"""Joint references and setpoints survive the way through messages; other joints' never arrive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+from trajectory_msgs.msg import JointTrajectory
+
+from pack_core.errors import MessageError
+from pack_core.joints import JointReference, JointSample, Setpoints
+from pack_core.ros.joint_messages import (
+    from_joint_state,
+    from_setpoints,
+    from_trajectory,
+    to_joint_state,
+    to_setpoints,
+    to_trajectory,
+)
+
+NAMES = ("shoulder", "elbow")
+ROWS = np.arange(6.0).reshape(3, 2)
+FIELDS = (12.5, np.array([0.0, 0.1, 0.3]), ROWS, ROWS + 10.0, ROWS + 20.0)
+
+Parse = Callable[[JointTrajectory, Sequence[str]], Any]
+BOTH = [
+    pytest.param(to_trajectory(JointReference(*FIELDS), NAMES), from_trajectory, id="reference"),
+    pytest.param(to_setpoints(Setpoints(*FIELDS), NAMES), from_setpoints, id="setpoints"),
+]
+both = pytest.mark.parametrize(("message", "parse"), BOTH)
+
+
+@both
+def test_rows_come_back_as_they_were(message: JointTrajectory, parse: Parse) -> None:
+    parsed = parse(message, NAMES)
+    for field, expected in zip(fields(parsed), FIELDS, strict=True):
+        np.testing.assert_allclose(getattr(parsed, field.name), expected, atol=1e-9)
+
+
+def test_the_torque_travels_as_effort_and_the_acceleration_as_acceleration() -> None:
+    reference, setpoints = (param.values[0] for param in BOTH)
+    assert list(setpoints.points[2].effort) == list(FIELDS[4][2])
+    assert not setpoints.points[2].accelerations
+    assert list(reference.points[2].accelerations) == list(FIELDS[4][2])
+    assert not reference.points[2].effort
+
+
+@both
+@pytest.mark.parametrize("given", [["elbow", "shoulder"], ["shoulder"], [], ["shoulder", "elbow", "wrist"]])
+def test_other_joints_or_another_order_are_refused(
+    message: JointTrajectory, parse: Parse, given: list[str]
+) -> None:
+    other = JointTrajectory(header=message.header, joint_names=given, points=message.points)
+    with pytest.raises(MessageError) as refused:
+        parse(other, NAMES)
+    assert str(given) in str(refused.value)
+    assert "expected ['shoulder', 'elbow'], in this order" in str(refused.value)
+
+
+@both
+def test_a_message_without_points_is_refused(message: JointTrajectory, parse: Parse) -> None:
+    with pytest.raises(MessageError, match="without points"):
+        parse(JointTrajectory(joint_names=list(NAMES)), NAMES)
+
+
+def test_points_of_different_length_are_refused() -> None:
+    message = to_setpoints(Setpoints(*FIELDS), NAMES)
+    message.points[1].effort = [1.0]
+    with pytest.raises(MessageError, match="different length in positions, velocities or effort"):
+        from_setpoints(message, NAMES)
+
+
+def test_joint_states_of_another_order_are_refused() -> None:
+    sample = JointSample(1.0, *ROWS)
+    message = to_joint_state(sample, NAMES)
+    assert from_joint_state(message, NAMES).tau.tolist() == ROWS[2].tolist()
+    with pytest.raises(MessageError, match="in this order"):
+        from_joint_state(message, NAMES[::-1])
