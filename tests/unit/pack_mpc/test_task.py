@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pack_core.packing.entry import LANDING_MARGIN
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
@@ -49,6 +50,20 @@ def test_a_goal_waits_for_its_placement_over_the_middle_of_the_container(
 def test_the_object_leans_as_the_planner_says_and_as_far_as_the_weights(scene: Scene) -> None:
     task = placed(PackingTask(scene, TaskConfig(), 10.0, lean=0.3))
     np.testing.assert_allclose(task.machine.target.axis, np.sin(0.3) * OVER)
+
+
+@pytest.mark.parametrize("stage", [Stage.PRE_PACK, Stage.INSERT])
+def test_who_knows_no_objects_goes_straight_down_wherever_they_stand(scene: Scene, stage: Stage) -> None:
+    task = placed(PackingTask(scene, TaskConfig(), 10.0, lean=0.3, knows_objects=False))
+    assert task.lean == 0.0
+    task.machine.stage = stage
+    for bottom in (0.2, 0.1, 0.05):
+        task.machine.update(11.0, at(bottom))
+        target = task.machine.target
+        np.testing.assert_array_equal(target.axis, 0.0)
+        np.testing.assert_array_equal(target.p_WN[:2], PLACE.p[:2])
+        # Only the walls slow it down: it knows no tops on which it could land.
+        assert target.may_land == (stage is Stage.INSERT and bottom > scene.container.height - LANDING_MARGIN)
 
 
 def test_a_goal_that_reaches_its_place_is_a_success(task: PackingTask) -> None:

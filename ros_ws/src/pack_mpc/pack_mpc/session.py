@@ -67,7 +67,9 @@ class PackingSession:
     ) -> None:
         self.scene, self.method = scene, method
         weights = load_weights(config.weights)
-        self.task = PackingTask(scene, config.task, time, timeout, weights.lean)
+        self.task = PackingTask(
+            scene, config.task, time, timeout, weights.lean, knows_objects=method.knows_objects
+        )
         known = scene if method.knows_objects else scene.model_copy(update={"objects": []})
         self.controller = PackingController(known, cell, weights, config.controller)
         self.iterations_ms: list[float] = []

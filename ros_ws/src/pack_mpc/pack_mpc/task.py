@@ -9,7 +9,7 @@ from pydantic import Field, PositiveFloat, PositiveInt
 from scipy.signal import lfilter
 
 from pack_core.config import Config
-from pack_core.packing.entry import plan_entry
+from pack_core.packing.entry import Entry, plan_entry
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import WRENCH_RATE
@@ -54,14 +54,17 @@ class PackingTask:
         time: time at which the goal was accepted [s].
         timeout: takes the place of the configured one if it is positive [s].
         lean: tilt of the held object at its entry [rad].
+        knows_objects: False lets every entry go straight down, upright, as if the container were empty.
     """
 
     def __init__(
-        self, scene: Scene, config: TaskConfig, time: float, timeout: float = 0.0, lean: float = 0.0
-    ) -> None:
+        self, scene: Scene, config: TaskConfig, time: float, timeout: float = 0.0, lean: float = 0.0, *,
+        knows_objects: bool = True,
+    ) -> None:  # fmt: skip
         self._scene, self._config = scene, config
         self._start, self._timeout = time, timeout or config.timeout
-        self.lean = lean
+        self.lean = lean if knows_objects else 0.0
+        self._knows_objects = knows_objects
         self.machine: StageMachine | None = None
         self.tried: list[Pose] = []
         self._has_placement = False
@@ -102,7 +105,11 @@ class PackingTask:
             scene: where the objects are now.
             is_rehearsed: whether the way down was tried in simulation.
         """
-        entry = plan_entry(self._scene, X_WN, collisions, scene.poses(), self.lean, over)
+        entry = (
+            plan_entry(self._scene, X_WN, collisions, scene.poses(), self.lean, over)
+            if self._knows_objects
+            else Entry()
+        )
         placement = ChosenPlacement(X_WN, collisions, entry, is_rehearsed)
         self._follow(placement, scene.time, scene.objects[self._scene.new_object.name].X_WO)
         self.tried.append(X_WN)

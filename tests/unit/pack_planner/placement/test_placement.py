@@ -13,6 +13,7 @@ from pack_core.packing.objects import Box
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
+from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
 from pack_planner.placement.placement_config import PlacementConfig
@@ -53,6 +54,18 @@ def test_without_rehearsals_the_cheapest_feasible_sample_is_chosen(example: Scen
     placement = plan(example, state_of(example), algorithm_1)
     assert not placement.is_rehearsed
     assert placement.cost == placement.samples.costs[placement.samples.is_feasible].min()
+
+
+def test_algorithm_1_alone_takes_the_cheapest_feasible_sample_and_leans_to_no_side(
+    example: Scene, state_of: StateOf
+) -> None:
+    crowded = QUICK.model_copy(update={"approach": ApproachConfig(crowded=0.0)})
+    planner = Algorithm1Planner(example.description(), packing_cell(), crowded)
+    placement = planner.plan(state_of(example), np.random.default_rng(0), lean=0.6)
+    assert placement.cost == placement.samples.costs[placement.samples.is_feasible].min()
+    assert placement.collisions
+    assert not placement.is_rehearsed
+    np.testing.assert_array_equal(placement.over, 0.0)
 
 
 def test_a_blocked_scene_has_collisions_that_the_outlines_confirm(example: Scene, state_of: StateOf) -> None:
@@ -165,9 +178,9 @@ def test_a_new_object_too_large_for_the_container_is_refused(example: Scene) -> 
 
 
 def test_unknown_variants_are_refused_with_the_known_ones(example: Scene) -> None:
-    with pytest.raises(PackError, match="'magic'; allowed: physics, random"):
+    with pytest.raises(PackError, match="'magic'; allowed: physics, algorithm_1, random"):
         PlacementPlanners(example, packing_cell(), PlacementPlannerConfig()).of("magic")
-    with pytest.raises(ValidationError, match="'magic'; allowed: physics, random"):
+    with pytest.raises(ValidationError, match="'magic'; allowed: physics, algorithm_1, random"):
         PlacementPlannerConfig(variant="magic")
 
 

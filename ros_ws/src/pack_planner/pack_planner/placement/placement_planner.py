@@ -17,6 +17,7 @@ from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
+from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
 from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
 from pack_planner.placement.placement_config import PlacementConfig
 from pack_planner.placement.placement_result import PlannedPlacement
@@ -51,6 +52,7 @@ MakePlanner = Callable[[Scene, PackingCell, PlacementConfig], PlacementPlanner]
 
 PLACEMENT_PLANNERS: dict[str, MakePlanner] = {
     "physics": LeastDisturbancePlanner,
+    "algorithm_1": Algorithm1Planner,
     "random": RandomPosePlanner,
 }
 """All placement planners, by their value of the parameter `variant`."""
@@ -70,7 +72,10 @@ def checked_variant(name: str) -> str:
 class PlacementPlannerConfig(PlacementConfig):
     """Which planner plans, and the parameters that all of them share."""
 
-    variant: str = Field("physics", description="physics: Algorithm 1; random: Uninformed Pose")
+    variant: str = Field(
+        "physics",
+        description="physics: Algorithm 1 with rehearsed entries; algorithm_1: it alone; random: any pose",
+    )
 
     @field_validator("variant")
     @classmethod

@@ -1,4 +1,11 @@
-"""Uninformed Pose, a baseline of section IV-A: a random pose in the container, whatever it displaces."""
+"""Uninformed Pose, a baseline of section IV-A: a random pose in the container, whatever it displaces.
+
+"This baseline does not use the placement planner as described in Alg. 1, instead it simply randomly chooses a
+packing pose inside the container. Importantly it still adds any corresponding objects in collision with the
+packing pose to the collision list G." It lacks the planner alone: the controller knows every object, and the
+held one leans over its obstacles as PackItIn's does. Its entry is never rehearsed, for that would choose the
+pose. The cost of the pose (Eq. 6) is computed for the report and decides nothing.
+"""
 
 from __future__ import annotations
 
