@@ -1,23 +1,34 @@
-"""The measures of a run: those of the paper's tables, and of its Eqs. 7 to 9."""
+"""The measures of a run: those of the paper's tables and of its Eqs. 7 to 9, and what they leave open."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.rotations import Array
 from pack_evaluation.force import low_pass
+from pack_evaluation.packing.chatter import chatter
+from pack_evaluation.packing.containment import containment
 from pack_evaluation.packing.criteria import Criteria, exit_reason, is_packed
+from pack_evaluation.packing.pose_errors import (
+    held_position_errors,
+    held_rotation_errors,
+    position_errors,
+)
+from pack_evaluation.packing.prediction import predict
 from pack_evaluation.packing.run import Run
 from pack_evaluation.table import MeasureText, number, yes_or_no
 
 NAN = float("nan")
 DEG = math.degrees(1.0)
 """Degrees in a radian."""
+CYCLE_MS = 48.0
+"""Time that an iteration of the controller may take, its cycle in lockstep [ms]."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +46,23 @@ class PackingMeasures:
         MeasureText("final distance", number("cm", factor=1e2), "from the object to its packing pose, true"),
     ]
     """[m]"""
+    is_contained: Annotated[
+        bool,
+        MeasureText("contained", yes_or_no, "ends between the walls, its centre below the rim (section II)"),
+    ]
+    protrusion: Annotated[
+        float,
+        MeasureText("protrusion", number("mm", 1, 1e3), "at the end beyond the walls' inner faces, true"),
+    ]
+    """[m]"""
+    top_over_rim: Annotated[
+        float, MeasureText("top over the rim", number("cm", 1, 1e2), "highest point at the end, true")
+    ]
+    """[m]"""
+    tilt: Annotated[
+        float, MeasureText("tilt", number("deg", 1, DEG), "of the object's axis from the vertical at the end")
+    ]
+    """[rad]"""
     force_mean: Annotated[
         float, MeasureText("force, mean", number("N"), "load on the cup less the object's weight")
     ]
@@ -45,6 +73,13 @@ class PackingMeasures:
         float, MeasureText("force, peak", number("N"), "its maximum, behind a 5 ms low-pass")
     ]
     """[N]"""
+    chatter: Annotated[
+        float,
+        MeasureText(
+            "chatter", number("%", 1, 1e2), "of samples in contact, over 5 N off the sample 8 ms before"
+        ),
+    ]
+    """Share from 0 to 1."""
     iteration_ms: Annotated[
         float,
         MeasureText("MPC iteration", number("ms", 1), lambda m: f"wall clock, median of {m.iterations}"),
@@ -52,6 +87,14 @@ class PackingMeasures:
     iteration_ms_p95: Annotated[
         float, MeasureText("MPC iteration, 95 %", number("ms", 1), "percentile of it")
     ]
+    late: Annotated[
+        float, MeasureText("late iterations", number("%", 1, 1e2), f"took over {CYCLE_MS:.0f} ms")
+    ]
+    """Share from 0 to 1."""
+    very_late: Annotated[
+        float, MeasureText("very late iterations", number("%", 1, 1e2), f"took over {2 * CYCLE_MS:.0f} ms")
+    ]
+    """Share from 0 to 1."""
     iterations: int
     """Number of the controller's iterations."""
     placements: Annotated[int, MeasureText("placements", str, "packing poses that were tried")]
@@ -61,16 +104,30 @@ class PackingMeasures:
     ]
     """[m]"""
     m_pos: Annotated[
-        float, MeasureText("M_pos", number("mm", factor=1e3), "error of the estimated positions (Eq. 7)")
+        float,
+        MeasureText("M_pos", number("mm", factor=1e3), "error of the model's predicted positions (Eq. 7)"),
     ]
     """[m]"""
     m_rot: Annotated[
-        float, MeasureText("M_rot", number("deg", factor=DEG), "error of the held object's rotation (Eq. 8)")
+        float, MeasureText("M_rot", number("deg", factor=DEG), "rotation about the pump tip (Eq. 8)")
     ]
     """[rad]"""
     m_per: Annotated[
         float, MeasureText("M_per", number("objects"), "not seen but predicted, on average (Eq. 9)")
     ]
+    grip_error: Annotated[
+        float,
+        MeasureText("grip error", number("mm", factor=1e3), "held object, from where a rigid grip has it"),
+    ]
+    """[m]"""
+    perception_error: Annotated[
+        float, MeasureText("perception error", number("mm", factor=1e3), "of the objects in the container")
+    ]
+    """[m]"""
+    perception_angle: Annotated[
+        float, MeasureText("perception error, held", number("deg", factor=DEG), "rotation of the held object")
+    ]
+    """[rad]"""
     real_time_factor: Annotated[
         float, MeasureText("real-time factor", number(""), "simulated seconds a second, achieved")
     ]
@@ -79,16 +136,22 @@ class PackingMeasures:
 def measure(run: Run, criteria: Criteria | None = None) -> PackingMeasures:
     """Measure a run; the same function serves live runs, `pack evaluate` and the benchmarks."""
     times, force = goal_force(run)
-    iterations = run.iterations
+    iterations, end, model = run.iterations, containment(run), predict(run)
     placements = iterations.placements[-1] if iterations.times.size else run.outcome.get("placements", 0)
     return PackingMeasures(
         success=is_packed(run), exit_reason=exit_reason(run, criteria or Criteria()),
         execution_time=run.end - run.start, distance=final_distance(run),
+        is_contained=end.is_contained, protrusion=end.protrusion, top_over_rim=end.top_over_rim,
+        tilt=end.tilt,
         force_mean=_mean(force), force_p95=_percentile(force, 95),
-        force_peak=_percentile(low_pass(times, force), 100),
+        force_peak=_percentile(low_pass(times, force), 100), chatter=chatter(times, force),
         iteration_ms=_percentile(iterations.ms, 50), iteration_ms_p95=_percentile(iterations.ms, 95),
+        late=_mean(iterations.ms > CYCLE_MS), very_late=_mean(iterations.ms > 2 * CYCLE_MS),
         iterations=iterations.times.size, placements=int(placements),
-        m_pos=position_error(run), m_rot=rotation_error(run), m_per=predicted_objects(run),
+        m_pos=_mean(position_errors(run, model)), m_rot=_mean(held_rotation_errors(run, model)),
+        m_per=predicted_objects(run), grip_error=_mean(held_position_errors(run, model)),
+        perception_error=_mean(position_errors(run, run.estimate)),
+        perception_angle=_mean(held_rotation_errors(run, run.estimate)),
         displacement=sum(object_displacements(run).values()), real_time_factor=_mean(run.real_time_factors),
     )  # fmt: skip
 
@@ -106,24 +169,11 @@ def final_distance(run: Run) -> float:
     return float(run.truth[run.held].at(np.array([run.end])).distance_to(run.iterations.p_WT[-1])[0])
 
 
-def position_error(run: Run) -> float:
-    """M_pos (Eq. 7) [m]: mean distance of estimated from true positions of objects in the container."""
-    errors = []
-    for name in _estimated(run):
-        estimate = run.estimate[name].between(run.start, run.end)
-        errors.append(estimate.distance_to(run.truth[name].at(estimate.times).p))
-    return _mean(np.concatenate(errors)) if errors else NAN
-
-
-def rotation_error(run: Run) -> float:
-    """M_rot (Eq. 8) [rad]: mean angle between estimated and true orientation of the held object."""
-    estimate = run.estimate[run.held].between(run.start, run.end)
-    return _mean(estimate.angle_to(run.truth[run.held].at(estimate.times)))
-
-
 def predicted_objects(run: Run) -> float:
     """M_per (Eq. 9): mean number over time of objects in the container that were not seen."""
-    windows = [run.estimate[name].between(run.start, run.end) for name in _estimated(run)]
+    # an object that no camera has ever seen has no estimate at all
+    names = [name for name in run.scene.names if name in run.estimate]
+    windows = [run.estimate[name].between(run.start, run.end) for name in names]
     return float(sum(_mean(window.is_predicted.astype(float)) for window in windows))
 
 
@@ -133,12 +183,7 @@ def object_displacements(run: Run) -> dict[str, float]:
     return {name: float(run.truth[name].at(ends).displacement()[-1]) for name in run.scene.names}
 
 
-def _estimated(run: Run) -> list[str]:
-    """Objects in the container of which there is an estimate: those that some camera has seen."""
-    return [name for name in run.scene.names if name in run.estimate]
-
-
-def _mean(values: Array) -> float:
+def _mean(values: npt.NDArray[Any]) -> float:
     return float(np.mean(values)) if values.size else NAN
 
 

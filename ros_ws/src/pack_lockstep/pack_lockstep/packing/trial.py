@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -43,12 +44,14 @@ def run_scene(setup: PackingSetup, job: SceneJob) -> SceneResult:
 
 
 def trial_line(result: SceneResult, trial: PackingTrial, threads: int) -> dict[str, Any]:
-    """The trial's line in the file of results; times in [s], forces in [N]."""
+    """The trial's line in the file of results; times in [s], forces in [N], shares in [%]."""
     m = trial.measures
     return {
         "name": result.job.name, "seed": result.job.seed, "success": m.success,
         "exit_reason": m.exit_reason.value, "message": trial.message, "execution_time_s": m.execution_time,
-        "distance_cm": 1e2 * m.distance, "force_mean_N": m.force_mean, "force_p95_N": m.force_p95,
+        "distance_cm": 1e2 * m.distance, "contained": m.is_contained, "protrusion_mm": 1e3 * m.protrusion,
+        "tilt_deg": math.degrees(m.tilt), "chatter_percent": 1e2 * m.chatter,
+        "force_mean_N": m.force_mean, "force_p95_N": m.force_p95,
         "iterations": m.iterations, "iteration_ms": m.iteration_ms, "displacement_cm": 1e2 * m.displacement,
         **{name: metric(m) for name, metric in FAILURE_METRICS.items()},
         "threads": threads, "wall_time_s": result.wall_time,

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pack_core.packing.exit_reason import PackingExitReason
-from pack_evaluation.packing.measures import PackingMeasures
+from pack_evaluation.packing.measures import CYCLE_MS, PackingMeasures
 from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.spread import Split, split, spread
 
@@ -21,10 +21,13 @@ FAILURE_METRICS: dict[str, Metric] = {
     "m_pos_mm": lambda m: 1e3 * m.m_pos,
     "m_rot_deg": lambda m: math.degrees(m.m_rot),
     "m_per": lambda m: m.m_per,
+    "grip_error_mm": lambda m: 1e3 * m.grip_error,
+    "perception_error_mm": lambda m: 1e3 * m.perception_error,
+    "perception_error_deg": lambda m: math.degrees(m.perception_angle),
     "placements": lambda m: float(m.placements),
     "peak_force_N": lambda m: m.force_peak,
 }
-"""What is compared between successes and failures; the first three are Eqs. 7 to 9."""
+"""What is compared between successes and failures; the first three are Eqs. 7 to 9 (section IV-E)."""
 
 
 def summarize(study: PackingStudy) -> dict[str, Any]:
@@ -39,8 +42,11 @@ def summarize(study: PackingStudy) -> dict[str, Any]:
             spread([t.measures.execution_time for t in study.trials if not t.ended_early])
         ),
         "distance_cm": asdict(spread([1e2 * m.distance for m in measures])),
+        "containment": containment(study),
         "contact_force_N": contact_force(study),
+        "chatter_percent": asdict(spread([1e2 * m.chatter for m in measures])),
         "iteration_ms": asdict(spread(_pooled([trial.iterations_ms for trial in study.trials]))),
+        "late_iterations_percent": late_iterations(study),
         "placements": asdict(spread([float(m.placements) for m in measures])),
         "displacement_cm": asdict(spread([1e2 * m.displacement for m in measures])),
         "failure_metrics": {name: item.to_json() for name, item in failure_metrics(study).items()},
@@ -68,6 +74,28 @@ def contact_force(study: PackingStudy) -> dict[str, float | None]:
         "deviation_of_trials": means.deviation,
         "mean_peak": spread(peaks).mean,
         "max_peak": max((peak for peak in peaks if not math.isnan(peak)), default=None),
+    }
+
+
+def containment(study: PackingStudy) -> dict[str, Any]:
+    """How many objects end inside the container, and the spread of where the objects of all trials end."""
+    measures = [trial.measures for trial in study.trials]
+    return {
+        "contained": sum(m.is_contained for m in measures),
+        "packed_and_contained": sum(trial.measures.is_contained for trial in study.successes),
+        "protrusion_mm": asdict(spread([1e3 * m.protrusion for m in measures])),
+        "max_protrusion_mm": max((1e3 * m.protrusion for m in measures), default=None),
+        "top_over_rim_cm": asdict(spread([1e2 * m.top_over_rim for m in measures])),
+        "tilt_deg": asdict(spread([math.degrees(m.tilt) for m in measures])),
+    }
+
+
+def late_iterations(study: PackingStudy) -> dict[str, float | None]:
+    """Shares [%] of the iterations of all trials that took over one cycle of the controller, and over two."""
+    ms = _pooled([trial.iterations_ms for trial in study.trials])
+    return {
+        f"over_{limit:.0f}_ms": 1e2 * float(np.mean(ms > limit)) if ms.size else None
+        for limit in (CYCLE_MS, 2 * CYCLE_MS)
     }
 
 

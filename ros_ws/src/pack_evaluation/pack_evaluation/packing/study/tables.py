@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 
 from pack_core.packing.exit_reason import PackingExitReason
-from pack_evaluation.packing.study.summary import contact_force, exits, failure_metrics, summarize
+from pack_evaluation.packing.measures import CYCLE_MS
+from pack_evaluation.packing.study.summary import exits, failure_metrics, summarize
 from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.spread import Spread
 from pack_evaluation.table import TextTable
@@ -17,6 +18,9 @@ METRIC_NAMES = {
     "m_pos_mm": "M_pos [mm] (Eq. 7)",
     "m_rot_deg": "M_rot [deg] (Eq. 8)",
     "m_per": "M_per [objects] (Eq. 9)",
+    "grip_error_mm": "grip error [mm]",
+    "perception_error_mm": "perception error [mm]",
+    "perception_error_deg": "perception error, held [deg]",
     "placements": "placements tried",
     "peak_force_N": "peak force [N]",
 }
@@ -24,7 +28,9 @@ METRIC_NAMES = {
 
 def tables(studies: Sequence[PackingStudy]) -> tuple[TextTable, ...]:
     """All tables that compare packing studies."""
-    return (results(studies), forces(studies), iterations(studies), *map(metrics, studies))
+    return (
+        results(studies), ends(studies), forces(studies), iterations(studies), *map(metrics, studies),
+    )  # fmt: skip
 
 
 def results(studies: Sequence[PackingStudy]) -> TextTable:
@@ -49,17 +55,44 @@ def results(studies: Sequence[PackingStudy]) -> TextTable:
     return TextTable("Packing", note, head, tuple(rows))
 
 
-def forces(studies: Sequence[PackingStudy]) -> TextTable:
-    """Contact force over all samples, and its peaks."""
-    columns = ("mean", "deviation", "median", "p95", "mean_peak", "max_peak")
-    rows = tuple(
-        (study.name, *(_number(force[column]) for column in columns))
-        for study in studies
-        for force in [contact_force(study)]
+def ends(studies: Sequence[PackingStudy]) -> TextTable:
+    """Where the objects end: the paper's condition of section II beside its count of successes."""
+    rows = []
+    for study in studies:
+        s = summarize(study)
+        end = s["containment"]
+        rows.append((
+            study.name, f"{end['contained']}/{s['scenes']}",
+            f"{end['packed_and_contained']}/{s['success']}",
+            _plus_minus(end["protrusion_mm"]), _number(end["protrusion_mm"]["p95"]),
+            _number(end["max_protrusion_mm"]), _plus_minus(end["tilt_deg"]),
+            _number(end["tilt_deg"]["p95"]),
+        ))  # fmt: skip
+    note = (
+        "Contained: at the end the object is between the walls, to 3 mm, and its centre below their rim. "
+        "Protrusion is how far it truly reaches beyond their inner faces, at any height."
     )
-    note = "Load on the cup less the object's weight, all samples of a study; peaks behind a 5 ms low-pass."
-    head = ("", "mean [N]", "deviation", "median", "95 %", "mean peak", "highest peak")
-    return TextTable("Contact force", note, head, rows)
+    head = (
+        "", "contained", "of the packed", "protrusion [mm]", "95 %", "largest", "tilt [deg]", "95 %",
+    )  # fmt: skip
+    return TextTable("Containment", note, head, tuple(rows))
+
+
+def forces(studies: Sequence[PackingStudy]) -> TextTable:
+    """Contact force over all samples, its peaks, and how often it jumps."""
+    columns = ("mean", "deviation", "median", "p95", "mean_peak", "max_peak")
+    rows = []
+    for study in studies:
+        s = summarize(study)
+        force, shares = s["contact_force_N"], s["chatter_percent"]
+        rows.append((study.name, *(_number(force[column]) for column in columns), _number(shares["mean"], 1)))
+    note = (
+        "Load on the cup less the object's weight, all samples of a study; peaks behind a 5 ms low-pass. "
+        "Chatter: share of samples in contact that differ by over 5 N from the one 8 ms before, mean over "
+        "trials."
+    )
+    head = ("", "mean [N]", "deviation", "median", "95 %", "mean peak", "highest peak", "chatter [%]")
+    return TextTable("Contact force", note, head, tuple(rows))
 
 
 def iterations(studies: Sequence[PackingStudy]) -> TextTable:
@@ -67,12 +100,14 @@ def iterations(studies: Sequence[PackingStudy]) -> TextTable:
     rows = []
     for study in studies:
         s = summarize(study)
-        ms, placements = s["iteration_ms"], s["placements"]
+        ms, late, placements = s["iteration_ms"], s["late_iterations_percent"], s["placements"]
         rows.append((
             study.name, *(_number(ms[part], 1) for part in ("mean", "deviation", "median", "p95")),
+            *(_number(share, 1) for share in late.values()),
             _number(placements["mean"]), f"{s['first_attempt']}/{s['scenes']}",
         ))  # fmt: skip
-    head = ("", "mean [ms]", "deviation", "median", "95 %", "placements", "packed at the first")
+    over = (f"over {limit:.0f} ms [%]" for limit in (CYCLE_MS, 2 * CYCLE_MS))
+    head = ("", "mean [ms]", "deviation", "median", "95 %", *over, "placements", "packed at the first")
     note = "Wall clock of a controller iteration on the machine that ran it, and placements tried a trial."
     return TextTable("Controller", note, head, tuple(rows))
 
