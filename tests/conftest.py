@@ -13,7 +13,7 @@ import pytest
 
 from closing_line import ClosingLine
 
-FIRST_TO_LAST = ("e2e", "unit", "architecture", "replay", "integration")
+FIRST_TO_LAST = ("e2e", "unit", "architecture", "replay", "contract", "integration")
 """Folders in the order in which they run: while one worker runs the demos, which are long and need most of
 the machine, the other one runs what waits for no clock."""
 LOCKS = pytest.StashKey[Path]()

@@ -80,11 +80,15 @@ class Probe(Node):
 
 
 class Graph:
-    """Nodes under test and a probe in one executor; nothing runs but in `wait_until` and what calls it."""
+    """Nodes under test and a probe in one executor; nothing runs but in `wait_until` and what calls it.
 
-    def __init__(self) -> None:
+    Args:
+        domain: where processes run that the test talks to; None: one that nobody is on.
+    """
+
+    def __init__(self, domain: int | None = None) -> None:
         self.context = Context()
-        rclpy.init(context=self.context, domain_id=own_domain())
+        rclpy.init(context=self.context, domain_id=own_domain() if domain is None else domain)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.probe = Probe(self.context)
         self._nodes: list[Node] = []

@@ -120,6 +120,7 @@ NAN_ROW = np.array([0, 0, np.nan, 0, 0, 0, 0.0])
             r"shape \(1, 6\)",
         ),
         (Setpoints(0.0, np.zeros(0), *3 * (np.zeros((0, 7)),)), "at least one"),
+        (setpoints(time=9.0), r"begin 8.990 s ahead of the driver's time 0.010 s; allowed: 1.000 s"),
         (Setpoints(0.0, np.array([0.0, 0.0]), *3 * (np.tile(HOME, (2, 1)),)), "rise"),
         (Setpoints(0.0, np.array([0.0, np.nan]), *3 * (np.tile(HOME, (2, 1)),)), "rise"),
     ],

@@ -19,6 +19,9 @@ from pack_sim.packing.governor import ContactGovernor
 
 SLACK = 1e-6
 """By how much a setpoint may exceed a limit, for rounding errors [rad, rad/s, N m]."""
+LEAD = 1.0
+"""How far ahead of the driver's clock setpoints may begin [s]. A plan begins tens of milliseconds ahead; one
+that begins much later was stamped by another clock, and its first row would be taken for now."""
 BRAKE_TIME = 0.005
 """Time constant of the stop before a hold [s]; the gains of Eq. 4 alone would take up to 0.4 s."""
 SLIDING = 0.02
@@ -60,9 +63,14 @@ class JointController:
         """Check and store setpoints that arrived at `time` [s].
 
         Raises:
-            MessageError: wrong size, not finite, out of order, or beyond a joint's limits.
+            MessageError: wrong size, not finite, out of order, beyond a joint's limits, or of another clock.
         """
         _check(setpoints, self._limits)
+        if setpoints.time > time + LEAD:
+            raise MessageError(
+                f"setpoints begin {setpoints.time - time:.3f} s ahead of the driver's time {time:.3f} s; "
+                f"allowed: {LEAD:.3f} s. Their stamp must be of the clock that stamps the joint states"
+            )
         self._setpoints, self._received = setpoints, time
 
     def drop(self) -> None:
@@ -145,7 +153,10 @@ def _check(setpoints: Setpoints, limits: JointLimits) -> None:
         "tau": (setpoints.tau, -limits.effort, limits.effort, "N m"),
     }
     if rows == 0 or not np.all(np.isfinite(setpoints.offsets)) or np.any(np.diff(setpoints.offsets) <= 0):
-        raise MessageError("setpoint times must be finite, rise, and number at least one")
+        given = np.array2string(setpoints.offsets, precision=3, threshold=6)
+        raise MessageError(
+            f"setpoint times are {given} s; they must be finite, rise, and number at least one"
+        )
     for name, (values, lower, upper, unit) in bounds.items():
         if values.shape != (rows, joints):
             raise MessageError(f"setpoint {name} has shape {values.shape}; allowed: ({rows}, {joints})")
