@@ -67,7 +67,6 @@ class MpcNode(GoalNode):
         self.listen(contracts.DESCRIPTION, self._on_description)
         self.create_timer(CHECK_PERIOD, self._expire, clock=self.wall)
         self._worker = Worker(self._iterate, self._config.worker, self._on_error)
-        self._mailbox.on_joints = self._worker.wake
         self.take_goals(contracts.PACK_OBJECT, self._config.watched, self._config.fault_time)
 
     @property
@@ -97,9 +96,7 @@ class MpcNode(GoalNode):
         if request.method not in methods:
             return f"method '{request.method}'; allowed: {', '.join(methods)}"
         if not 0.0 <= request.timeout < math.inf:
-            return (
-                f"timeout {request.timeout}; allowed: seconds from 0 on, 0 being the parameter task.timeout"
-            )
+            return f"timeout {request.timeout}; allowed: seconds from 0 on; 0: the parameter task.timeout"
         return ""
 
     async def pursue(self, request: PackObject.Goal) -> PackObject.Result:
@@ -112,6 +109,7 @@ class MpcNode(GoalNode):
         self._placements.start(request.seed)
         self._mailbox.clear_forces()
         self._session = session
+        self._worker.wake()
         await self.until_goal_ends()
         outcome = json.dumps(asdict(session.task.outcome), default=lambda reason: reason.value)
         self._result.publish(String(data=outcome))
@@ -123,7 +121,10 @@ class MpcNode(GoalNode):
     def _iterate(self, latency: float) -> float | None:
         """Plan once from the newest messages, in the worker's thread; the latency is returned [s]."""
         session = self._session
-        if session is None or self.silent_peers:
+        if session is None:
+            return None
+        self._worker.wake()  # again after this turn, until the goal has ended
+        if not self._mailbox.wait_for_joints() or self.silent_peers:
             return None
         seen = self._mailbox.observe()
         if self.is_cancel_requested:
@@ -185,13 +186,12 @@ class MpcNode(GoalNode):
     def _on_error(self, error: Exception) -> None:
         if not self.context.ok():
             return
-        log = self.get_logger()
         if isinstance(error, PackError):
             self.health.count("skipped iteration", str(error))
-            log.warning(f"iteration skipped: {error}", throttle_duration_sec=1.0)
+            self.get_logger().warning(f"iteration skipped: {error}", throttle_duration_sec=1.0)
         else:
             self.health.count("failed iteration", str(error))
-            log.error(f"iteration failed: {error!r}", throttle_duration_sec=1.0)
+            self.get_logger().error(f"iteration failed: {error!r}", throttle_duration_sec=1.0)
 
 
 def main() -> int:

@@ -7,8 +7,6 @@ import subprocess
 import sys
 import threading
 
-import pytest
-
 from pack_core.ros.watch_connection import WatchConnection, WatchSocket
 
 DOMAIN = os.getpid()
@@ -21,50 +19,62 @@ sys.stdin.read()
 """
 
 
-@pytest.fixture
-def ended() -> threading.Event:
-    return threading.Event()
+def end_of(connection: WatchConnection) -> threading.Event:
+    """An event that is set once the watched node has ended."""
+    ended = threading.Event()
+
+    def wait() -> None:
+        connection.wait_for_end()
+        ended.set()
+
+    threading.Thread(target=wait, daemon=True).start()
+    return ended
 
 
-def test_the_kill_of_a_process_is_known_at_once(ended: threading.Event) -> None:
+def test_the_kill_of_a_process_is_known_at_once() -> None:
     child = subprocess.Popen(
         [sys.executable, "-c", CHILD], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
     assert child.stdout is not None
     assert child.stdout.readline() == "up\n"
-    WatchConnection(DOMAIN, "child", ended.set)
+    ended = end_of(WatchConnection(DOMAIN, "child"))
     assert not ended.wait(0.1)
     child.kill()
     assert ended.wait(2.0)
     child.wait()
 
 
-def test_a_node_that_ends_in_order_tells_its_watchers(ended: threading.Event) -> None:
+def test_a_node_that_ends_in_order_tells_its_watchers() -> None:
     watched = WatchSocket(DOMAIN, "node")
-    WatchConnection(DOMAIN, "node", ended.set)
+    connection = WatchConnection(DOMAIN, "node")
+    assert connection.is_open
+    ended = end_of(connection)
     watched.close()
     assert ended.wait(2.0)
+    assert not connection.is_open
 
 
-def test_whoever_let_go_hears_nothing(ended: threading.Event) -> None:
+def test_a_watcher_that_closes_its_connection_waits_no_longer() -> None:
     watched = WatchSocket(DOMAIN, "node")
-    connection = WatchConnection(DOMAIN, "node", ended.set)
+    connection = WatchConnection(DOMAIN, "node")
+    ended = end_of(connection)
+    assert not ended.wait(0.1)
     connection.close()
+    assert ended.wait(2.0)
     watched.close()
-    assert not ended.wait(0.1)
 
 
-def test_a_node_of_another_domain_or_machine_is_not_taken_for_dead(ended: threading.Event) -> None:
+def test_there_is_no_connection_to_a_node_of_another_domain_or_machine() -> None:
     watched = WatchSocket(DOMAIN, "node")
-    WatchConnection(DOMAIN + 1, "node", ended.set)
-    WatchConnection(DOMAIN, "stranger", ended.set)
-    assert not ended.wait(0.1)
+    for connection in (WatchConnection(DOMAIN + 1, "node"), WatchConnection(DOMAIN, "stranger")):
+        assert not connection.is_open
+        connection.close()
     watched.close()
 
 
-def test_a_second_node_of_the_same_name_is_no_error(ended: threading.Event) -> None:
+def test_a_second_node_of_the_same_name_is_no_error() -> None:
     first, second = WatchSocket(DOMAIN, "node"), WatchSocket(DOMAIN, "node")
-    WatchConnection(DOMAIN, "node", ended.set)
+    ended = end_of(WatchConnection(DOMAIN, "node"))
     second.close()
     assert not ended.wait(0.1)
     first.close()

@@ -14,6 +14,7 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
+from rclpy.time_source import TimeSource
 from std_msgs.msg import Empty
 
 from pack_core.errors import PackError
@@ -22,11 +23,12 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.health import Health
 from pack_core.ros.params import unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
+from pack_core.ros.stream import TakenByHand
 from pack_core.ros.watch_connection import WatchSocket
 
-ASSERTION_PERIOD = 0.02
-"""How often a node says that it is alive [s of wall clock]: 25 times within the lease, so that a busy machine
-may delay many of them."""
+ASSERTION_PERIOD = 0.05
+"""How often a node says that it is alive [s of wall clock]: ten times within the lease, so that a busy
+machine may delay many of them."""
 
 
 class CellNode(Node):
@@ -37,6 +39,8 @@ class CellNode(Node):
         wall: a clock of wall time that never jumps, for timers that must not wait for simulated time.
     """
 
+    _simulated_time: Subscription | None = None
+
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
         self.health = Health(name)
@@ -46,6 +50,7 @@ class CellNode(Node):
         self._ended = threading.Event()
         self._watch_socket: WatchSocket | None = None
         self._watches: list[PeerWatch] = []
+        self._is_up = False
         self._heart: threading.Thread | None = None
         self._birth = self.create_timer(0.001, self._come_alive, clock=self.wall)
 
@@ -71,6 +76,9 @@ class CellNode(Node):
         self._alive = self.create_publisher(Empty, alive_topic(self.get_name()), ALIVE_QOS)
         self._heart = threading.Thread(target=self._beat, name="alive", daemon=True)
         self._heart.start()
+        self._is_up = True
+        for watch in self._watches:
+            watch.begin()
         for said in unknown_parameters(self):
             self.health.count("unknown parameter", said)
             self.get_logger().warning(f"ignored: unknown parameter {said}")
@@ -81,26 +89,53 @@ class CellNode(Node):
             while not self._ended.wait(ASSERTION_PERIOD) and self.context.ok():
                 self._alive.assert_liveliness()
 
+    def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **kwargs: Any) -> Any:
+        """As of every node, but that of rclpy to /clock costs nothing until somebody asks for the time."""
+        # Under `use_sim_time` rclpy would have the executor call back for every tick, 250 times a second.
+        is_clock = isinstance(getattr(callback, "__self__", None), TimeSource)
+        if is_clock:
+            kwargs["callback_group"] = TakenByHand()
+        subscription = super().create_subscription(msg_type, topic, callback, *args, **kwargs)
+        if is_clock:
+            self._simulated_time = subscription
+        return subscription
+
+    def get_clock(self) -> Any:
+        """The node's clock; under `use_sim_time` it is set to the last /clock now.
+
+        A timer must not use it, as nobody sets it in between: `wall` is for timers.
+        """
+        ticks = self._simulated_time
+        if ticks is not None:
+            with suppress(InvalidHandle), ticks.handle:  # it ends when `use_sim_time` is set to false
+                while (item := ticks.handle.take_message(ticks.msg_type, False)) is not None:
+                    ticks.callback(item[0])
+        return super().get_clock()
+
     def advertise(self, contract: Contract) -> Publisher:
         """A publisher of the contract's topic."""
         return self.create_publisher(contract.type, contract.name, contract.qos)
 
     def listen(self, contract: Contract, callback: Callable[[Any], None], **kwargs: Any) -> Subscription:
         """A subscription that drops, counts and reports a message its callback refuses."""
-
-        def guarded(message: Any) -> None:
-            try:
-                callback(message)
-            except PackError as error:
-                self.health.count(f"refused {contract.name}", str(error))
-                self.get_logger().warning(f"refused {contract.name}: {error}", throttle_duration_sec=1.0)
-
+        guarded = partial(self.guard, contract, callback)
         return self.create_subscription(contract.type, contract.name, guarded, contract.qos, **kwargs)
+
+    def guard(self, contract: Contract, callback: Callable[[Any], None], message: Any) -> None:
+        """Pass a message on; drop, count and report it if `callback` refuses it by a PackError."""
+        try:
+            callback(message)
+        except PackError as error:
+            self.health.count(f"refused {contract.name}", str(error))
+            self.get_logger().warning(f"refused {contract.name}: {error}", throttle_duration_sec=1.0)
 
     def watch(self, peers: Iterable[str], on_change: Callable[[str, bool], None] | None = None) -> None:
         """Report peers that die; `on_change(peer, is_alive)` is called when one dies or comes (back)."""
         for peer in peers:
-            self._watches.append(PeerWatch(self, peer, partial(self._on_peer_change, on_change)))
+            watch = PeerWatch(self, peer, partial(self._on_peer_change, on_change))
+            self._watches.append(watch)
+            if self._is_up:
+                watch.begin()
 
     def hears(self, peer: str) -> bool:
         """Whether a watched peer has been heard of, and not fallen silent since."""

@@ -9,8 +9,6 @@ for which a busy processor may keep a healthy node waiting.
 from __future__ import annotations
 
 import socket
-import threading
-from collections.abc import Callable
 from contextlib import suppress
 
 BACKLOG = 64
@@ -37,35 +35,29 @@ class WatchConnection:
     Args:
         domain: ROS domain id.
         name: of the watched node.
-        on_end: called once, from a thread of its own, when the node has ended.
 
     Attributes:
-        is_open: whether the node was there and has not ended since.
+        is_open: whether the node was there and has not been seen to end since.
     """
 
-    def __init__(self, domain: int, name: str, on_end: Callable[[], None]) -> None:
+    def __init__(self, domain: int, name: str) -> None:
         self._socket = socket.socket(socket.AF_UNIX)
-        self._on_end = on_end
-        self._is_closed = False
         self.is_open = False
         with suppress(OSError):
             self._socket.connect(_address(domain, name))
             self.is_open = True
-            threading.Thread(target=self._wait, name=f"watch over {name}", daemon=True).start()
 
-    def close(self) -> None:
-        """Watch no longer; `on_end` is not called any more."""
-        self._is_closed = True
-        with suppress(OSError):
-            self._socket.shutdown(socket.SHUT_RDWR)  # wakes the thread, which `close` alone does not
-        self._socket.close()
-
-    def _wait(self) -> None:
+    def wait_for_end(self) -> None:
+        """Return when the node has ended, or after `close`; at once if there is no connection."""
         with suppress(OSError):
             self._socket.recv(1)  # nothing is ever sent: it returns when the other end is gone
         self.is_open = False
-        if not self._is_closed:
-            self._on_end()
+
+    def close(self) -> None:
+        """Watch no longer; any thread may call it, and more than once."""
+        with suppress(OSError):
+            self._socket.shutdown(socket.SHUT_RDWR)  # wakes who waits, which `close` alone does not
+        self._socket.close()
 
 
 def _address(domain: int, name: str) -> str:

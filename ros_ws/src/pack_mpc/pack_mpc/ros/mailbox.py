@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import WrenchStamped
@@ -19,15 +20,26 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite
 from pack_core.ros.joint_messages import from_joint_state
 from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.stream import Stream, StreamWait
 from pack_core.states import SceneState
 from pack_mpc.session import PackingObservation
 
 SCENE_AGE = 0.1
 """Age beyond which an estimate of the scene is not planned from [s]."""
+JOINTS_WAIT = 0.05
+"""Longest time for which the worker waits for a joint state [s of wall clock]."""
+REPORT_PERIOD = 1.0
+"""Time between two looks at what has come while nobody asks, so that bad messages are reported [s of wall
+clock]."""
+WRENCHES = 500
+"""Wrenches that may wait: those of 2 s, as each counts for the force of a goal."""
 
 
 class Mailbox:
-    """Keeps what the worker plans from; written by the executor, read by the worker.
+    """Keeps what the worker plans from. Messages are looked at when somebody asks, not as they come.
+
+    Every message that still waits is judged then; while no goal is pursued, older ones than the last 50 of a
+    topic are dropped unseen. All methods may be called from any thread.
 
     Args:
         node: whose messages are kept.
@@ -35,26 +47,54 @@ class Mailbox:
     """
 
     def __init__(self, node: CellNode, joints: Sequence[str]) -> None:
-        self._joint_names = joints
+        self._node, self._joint_names = node, joints
         self._lock = threading.Lock()
-        self.joints: JointSample | None = None
+        self._joints: JointSample | None = None
+        self._observed: JointSample | None = None
         self._scene: SceneState | None = None
         self._is_held = True
         self._forces: list[float] = []
-        self.on_joints: Callable[[], None] = lambda: None
-        node.listen(contracts.JOINT_STATES, self._on_joints)
-        node.listen(contracts.SCENE, self._on_scene)
-        node.listen(contracts.WRENCH, self._on_wrench)
-        node.listen(contracts.GRIPPER_STATE, self._on_gripper)
+        joint_states = Stream(node, contracts.JOINT_STATES)
+        self._new_joints = StreamWait(node, (joint_states,))
+        self._streams: tuple[tuple[Stream, Callable[[Any], None]], ...] = (
+            (joint_states, self._on_joints),
+            (Stream(node, contracts.SCENE), self._on_scene),
+            (Stream(node, contracts.WRENCH, depth=WRENCHES), self._on_wrench),
+            (Stream(node, contracts.GRIPPER_STATE), self._on_gripper),
+        )
+        node.create_timer(REPORT_PERIOD, self.refresh, clock=node.wall)
+
+    @property
+    def joints(self) -> JointSample | None:
+        """The newest joint state, if there is one."""
+        self.refresh()
+        return self._joints
 
     @property
     def time(self) -> float:
         """Stamp of the newest joint state [s]."""
-        return self.joints.time if self.joints is not None else 0.0
+        joints = self.joints
+        return joints.time if joints is not None else 0.0
+
+    def wait_for_joints(self) -> bool:
+        """Whether there is, within `JOINTS_WAIT`, a joint state that was not observed yet."""
+        if self._joints is self._observed:
+            self._new_joints.wait(JOINTS_WAIT)
+            self.refresh()
+        # A joint state that cannot be used is none: the driver stops an arm that nobody plans for.
+        return self._joints is not self._observed
+
+    def refresh(self) -> None:
+        """Take all that has come; what cannot be used is counted and reported."""
+        with self._lock:
+            for stream, keep in self._streams:
+                for message in stream.take_all():
+                    self._node.guard(stream.contract, keep, message)
 
     def missing(self, scene: Scene) -> str:
         """What is still missing of the joints and the objects of the scene, in words; empty if nothing is."""
-        if self.joints is None:
+        self.refresh()
+        if self._joints is None:
             return f"no {contracts.JOINT_STATES.name} yet: is sim up?"
         if self._scene is None:
             return f"no {contracts.SCENE.name} yet: is perception up?"
@@ -63,6 +103,7 @@ class Mailbox:
 
     def clear_forces(self) -> None:
         """Forget the forces noted so far, which belong to no goal."""
+        self.refresh()
         with self._lock:
             self._forces.clear()
 
@@ -72,7 +113,9 @@ class Mailbox:
         Raises:
             MessageError: something is missing, or too old to plan from.
         """
-        joints, scene = self.joints, self._scene
+        self.refresh()
+        joints, scene = self._joints, self._scene
+        self._observed = joints
         if joints is None or scene is None:
             raise MessageError("no joint state or no scene yet")
         age = joints.time - scene.time
@@ -83,8 +126,7 @@ class Mailbox:
         return PackingObservation(joints, scene, forces, self._is_held)
 
     def _on_joints(self, message: JointState) -> None:
-        self.joints = from_joint_state(message, self._joint_names)
-        self.on_joints()
+        self._joints = from_joint_state(message, self._joint_names)
 
     def _on_scene(self, message: SceneMessage) -> None:
         self._scene = from_scene(message)
@@ -92,8 +134,7 @@ class Mailbox:
     def _on_wrench(self, message: WrenchStamped) -> None:
         force = message.wrench.force
         magnitude = float(np.linalg.norm(finite([force.x, force.y, force.z], "force")))
-        with self._lock:
-            self._forces.append(magnitude)
+        self._forces.append(magnitude)
 
     def _on_gripper(self, message: GripperState) -> None:
         self._is_held = message.is_closed

@@ -1,0 +1,137 @@
+"""Subscriptions that are read when there is use for them, instead of one callback for every message.
+
+The executor of rclpy takes about 0.4 ms of processor time for a message, whatever its callback does: 500
+joint states a second are 20 % of a core. Reading a subscription without it takes a twentieth of that.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rclpy.callback_groups import CallbackGroup
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from pack_core.ros.contracts.contract import Contract
+
+
+class TakenByHand(CallbackGroup):
+    """Keeps its subscriptions out of the executor: whoever made them takes the messages."""
+
+    def can_execute(self, entity: Any) -> bool:
+        """Never."""
+        return False
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Never."""
+        return False
+
+    def ending_execution(self, entity: Any) -> None:
+        """Nothing began."""
+
+
+class Stream:
+    """A subscription whose messages wait in the middleware until they are taken; any thread may take them.
+
+    Args:
+        node: who subscribes.
+        contract: the topic.
+        depth: messages that may wait, the oldest being dropped; None: as the contract has it.
+        raw: hand out messages as the bytes that came (CDR) instead of building them.
+    """
+
+    def __init__(
+        self, node: Node, contract: Contract, *, depth: int | None = None, raw: bool = False
+    ) -> None:
+        assert contract.qos is not None, f"{contract.name} is no topic"
+        self.contract = contract
+        qos = QoSProfile(
+            depth=depth or contract.qos.depth,
+            reliability=contract.qos.reliability,
+            durability=contract.qos.durability,
+        )
+        self._type, self._is_raw = contract.type, raw
+        self._subscription = node.create_subscription(
+            contract.type, contract.name, lambda _: None, qos, callback_group=TakenByHand(), raw=raw
+        )
+
+    @property
+    def handle(self) -> Any:
+        """What a wait set of rclpy waits for."""
+        return self._subscription.handle
+
+    def take_all(self) -> list[Any]:
+        """All messages that wait, oldest first."""
+        return [message for _, message in self.take_with_times()]
+
+    def take_with_times(self) -> list[tuple[int, Any]]:
+        """All messages that wait, each with the time at which it was sent [ns of wall clock]."""
+        taken, handle = [], self._subscription.handle
+        with handle:
+            while (item := handle.take_message(self._type, self._is_raw)) is not None:
+                taken.append((item[1]["source_timestamp"], item[0]))
+        return taken
+
+
+class StreamWait:
+    """Waits until one of some streams has a message, outside the executor."""
+
+    def __init__(self, node: Node, streams: Sequence[Stream]) -> None:
+        self._streams = streams
+        self._wait_set = rclpy_implementation.WaitSet(len(streams), 0, 0, 0, 0, 0, node.context.handle)
+
+    def wait(self, timeout: float) -> bool:
+        """Whether a message has come within `timeout` [s of wall clock]."""
+        self._wait_set.clear_entities()
+        for stream in self._streams:
+            self._wait_set.add_subscription(stream.handle)
+        self._wait_set.wait(int(timeout * 1e9))
+        return bool(self._wait_set.get_ready_entities("subscription"))
+
+
+class StreamReader:
+    """Calls `read` in a thread of its own whenever a stream has a message, and at least once a `period`.
+
+    What `read` raises ends the node, as what a callback raises does: its executor raises it.
+
+    Args:
+        node: whose executor is told of an error.
+        streams: those that are waited for.
+        read: takes what has come.
+        period: longest time between two calls [s of wall clock].
+    """
+
+    def __init__(
+        self, node: Node, streams: Sequence[Stream], read: Callable[[], None], period: float
+    ) -> None:
+        self._node, self._read, self._period = node, read, period
+        self._wait = StreamWait(node, streams)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="stream reader", daemon=True)
+        self._thread.start()
+
+    def end(self) -> None:
+        """Read no more; returns when the thread has ended, which takes up to a `period`."""
+        self._ended.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            while not self._ended.is_set() and self._node.context.ok():
+                self._wait.wait(self._period)
+                self._read()
+        except Exception as error:
+            if self._node.context.ok() and not self._ended.is_set():
+                self._raise_in_executor(error)
+
+    def _raise_in_executor(self, error: Exception) -> None:
+        def fail() -> None:
+            raise error
+
+        executor = self._node.executor
+        if executor is None:
+            raise error
+        executor.create_task(fail)
