@@ -1,4 +1,4 @@
-"""The packing cost: weighted squared residuals over the horizon (Eq. 2) and its expansion."""
+"""The packing cost: weighted norms of residuals over the horizon (Eq. 2) and its expansion."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from pack_mpc.weights import StageWeights
 
 
 class PackingCost:
-    """Sum over the horizon of w r^2 and of squared torque: Eq. 2 with n_i(r) = r^2 for every residual.
+    """Sum over the horizon of w r^2 and of squared torque: Eq. 2, the residuals r being roots of norms.
 
     Args:
-        residuals: the residual vector r(x, y).
+        residuals: the residual vector r(x, y), whose squares are the norms.
         weights: weights in force, of the steps before the last and of the last.
         torque: weight of squared torque.
     """

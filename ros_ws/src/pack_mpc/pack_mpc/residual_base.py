@@ -8,28 +8,32 @@ states only its own slope: by the values of one sensor (`SensorResidual`), or by
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import NonNegativeFloat
+from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_mpc.ilqr import Linearization
+from pack_mpc.norms import AnyNorm
 from pack_mpc.plant import PackingPlant
 from pack_mpc.target import PackingTarget
 
 
 class ResidualOptions(Config):
-    """How residuals are written where there is more than one way.
+    """How residuals are written where there is more than one way, and their norms.
 
     Attributes:
         upright: the upright residual as the angle of Table I, or as x and y of the object's z axis.
         force_dead_band: external force that costs nothing [N].
+        norms: norm n_i of each residual by its name (Eq. 2); one that is not named is squared.
     """
 
     upright: Literal["angle", "axis"]
     force_dead_band: NonNegativeFloat
+    norms: Mapping[str, AnyNorm] = Field(default_factory=dict)
 
 
 class Residual(ABC):
@@ -39,10 +43,12 @@ class Residual(ABC):
         name: key of its weight in `config/weights/*.yaml`.
         default_weight: weight of every row where a file names none.
         rows: length R of the residual vector.
+        is_never_negative: whether it is written as a cost already, which the norm `linear` leaves as it is.
     """
 
     name: ClassVar[str]
     default_weight: ClassVar[float]
+    is_never_negative: ClassVar[bool] = False
     rows: int
 
     def __init__(self, plant: PackingPlant, target: PackingTarget, options: ResidualOptions) -> None:

@@ -2,7 +2,9 @@
 
 The whole cost of a horizon of T steps, with the weights w of the stage (Table I) and rows r:
 
-    sum_t sum_i w_i r_i(x_t, y_t)^2 + sum_i w_f,i r_i(x_T, y_T)^2 + torque * sum_t |u_t|^2
+    sum_t sum_i w_i n_i(r_i(x_t, y_t)) + sum_i w_f,i n_i(r_i(x_T, y_T)) + torque * sum_t |u_t|^2
+
+with the norms n_i of `norms.py`: n_i(r) = r^2 unless the weights file names another.
 """
 
 from __future__ import annotations
@@ -107,6 +109,7 @@ class JointLimit(StateResidual):
     """RJL: r_i = cosh(q_i - (lower_i + upper_i) / 2) - 1, small in the middle and steep at the limits."""
 
     name, default_weight, rows = "joint_limit", 0.1, AXES
+    is_never_negative = True
 
     def of(self, xs: Array) -> Array:
         return np.asarray(np.cosh(xs[..., self.plant.layout.q] - self.plant.arm.limits.middle) - 1.0)
@@ -138,6 +141,7 @@ class ObstacleResidual(StateResidual):
     """
 
     name, default_weight = "obstacle", 0.0
+    is_never_negative = True
 
     def __init__(self, plant: PackingPlant, target: PackingTarget, options: ResidualOptions) -> None:
         super().__init__(plant, target, options)

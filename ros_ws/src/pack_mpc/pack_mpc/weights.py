@@ -1,6 +1,7 @@
 """Weights of the residuals, per stage: `config/weights/*.yaml` (Table I).
 
-A file has a weight for each residual by the name of its class in `residual_terms.py`.
+A file has a weight for each residual by the name of its class in `residual_terms.py`, and a norm for each
+that is not to be squared (`norms.py`).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
 from pack_core.config import Config, load_config
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
+from pack_mpc.norms import AnyNorm, Linear
 from pack_mpc.residual_base import ResidualOptions
 from pack_mpc.residual_terms import RESIDUALS
 
@@ -53,6 +55,19 @@ Weights = Annotated[Mapping[Annotated[str, AfterValidator(_known)], Weight], Aft
 """The weight of every residual by its name. One that a file leaves out has its class's default weight."""
 
 
+def _fitting(norms: Mapping[str, AnyNorm]) -> Mapping[str, AnyNorm]:
+    """The norms, if each can take the values of its residual."""
+    for name, norm in norms.items():
+        if isinstance(norm, Linear) and not _BY_NAME[name].is_never_negative:
+            fitting = ", ".join(term.name for term in RESIDUALS if term.is_never_negative)
+            raise ValueError(f"norm linear for {fitting} only; '{name}' can be negative: give it smooth_abs")
+    return norms
+
+
+Norms = Annotated[Mapping[Annotated[str, AfterValidator(_known)], AnyNorm], AfterValidator(_fitting)]
+"""Norms of residuals by their names."""
+
+
 class StageWeights(Config):
     """Weights of a stage: `running` for the steps before the last, `terminal` for the last."""
 
@@ -88,6 +103,7 @@ class WeightSet(ResidualOptions):
         lean: tilt of the held object over its obstacles at the entry [rad].
     """
 
+    norms: Norms = Field(default_factory=dict)
     pre_pack: StageWeights
     insert: StageWeights
     fine_tune: StageWeights
