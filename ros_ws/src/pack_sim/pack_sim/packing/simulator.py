@@ -15,6 +15,7 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
 from pack_core.rotations import Array, Pose, angle_between, conjugate, rotate
 from pack_core.states import ObjectState, SceneState
+from pack_sim.packing.contacts import soften_contacts
 from pack_sim.packing.governor import ContactGovernor
 from pack_sim.packing.joint_controller import JointController
 from pack_sim.packing.mismatch import actual, believed, joint_friction
@@ -166,6 +167,7 @@ class Simulator:
         for name, friction in zip(self.cell.robot.arm.joints, self._joint_friction, strict=True):
             dof = model.joint(name).dofadr[0]
             model.dof_frictionloss[dof], model.dof_solimp[dof, :2] = friction, STICTION
+        soften_contacts(model, self.config.contact_width)
         return model
 
     def _index(self) -> None:

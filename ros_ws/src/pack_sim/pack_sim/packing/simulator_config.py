@@ -22,6 +22,10 @@ class SimulatorConfig(Config):
     friction_compensation: NonNegativeFloat = Field(
         default=0.0, description="compensated friction of each joint, along its desired velocity [N m]"
     )
+    contact_width: NonNegativeFloat = Field(
+        default=0.0005,
+        description="penetration over which a contact becomes firm [m]; 0: at first touch, as MuJoCo has it",
+    )
     mocap: MocapConfig = MocapConfig()
     wrench_sensor: WrenchSensorConfig = WrenchSensorConfig()
     mismatch: MismatchConfig = MismatchConfig()
