@@ -5,6 +5,8 @@ Every `from_*` raises MessageError for a message that must not be used.
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point, Quaternion, Vector3, WrenchStamped
@@ -15,6 +17,10 @@ from pack_core.errors import MessageError
 from pack_core.rotations import Array, Pose
 
 WORLD = "world"
+ENCAPSULATION = 4
+"""Bytes of a serialised message (CDR) before its first field."""
+STAMP, STAMP_BIG_ENDIAN = struct.Struct("<iI"), struct.Struct(">iI")
+"""A stamp as it is serialised: seconds, nanoseconds."""
 
 
 def to_stamp(seconds: float) -> Time:
@@ -26,6 +32,19 @@ def to_stamp(seconds: float) -> Time:
 def from_stamp(stamp: Time | Duration) -> float:
     """Seconds of a stamp or duration."""
     return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)
+
+
+def stamp_in(data: bytes) -> float:
+    """Seconds of the header's stamp in a serialised message that begins with a header.
+
+    Raises:
+        MessageError: the message is too short to have one.
+    """
+    if len(data) < STAMP.size + ENCAPSULATION:
+        raise MessageError(f"message of {len(data)} bytes; one with a header has at least 12")
+    # The second byte of a CDR message tells the byte order: odd for little endian, as every PC has it.
+    sec, nanosec = (STAMP if data[1] & 1 else STAMP_BIG_ENDIAN).unpack_from(data, ENCAPSULATION)
+    return stamps.to_seconds(sec * stamps.NS_PER_S + nanosec)
 
 
 def finite(values: object, what: str) -> Array:

@@ -8,7 +8,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 
 class Health:
-    """What one node reports of itself in /diagnostics.
+    """What one node reports of itself in /diagnostics; any thread may write to it.
 
     Attributes:
         name: of the node.
@@ -27,17 +27,19 @@ class Health:
 
     def count(self, what: str, reason: str) -> None:
         """Note that something was refused, and why."""
-        self.counts[what] += 1
         self.last[what] = reason
+        self.counts[what] += 1
 
     def status(self) -> DiagnosticStatus:
         """ERROR while a fault stands, WARN once something was refused, OK otherwise."""
+        # Copies, because other threads write meanwhile.
+        counts, faults = self.counts.copy(), self.faults.copy()
         level, message = DiagnosticStatus.OK, "ok"
-        if self.counts:
+        if counts:
             level = DiagnosticStatus.WARN
-            message = "; ".join(f"{what}: {n} ({self.last[what]})" for what, n in self.counts.items())
-        if self.faults:
-            level, message = DiagnosticStatus.ERROR, "; ".join(self.faults.values())
-        values = {**self.values, **{what: str(n) for what, n in self.counts.items()}}
+            message = "; ".join(f"{what}: {n} ({self.last[what]})" for what, n in counts.items())
+        if faults:
+            level, message = DiagnosticStatus.ERROR, "; ".join(faults.values())
+        values = {**self.values, **{what: str(n) for what, n in counts.items()}}
         pairs = [KeyValue(key=key, value=value) for key, value in values.items()]
         return DiagnosticStatus(level=level, name=self.name, message=message, values=pairs)

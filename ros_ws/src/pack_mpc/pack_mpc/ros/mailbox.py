@@ -28,9 +28,11 @@ SCENE_AGE = 0.1
 """Age beyond which an estimate of the scene is not planned from [s]."""
 JOINTS_WAIT = 0.05
 """Longest time for which the worker waits for a joint state [s of wall clock]."""
-REPORT_PERIOD = 1.0
+REPORT_PERIOD = 2.0
 """Time between two looks at what has come while nobody asks, so that bad messages are reported [s of wall
 clock]."""
+SCENES = 20
+"""Scenes that may wait: those of 0.17 s, as only the newest is planned from."""
 WRENCHES = 500
 """Wrenches that may wait: those of 2 s, as each counts for the force of a goal."""
 
@@ -38,8 +40,8 @@ WRENCHES = 500
 class Mailbox:
     """Keeps what the worker plans from. Messages are looked at when somebody asks, not as they come.
 
-    Every message that still waits is judged then; while no goal is pursued, older ones than the last 50 of a
-    topic are dropped unseen. All methods may be called from any thread.
+    Every message that still waits is judged then. The oldest are dropped unseen where more came than may wait,
+    as while no goal is pursued. All methods may be called from any thread.
 
     Args:
         node: whose messages are kept.
@@ -58,7 +60,7 @@ class Mailbox:
         self._new_joints = StreamWait(node, (joint_states,))
         self._streams: tuple[tuple[Stream, Callable[[Any], None]], ...] = (
             (joint_states, self._on_joints),
-            (Stream(node, contracts.SCENE), self._on_scene),
+            (Stream(node, contracts.SCENE, depth=SCENES), self._on_scene),
             (Stream(node, contracts.WRENCH, depth=WRENCHES), self._on_wrench),
             (Stream(node, contracts.GRIPPER_STATE), self._on_gripper),
         )

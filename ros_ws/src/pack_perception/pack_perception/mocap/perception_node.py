@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections import deque
+from functools import partial
 from typing import Any
 
 from pack_interfaces.msg import MocapMarkers
 from pydantic import Field, PositiveFloat
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
@@ -14,17 +17,21 @@ from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.conversions import stamp_in
 from pack_core.ros.joint_messages import from_joint_state
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import to_scene
+from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.estimator_config import EstimatorConfig
 from pack_perception.mocap.physics_estimator import PhysicsEstimator
 from pack_perception.mocap.rigid_body_fit import FitRefusal
+
+JOINTS_DEPTH = 500
+"""Joint states that may wait: those of 1 s."""
 
 
 class PerceptionNodeConfig(EstimatorConfig):
@@ -34,7 +41,10 @@ class PerceptionNodeConfig(EstimatorConfig):
 
 
 class PerceptionNode(CellNode):
-    """Publishes the estimated scene after every marker frame, and at `min_rate` while none come."""
+    """Publishes the estimated scene after every marker frame, and at `min_rate` while none come.
+
+    A thread reads what has come whenever a marker frame comes: the joint states up to it, and then the frame.
+    """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("perception", **kwargs)
@@ -47,49 +57,74 @@ class PerceptionNode(CellNode):
         self._frames: deque[MarkerFrame] = deque(maxlen=50)
         self._unused_frames = 0
         self._scene = self.advertise(contracts.SCENE)
+        self._lock = threading.Lock()
+        self._joints = Stream(self, contracts.JOINT_STATES, depth=JOINTS_DEPTH, raw=True)
+        self._markers = Stream(self, contracts.MARKERS)
         self.listen(contracts.DESCRIPTION, self._on_description)
-        self.listen(contracts.JOINT_STATES, self._on_joints)
-        self.listen(contracts.MARKERS, self._on_markers)
+        self._reader = StreamReader(self, (self._markers,), self._read, 1.0 / self._config.min_rate)
         self.watch(("sim",))
+
+    def destroy_node(self) -> None:
+        """Stop reading, then the node."""
+        self._reader.end()
+        super().destroy_node()
 
     def _on_description(self, message: String) -> None:
         scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
-        self._estimator = PhysicsEstimator(scene, self._cell, self._config)
-        self._names, self._new_object = scene.names, scene.new_object.name
-        self._start_over()
+        estimator = PhysicsEstimator(scene, self._cell, self._config)
+        with self._lock:
+            self._estimator = estimator
+            self._names, self._new_object = scene.names, scene.new_object.name
+            self._start_over()
+
+    def _read(self) -> None:
+        """Take all that has come, in the reader's thread."""
+        with self._lock:
+            # Markers first: the joint states of their time were sent before them, so that they are there.
+            for frame in self._markers.take_all():
+                self.guard(contracts.MARKERS, self._on_markers, frame)
+            for joints in self._joints.take_all():
+                self.guard(contracts.JOINT_STATES, self._on_joints, joints)
+            self._use_frames()
 
     def _start_over(self) -> None:
         self._frames.clear()
         self._published = -float("inf")
 
-    def _on_joints(self, message: JointState) -> None:
+    def _on_joints(self, data: bytes) -> None:
         estimator = self._estimator
-        if estimator is None or not estimator.wants(from_stamp(message.header.stamp)):
+        # The estimator uses every other joint state; what it does not want need not be deserialised.
+        if estimator is None or not estimator.wants(stamp_in(data)):
             return
+        message = deserialize_message(data, JointState)
         advance = estimator.advance(from_joint_state(message, self._cell.robot.arm.joints))
         if advance.is_restart:
             self._start_over()
             self.get_logger().info("time or the arm jumped: starting over")
         for name in advance.diverged:
             self.health.count("diverged", f"physics of '{name}' was put back")
-        self._use_frames(estimator)
+        self._use_frames()
         if estimator.time + self._config.step - self._published > 1.0 / self._config.min_rate:
             self._publish(estimator)
 
     def _on_markers(self, message: MocapMarkers) -> None:
         if self._estimator is not None:
             self._frames.append(from_markers(message))
-            self._use_frames(self._estimator)
 
-    def _use_frames(self, estimator: PhysicsEstimator) -> None:
-        while self._frames and not estimator.is_ahead(self._frames[0]):
-            correction = estimator.correct(self._frames.popleft())
-            self._unused_frames += correction.is_unused
-            for name, refusal in correction.refused.items():
-                if refusal is FitRefusal.RESIDUAL:
-                    self.health.count("refused fit", f"{refusal.value} '{name}'")
-            if not correction.is_unused:
-                self._publish(estimator)
+    def _use_frames(self) -> None:
+        """Correct the estimate by the frames for which the joint states have come."""
+        estimator = self._estimator
+        while estimator is not None and self._frames and not estimator.is_ahead(self._frames[0]):
+            self.guard(contracts.MARKERS, partial(self._correct, estimator), self._frames.popleft())
+
+    def _correct(self, estimator: PhysicsEstimator, frame: MarkerFrame) -> None:
+        correction = estimator.correct(frame)
+        self._unused_frames += correction.is_unused
+        for name, refusal in correction.refused.items():
+            if refusal is FitRefusal.RESIDUAL:
+                self.health.count("refused fit", f"{refusal.value} '{name}'")
+        if not correction.is_unused:
+            self._publish(estimator)
 
     def _publish(self, estimator: PhysicsEstimator) -> None:
         state = estimator.state(estimator.time)
