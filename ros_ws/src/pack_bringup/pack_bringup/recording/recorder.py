@@ -8,8 +8,8 @@ from collections import Counter
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from queue import Empty, Full, Queue
-from threading import Thread
+from queue import Empty, SimpleQueue
+from threading import Lock, Thread
 from typing import cast
 
 from rosbags.interfaces import Connection
@@ -25,6 +25,8 @@ FLUSH_PERIOD = 0.5
 """Wall clock [s] between two moments at which all that was received is in the file."""
 QUEUE_SIZE = 100_000
 """Messages that may wait for a slow disk before new ones are dropped and counted."""
+Stamped = tuple[str, int, bytes]
+"""A message: its topic, simulated time [ns], and CDR form."""
 STORAGE_ERRORS = (OSError, WriterError)
 
 
@@ -45,20 +47,25 @@ class Recorder:
         self.fault = ""
         self.dropped = 0
         self.written: Counter[str] = Counter()
-        self._queue: Queue[tuple[str, int, bytes] | None] = Queue(QUEUE_SIZE)
+        self._waiting, self._counting = 0, Lock()
+        # Many messages at a time: handing over one by one would wake the writer's thread for each.
+        self._queue: SimpleQueue[list[Stamped] | None] = SimpleQueue()
         self._writer, self._connections = _open(path, topics, types)
         self._thread = Thread(target=self._run, name="bag writer", daemon=True)
         self._thread.start()
 
     def write(self, topic: str, time_ns: int, data: bytes) -> None:
         """Hand over a message, stamped with simulated time; `data` is its CDR form."""
-        if self.fault:
-            self.dropped += 1
+        self.write_all([(topic, time_ns, data)])
+
+    def write_all(self, messages: list[Stamped]) -> None:
+        """Hand over messages in the order in which they are to stand in the bag."""
+        if self.fault or self._waiting + len(messages) > QUEUE_SIZE:
+            self.dropped += len(messages)
             return
-        try:
-            self._queue.put_nowait((topic, time_ns, data))
-        except Full:
-            self.dropped += 1
+        with self._counting:
+            self._waiting += len(messages)
+        self._queue.put(messages)
 
     def close(self) -> None:
         """Write what is waiting, then the index and metadata.yaml."""
@@ -84,12 +91,14 @@ class Recorder:
                 next_flush = time.monotonic() + FLUSH_PERIOD
                 continue
             with suppress(Empty):
-                item = self._queue.get(timeout=wait)
-                if item is None:
+                messages = self._queue.get(timeout=wait)
+                if messages is None:
                     return
-                topic, time_ns, data = item
-                self._writer.write(self._connections[topic], time_ns, data)
-                self.written[topic] += 1
+                for topic, time_ns, data in messages:
+                    self._writer.write(self._connections[topic], time_ns, data)
+                    self.written[topic] += 1
+                with self._counting:
+                    self._waiting -= len(messages)
 
     def _flush(self) -> None:
         """Close the chunk at hand, so that a reader finds it whole, and see it to the disk."""
@@ -101,8 +110,8 @@ class Recorder:
 
     def _discard(self) -> None:
         """Take messages until the end without keeping them, so that nobody waits for room."""
-        while self._queue.get() is not None:
-            self.dropped += 1
+        while (messages := self._queue.get()) is not None:
+            self.dropped += len(messages)
 
 
 def _open(path: Path, topics: Iterable[Topic], types: Typestore) -> tuple[Writer, dict[str, Connection]]:

@@ -6,15 +6,13 @@ any real-time factor read alike; each message keeps its own header stamp besides
 
 from __future__ import annotations
 
+import time
 from datetime import datetime
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
-from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
-from rclpy.subscription import Subscription
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
 from pack_bringup.recording.message_types import message_types
@@ -28,14 +26,15 @@ from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import nodes_of, recorded
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.conversions import stamp_in
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
+from pack_core.ros.stream import NodeThread, Stream
 from pack_evaluation.raw_bag import Topic
 
 DEPTH = 1000
 """Messages a topic that may wait in the middleware, whatever depth it has for others."""
-DRAIN_PERIOD = 0.02
+DRAIN_PERIOD = 0.05
 """Wall clock between two looks at what has arrived [s]."""
 FOREVER = QosTime(9223372036, 854775807)
 
@@ -53,21 +52,6 @@ class RecorderConfig(Config):
     """The command line that started the run, for run.yaml."""
 
 
-class TakenByHand(CallbackGroup):
-    """Keeps its subscriptions out of the executor, which would take four times the processor time."""
-
-    def can_execute(self, entity: Any) -> bool:
-        """Never."""
-        return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        """Never."""
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        """Nothing began."""
-
-
 class RecorderNode(CellNode):
     """Records the run and says what it was."""
 
@@ -81,9 +65,8 @@ class RecorderNode(CellNode):
         self._time_ns = 0
         run_files = optional_cell_part(config.cell, "run_files")
         self._run_files = run_files(self.folder) if run_files else None
-        group = TakenByHand()
-        self._taps = [(contract, self._tap(contract, group)) for contract in topics]
-        self.create_timer(DRAIN_PERIOD, self.drain, clock=self.wall)
+        self._streams = [Stream(self, contract, depth=DEPTH, raw=True) for contract in topics]
+        self._drain = NodeThread(self, self._wait_and_drain, "drain")
         self.watch(nodes_of(config.cell) - {self.get_name()})
         self.get_logger().info(f"recording to {self.folder}")
 
@@ -98,38 +81,42 @@ class RecorderNode(CellNode):
 
     def destroy_node(self) -> None:
         """Finish the bag."""
+        self._drain.end()
         self.drain()
         self.recorder.close()
         super().destroy_node()
 
     def drain(self) -> None:
         """Record all that has arrived, in the order in which it was sent."""
-        taken: list[tuple[int, Contract, bytes]] = []
-        for contract, tap in self._taps:
-            with tap.handle:
-                while (item := tap.handle.take_message(contract.type, True)) is not None:
-                    taken.append((item[1]["source_timestamp"], contract, item[0]))
-        for _, contract, data in sorted(taken, key=itemgetter(0)):
-            self._record(contract, data)
+        taken = [
+            (sent, stream.contract.name, data)
+            for stream in self._streams
+            for sent, data in stream.take_with_times()
+        ]
+        taken.sort(key=itemgetter(0))
+        self.recorder.write_all([(topic, self._time_of(topic, data), data) for _, topic, data in taken])
+        if self._run_files is not None:
+            for _, topic, data in taken:
+                self._note(topic, data)
 
-    def _tap(self, contract: Contract, group: TakenByHand) -> Subscription:
-        qos = QoSProfile(
-            depth=DEPTH, reliability=contract.qos.reliability, durability=contract.qos.durability
-        )
-        return self.create_subscription(
-            contract.type, contract.name, lambda _: None, qos, callback_group=group, raw=True
-        )
+    def _wait_and_drain(self) -> None:
+        time.sleep(DRAIN_PERIOD)
+        self.drain()
 
-    def _record(self, contract: Contract, data: bytes) -> None:
-        if contract.name == shared.CLOCK.name:
-            self._time_ns = stamps.to_ns(from_stamp(deserialize_message(data, contract.type).clock))
-        self.recorder.write(contract.name, self._time_ns, data)
-        if self._run_files is None:
-            return
+    def _time_of(self, topic: str, data: bytes) -> int:
+        """Stamp in the bag [ns]: the time of the last tick of the clock, which may be this message."""
+        if topic == shared.CLOCK.name:
+            self.guard(shared.CLOCK, self._set_time, data)
+        return self._time_ns
+
+    def _set_time(self, clock: bytes) -> None:
+        self._time_ns = stamps.to_ns(stamp_in(clock))
+
+    def _note(self, topic: str, data: bytes) -> None:
         try:
-            self._run_files.on_message(contract.name, data)
+            self._run_files.on_message(topic, data)
         except PackError as error:
-            self.health.count(f"refused {contract.name}", str(error))
+            self.health.count(f"refused {topic}", str(error))
 
 
 def _topic(contract: Contract) -> Topic:

@@ -35,13 +35,13 @@ def from_stamp(stamp: Time | Duration) -> float:
 
 
 def stamp_in(data: bytes) -> float:
-    """Seconds of the header's stamp in a serialised message that begins with a header.
+    """Seconds of the stamp in a serialised message that begins with one, or with a header.
 
     Raises:
         MessageError: the message is too short to have one.
     """
-    if len(data) < STAMP.size + ENCAPSULATION:
-        raise MessageError(f"message of {len(data)} bytes; one with a header has at least 12")
+    if len(data) < ENCAPSULATION + STAMP.size:
+        raise MessageError(f"message of {len(data)} bytes; one with a stamp has at least 12")
     # The second byte of a CDR message tells the byte order: odd for little endian, as every PC has it.
     sec, nanosec = (STAMP if data[1] & 1 else STAMP_BIG_ENDIAN).unpack_from(data, ENCAPSULATION)
     return stamps.to_seconds(sec * stamps.NS_PER_S + nanosec)

@@ -92,37 +92,32 @@ class StreamWait:
         return bool(self._wait_set.get_ready_entities("subscription"))
 
 
-class StreamReader:
-    """Calls `read` in a thread of its own whenever a stream has a message, and at least once a `period`.
+class NodeThread:
+    """A thread of a node that takes one turn after the other until it is ended.
 
-    What `read` raises ends the node, as what a callback raises does: its executor raises it.
+    What a turn raises ends the node, as what a callback raises does: its executor raises it.
 
     Args:
         node: whose executor is told of an error.
-        streams: those that are waited for.
-        read: takes what has come.
-        period: longest time between two calls [s of wall clock].
+        turn: is called again and again; it should return at least every 0.1 s.
+        name: of the thread.
     """
 
-    def __init__(
-        self, node: Node, streams: Sequence[Stream], read: Callable[[], None], period: float
-    ) -> None:
-        self._node, self._read, self._period = node, read, period
-        self._wait = StreamWait(node, streams)
+    def __init__(self, node: Node, turn: Callable[[], None], name: str) -> None:
+        self._node, self._turn = node, turn
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="stream reader", daemon=True)
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
     def end(self) -> None:
-        """Read no more; returns when the thread has ended, which takes up to a `period`."""
+        """Return when the last turn is over."""
         self._ended.set()
         self._thread.join()
 
     def _run(self) -> None:
         try:
             while not self._ended.is_set() and self._node.context.ok():
-                self._wait.wait(self._period)
-                self._read()
+                self._turn()
         except Exception as error:
             if self._node.context.ok() and not self._ended.is_set():
                 self._raise_in_executor(error)
@@ -135,3 +130,25 @@ class StreamReader:
         if executor is None:
             raise error
         executor.create_task(fail)
+
+
+class StreamReader(NodeThread):
+    """Calls `read` in a thread of its own whenever a stream has a message, and at least once a `period`.
+
+    Args:
+        node: as of `NodeThread`.
+        streams: those that are waited for.
+        read: takes what has come.
+        period: longest time between two calls [s of wall clock].
+    """
+
+    def __init__(
+        self, node: Node, streams: Sequence[Stream], read: Callable[[], None], period: float
+    ) -> None:
+        wait = StreamWait(node, streams)
+
+        def turn() -> None:
+            wait.wait(period)
+            read()
+
+        super().__init__(node, turn, "stream reader")

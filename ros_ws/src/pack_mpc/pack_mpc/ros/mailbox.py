@@ -40,8 +40,8 @@ WRENCHES = 500
 class Mailbox:
     """Keeps what the worker plans from. Messages are looked at when somebody asks, not as they come.
 
-    Every message that still waits is judged then. The oldest are dropped unseen where more came than may wait,
-    as while no goal is pursued. All methods may be called from any thread.
+    Every message that still waits is judged then. The oldest are dropped unseen where more came than may
+    wait, as while no goal is pursued. All methods may be called from any thread.
 
     Args:
         node: whose messages are kept.
