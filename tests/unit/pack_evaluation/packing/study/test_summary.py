@@ -55,6 +55,35 @@ def test_mean_force_pools_samples_and_the_mean_of_trials_pools_trials() -> None:
     assert force["p95"] == pytest.approx(6.0)
 
 
+def test_containment_is_counted_beside_success() -> None:
+    out = packed("out")
+    out = replace(
+        out, measures=replace(out.measures, is_contained=False, protrusion=0.02, tilt=np.deg2rad(10.0))
+    )
+    summary = summarize(study_of("ours", packed("in"), out, failed("c", PackingExitReason.TIMEOUT)))
+    assert (summary["success"], summary["containment"]["contained"]) == (2, 2)
+    assert summary["containment"]["packed_and_contained"] == 1
+    assert summary["containment"]["protrusion_mm"]["mean"] == pytest.approx(20.0 / 3)
+    assert summary["containment"]["max_protrusion_mm"] == pytest.approx(20.0)
+    assert summary["containment"]["tilt_deg"]["mean"] == pytest.approx(10.0 / 3)
+
+
+def test_chatter_is_the_mean_share_of_the_trials_that_had_contact() -> None:
+    def with_chatter(share: float) -> PackingTrial:
+        trial = packed("a")
+        return replace(trial, measures=replace(trial.measures, chatter=share))
+
+    trials = [with_chatter(share) for share in (0.01, 0.03, float("nan"))]
+    assert summarize(study_of("ours", *trials))["chatter_percent"]["mean"] == pytest.approx(2.0)
+
+
+def test_late_iterations_are_shares_of_all_iterations_of_all_trials() -> None:
+    few = replace(packed("a"), iterations_ms=np.array([20.0, 100.0]))
+    many = replace(packed("b"), iterations_ms=np.array([20.0, 20.0, 50.0, 48.0, 20.0, 20.0]))
+    late = summarize(study_of("ours", few, many))["late_iterations_percent"]
+    assert late == {"over_48_ms": 25.0, "over_96_ms": 12.5}
+
+
 def test_failure_metrics_are_split_by_outcome() -> None:
     bad = failed("bad", PackingExitReason.TIMEOUT)
     bad = replace(bad, measures=replace(bad.measures, m_rot=np.deg2rad(5.0)))
@@ -68,6 +97,8 @@ def test_a_study_without_trials_has_a_summary_and_tables() -> None:
     empty = study_of("none")
     assert summarize(empty)["distance_cm"]["mean"] is None
     assert contact_force(empty)["max_peak"] is None
+    assert summarize(empty)["containment"]["max_protrusion_mm"] is None
+    assert summarize(empty)["late_iterations_percent"] == {"over_48_ms": None, "over_96_ms": None}
     assert all(len(row) == len(table.head) for table in tables([empty]) for row in table.rows)
 
 
@@ -85,3 +116,20 @@ def test_the_first_table_has_a_row_a_study_and_a_column_an_exit() -> None:
     assert columns["detached"] == ("0", "0")
     assert columns["no placement"] == ("1", "0")
     assert columns["time [s]"] == ("4.00 ± 0.00", "4.00 ± 0.00")
+
+
+def test_table_ii_has_distance_and_mean_force_of_every_method() -> None:
+    names = ("pack_it_in", "uninformed_physics", "uninformed_pose")
+    studies = [study_of(name, packed("a", force=2.0), packed("b", force=4.0)) for name in names]
+    table = tables(studies)[0]
+    columns = dict(zip(table.head, zip(*table.rows, strict=True), strict=True))
+    assert columns[""] == names
+    assert columns["distance [cm]"] == ("0.00 ± 0.00",) * 3
+    assert columns["force [N]"] == ("3.00 ± 1.00",) * 3
+
+
+def test_the_second_table_says_how_many_end_inside() -> None:
+    table = tables([study_of("ours", packed("a"), failed("b", PackingExitReason.TIMEOUT))])[1]
+    columns = dict(zip(table.head, table.rows[0], strict=True))
+    assert (columns["contained"], columns["of the packed"]) == ("2/2", "1/1")
+    assert (columns["protrusion [mm]"], columns["largest"]) == ("0.00 ± 0.00", "0.00")
