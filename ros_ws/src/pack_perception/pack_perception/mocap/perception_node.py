@@ -23,7 +23,7 @@ from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.ros.scene_messages import to_scene
+from pack_core.ros.scene_messages import SceneWriter
 from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.estimator_config import EstimatorConfig
@@ -56,7 +56,7 @@ class PerceptionNode(CellNode):
         self._published = -float("inf")
         self._frames: deque[MarkerFrame] = deque(maxlen=50)
         self._unused_frames = 0
-        self._scene = self.advertise(contracts.SCENE)
+        self._scene, self._writer = self.advertise(contracts.SCENE), SceneWriter()
         self._lock = threading.Lock()
         self._joints = Stream(self, contracts.JOINT_STATES, depth=JOINTS_DEPTH, raw=True)
         self._markers = Stream(self, contracts.MARKERS)
@@ -129,7 +129,7 @@ class PerceptionNode(CellNode):
     def _publish(self, estimator: PhysicsEstimator) -> None:
         state = estimator.state(estimator.time)
         self._published = state.time
-        self._scene.publish(to_scene(state))
+        self._scene.publish(self._writer.write(state))
         self._note(state, estimator.is_held)
 
     def _note(self, state: SceneState, is_held: bool) -> None:

@@ -13,7 +13,7 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_stamp, to_wrench
 from pack_core.ros.joint_messages import to_joint_state
 from pack_core.ros.packing.marker_messages import to_markers
-from pack_core.ros.scene_messages import to_scene
+from pack_core.ros.scene_messages import SceneWriter
 from pack_core.topics import steps_between
 from pack_sim.packing.simulator import Simulator
 
@@ -31,7 +31,7 @@ class SensorPublisher:
         self._joints = node.advertise(contracts.JOINT_STATES)
         self._wrench = node.advertise(contracts.WRENCH)
         self._markers = node.advertise(contracts.MARKERS)
-        self._truth = node.advertise(contracts.TRUTH)
+        self._truth, self._writer = node.advertise(contracts.TRUTH), SceneWriter()
         self._gripper = node.advertise(contracts.GRIPPER_STATE)
         self._steps = steps_between(shared_topics.CLOCK_RATE, timestep)
         self._joint_steps = steps_between(topics.JOINT_RATE, timestep)
@@ -52,7 +52,7 @@ class SensorPublisher:
             self._markers.publish(to_markers(frame))
         self._tick += 1
         if self._tick % self._truth_ticks == 0:
-            self._truth.publish(to_scene(simulator.truth()))
+            self._truth.publish(self._writer.write(simulator.truth()))
         if self._tick % self._gripper_ticks == 0:
             self._gripper.publish(_gripper_state(simulator))
 
