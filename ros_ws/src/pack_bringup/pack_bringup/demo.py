@@ -6,13 +6,17 @@ import json
 import os
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+import yaml
+
 from pack_bringup.graph.domains import choose_domain
-from pack_bringup.graph.graph import load_graph
+from pack_bringup.graph.graph import Graph, load_graph
 from pack_bringup.graph.processes import ProcessGroup
+from pack_bringup.pace import Pace
 from pack_core.errors import PackError
 
 if TYPE_CHECKING:
@@ -20,6 +24,8 @@ if TYPE_CHECKING:
     from pack_core.ros.contracts.contract import Contract
 
 LOG = "nodes.log"
+SIM, FACTOR = "sim", "real_time_factor"
+"""The node that owns time, in every cell, and its parameter that says how fast time runs."""
 TIMEOUT = 240.0
 """Wall clock for the nodes to come up (a first start compiles), and between two signs of progress [s]."""
 LINGER = 2.0
@@ -66,11 +72,11 @@ def recorder_parameters(job: Job, seed: int, command: str) -> dict[str, str]:
     return {"seed": str(seed), **{name: json.dumps(value) for name, value in text.items()}}
 
 
-def run_demo(job: Job, on_progress: Callable[[Progress], None]) -> Any:
+def run_demo(job: Job, on_progress: Callable[[Progress], None]) -> tuple[Any, Pace]:
     """Start the nodes, pursue the goal, stop the nodes; the recording is then complete.
 
     Returns:
-        The action's result.
+        The action's result, and whether the machine kept up.
 
     Raises:
         PackError: a node did not come up or died, or the goal was refused; the log's last lines say why.
@@ -79,6 +85,7 @@ def run_demo(job: Job, on_progress: Callable[[Progress], None]) -> Any:
 
     graph = load_graph(job.cell)
     commands, (contract, goal) = graph.commands(job.overrides()), job.goal()
+    pace = Pace(_wanted_factor(graph, job))
     domain = choose_domain(os.environ)
     job.folder.mkdir(parents=True, exist_ok=True)
     log = job.folder / LOG
@@ -87,13 +94,25 @@ def run_demo(job: Job, on_progress: Callable[[Progress], None]) -> Any:
         patience = _Patience(log, job.server)
 
         def check(node: GoalClient) -> None:
+            nonlocal pace
             _check_alive(group, log)
             patience.check(node)
-            on_progress(_progress(job, node))
+            pace = replace(pace, achieved=node.factors, iterations_ms=node.iterations_ms)
+            on_progress(_progress(job, node, pace))
 
         with group:
             names = [node.name for node in graph.nodes]
-            return follow_goal(lambda: GoalClient(contract, goal, names), check, domain=domain, linger=LINGER)
+            make = partial(GoalClient, contract, goal, names)
+            return follow_goal(make, check, domain=domain, linger=LINGER), pace
+
+
+def _wanted_factor(graph: Graph, job: Job) -> float:
+    """The real-time factor that the simulator is given: the job's, or that of its parameter file."""
+    given = job.overrides().get(SIM, {}).get(FACTOR)
+    if given is None:
+        (sim,) = graph.only((SIM,)).nodes
+        given = yaml.safe_load(sim.parameters_path.read_text())[SIM]["ros__parameters"][FACTOR]
+    return float(given)
 
 
 def _check_alive(group: ProcessGroup, log: Path) -> None:
@@ -124,9 +143,10 @@ class _Patience:
         raise PackError(f"nothing happened for {TIMEOUT:.0f} s: {what}; {_tail(self._log, culprit)}")
 
 
-def _progress(job: Job, node: GoalClient) -> Progress:
+def _progress(job: Job, node: GoalClient, pace: Pace) -> Progress:
     if node.feedback is not None:
-        return job.progress(node.feedback, node.real_time_factor)
+        progress = job.progress(node.feedback, node.real_time_factor)
+        return replace(progress, line=progress.line + pace.remark)
     missing = [] if node.is_accepted else node.missing
     return Progress("", f"waiting for {', '.join(missing) or f'node {job.server!r}'}")
 

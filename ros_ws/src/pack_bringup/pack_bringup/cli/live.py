@@ -26,7 +26,7 @@ def run_live(job: Job, *, video: bool) -> NoReturn:
     signal.signal(signal.SIGTERM, _as_ctrl_c)
     try:
         with LiveLine() as line:
-            result = run_demo(job, line.show)
+            result, pace = run_demo(job, line.show)
     except KeyboardInterrupt:
         typer.echo(f"stopped; what was recorded is in {job.folder}")
         raise typer.Exit(130) from None
@@ -34,6 +34,8 @@ def run_live(job: Job, *, video: bool) -> NoReturn:
     typer.echo(f"goal ended: {reason}, {result.message}")
     show(run_evaluation(evaluator_of(job.folder), job.folder, job.folder, with_video=video))
     typer.echo(f"log:    {job.folder / LOG}")
+    if pace.warning:
+        typer.secho(pace.warning, fg=typer.colors.YELLOW)
     raise typer.Exit(0 if result.success else 1)
 
 

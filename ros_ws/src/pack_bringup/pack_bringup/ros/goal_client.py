@@ -35,6 +35,8 @@ class GoalClient(CellNode):
         feedback: the newest, if any.
         result: once the goal has ended.
         real_time_factor: as the simulator reports it.
+        factors: those reported while the goal was pursued.
+        iterations_ms: what the controller's iterations took, where its feedback says so [ms of wall clock].
     """
 
     def __init__(self, contract: Contract, goal: Any, peers: Sequence[str], **kwargs: Any) -> None:
@@ -44,6 +46,8 @@ class GoalClient(CellNode):
         self.feedback: Any = None
         self.result: Any = None
         self.real_time_factor = 0.0
+        self.factors: list[float] = []
+        self.iterations_ms: list[float] = []
         self._client = ActionClient(self, contract.type, contract.name)
         self._is_sent = False
         self._next_try = 0.0
@@ -75,12 +79,16 @@ class GoalClient(CellNode):
 
     def _on_feedback(self, message: Any) -> None:
         self.feedback = message.feedback
+        if hasattr(message.feedback, "iteration_ms"):
+            self.iterations_ms.append(message.feedback.iteration_ms)
 
     def _on_result(self, future: Future) -> None:
         self.result = future.result().result
 
     def _on_real_time_factor(self, message: Any) -> None:
         self.real_time_factor = message.data
+        if self.is_accepted and self.result is None:
+            self.factors.append(message.data)
 
 
 def follow_goal(
