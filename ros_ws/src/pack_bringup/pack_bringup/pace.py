@@ -57,6 +57,7 @@ class Pace:
             return ""
         return (
             f"This machine could not keep up: {', and '.join(said)}. "
-            "The arm then moves on old plans or waits, so the figures are not the controller's best. "
-            f"Run it slower (--real-time-factor {self.wanted / 2:.2g}), end other programs, or use more cores."
+            "The arm then moves on old plans or waits: the figures are not the controller's best. "
+            f"Run it slower (--real-time-factor {self.wanted / 2:.2g}), end other programs, or use more "
+            "cores."
         )
