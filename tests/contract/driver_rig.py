@@ -59,7 +59,7 @@ class DriverRig:
         self.inwards = 1.0
         graph.probe.listen(
             contracts.JOINT_STATES, contracts.WRENCH, contracts.GRIPPER_STATE, contracts.MARKERS,
-            contracts.DESCRIPTION, shared.DIAGNOSTICS,
+            contracts.DESCRIPTION, shared.DIAGNOSTICS, shared.CLOCK,
         )  # fmt: skip
         self.start_sender()
 

@@ -20,11 +20,13 @@ from pack_core.joints import Setpoints
 from pack_core.packing import topics
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state, to_setpoints
 from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.ros.peer_watch import ALIVE_QOS, alive_topic
+from pack_core.topics import CLOCK_RATE
 
 TURN = 0.06
 """By which the joint is turned [rad]."""
@@ -77,6 +79,15 @@ def test_it_speaks_at_the_rate_that_the_cell_expects(rig: DriverRig, contract: C
     gaps = np.diff([from_stamp(message.header.stamp) for message in mail])
     assert np.all(gaps > 0.0), "stamps must rise"
     assert np.median(gaps) == pytest.approx(1.0 / rate, rel=0.2)
+
+
+def test_the_clock_is_that_of_its_stamps(rig: DriverRig) -> None:
+    rig.wait(0.1)
+    mail = rig.graph.probe.mail[shared.CLOCK.name]
+    clocks = np.array([from_stamp(message.clock) for message in mail])
+    assert np.all(np.diff(clocks) > 0.0), "the clock must rise"
+    assert np.median(np.diff(clocks)) == pytest.approx(1.0 / CLOCK_RATE, rel=0.2)
+    assert abs(clocks[-1] - rig.time) < 0.05, "stamps and /clock are of two clocks"
 
 
 def test_joint_states_are_of_the_cells_arm_finite_and_within_its_limits(rig: DriverRig) -> None:
