@@ -23,3 +23,15 @@ def test_the_evaluation_agrees_with_what_the_controller_reported() -> None:
 def test_the_recorded_motion_alone_says_how_the_goal_ended() -> None:
     run = load_run(sample_path())
     assert judge(run, Criteria()) is PackingExitReason(run.outcome["exit_reason"])
+
+
+def test_a_recording_of_an_earlier_version_has_the_measures_that_came_later() -> None:
+    m = measure(load_run(sample_path()))
+    # the sample's cup is rigid: the object is exactly where the measured joints have it
+    assert (m.m_rot, m.grip_error) == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert 0.0 < m.perception_error < 0.001
+    assert 0.0 < m.m_pos < 0.002
+    assert m.is_contained
+    assert m.protrusion < 0.003
+    assert 0.2 < m.chatter < 0.4
+    assert m.very_late < m.late < 1.0
