@@ -68,6 +68,23 @@ def test_algorithm_1_alone_takes_the_cheapest_feasible_sample_and_leans_to_no_si
     np.testing.assert_array_equal(placement.over, 0.0)
 
 
+@pytest.mark.parametrize("count", [1, 6, 100])
+def test_the_samples_that_are_shown_go_from_the_cheapest_to_the_dearest(
+    example: Scene, state_of: StateOf, count: int
+) -> None:
+    samples = plan(example, state_of(example), PlacementConfig(samples=20)).samples
+    shown = samples.spread(count)
+    assert len(shown) == min(count, 20)
+    costs = [sample.cost for sample in shown]
+    assert costs == sorted(costs)
+    assert costs[0] == samples.costs.min()
+    assert shown[0].rank == 0.0
+    if count > 1:
+        assert costs[-1] == samples.costs.max()
+        assert shown[-1].rank == 1.0
+    assert list(shown[0].poses) == [*example.names, example.new_object.name]
+
+
 def test_a_blocked_scene_has_collisions_that_the_outlines_confirm(example: Scene, state_of: StateOf) -> None:
     placement = plan(example, state_of(example))
     assert placement.X_WO is not None

@@ -65,7 +65,8 @@ class PlacementEvaluation:
         penetration = np.array([self._lasting_penetration(row) for row in states])
         costs = self.disturbance(before, settled) + self._config.beta * penetration
         verdict = judge(self.scene, settled, penetration)
-        return PlacementSamples(sampled, settled[:, -1], costs, verdict.is_feasible), verdict.reason()
+        names = tuple(self._settling.names)
+        return PlacementSamples(names, sampled, settled, costs, verdict.is_feasible), verdict.reason()
 
     def candidate(self, now: Array, pose: Array, cost: float) -> PlacementCandidate:
         """A pose `(7,)` of the new object with the objects that it overlaps in the state `now`."""

@@ -9,7 +9,11 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Array, Pose
+
+SHOWN = 6
+"""Number of samples that are shown as settled scenes."""
 
 
 class PlacementStatus(IntEnum):
@@ -24,16 +28,35 @@ class PlacementSamples:
     """The S poses that were tried.
 
     Attributes:
+        names: names of all n objects, the new one last.
         sampled: X_WO of the new object as teleported `(S, 7)`: position [m], quaternion wxyz.
-        settled: X_WO after the physics has resolved the overlaps `(S, 7)`.
+        scenes: X_WO of all objects after the physics has resolved the overlaps `(S, n, 7)`.
         costs: cost of each sample by Eq. 6 `(S,)`.
         is_feasible: whether each sample is a feasible placement `(S,)`.
     """
 
+    names: tuple[str, ...]
     sampled: Array
-    settled: Array
+    scenes: Array
     costs: Array
     is_feasible: npt.NDArray[np.bool_]
+
+    @property
+    def settled(self) -> Array:
+        """X_WO of the new object after the physics has resolved the overlaps `(S, 7)`."""
+        return self.scenes[:, -1]
+
+    def spread(self, count: int) -> tuple[SettledSample, ...]:
+        """At most `count` settled scenes: the cheapest, the dearest, and others evenly between them."""
+        order = np.argsort(self.costs, kind="stable")
+        places = np.unique(np.round(np.linspace(0, len(order) - 1, min(count, len(order)))).astype(int))
+        # a single sample is the cheapest, which has none before it
+        last = max(len(order) - 1, 1)
+        return tuple(self._settled_sample(int(order[place]), place / last) for place in places.tolist())
+
+    def _settled_sample(self, k: int, rank: float) -> SettledSample:
+        poses = {name: Pose(row[:3], row[3:]) for name, row in zip(self.names, self.scenes[k], strict=True)}
+        return SettledSample(float(self.costs[k]), rank, bool(self.is_feasible[k]), poses)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Pose
 from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
-from pack_planner.placement.placement_result import PlacementSamples, PlannedPlacement
+from pack_planner.placement.placement_result import SHOWN, PlacementSamples, PlannedPlacement
 from pack_planner.placement.ros.placement_markers import to_visual_markers
 
 
@@ -80,7 +80,8 @@ class PlannerNode(CellNode):
             avoid=[finite([p.x, p.y, p.z], "point to avoid") for p in request.avoid],
             avoid_radius=_checked_radius(request.avoid_radius),
         )
-        self._markers.publish(to_visual_markers(state.time, placement, self._scene.new_object))
+        shown = placement.samples.spread(SHOWN)
+        self._markers.publish(to_visual_markers(state.time, placement, self._scene, shown[0]))
         return placement
 
 

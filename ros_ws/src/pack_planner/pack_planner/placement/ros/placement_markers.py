@@ -9,10 +9,15 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from pack_core.packing.objects import SceneItem
+from pack_core.packing.scene import Scene
+from pack_core.packing.settled_sample import SettledSample
 from pack_core.ros.conversions import WORLD, to_point, to_pose, to_stamp
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_planner.placement.placement_result import PlacementSamples, PlannedPlacement
 
+SETTLED = "placement settled"
+"""Namespace of the cheapest sample's objects."""
+SETTLED_OPACITY = 0.3
 INFEASIBLE = ColorRGBA(r=0.4, g=0.4, b=0.4, a=0.35)
 CHOSEN = ColorRGBA(r=0.1, g=0.8, b=0.3, a=0.45)
 KINDS = {mujoco.mjtGeom.mjGEOM_BOX: Marker.CUBE, mujoco.mjtGeom.mjGEOM_CYLINDER: Marker.CYLINDER}
@@ -20,11 +25,34 @@ KINDS = {mujoco.mjtGeom.mjGEOM_BOX: Marker.CUBE, mujoco.mjtGeom.mjGEOM_CYLINDER:
 SAMPLE_DIAMETER = 0.004
 SAMPLE_HEIGHT = 0.002
 """Diameter of a sample's dot and height of its centre over the base [m]."""
+LABEL_SIZE = 0.03
+"""Height of the letters that name the cheapest sample's cost [m]."""
 
 
-def to_visual_markers(time: float, placement: PlannedPlacement, item: SceneItem) -> MarkerArray:
-    """Samples as dots on the base, green (cheap) to red (expensive), and the chosen pose, translucent."""
-    return MarkerArray(markers=[_samples(time, placement.samples), _chosen(time, placement, item)])
+def to_visual_markers(
+    time: float, placement: PlannedPlacement, scene: Scene, cheapest: SettledSample
+) -> MarkerArray:
+    """What a viewer shows of a placement, in three namespaces.
+
+    The samples are dots on the base, green (cheap) to red (expensive). The chosen pose and the objects of the
+    cheapest sample, where its physics left them, are translucent shapes (Fig. 3).
+    """
+    markers = [_samples(time, placement.samples), _chosen(time, placement, scene.new_object)]
+    return MarkerArray(markers=markers + _settled(time, scene, cheapest))
+
+
+def _settled(time: float, scene: Scene, sample: SettledSample) -> list[Marker]:
+    """The objects of a settled sample, and above the new one what the sample costs."""
+    markers = [_shape(time, SETTLED, scene.model_of(name), X_WO) for name, X_WO in sample.poses.items()]
+    for i, (marker, name) in enumerate(zip(markers, sample.poses, strict=True)):
+        r, g, b = scene.model_of(name).colour
+        marker.id, marker.color = i, ColorRGBA(r=r, g=g, b=b, a=SETTLED_OPACITY)
+    label = _marker(time, SETTLED, Marker.TEXT_VIEW_FACING)
+    X_WN, item = sample.poses[scene.new_object.name], scene.new_object
+    label.id, label.text = len(markers), f"cost {sample.cost:.2f}"
+    label.pose = to_pose(Pose(X_WN.p + np.array([0.0, 0.0, item.half_extents[2] + LABEL_SIZE]), X_WN.q))
+    label.scale.z, label.color = LABEL_SIZE, ColorRGBA(r=0.1, g=0.1, b=0.1, a=1.0)
+    return [*markers, label]
 
 
 def _samples(time: float, samples: PlacementSamples) -> Marker:
@@ -40,12 +68,20 @@ def _samples(time: float, samples: PlacementSamples) -> Marker:
 
 
 def _chosen(time: float, placement: PlannedPlacement, item: SceneItem) -> Marker:
-    marker = _marker(time, "placement", _kind(item))
     if placement.X_WO is None:
+        marker = _marker(time, "placement", _kind(item))
         marker.action = Marker.DELETE
         return marker
+    marker = _shape(time, "placement", item, placement.X_WO)
+    marker.color = CHOSEN
+    return marker
+
+
+def _shape(time: float, namespace: str, item: SceneItem, X_WO: Pose) -> Marker:
+    """An object's shape at a pose, still without a colour."""
+    marker = _marker(time, namespace, _kind(item))
     x, y, z = (2 * item.half_extents).tolist()
-    marker.pose, marker.scale, marker.color = to_pose(placement.X_WO), Vector3(x=x, y=y, z=z), CHOSEN
+    marker.pose, marker.scale = to_pose(X_WO), Vector3(x=x, y=y, z=z)
     return marker
 
 
