@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
+from pack_core.errors import PackError
 from pack_evaluation.evaluator import Evaluation, Evaluator, OnProgress
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.measures import PackingMeasures, measure
 from pack_evaluation.packing.plots import write_plots
-from pack_evaluation.packing.report import packing_page
+from pack_evaluation.packing.report import SETTLED_SAMPLES, packing_page
 from pack_evaluation.packing.run import Run
+from pack_evaluation.packing.settled_samples import write_settled_samples
 from pack_evaluation.packing.video import write_still, write_video
 
 
@@ -25,8 +28,14 @@ class PackingEvaluator(Evaluator[Run, PackingMeasures]):
         return measure(run)
 
     def draw(self, run: Run, folder: Path) -> list[Path]:
-        """Write the plots."""
-        return write_plots(run, folder)
+        """Write the plots, and the settled samples where they were recorded and OpenGL can draw them."""
+        plots = write_plots(run, folder)
+        if run.samples:
+            samples = folder / SETTLED_SAMPLES
+            with suppress(PackError):
+                write_settled_samples(run, samples)
+                plots.append(samples)
+        return plots
 
     def film(self, run: Run, path: Path, progress: OnProgress) -> None:
         """Render the run as MP4."""

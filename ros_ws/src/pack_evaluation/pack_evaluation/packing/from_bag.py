@@ -12,6 +12,7 @@ import numpy as np
 from pack_core import stamps
 from pack_core.errors import BagError, MessageError
 from pack_core.packing.scene import Scene
+from pack_core.packing.settled_sample import SettledSample
 from pack_core.packing.topics import (
     DESCRIPTION,
     GRIPPER_STATE,
@@ -19,11 +20,12 @@ from pack_core.packing.topics import (
     MPC_STATUS,
     RESULT,
     SCENE,
+    SETTLED_SAMPLES,
     TRUTH,
     WRENCH,
 )
 from pack_core.robots.packing_arms import arm_of
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_core.topics import REAL_TIME_FACTOR
 from pack_evaluation.bag import Bag, read_bag
 from pack_evaluation.packing.run import Iterations, Run
@@ -40,6 +42,7 @@ TOPICS = (
     WRENCH,
     GRIPPER_STATE,
     REAL_TIME_FACTOR,
+    SETTLED_SAMPLES,
 )
 
 
@@ -72,7 +75,7 @@ def to_run(bag: Bag) -> Run:
         force_times=_times(wrenches), force=_magnitudes(wrenches),
         release_reason=_release(bag, start),
         real_time_factors=_real_time_factors(bag, start, end),
-        outcome=outcome, is_cut=bag.is_cut, arm=_arm(bag, joints[0]),
+        outcome=outcome, is_cut=bag.is_cut, arm=_arm(bag, joints[0]), samples=_samples(bag, start),
     )  # fmt: skip
 
 
@@ -170,6 +173,20 @@ def _real_time_factors(bag: Bag, start: float, end: float) -> Array:
     first, last = stamps.to_ns(start), stamps.to_ns(end)
     reports = [item for item in bag.messages if item.topic == REAL_TIME_FACTOR]
     return np.array([item.message.data for item in reports if first <= item.time_ns <= last])
+
+
+def _samples(bag: Bag, start: float) -> tuple[SettledSample, ...]:
+    """The settled samples of the first placement after `start` [s]."""
+    first = stamps.to_ns(start)
+    later = (item for item in bag.messages if item.topic == SETTLED_SAMPLES and item.time_ns >= first)
+    message = next(later, None)
+    return tuple(_sample(sample) for sample in message.message.samples) if message else ()
+
+
+def _sample(message: Any) -> SettledSample:
+    poses = [Pose(np.array(_position(pose)), np.array(_orientation(pose))) for pose in message.poses]
+    by_name = dict(zip(message.names, poses, strict=True))
+    return SettledSample(message.cost, message.rank, message.is_feasible, by_name)
 
 
 def _release(bag: Bag, start: float) -> str:

@@ -21,7 +21,8 @@ INK = "#20252b"
 
 
 @cache
-def _font(size: int) -> ImageFont.FreeTypeFont:
+def caption_font(size: int) -> ImageFont.FreeTypeFont:
+    """The font of captions, `size` pixels high."""
     return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), size)
 
 
@@ -34,9 +35,11 @@ def add_caption(picture: Picture, run: Run, time: float) -> Picture:
     pill = (unit, 0.6 * unit, 8 * unit, 2.4 * unit)
     draw.rounded_rectangle(pill, radius=0.5 * unit, fill=STAGE_COLOURS.get(stage, OTHER_COLOUR))
     title = STAGE_TITLES.get(stage, "WAITING")
-    draw.text((4.5 * unit, middle), title, font=_font(unit), fill="white", anchor="mm")
+    draw.text((4.5 * unit, middle), title, font=caption_font(unit), fill="white", anchor="mm")
     for i, text in enumerate(_readings(run, time)):
-        draw.text(((10 + 13 * i) * unit, middle), text, font=_font(int(1.1 * unit)), fill=INK, anchor="lm")
+        draw.text(
+            ((10 + 13 * i) * unit, middle), text, font=caption_font(int(1.1 * unit)), fill=INK, anchor="lm"
+        )
     return np.concatenate([picture[:top], np.asarray(bar)])
 
 

@@ -14,6 +14,8 @@ from pack_evaluation.packing.measures import PackingMeasures, object_displacemen
 from pack_evaluation.packing.run import Run
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
+SETTLED_SAMPLES = "settled_samples.png"
+"""Name of the picture of settled samples among the plots; it has a section of its own."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,8 @@ def packing_page(found: Evaluation[Run, PackingMeasures]) -> str:
     return render(
         TEMPLATE, title=f"Packing run {found.report.parent.name}", measures=found.measures, rows=found.rows,
         message=run.outcome.get("message", ""), is_cut=run.is_cut,
-        plots=[(plot.stem, embedded(plot)) for plot in found.plots],
+        plots=[(plot.stem, embedded(plot)) for plot in found.plots if plot.name != SETTLED_SAMPLES],
+        samples=[embedded(plot) for plot in found.plots if plot.name == SETTLED_SAMPLES],
         video=embedded(found.video) if found.video else "",
         objects=_object_rows(run), record=about if record else {}, files=files,
     )  # fmt: skip

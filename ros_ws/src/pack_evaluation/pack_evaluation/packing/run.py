@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from pack_core.packing.scene import Scene
+from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Array
 from pack_evaluation.track import Track
 
@@ -61,6 +62,7 @@ class Run:
         outcome: fields of the action's result; empty when none was recorded.
         is_cut: whether the recording was cut off.
         arm: name of the arm, one of `pack_core.robots.packing_arms`.
+        samples: some settled samples of the first placement, the cheapest first; empty if none were recorded.
     """
 
     scene: Scene
@@ -78,6 +80,7 @@ class Run:
     outcome: dict[str, Any] = field(default_factory=dict)
     is_cut: bool = False
     arm: str = "panda"
+    samples: tuple[SettledSample, ...] = ()
 
     @property
     def held(self) -> str:

@@ -14,6 +14,8 @@ import numpy.typing as npt
 
 from pack_core.errors import BagError, ConfigError
 from pack_core.packing.scene import Scene
+from pack_core.packing.settled_sample import SettledSample
+from pack_core.rotations import Pose
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.track import Track
 
@@ -22,7 +24,7 @@ UNREADABLE = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, Confi
 SUFFIX = ".npz"
 TRACKS = ("truth", "estimate")
 TEXTS = ("stages", "collisions")
-ABOUT = "about"
+ABOUT, SAMPLES = "about", "samples"
 DEFAULT_ARM = "panda"
 ARRAYS = ("joint_times", "joints", "force_times", "force", "real_time_factors")
 
@@ -35,6 +37,7 @@ def save_run(run: Run, path: Path) -> None:
         **{name: getattr(run.iterations, name) for name in TEXTS},
     }  # fmt: skip
     arrays: dict[str, Any] = {ABOUT: np.array(json.dumps(about)), **dict(_arrays(run))}
+    arrays[SAMPLES] = np.array(json.dumps([_plain(sample) for sample in run.samples]))
     part = path.with_name(f".{path.name}")
     with part.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
@@ -82,8 +85,22 @@ def _run(about: dict[str, Any], arrays: Mapping[str, npt.NDArray[Any]]) -> Run:
         estimate=estimate, release_reason=about["release_reason"], outcome=about["outcome"],
         is_cut=about["is_cut"],
         arm=about.get("arm", DEFAULT_ARM),  # files from before there was a second arm do not name it
+        # files from before samples were kept have none
+        samples=tuple(_sample(given) for given in json.loads(str(arrays.get(SAMPLES, "[]")))),
         **given,
     )  # fmt: skip
+
+
+def _plain(sample: SettledSample) -> dict[str, Any]:
+    """The sample's fields, each pose as a list of position and quaternion."""
+    poses = {name: [*X_WO.p.tolist(), *X_WO.q.tolist()] for name, X_WO in sample.poses.items()}
+    return {**vars(sample), "poses": poses}
+
+
+def _sample(given: dict[str, Any]) -> SettledSample:
+    """The sample that `_plain` wrote."""
+    poses = {name: Pose(np.array(row[:3]), np.array(row[3:])) for name, row in given["poses"].items()}
+    return SettledSample(**{**given, "poses": poses})
 
 
 def _tracks(kind: str, names: list[str], arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, Track]:

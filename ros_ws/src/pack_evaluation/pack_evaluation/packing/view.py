@@ -56,7 +56,7 @@ class View:
             self._model.geom(name).rgba[3] = self._config.wall_opacity
         self._data = mujoco.MjData(self._model)
         self._arm = [self._model.joint(name).qposadr[0] for name in cell.robot.arm.joints]
-        self._renderer = self._open()
+        self._renderer = open_renderer(self._model, self._config.width, self._config.height)
 
     def __enter__(self) -> Self:
         return self
@@ -81,16 +81,6 @@ class View:
         picture: Picture = self._renderer.render()
         return picture
 
-    def _open(self) -> mujoco.Renderer:
-        try:
-            return mujoco.Renderer(self._model, self._config.height, self._config.width)
-        except Exception as error:  # whatever the platform's OpenGL raises
-            backend = os.environ.get("MUJOCO_GL", "not set")
-            raise PackError(
-                f"cannot draw without a screen: {error} (MUJOCO_GL is {backend}); install EGL, `sudo apt-get "
-                "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl, or use --no-video"
-            ) from error
-
     def _camera(self) -> mujoco.MjvCamera:
         camera = mujoco.MjvCamera()
         camera.lookat[:] = self._config.lookat
@@ -106,6 +96,24 @@ class View:
             to_matrix(X_WT.q).ravel(), np.array(GHOST, dtype=np.float32),
         )  # fmt: skip
         scene.ngeom += 1
+
+
+def open_renderer(model: mujoco.MjModel, width: int, height: int) -> mujoco.Renderer:
+    """A renderer without a screen, bound to the thread that calls this.
+
+    Raises:
+        PackError: there is no OpenGL to draw with.
+    """
+    visual = model.vis.global_
+    visual.offwidth, visual.offheight = max(visual.offwidth, width), max(visual.offheight, height)
+    try:
+        return mujoco.Renderer(model, height, width)
+    except Exception as error:  # whatever the platform's OpenGL raises
+        backend = os.environ.get("MUJOCO_GL", "not set")
+        raise PackError(
+            f"cannot draw without a screen: {error} (MUJOCO_GL is {backend}); install EGL, `sudo apt-get "
+            "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl, or use --no-video"
+        ) from error
 
 
 def _target(run: Run, time: float) -> Pose | None:

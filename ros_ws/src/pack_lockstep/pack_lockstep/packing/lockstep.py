@@ -167,6 +167,7 @@ class Lockstep:
         task, time = self.session.task, seen.joints.time
         if self._answer is None and task.needs_placement:
             placement = self._plan_placement(seen.scene, task.avoid)
+            self._log.place(placement)
             latency = self._config.placement_latency + placement.rounds * self._config.rehearsal_latency
             self._answer = (time + latency, placement)
         if self._answer is not None and time >= self._answer[0]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pack_core.joints import JointSample
 from pack_core.packing.scene import Scene
+from pack_core.packing.settled_sample import SettledSample
 from pack_core.packing.topics import TRUTH_RATE
 from pack_core.states import SceneState
 from pack_core.topics import steps_between
@@ -19,6 +20,7 @@ from pack_mpc.outcome import PackingOutcome
 from pack_mpc.placement import ChosenPlacement
 from pack_mpc.task import PackingTask
 from pack_perception.mocap.physics_estimator import PhysicsEstimator
+from pack_planner.placement.placement_result import SHOWN, PlannedPlacement
 from pack_sim.packing.simulator import Simulator
 
 
@@ -43,6 +45,7 @@ class PackingRunLog:
         self._truth: list[SceneState] = []
         self._estimate: list[SceneState] = []
         self._iterations: list[_Iteration] = []
+        self._samples: tuple[SettledSample, ...] = ()
 
     def sense(self, simulator: Simulator, estimator: PhysicsEstimator) -> None:
         """Record the cell after a step of its physics: forces always, the rest at the rate of /sim/truth."""
@@ -55,6 +58,10 @@ class PackingRunLog:
         self._truth.append(simulator.truth())
         if not math.isnan(estimator.time):
             self._estimate.append(estimator.state(estimator.time))
+
+    def place(self, placement: PlannedPlacement) -> None:
+        """Record the settled samples of a goal's first placement."""
+        self._samples = self._samples or placement.samples.spread(SHOWN)
 
     def iterate(self, task: PackingTask, time: float, plan: ControlPlan) -> None:
         """Record an iteration of the controller that planned from the state at `time` [s]."""
@@ -78,7 +85,7 @@ class PackingRunLog:
             truth=to_tracks(self._truth), estimate=to_tracks(self._estimate),
             joint_times=np.array([sample.time for sample in self._joints]),
             joints=np.array([sample.q for sample in self._joints]), force_times=force_times, force=force,
-            release_reason=release_reason, arm=arm,
+            release_reason=release_reason, arm=arm, samples=self._samples,
             outcome={**asdict(outcome), "exit_reason": outcome.exit_reason.value},
         )  # fmt: skip
 

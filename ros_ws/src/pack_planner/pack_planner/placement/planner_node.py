@@ -23,6 +23,7 @@ from pack_core.rotations import Pose
 from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
 from pack_planner.placement.placement_result import SHOWN, PlacementSamples, PlannedPlacement
 from pack_planner.placement.ros.placement_markers import to_visual_markers
+from pack_planner.placement.ros.settled_sample_messages import to_settled_samples
 
 
 class PlannerNode(CellNode):
@@ -36,6 +37,7 @@ class PlannerNode(CellNode):
         self._planners: PlacementPlanners | None = None
         self._refusal = f"no description of the cell yet on {contracts.DESCRIPTION.name}: start the sim"
         self._markers = self.advertise(contracts.VISUAL_MARKERS)
+        self._settled = self.advertise(contracts.SETTLED_SAMPLES)
         self.listen(contracts.DESCRIPTION, self._on_description)
         self.create_service(PlanPlacement, contracts.PLAN_PLACEMENT.name, self._serve)
         self.watch(("sim", "perception"))
@@ -82,6 +84,7 @@ class PlannerNode(CellNode):
         )
         shown = placement.samples.spread(SHOWN)
         self._markers.publish(to_visual_markers(state.time, placement, self._scene, shown[0]))
+        self._settled.publish(to_settled_samples(state.time, shown))
         return placement
 
 

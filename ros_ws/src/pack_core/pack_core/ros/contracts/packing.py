@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from geometry_msgs.msg import WrenchStamped
 from pack_interfaces.action import PackObject
-from pack_interfaces.msg import GripperState, MocapMarkers, MpcStatus, SceneState
+from pack_interfaces.msg import GripperState, MocapMarkers, MpcStatus, SceneState, SettledSamples
 from pack_interfaces.srv import GripperCommand, PlanPlacement, ResetScene
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
@@ -50,7 +50,12 @@ MPC_STATUS = Contract(
     "stage, cost, distance and iteration time", qos=STREAM, rate="each iteration", recorded=True)
 VISUAL_MARKERS = Contract(
     "/markers", MarkerArray, ("planner",), ("user",),
-    "placement samples and estimated objects for RViz and Foxglove", qos=LATCHED, rate="on change")
+    "placement samples, the cheapest as a settled scene, and the chosen pose for RViz and Foxglove",
+    qos=LATCHED, rate="on change")
+SETTLED_SAMPLES = Contract(
+    topics.SETTLED_SAMPLES, SettledSamples, ("planner",), ("recorder", "user"),
+    "some samples of a placement as settled scenes, with their costs", qos=LATCHED, rate="each placement",
+    recorded=True)
 RESULT = Contract(
     topics.RESULT, String, ("mpc",), ("recorder",),
     "how the last goal ended, as JSON with the fields of the action's result", qos=LATCHED,
