@@ -37,6 +37,7 @@ TOPICS = {
     topics.WRENCH: "geometry_msgs/msg/WrenchStamped",
     topics.GRIPPER_STATE: "pack_interfaces/msg/GripperState",
     REAL_TIME_FACTOR: "std_msgs/msg/Float64",
+    topics.SETTLED_SAMPLES: "pack_interfaces/msg/SettledSamples",
 }
 HEIGHTS = (0.30, 0.10)
 """Of the held object over its packing pose when the goal begins and when it ends [m]."""

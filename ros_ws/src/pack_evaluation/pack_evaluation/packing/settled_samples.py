@@ -80,7 +80,7 @@ def _pictures(scene: Scene, samples: tuple[SettledSample, ...]) -> list[Picture]
     pictures = []
     with closing(open_renderer(model, *TILE)) as renderer:
         for sample in samples:
-            set_object_poses(model, data, sample.poses)
+            set_object_poses(model, data, dict(sample.poses))
             mujoco.mj_forward(model, data)
             renderer.update_scene(data, camera)
             renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
