@@ -47,6 +47,7 @@ def summarize(study: PackingStudy) -> dict[str, Any]:
         "chatter_percent": asdict(spread([1e2 * m.chatter for m in measures])),
         "iteration_ms": asdict(spread(_pooled([trial.iterations_ms for trial in study.trials]))),
         "late_iterations_percent": late_iterations(study),
+        "real_time_factor": asdict(spread([m.real_time_factor for m in measures])),
         "placements": asdict(spread([float(m.placements) for m in measures])),
         "displacement_cm": asdict(spread([1e2 * m.displacement for m in measures])),
         "failure_metrics": {name: item.to_json() for name, item in failure_metrics(study).items()},
