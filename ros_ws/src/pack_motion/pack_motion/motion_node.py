@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 from typing import Any
 
@@ -22,6 +23,7 @@ from pack_core.ros.joint_messages import from_joint_state, to_trajectory
 from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
+from pack_core.ros.stream import Stream, StreamReader
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.planning_thread import PlanningThread
@@ -29,6 +31,9 @@ from pack_motion.setpoint_stream import SetpointStream
 from pack_motion.target_planner import PreparedTarget
 from pack_motion.tracking.config import motion_set
 from pack_motion.warm_up import warm_up
+
+READ_PERIOD = 0.05
+"""Longest time for which the reader waits for a joint state [s of wall clock]."""
 
 
 class MotionNodeConfig(Config):
@@ -41,7 +46,7 @@ class MotionNodeConfig(Config):
 
 
 class MotionNode(CellNode):
-    """Makes a step for every joint state; plans in a thread while the arm stands still."""
+    """Makes a step for every joint state; plans in another thread while the arm stands still."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("motion", **kwargs)
@@ -51,31 +56,42 @@ class MotionNode(CellNode):
         self._stream: SetpointStream | None = None
         self._waiting: MotionTarget | None = None
         self._planned: MotionTarget | None = None
+        self._stepping = threading.Lock()
         self._planning = PlanningThread(self._prepare, self._on_error)
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._status = self.advertise(contracts.MOTION_STATUS)
         self.listen(contracts.MOTION_TARGET, self._on_target)
         self.listen(contracts.MOTION_OBSTACLES, self._on_obstacles)
         # Only the newest joint state: setpoints made for an older one would be late.
-        self.listen(replace(contracts.JOINT_STATES, qos=NEWEST), self._on_joints)
+        self._joints = Stream(self, replace(contracts.JOINT_STATES, qos=NEWEST))
+        self._reader = StreamReader(self, (self._joints,), self._read, READ_PERIOD)
         self.watch(("sim",))
 
     def destroy_node(self) -> None:
-        """Stop planning, then the node."""
+        """Stop reading and planning, then the node."""
+        self._reader.end()
         self._planning.end()
         super().destroy_node()
 
+    def _read(self) -> None:
+        for message in self._joints.take_all():
+            with self._stepping:
+                self.guard(contracts.JOINT_STATES, self._on_joints, message)
+
     def _on_target(self, message: MotionTargetMsg) -> None:
         target = from_target(message)
-        if self._stream is None:
-            raise MessageError("no joint state yet: is the sim up?")
-        if not self._stream.controller.is_standing:
-            self._stream.controller.stop()
-        self._waiting, self._planned = None if target.move == Path(()) else target, None
+        with self._stepping:
+            if self._stream is None:
+                raise MessageError("no joint state yet: is the sim up?")
+            if not self._stream.controller.is_standing:
+                self._stream.controller.stop()
+            self._waiting, self._planned = None if target.move == Path(()) else target, None
 
     def _on_obstacles(self, message: BoxObstacles) -> None:
-        if self._stream is not None:
-            self._stream.controller.observe(from_obstacles(message.obstacles))
+        obstacles = from_obstacles(message.obstacles)
+        with self._stepping:
+            if self._stream is not None:
+                self._stream.controller.observe(obstacles)
 
     def _on_joints(self, message: JointState) -> None:
         sample = from_joint_state(message, self._arm.limits.names)

@@ -1,0 +1,104 @@
+"""Topics that a node reads when it wants to, outside the executor."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import pytest
+from builtin_interfaces.msg import Time
+from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64
+
+from integration.harness import Graph
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import shared
+from pack_core.ros.stream import NodeThread, Stream, StreamReader, StreamWait
+
+NUMBERS = shared.REAL_TIME_FACTOR
+
+
+class ListeningNode(CellNode):
+    """A node that does nothing by itself."""
+
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__("listening", **kwargs)
+
+
+@pytest.fixture
+def node(graph: Graph) -> ListeningNode:
+    return graph.start(ListeningNode)
+
+
+def send(graph: Graph, count: int) -> None:
+    for k in range(count):
+        graph.probe.send(NUMBERS, Float64(data=float(k)))
+
+
+def test_messages_wait_until_they_are_taken_and_the_oldest_are_dropped(
+    graph: Graph, node: ListeningNode
+) -> None:
+    stream = Stream(node, NUMBERS, depth=3)
+    graph.connect(NUMBERS)
+    taken: list[Float64] = []
+    assert stream.take_all() == []
+    send(graph, 5)
+    graph.wait_until(lambda: taken.extend(stream.take_all()) or any(m.data == 4.0 for m in taken))
+    assert [message.data for message in taken][-1] == 4.0
+    assert stream.take_all() == []
+
+
+def test_a_wait_ends_with_the_first_message_or_its_time(graph: Graph, node: ListeningNode) -> None:
+    stream = Stream(node, NUMBERS)
+    wait = StreamWait(node, (stream,))
+    graph.connect(NUMBERS)
+    began = time.monotonic()
+    assert not wait.wait(0.05)
+    assert 0.04 < time.monotonic() - began < 2.0
+    send(graph, 1)
+    assert wait.wait(2.0)
+    assert len(stream.take_all()) == 1
+
+
+def test_a_reader_reads_while_the_executor_does_nothing(graph: Graph, node: ListeningNode) -> None:
+    stream, is_complete = Stream(node, NUMBERS), threading.Event()
+    read: list[Float64] = []
+
+    def take() -> None:
+        read.extend(stream.take_all())
+        if len(read) == 10:
+            is_complete.set()
+
+    reader = StreamReader(node, (stream,), take, 0.05)
+    graph.connect(NUMBERS)
+    send(graph, 10)
+    assert is_complete.wait(5.0)
+    reader.end()
+    assert [message.data for message in read] == [float(k) for k in range(10)]
+
+
+def test_what_a_thread_raises_ends_the_node_as_a_callback_would(graph: Graph, node: ListeningNode) -> None:
+    def fail() -> None:
+        raise ValueError("the turn went wrong")
+
+    thread = NodeThread(node, fail, "failing")
+    with pytest.raises(ValueError, match="the turn went wrong"):
+        graph.wait_until(lambda: False, timeout=5.0)
+    thread.end()
+
+
+def test_simulated_time_is_that_of_the_last_tick_when_it_is_asked_for(graph: Graph) -> None:
+    node = graph.start(ListeningNode, use_sim_time=True)
+    graph.connect(shared.CLOCK)
+    for sec in (3, 4, 5):
+        graph.probe.send(shared.CLOCK, Clock(clock=Time(sec=sec)))
+    graph.wait_until(lambda: node.get_clock().now().nanoseconds == 5_000_000_000)
+
+
+def test_a_node_can_be_taken_off_simulated_time(graph: Graph) -> None:
+    node = graph.start(ListeningNode, use_sim_time=True)
+    graph.connect(shared.CLOCK)
+    assert node.get_clock().now().nanoseconds == 0
+    node.set_parameters([Parameter("use_sim_time", value=False)])
+    assert abs(node.get_clock().now().nanoseconds * 1e-9 - time.time()) < 5.0
