@@ -8,7 +8,8 @@ from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
-from pack_mpc.task import PackingTask, TaskConfig
+from pack_mpc.task import PackingTask
+from pack_mpc.task_config import TaskConfig
 from pack_mpc.weights import Stage
 
 PLACE = Pose(np.array([0.5, 0.0, 0.09]))

@@ -78,7 +78,7 @@ class MpcNode(GoalNode):
 
     @property
     def is_ready(self) -> bool:
-        """Whether the cell is described, and its joints and objects have been seen."""
+        """Whether a goal could begin: the cell is described, and joints and held object have been seen."""
         return not self.missing
 
     def destroy_node(self) -> None:

@@ -15,7 +15,9 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, ControlPlan, PackingController
-from pack_mpc.task import PackingTask, TaskConfig
+from pack_mpc.look import LookMachine, unseen_of, with_parked
+from pack_mpc.task import PackingTask
+from pack_mpc.task_config import TaskConfig
 from pack_mpc.weights import load_weights
 
 
@@ -74,6 +76,10 @@ class PackingSession:
         self.controller = PackingController(known, cell, weights, config.controller)
         self.iterations_ms: list[float] = []
 
+    def needs_placement(self, scene: SceneState) -> bool:
+        """Whether to plan a placement now: the task has none, and every object of the scene has a pose."""
+        return self.task.needs_placement and not unseen_of(self.scene, scene)
+
     def step(self, seen: PackingObservation, latency: float) -> ControlPlan | None:
         """Advance the task and plan once.
 
@@ -89,13 +95,15 @@ class PackingSession:
         task.note_forces(time, seen.forces)
         if not seen.is_held:
             task.finish(PackingExitReason.DETACHED, time, "the pump lost the object")
-        if task.update(time, X_WN):
+        if task.update(time, X_WN, unseen_of(self.scene, seen.scene)):
             self.controller.change_cost()
         machine = task.machine
         if task.outcome is not None or machine is None:
             return None
+        is_looking = isinstance(machine, LookMachine)
+        scene = with_parked(self.scene, seen.scene) if is_looking else seen.scene
         plan = self.controller.plan(
-            seen.joints, seen.scene, machine.stage, machine.target, time - machine.stage_start, latency,
+            seen.joints, scene, machine.stage, machine.target, time - machine.stage_start, latency,
             task.reliefs,
         )  # fmt: skip
         self.iterations_ms.append(plan.iteration_ms)

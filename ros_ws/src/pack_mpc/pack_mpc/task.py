@@ -1,48 +1,21 @@
-"""One packing goal from the first placement to its end: placements, stages, stalls, exit conditions."""
+"""One packing goal from the first look to its end: looks, placements, stages, stalls, exit conditions."""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-from pydantic import Field, PositiveFloat, PositiveInt
-from scipy.signal import lfilter
 
-from pack_core.config import Config
 from pack_core.packing.entry import Entry, plan_entry
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
-from pack_core.packing.topics import WRENCH_RATE
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_core.states import SceneState
+from pack_mpc.force_record import ForceRecord
+from pack_mpc.look import LookMachine
 from pack_mpc.outcome import PackingOutcome
 from pack_mpc.placement import ChosenPlacement
-from pack_mpc.stages import StageConfig, StageMachine
+from pack_mpc.stages import StageMachine
+from pack_mpc.task_config import TaskConfig
 from pack_mpc.weights import Stage
-
-FILTER_TIME = 0.005
-"""Time constant of the filter before the force stop [s]: as slow as a robot's own estimate of the force."""
-_PERIOD = 1.0 / WRENCH_RATE
-GAIN = _PERIOD / (_PERIOD + FILTER_TIME)
-"""Share of a new sample in y[k] = (1 - GAIN) y[k-1] + GAIN x[k], a first-order low-pass (backward Euler)."""
-
-
-class TaskConfig(Config):
-    """Exit conditions of a goal."""
-
-    timeout: PositiveFloat = Field(default=20.0, description="simulated time that a goal may take [s]")
-    force_stop: PositiveFloat = Field(default=math.inf, description="external force that ends the goal [N]")
-    avoid_radius: PositiveFloat = Field(
-        default=0.02, description="distance that new placements keep from those tried [m]"
-    )
-    patience: PositiveFloat = Field(
-        default=0.5,
-        description="time at a halt that relieves the force weight once, as a failed attempt does [s]",
-    )
-    placement_tries: PositiveInt = Field(
-        default=3, description="refused placements in a row that end the goal"
-    )
-    stages: StageConfig = StageConfig()
 
 
 class PackingTask:
@@ -65,13 +38,12 @@ class PackingTask:
         self._start, self._timeout = time, timeout or config.timeout
         self.lean = lean if knows_objects else 0.0
         self._knows_objects = knows_objects
-        self.machine: StageMachine | None = None
+        self.machine: StageMachine | LookMachine | None = None
         self.tried: list[Pose] = []
         self._has_placement = False
         self.outcome: PackingOutcome | None = None
         self._has_succeeded, self._refusals = False, 0
-        self._forces: list[float] = []
-        self._filter_state = np.zeros(1)
+        self._forces = ForceRecord()
         self.distance = 0.0
 
     def elapsed(self, time: float) -> float:
@@ -139,28 +111,33 @@ class PackingTask:
         return failures + machine.halt / self._config.patience
 
     def note_forces(self, time: float, forces: Array) -> None:
-        """Note the external force, and end the goal if it is above the force stop.
-
-        The force stop looks at the filtered force, so that one noisy sample does not end a goal.
+        """Note the external force, and end the goal if the filtered force is above the force stop.
 
         Args:
             time: current time [s].
             forces: magnitudes since the last call `(n,)` [N], at the rate of /wrench.
         """
-        self._forces.extend(forces.tolist())
-        smooth, self._filter_state = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._filter_state)
-        peak, limit = float(np.max(smooth, initial=0.0)), self._config.force_stop
+        peak, limit = self._forces.note(forces), self._config.force_stop
         if peak > limit:
             self.finish(PackingExitReason.FORCE, time, f"external force {peak:.1f} N above {limit:.1f} N")
 
-    def update(self, time: float, X_WN: Pose) -> bool:
+    def update(self, time: float, X_WN: Pose, unseen: tuple[str, ...] = ()) -> bool:
         """Advance the goal with the held object at X_WN.
 
+        Args:
+            time: current time [s].
+            X_WN: pose of the held object.
+            unseen: names of the objects without a pose; they are looked for before the first placement.
+
         Returns:
-            Whether the stage changed.
+            Whether the stage or the target changed.
         """
-        machine = self.machine or self._follow(self._middle(X_WN), time, X_WN)
-        changed = machine.update(time, X_WN, may_insert=self._has_placement)
+        if unseen and not isinstance(self.machine, StageMachine):
+            return self._look_for(unseen, time, X_WN)
+        changed, machine = False, self.machine
+        if not isinstance(machine, StageMachine):
+            changed, machine = machine is not None, self._follow(self._middle(X_WN), time, X_WN)
+        changed |= machine.update(time, X_WN, may_insert=self._has_placement)
         self.distance = machine.distance(X_WN.p)
         self._has_succeeded |= machine.stage is Stage.FINE_TUNE
         if machine.is_placed(X_WN.p):
@@ -183,8 +160,20 @@ class PackingTask:
             return
         self.outcome = PackingOutcome(
             reason, self._has_succeeded, message, self.elapsed(time), self.distance,
-            float(np.mean(self._forces or [0.0])), max(self._forces, default=0.0), len(self.tried),
+            self._forces.mean, self._forces.peak, len(self.tried),
         )  # fmt: skip
+
+    def _look_for(self, unseen: tuple[str, ...], time: float, X_WN: Pose) -> bool:
+        """Look for objects without a pose; the goal ends once all look poses have been tried."""
+        if not isinstance(self.machine, LookMachine):
+            self.machine = LookMachine(self._scene, self._config.look, time, X_WN)
+        look = self.machine
+        changed = look.update(time, X_WN, unseen)
+        self.distance = look.distance(X_WN.p)
+        if look.is_exhausted:
+            self.finish(PackingExitReason.NO_PLACEMENT, time, look.report)
+        self.expire(time)
+        return changed
 
     def _retreat(self, machine: StageMachine, time: float, X_WN: Pose) -> bool:
         """Go back above the container and ask for another placement."""
@@ -199,8 +188,8 @@ class PackingTask:
         return ChosenPlacement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))))
 
     def _follow(self, placement: ChosenPlacement, time: float, X_WN: Pose) -> StageMachine:
-        self.machine = StageMachine(self._scene, self._config.stages, placement, time, X_WN)
-        return self.machine
+        self.machine = machine = StageMachine(self._scene, self._config.stages, placement, time, X_WN)
+        return machine
 
     def _where(self) -> str:
         stage = self.machine.stage.value if self.machine else "waiting for a placement"

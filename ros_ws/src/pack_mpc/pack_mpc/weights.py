@@ -22,8 +22,9 @@ from pack_mpc.residual_terms import RESIDUALS
 
 
 class Stage(Enum):
-    """Stages of the task (section III-B2)."""
+    """Stages of the task (section III-B2), and LOOK, which comes first while an object has no pose."""
 
+    LOOK = "look"
     PRE_PACK = "pre_pack"
     INSERT = "insert"
     FINE_TUNE = "fine_tune"
@@ -114,8 +115,9 @@ class WeightSet(ResidualOptions):
     lean: NonNegativeFloat
 
     def of(self, stage: Stage) -> StageWeights:
-        """The weights of a stage as the file has them."""
-        weights: StageWeights = getattr(self, stage.value)
+        """The weights of a stage as the file has them; LOOK, a free motion as well, has those of PRE-PACK."""
+        own = Stage.PRE_PACK if stage is Stage.LOOK else stage
+        weights: StageWeights = getattr(self, own.value)
         return weights
 
     def in_force(

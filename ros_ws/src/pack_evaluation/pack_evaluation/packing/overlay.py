@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw, ImageFont
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.view import Picture
 
-STAGE_COLOURS = {"PRE_PACK": "#4c78a8", "INSERT": "#e08a1e", "FINE_TUNE": "#3d9a50"}
-STAGE_TITLES = {"PRE_PACK": "PRE-PACK", "INSERT": "INSERT", "FINE_TUNE": "FINE-TUNE"}
+STAGE_COLOURS = {"LOOK": "#8a6fb0", "PRE_PACK": "#4c78a8", "INSERT": "#e08a1e", "FINE_TUNE": "#3d9a50"}
+STAGE_TITLES = {"LOOK": "LOOK", "PRE_PACK": "PRE-PACK", "INSERT": "INSERT", "FINE_TUNE": "FINE-TUNE"}
 OTHER_COLOUR = "#7f7f7f"
 UNITS = 36
 """Unit of the caption's sizes: the picture's height divided by this."""

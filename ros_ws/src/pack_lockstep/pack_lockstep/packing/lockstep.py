@@ -15,7 +15,6 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 from pack_core.config import Config
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
@@ -100,7 +99,6 @@ class Lockstep:
     def run(self, on_step: Callable[[Step], None] | None = None) -> PackingOutcome:
         """Run to the outcome; `on_step` is called in every cycle."""
         session = self.session
-        self._refuse_unseen(session.scene)
         while session.task.outcome is None:
             seen = self._observe()
             self._serve_placement(seen)
@@ -152,20 +150,10 @@ class Lockstep:
         scene = self._estimator.state(joints.time)
         return PackingObservation(joints, scene, forces, self.simulator.pump.state.is_closed)
 
-    def _refuse_unseen(self, scene: Scene) -> None:
-        """End the goal at once, as the controller's node refuses it, while an object has no pose yet."""
-        known = self._estimator.state(self.simulator.time).objects
-        if unseen := [name for name in scene.names if name not in known]:
-            self.session.task.finish(
-                PackingExitReason.NO_PLACEMENT,
-                self.simulator.time,
-                f"no camera has seen {', '.join(unseen)} yet",
-            )
-
     def _serve_placement(self, seen: PackingObservation) -> None:
         """Plan a placement when the task needs one, and hand it over once its planning time has passed."""
         task, time = self.session.task, seen.joints.time
-        if self._answer is None and task.needs_placement:
+        if self._answer is None and self.session.needs_placement(seen.scene):
             placement = self._plan_placement(seen.scene, task.avoid)
             self._log.place(placement)
             latency = self._config.placement_latency + placement.rounds * self._config.rehearsal_latency

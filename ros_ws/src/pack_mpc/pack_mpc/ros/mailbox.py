@@ -94,14 +94,17 @@ class Mailbox:
                     self._node.guard(stream.contract, keep, message)
 
     def missing(self, scene: Scene) -> str:
-        """What is still missing of the joints and the objects of the scene, in words; empty if nothing is."""
+        """What a goal cannot begin without and is still missing, in words; empty if nothing is.
+
+        Other objects than the held one may be missing: the goal begins with a look for them.
+        """
         self.refresh()
         if self._joints is None:
             return f"no {contracts.JOINT_STATES.name} yet: is sim up?"
         if self._scene is None:
             return f"no {contracts.SCENE.name} yet: is perception up?"
-        unseen = [name for name in (*scene.names, scene.new_object.name) if name not in self._scene.objects]
-        return f"the cameras have not seen {', '.join(unseen)} yet" if unseen else ""
+        held = scene.new_object.name
+        return "" if held in self._scene.objects else f"the cameras have not seen {held} yet"
 
     def clear_forces(self) -> None:
         """Forget the forces noted so far, which belong to no goal."""

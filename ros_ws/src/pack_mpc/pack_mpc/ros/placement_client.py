@@ -34,12 +34,11 @@ class PlacementClient:
 
     def serve(self, session: PackingSession, seen: PackingObservation) -> None:
         """Hand over the answer if there is one, or send a request if a placement is needed."""
-        task = session.task
         if self._pending is not None:
             if self._pending.done():
                 response, self._pending = self._pending.result(), None
                 self._hand_over(session, seen, response)
-        elif task.needs_placement and self._client.service_is_ready():
+        elif session.needs_placement(seen.scene) and self._client.service_is_ready():
             self._pending = self._client.call_async(self._request(session, seen))
 
     def _request(self, session: PackingSession, seen: PackingObservation) -> PlanPlacement.Request:

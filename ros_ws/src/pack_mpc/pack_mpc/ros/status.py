@@ -7,6 +7,7 @@ from pack_interfaces.msg import MpcStatus
 
 from pack_core.ros.conversions import WORLD, to_pose, to_stamp
 from pack_mpc.controller import ControlPlan
+from pack_mpc.look import LookMachine
 from pack_mpc.session import PackingObservation, PackingSession
 
 
@@ -19,10 +20,16 @@ def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPl
         cost=plan.solution.cost, iteration_ms=plan.iteration_ms, step_size=plan.solution.step_size,
         regularisation=plan.solution.regularisation, target=to_pose(machine.placement.X_WN),
         collisions=list(machine.placement.collisions), placements=len(task.tried),
-        warning=plan.solution.warning,
+        warning="; ".join(filter(None, (to_look(session), plan.solution.warning))),
     )  # fmt: skip
     message.header.stamp, message.header.frame_id = to_stamp(seen.joints.time), WORLD
     return message
+
+
+def to_look(session: PackingSession) -> str:
+    """Which objects the goal is looking for, in words; empty if it is not."""
+    machine = session.task.machine
+    return f"looking for {', '.join(machine.unseen)}" if isinstance(machine, LookMachine) else ""
 
 
 def to_feedback(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> PackObject.Feedback:

@@ -10,6 +10,7 @@ from pack_core.bodies import body_pose
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import ArmRole, HeldRole, build_model
+from pack_core.packing.parking import parked_pose
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, conjugate, exp, multiply, rotate
 
@@ -17,8 +18,6 @@ Rows = npt.NDArray[np.int_]
 
 MAX_SPEED = 3.0
 """An object faster than this moves only because the physics diverged [m/s]."""
-PARKED = np.array([-5.0, 0.0])
-"""Where objects that were never measured stand, out of reach of everything else: x and y [m]."""
 
 
 class GuidedCell:
@@ -53,7 +52,8 @@ class GuidedCell:
         self._v = _addresses([self._model.joint(name).dofadr[0] for name in self.free], 6)
         self._new_object = int(self._model.body(scene.new_object.name).id)
         for i, item in enumerate(items):
-            self._data.qpos[self._q[i]] = [*(PARKED - (i, 0.0)), item.half_extents[2], 1.0, 0.0, 0.0, 0.0]
+            X_WO = parked_pose(i, item)  # until it is measured
+            self._data.qpos[self._q[i]] = [*X_WO.p, *X_WO.q]
 
     @property
     def qpos(self) -> Array:

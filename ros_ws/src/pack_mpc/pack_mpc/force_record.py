@@ -1,0 +1,42 @@
+"""The external force over a goal: its mean, its peak, and the filtered value that the force stop judges."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.signal import lfilter
+
+from pack_core.packing.topics import WRENCH_RATE
+from pack_core.rotations import Array
+
+FILTER_TIME = 0.005
+"""Time constant of the filter before the force stop [s]: as slow as a robot's own estimate of the force."""
+_PERIOD = 1.0 / WRENCH_RATE
+GAIN = _PERIOD / (_PERIOD + FILTER_TIME)
+"""Share of a new sample in y[k] = (1 - GAIN) y[k-1] + GAIN x[k], a first-order low-pass (backward Euler)."""
+
+
+class ForceRecord:
+    """Magnitudes of the external force [N], at the rate of /wrench."""
+
+    def __init__(self) -> None:
+        self._forces: list[float] = []
+        self._filter_state = np.zeros(1)
+
+    def note(self, forces: Array) -> float:
+        """Note new samples `(n,)` [N], and return the largest of them after the filter; 0 without any.
+
+        The filter keeps one noisy sample from ending a goal.
+        """
+        self._forces.extend(forces.tolist())
+        smooth, self._filter_state = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._filter_state)
+        return float(np.max(smooth, initial=0.0))
+
+    @property
+    def mean(self) -> float:
+        """Mean of all samples [N]; 0 without any."""
+        return float(np.mean(self._forces or [0.0]))
+
+    @property
+    def peak(self) -> float:
+        """The largest sample [N]; 0 without any."""
+        return max(self._forces, default=0.0)
