@@ -37,15 +37,17 @@ def _flat(values: dict[str, Any], prefix: str = "") -> dict[str, Any]:
 class Cell(Witness):
     """Its nodes, up and ready for a goal, and a witness."""
 
-    def __init__(self, graph: Graph, factor: float, scene: Path = EASY) -> None:
+    def __init__(self, graph: Graph, factor: float, scene: Path = EASY, facts: str = "{}") -> None:
         super().__init__(graph)
+        # What lies over config/cells/packing.yaml, the same for all nodes.
+        cell = {"cell": facts}
         watched = ["sim", "perception", "planner"]
         self.sim = graph.start(
-            PackingSimNode, **parameters_of("sim", scene=str(scene), real_time_factor=factor)
+            PackingSimNode, **parameters_of("sim", scene=str(scene), real_time_factor=factor, **cell)
         )
-        self.perception = graph.start(PerceptionNode, **parameters_of("perception"))
-        self.planner = graph.start(PlannerNode, **parameters_of("planner"))
-        self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched))
+        self.perception = graph.start(PerceptionNode, **parameters_of("perception", **cell))
+        self.planner = graph.start(PlannerNode, **parameters_of("planner", **cell))
+        self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched, **cell))
         graph.wait_until(lambda: self.mpc.is_ready and self.planner.is_ready)
         graph.connect(contracts.SETPOINTS)
         graph.connect(contracts.JOINT_STATES, subscribers=3)

@@ -26,6 +26,7 @@ from pack_lockstep.benchmarking.results_folder import ResultsFolder
 from pack_lockstep.packing.benchmark import PackingBenchmark
 from pack_lockstep.packing.settings import BenchmarkSettings, PackingSetup, SceneJob, scene_jobs, set_up
 from pack_lockstep.packing.trial import run_scene
+from pack_mpc.look import LookConfig
 
 SHORT = 0.6
 """Of simulated time for each goal [s]: a few iterations of the controller."""
@@ -108,7 +109,12 @@ def test_the_log_says_what_the_task_said(folder: ResultsFolder) -> None:
 def test_a_scene_with_objects_that_no_camera_sees_fails_and_names_them(tmp_path: Path) -> None:
     setup = short()
     narrow = setup.cell.mocap.model_copy(update={"target": (5.0, 5.0, 0.1), "half_angle_deg": 1.0})
-    blind = PackingSetup(setup.settings, setup.cell.model_copy(update={"mocap": narrow}), setup.config)
+    cell, config = setup.cell.model_copy(update={"mocap": narrow}), setup.config
+    # The arm looks from everywhere at once, as the goal is over soon.
+    look = LookConfig(dwell=1e-3, travel_time=1e-3)
+    task = config.session.task.model_copy(update={"look": look})
+    session = config.session.model_copy(update={"task": task})
+    blind = PackingSetup(setup.settings, cell, config.model_copy(update={"session": session}))
     folder = ResultsFolder(tmp_path)
     measure_scenes(folder, blind, [SceneJob("seed_3", 3)], LocalPool(1))
     (trial,) = study_of(folder).trials
