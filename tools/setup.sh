@@ -59,7 +59,8 @@ build_workspace() {
         source "$venv/bin/activate"
         source "$venv/local_setup.bash"
         cd ros_ws
-        colcon build --symlink-install --event-handlers console_start_end- \
+        # Without it colcon tells ninja to wait until the machine is idle, which a busy machine never is.
+        MAKEFLAGS="${MAKEFLAGS:--j$(nproc)}" colcon build --symlink-install --event-handlers console_start_end- \
             --cmake-args -GNinja "-DCMAKE_PROJECT_INCLUDE=$root/tools/wheels_fix.cmake"
     )
     echo "$key" >ros_ws/install/.sources
