@@ -39,6 +39,7 @@ def start_nodes(context: LaunchContext) -> list[Node]:
             executable=node.executable,
             name=node.name,
             parameters=[str(node.parameters_path), parameters[node.name]],
+            prefix=" ".join(node.prefix),
             output="screen",
         )
         for node in load_graph(cell).nodes
