@@ -40,7 +40,10 @@ class RunFiles:
             self._write(description.with_poses(from_scene(deserialize_message(data, TRUTH.type)).poses()))
 
     def _write(self, scene: Scene) -> None:
+        part = self._file.with_suffix(".part")
         try:
-            self._file.write_text(scene.to_yaml())
+            # Under its own name the file is whole from the first moment, whoever reads or kills meanwhile.
+            part.write_text(scene.to_yaml())
+            part.replace(self._file)
         except OSError as error:
             raise BagError(f"cannot write {self._file}: {error}") from error
