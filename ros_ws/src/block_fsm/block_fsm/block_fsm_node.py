@@ -48,7 +48,7 @@ class BlockFsmNode(GoalNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("fsm", **kwargs)
-        self._config = read_parameters(self, BlockFsmNodeConfig)
+        self._config = read_parameters(self, BlockFsmNodeConfig, self._change)
         self._cell = blocks_cell()
         self._chain = chain_from_model(arm_model(self._cell), JOINTS, TOOL)
         self._executor: Executor | None = None
@@ -60,6 +60,10 @@ class BlockFsmNode(GoalNode):
         self._status = self.advertise(contracts.STATUS)
         self._result = self.advertise(contracts.RESULT)
         self.take_goals(contracts.REARRANGE, self._config.watched, self._config.fault_time)
+
+    def _change(self, config: BlockFsmNodeConfig) -> None:
+        """Use these parameters from the next goal on."""
+        self._config = config
 
     def refusal(self, request: Rearrange.Goal) -> str:
         parse_problem(request.problem, "goal")  # raises when it is no problem

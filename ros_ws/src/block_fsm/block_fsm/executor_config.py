@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
-from pack_core.config import Config
+from pack_core.config import NEXT_GOAL, Changeable, Config
 
 
 class SpeedConfig(Config):
@@ -36,6 +38,8 @@ class ToleranceConfig(Config):
 
 class ExecutorConfig(Config):
     """Parameters of the executor."""
+
+    changeable: ClassVar[Changeable] = NEXT_GOAL
 
     hover: PositiveFloat = Field(default=0.130, description="height of the tips between actions [m]")
     carry_height: PositiveFloat = Field(default=0.110, description="height of the tips with a block [m]")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,6 +19,25 @@ class Config(BaseModel):
     # Infinity is allowed because it switches a limit off, as in `force_stop: .inf`.
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=True)
 
+
+@dataclass(frozen=True)
+class Changeable:
+    """Marks fields whose values may be changed while their node runs.
+
+    It stands in the annotation of a field, `Annotated[float, AT_ONCE]`; of a section, whose fields all have
+    it then; or as the class variable `changeable` of a configuration class, for the fields that this class
+    declares. A field without it is read when the node starts, and is read-only from then on.
+
+    Attributes:
+        when: from when on a new value counts, in words.
+    """
+
+    when: str
+
+
+AT_ONCE = Changeable("at once")
+NEXT_REQUEST = Changeable("from the next request on")
+NEXT_GOAL = Changeable("from the next goal on")
 
 C = TypeVar("C", bound=BaseModel)
 

@@ -51,11 +51,8 @@ class MpcNode(GoalNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("mpc", **kwargs)
-        self._config = read_parameters(self, MpcNodeConfig)
+        self._change(read_parameters(self, MpcNodeConfig, self._change))
         self._cell = read_packing_cell(self)
-        # What does not exist or is not installed is found now, not at the first goal.
-        load_weights(self._config.weights)
-        optimizer_class(self._config.controller.optimizer).require()
         self._scene: Scene | None = None
         self._session: PackingSession | None = None
         self._sending = threading.Lock()
@@ -68,6 +65,13 @@ class MpcNode(GoalNode):
         self.create_timer(CHECK_PERIOD, self._expire, clock=self.wall)
         self._worker = Worker(self._iterate, self._config.worker, self._on_error)
         self.take_goals(contracts.PACK_OBJECT, self._config.watched, self._config.fault_time)
+
+    def _change(self, config: MpcNodeConfig) -> None:
+        """Use these parameters from the next goal on."""
+        # What does not exist or is not installed is found now, not at the next goal.
+        load_weights(config.weights)
+        optimizer_class(config.controller.optimizer).require()
+        self._config = config
 
     @property
     def missing(self) -> str:

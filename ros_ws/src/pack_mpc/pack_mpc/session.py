@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
+from pydantic import Field
 
-from pack_core.config import Config
+from pack_core.config import NEXT_GOAL, Changeable, Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.exit_reason import PackingExitReason
@@ -22,9 +24,11 @@ from pack_mpc.weights import load_weights
 
 
 class SessionConfig(Config):
-    """Parameters of a goal and its controller; `weights` names a file of `config/weights`."""
+    """Parameters of a goal and its controller."""
 
-    weights: str = "tuned"
+    changeable: ClassVar[Changeable] = NEXT_GOAL
+
+    weights: str = Field(default="tuned", description="weights of the cost: a file of config/weights")
     controller: ControllerConfig = ControllerConfig()
     task: TaskConfig = TaskConfig()
 

@@ -23,14 +23,20 @@ class Pacer:
         self._mark = (time.perf_counter(), 0.0)
         self._simulated = 0.0
 
+    def change_factor(self, factor: float) -> None:
+        """Run at another pace from now on; any thread may call it."""
+        self._factor = factor
+        self._next = time.perf_counter()
+
     def delay(self, simulated: float) -> float:
         """How long to wait [s] after a block of `simulated` seconds."""
+        factor = self._factor  # another thread may change it meanwhile
         self._simulated += simulated
-        if self._factor <= 0.0:
+        if factor <= 0.0:
             return 0.0
         now = time.perf_counter()
-        late = min(CATCH_UP, BURST / self._factor)
-        self._next = max(self._next + simulated / self._factor, now - late)
+        late = min(CATCH_UP, BURST / factor)
+        self._next = max(self._next + simulated / factor, now - late)
         return max(0.0, self._next - now)
 
     def achieved(self) -> float:

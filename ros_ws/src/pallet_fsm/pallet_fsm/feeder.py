@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import NonNegativeFloat, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
@@ -13,10 +13,12 @@ from pallet_fsm.work_item import WorkItem
 class FeederConfig(Config):
     """Times that the feeder waits."""
 
-    settle: NonNegativeFloat = 0.3
-    """Time from a box's arrival to the picture, so that the box is at rest [s]."""
-    patience: PositiveFloat = 5.0
-    """Longest time until a box arrives, and until the camera answers [s]."""
+    settle: NonNegativeFloat = Field(
+        default=0.3, description="time from a box's arrival to the picture, so that the box is at rest [s]"
+    )
+    patience: PositiveFloat = Field(
+        default=5.0, description="longest time until a box arrives, and until the camera answers [s]"
+    )
 
 
 class Feeder:

@@ -44,8 +44,7 @@ class PalletFsmNode(GoalNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("fsm", **kwargs)
-        self._config = read_parameters(self, PalletFsmNodeConfig)
-        profile_of(self._config.profile)
+        self._change(read_parameters(self, PalletFsmNodeConfig, self._change))
         self._planning: Future | None = None
         self._run: OrderRun | None = None
         self._observer = Observer(self, self._step)
@@ -54,6 +53,11 @@ class PalletFsmNode(GoalNode):
         self._result = self.advertise(contracts.RESULT)
         self._layout = self.create_client(contracts.PLAN_LAYOUT.type, contracts.PLAN_LAYOUT.name)
         self.take_goals(contracts.PALLETIZE, self._config.watched, self._config.fault_time)
+
+    def _change(self, config: PalletFsmNodeConfig) -> None:
+        """Use these parameters from the next order on."""
+        profile_of(config.profile)
+        self._config = config
 
     def refusal(self, _: Palletize.Goal) -> str:
         if self._observer.newest is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pydantic import PositiveFloat
+from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
@@ -20,10 +20,12 @@ from pallet_fsm.transitions import Event
 class MoverConfig(Config):
     """How long the machine waits for the motion."""
 
-    answer_time: PositiveFloat = 10.0
-    """Longest time until the motion accepts or refuses a target [s]."""
-    settling_time: PositiveFloat = 2.0
-    """Longest time from the end of the motion until the checker confirms the target [s]."""
+    answer_time: PositiveFloat = Field(
+        default=10.0, description="longest time until the motion accepts or refuses a target [s]"
+    )
+    settling_time: PositiveFloat = Field(
+        default=2.0, description="longest time from the end of a motion until its target is confirmed [s]"
+    )
 
 
 class Mover:

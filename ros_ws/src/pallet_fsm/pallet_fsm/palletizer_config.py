@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.config import Config
+from pack_core.config import NEXT_GOAL, Changeable, Config
 from pallet_fsm.blended_moves import BlendedConfig
 from pallet_fsm.feeder import FeederConfig
 from pallet_fsm.mover import MoverConfig
@@ -14,6 +16,8 @@ from pallet_fsm.tool_poses import ToolPoseConfig
 
 class PalletizerConfig(Config):
     """Parameters of the machine."""
+
+    changeable: ClassVar[Changeable] = NEXT_GOAL
 
     profile: str = Field(default="blended", description="thesis or blended")
     tries: int = Field(default=3, ge=1, description="for each kind of fault and box")

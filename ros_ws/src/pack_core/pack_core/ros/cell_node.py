@@ -9,19 +9,21 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from rclpy.time_source import TimeSource
 from std_msgs.msg import Empty
 
-from pack_core.errors import PackError
+from pack_core.errors import ConfigError, PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.health import Health
-from pack_core.ros.params import unknown_parameters
+from pack_core.ros.params import ParameterSet, unknown, unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
 from pack_core.ros.stream import TakenByHand
 from pack_core.ros.watch_connection import WatchSocket
@@ -37,9 +39,11 @@ class CellNode(Node):
     Attributes:
         health: what was refused and what is wrong, published on /diagnostics once a second.
         wall: a clock of wall time that never jumps, for timers that must not wait for simulated time.
+        parameter_set: the configuration that `read_parameters` has read, if it has.
     """
 
     _simulated_time: Subscription | None = None
+    parameter_set: ParameterSet[Any] | None = None
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
@@ -88,6 +92,23 @@ class CellNode(Node):
         with suppress(InvalidHandle, RuntimeError):  # the context may end first
             while not self._ended.wait(ASSERTION_PERIOD) and self.context.ok():
                 self._alive.assert_liveliness()
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Put new values of parameters in force, all or none; what is refused is refused with the reason."""
+        try:
+            for parameter in parameter_list:
+                if not self.has_parameter(parameter.name):
+                    raise ConfigError(f"node '{self.get_name()}' has no parameter {unknown(self, parameter.name)}")
+            if self.parameter_set is None:
+                raise ConfigError(f"node '{self.get_name()}' reads its parameters only when it starts")
+            stored, when = self.parameter_set.change(parameter_list)
+        except PackError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        result = super().set_parameters_atomically(stored)
+        if result.successful:
+            result.reason = f"counts {when}"
+            self.get_logger().info(", ".join(f"{item.name} is {item.value}" for item in stored) + f", {when}")
+        return result
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **kwargs: Any) -> Any:
         """As of every node, but that of rclpy to /clock costs nothing until somebody asks for the time."""

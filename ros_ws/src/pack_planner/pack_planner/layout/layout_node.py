@@ -21,9 +21,12 @@ class LayoutNode(CellNode):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__("layout", **kwargs)
-        self._config = read_parameters(self, LayoutConfig)
-        self._planner = LayoutPlanner(self._config)
+        self._change(read_parameters(self, LayoutConfig, self._change))
         self.create_service(PlanLayout, contracts.PLAN_LAYOUT.name, self._serve)
+
+    def _change(self, config: LayoutConfig) -> None:
+        """Plan with these parameters from the next request on."""
+        self._config, self._planner = config, LayoutPlanner(config)
 
     def _serve(self, request: PlanLayout.Request, response: PlanLayout.Response) -> PlanLayout.Response:
         started = time.monotonic()

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from pydantic import Field, PositiveFloat
 
-from pack_core.config import Config
+from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_core.errors import PackError
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus, PlannedBox
 from pack_core.palletizing.orders.order import Order
@@ -21,6 +22,8 @@ MAX_GAP = 0.05
 
 class LayoutConfig(Config):
     """Parameters of the layout service."""
+
+    changeable: ClassVar[Changeable] = NEXT_REQUEST
 
     separator: SeparatorConfig = SeparatorConfig()
     insertion: InsertionConfig = InsertionConfig()

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
 
-from pack_core.config import Config
+from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_planner.placement.approach_config import ApproachConfig
 
 
 class PlacementConfig(Config):
     """Parameters of Algorithm 1, the paper's values by default."""
+
+    changeable: ClassVar[Changeable] = NEXT_REQUEST
 
     samples: PositiveInt = Field(300, description="sampled poses S")
     steps: PositiveInt = Field(30, description="steps M in which overlaps must resolve")

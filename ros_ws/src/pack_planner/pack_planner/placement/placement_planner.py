@@ -7,12 +7,13 @@ class with the interface of `PlacementPlanner` in a file of its own, and one ent
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import Field, field_validator
 
+from pack_core.config import NEXT_REQUEST
 from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
@@ -72,7 +73,7 @@ def checked_variant(name: str) -> str:
 class PlacementPlannerConfig(PlacementConfig):
     """Which planner plans, and the parameters that all of them share."""
 
-    variant: str = Field(
+    variant: Annotated[str, NEXT_REQUEST] = Field(
         "physics",
         description="physics: Algorithm 1 with rehearsed entries; algorithm_1: it alone; random: any pose",
     )

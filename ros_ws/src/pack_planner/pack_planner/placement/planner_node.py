@@ -31,7 +31,7 @@ class PlannerNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("planner", **kwargs)
-        self._config = read_parameters(self, PlacementPlannerConfig)
+        self._config = read_parameters(self, PlacementPlannerConfig, self._change)
         self._cell = read_packing_cell(self)
         self._scene: Scene | None = None
         self._planners: PlacementPlanners | None = None
@@ -41,6 +41,12 @@ class PlannerNode(CellNode):
         self.listen(contracts.DESCRIPTION, self._on_description)
         self.create_service(PlanPlacement, contracts.PLAN_PLACEMENT.name, self._serve)
         self.watch(("sim", "perception"))
+
+    def _change(self, config: PlacementPlannerConfig) -> None:
+        """Plan with these parameters from the next request on."""
+        if self._planners is not None and self._scene is not None:
+            self._planners = PlacementPlanners(self._scene, self._cell, config)
+        self._config = config
 
     @property
     def is_ready(self) -> bool:

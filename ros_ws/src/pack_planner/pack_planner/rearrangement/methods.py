@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import AfterValidator, Field
 
-from pack_core.config import Config
+from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_core.errors import PackError
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.pirs.pirs_planner import PirsPlanner
@@ -15,6 +15,8 @@ from pack_planner.rearrangement.rearrangement_planner import RearrangementPlanne
 
 class RearrangementConfig(Config):
     """Every planner with its parameters; a field's name is the name of its method."""
+
+    changeable: ClassVar[Changeable] = NEXT_REQUEST
 
     beam: BeamPlanner = Field(default_factory=BeamPlanner)
     pirs: PirsPlanner = Field(default_factory=PirsPlanner)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from typing import Annotated
 
 from pack_interfaces.srv import PlanRearrangement
 from pydantic import Field, PositiveFloat
 
 from pack_core.blocks.plan import Plan
+from pack_core.config import NEXT_REQUEST
 from pack_core.errors import PackError
 from pack_core.ros.blocks.rearrangement_messages import fill_plan, from_request
 from pack_core.ros.cell_node import CellNode
@@ -21,8 +23,12 @@ from pack_planner.rearrangement.planner import plan, warm_up
 class RearrangementNodeConfig(RearrangementConfig):
     """Parameters of the node `rearrangement`."""
 
-    method: MethodName = Field(METHODS[0], description="the planner asked where a request names none")
-    budget: PositiveFloat = Field(1.0, description="time for a plan where a request says none [s]")
+    method: Annotated[MethodName, NEXT_REQUEST] = Field(
+        METHODS[0], description="the planner asked where a request names none"
+    )
+    budget: Annotated[PositiveFloat, NEXT_REQUEST] = Field(
+        1.0, description="time for a plan where a request says none [s]"
+    )
 
 
 class RearrangementNode(CellNode):
@@ -30,9 +36,13 @@ class RearrangementNode(CellNode):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__("rearrangement", **kwargs)
-        self._config = read_parameters(self, RearrangementNodeConfig)
+        self._config = read_parameters(self, RearrangementNodeConfig, self._change)
         warm_up()
         self.create_service(PlanRearrangement, contracts.PLAN_REARRANGEMENT.name, self._serve)
+
+    def _change(self, config: RearrangementNodeConfig) -> None:
+        """Plan with these parameters from the next request on."""
+        self._config = config
 
     def _serve(
         self, request: PlanRearrangement.Request, response: PlanRearrangement.Response

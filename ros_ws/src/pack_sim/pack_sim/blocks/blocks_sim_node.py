@@ -40,7 +40,7 @@ class BlocksSimNode(MotionSimNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(LIMITS.names, **kwargs)
-        self._config = read_parameters(self, BlocksSimNodeConfig)
+        self._config = read_parameters(self, BlocksSimNodeConfig, self.change_pace)
         self._cell, self._finger_commands = blocks_cell(), 0
         self._publisher = BlocksPublisher(self, self._config.timestep)
         self._tags = self.advertise(contracts.TAGS)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import deque
+from typing import Annotated
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
-from pack_core.config import Config
+from pack_core.config import AT_ONCE, Config
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.objects import TOP_MARKERS
@@ -28,11 +29,15 @@ class MocapConfig(Config):
     """Parameters of the motion capture system."""
 
     rate: PositiveFloat = Field(default=MARKER_RATE, description="frames a simulated second [Hz]")
-    noise_std: NonNegativeFloat = Field(
+    noise_std: Annotated[NonNegativeFloat, AT_ONCE] = Field(
         default=0.0003, description="standard deviation of every coordinate of a marker [m]"
     )
-    latency: NonNegativeFloat = Field(default=0.010, description="time from exposure to delivery [s]")
-    min_cameras: PositiveInt = Field(default=2, description="cameras that must see a marker")
+    latency: Annotated[NonNegativeFloat, AT_ONCE] = Field(
+        default=0.010, description="time from exposure to delivery [s]"
+    )
+    min_cameras: Annotated[PositiveInt, AT_ONCE] = Field(
+        default=2, description="cameras that must see a marker"
+    )
 
 
 class MocapSystem:
@@ -46,12 +51,15 @@ class MocapSystem:
         cell: where the cameras are.
         config: rate, noise and latency.
         rng: source of the noise.
+
+    Attributes:
+        config: may be replaced at any time by one of the same rate.
     """
 
     def __init__(
         self, scene: Scene, cell: PackingCell, config: MocapConfig, rng: np.random.Generator
     ) -> None:
-        self._config, self._rng = config, rng
+        self.config, self._rng = config, rng
         items = [*scene.objects, scene.new_object]
         used = None if cell.mocap.has_side_markers else TOP_MARKERS
         markers = [item.markers()[:used] for item in items]
@@ -71,7 +79,7 @@ class MocapSystem:
         if time < self._next - ROUNDING:
             return
         late = time - self._next
-        period = 1.0 / self._config.rate
+        period = 1.0 / self.config.rate
         # keep the rate's raster unless more than a period was missed, as at the first frame
         self._next = (self._next if late < period else time) + period
         self._pending.append(self.capture(model, data, time))
@@ -79,7 +87,7 @@ class MocapSystem:
     def due(self, time: float) -> list[MarkerFrame]:
         """Frames that are delivered by `time` [s] and were not returned before, oldest first."""
         frames = []
-        while self._pending and self._pending[0].time + self._config.latency <= time + ROUNDING:
+        while self._pending and self._pending[0].time + self.config.latency <= time + ROUNDING:
             frames.append(self._pending.popleft())
         return frames
 
@@ -87,8 +95,8 @@ class MocapSystem:
         """The frame exposed now: markers that enough cameras see, with noise."""
         p_WM = self.marker_positions(data)
         counts = self.visible_counts(model, data, p_WM)
-        seen = counts >= self._config.min_cameras
-        noise = self._rng.normal(0.0, self._config.noise_std, p_WM.shape)
+        seen = counts >= self.config.min_cameras
+        noise = self._rng.normal(0.0, self.config.noise_std, p_WM.shape)
         return MarkerFrame(
             time,
             self._names,

@@ -37,13 +37,19 @@ class PackingSimNode(PhysicsNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self._config = read_parameters(self, PackingSimNodeConfig)
+        self._config = read_parameters(self, PackingSimNodeConfig, self._change)
         self._cell = read_packing_cell(self)
         self._sensors = SensorPublisher(self, self._config.timestep)
         self._description = self.advertise(contracts.DESCRIPTION)
         self._simulator = self._build(self._first_scene(), self._config.seed, 0.0)
         services = ((contracts.RESET, self._reset), (contracts.GRIPPER_COMMAND, self._command_gripper))
         self.start(contracts.SETPOINTS, "mpc", services, self._config.real_time_factor)
+
+    def _change(self, config: PackingSimNodeConfig) -> None:
+        self.change_pace(config)
+        with self.lock:
+            self._config = config
+            self._simulator.change_sensors(config)
 
     @property
     def simulator(self) -> Simulator:

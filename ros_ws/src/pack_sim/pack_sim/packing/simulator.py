@@ -88,6 +88,13 @@ class Simulator:
         """Pass setpoints to the joint controller; raises MessageError if they are refused."""
         self.controller.accept(setpoints, self.time)
 
+    def change_sensors(self, config: SimulatorConfig) -> None:
+        """Measure with other errors from now on; all else in `config` is as it was."""
+        if config.wrench_sensor != self.config.wrench_sensor:
+            self._wrench_sensor.configure(config.wrench_sensor)
+        self.mocap.config = config.mocap
+        self.config = config
+
     def step(self) -> None:
         """Advance by one time step: control, physics, pump and sensors."""
         data = self.data

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.config import Config
+from pack_core.config import AT_ONCE, Config
 from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.mismatch import MismatchConfig
 from pack_sim.packing.mocap import MocapConfig
@@ -27,5 +29,5 @@ class SimulatorConfig(Config):
         description="penetration over which a contact becomes firm [m]; 0: at first touch, as MuJoCo has it",
     )
     mocap: MocapConfig = MocapConfig()
-    wrench_sensor: WrenchSensorConfig = WrenchSensorConfig()
+    wrench_sensor: Annotated[WrenchSensorConfig, AT_ONCE] = WrenchSensorConfig()
     mismatch: MismatchConfig = MismatchConfig()

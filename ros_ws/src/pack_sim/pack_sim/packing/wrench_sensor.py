@@ -33,12 +33,16 @@ class WrenchSensor:
     """
 
     def __init__(self, config: WrenchSensorConfig, timestep: float, rng: np.random.Generator) -> None:
-        self._rng = rng
+        self._timestep, self._rng = timestep, rng
+        self.configure(config)
+
+    def configure(self, config: WrenchSensorConfig) -> None:
+        """Have other errors from now on; the bias is drawn anew."""
         self._noise = np.repeat([config.force_noise, config.torque_noise], 3)
         self._spread = np.repeat([config.force_bias, config.torque_bias], 3)
         self._is_exact = not (self._noise.any() or self._spread.any())
-        self._memory = float(np.exp(-timestep / config.bias_time))
-        self._bias = self._spread * rng.normal(size=6)
+        self._memory = float(np.exp(-self._timestep / config.bias_time))
+        self._bias = self._spread * self._rng.normal(size=6)
         self._error = self._bias.copy()
 
     def advance(self) -> None:

@@ -37,7 +37,7 @@ class PalletSimNode(MotionSimNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(LIMITS.names, **kwargs)
-        self._config = read_parameters(self, PalletSimNodeConfig)
+        self._config = read_parameters(self, PalletSimNodeConfig, self.change_pace)
         self._cell = palletizing_cell(self._config.preset)
         self._publisher = CellPublisher(self, self._config.timestep)
         self._simulator = PalletSimulator(self._cell, self._config, self._config.seed)

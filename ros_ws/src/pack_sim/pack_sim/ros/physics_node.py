@@ -6,14 +6,14 @@ import threading
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field
 from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from pack_core.config import Config
+from pack_core.config import AT_ONCE, Config
 from pack_core.errors import MessageError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
@@ -26,7 +26,7 @@ Service = Callable[[Any, Any], Any]
 class Pacing(Config):
     """How fast simulated time runs."""
 
-    real_time_factor: float = Field(
+    real_time_factor: Annotated[float, AT_ONCE] = Field(
         default=1.0,
         ge=0,
         le=100,
@@ -72,8 +72,13 @@ class PhysicsNode(CellNode):
         for contract, serve in services:
             self.create_service(contract.type, contract.name, serve, callback_group=group)
         self.watch((sender,), self._on_sender)
-        self._thread = threading.Thread(target=self._run_until_shutdown, args=(factor,), name="physics")
+        self._pacer = Pacer(factor)
+        self._thread = threading.Thread(target=self._run_until_shutdown, name="physics")
         self._thread.start()
+
+    def change_pace(self, config: Pacing) -> None:
+        """Let time run as fast as a configuration says."""
+        self._pacer.change_factor(config.real_time_factor)
 
     def stop(self) -> None:
         """Stop the physics."""
@@ -86,15 +91,15 @@ class PhysicsNode(CellNode):
         self.stop()
         super().destroy_node()
 
-    def _run_until_shutdown(self, factor: float) -> None:
+    def _run_until_shutdown(self) -> None:
         try:
-            self._run(factor)
+            self._run()
         except Exception:
             if self.context.ok():
                 raise
 
-    def _run(self, factor: float) -> None:
-        pacer, reported = Pacer(factor), time.monotonic()
+    def _run(self) -> None:
+        pacer, reported = self._pacer, time.monotonic()
         while not self._stopped.is_set():
             with self.lock:
                 simulated = self.advance()

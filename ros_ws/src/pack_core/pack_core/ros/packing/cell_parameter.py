@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
 from pack_core.packing.cell import PackingCell, packing_cell
+from pack_core.ros.params import read_only
 
 
 def read_packing_cell(node: Node) -> PackingCell:
@@ -14,5 +14,5 @@ def read_packing_cell(node: Node) -> PackingCell:
     Raises:
         ConfigError: the parameter has a key or value that is not allowed.
     """
-    descriptor = ParameterDescriptor(description="YAML text that lies over config/cells/packing.yaml")
+    descriptor = read_only("YAML text that lies over config/cells/packing.yaml")
     return packing_cell(node.declare_parameter("cell", "{}", descriptor).value)
