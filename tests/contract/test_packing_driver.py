@@ -7,6 +7,7 @@ With a real arm they MOVE IT: the last joint, by a few degrees. Hang nothing on 
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -118,9 +119,13 @@ def test_it_says_that_it_is_alive(rig: DriverRig) -> None:
     rig.graph.wait_until(lambda: alive and alive[-1] == 1)
 
 
-def test_it_reports_its_health_every_second(rig: DriverRig) -> None:
+def test_it_reports_its_health_about_once_a_second(rig: DriverRig) -> None:
     rig.wait_for_report()
-    rig.wait_for_report()
+    begun = time.monotonic()
+    for _ in range(3):
+        rig.wait_for_report()
+    # A busy machine may delay reports; who sends one with every joint state is done in a few milliseconds.
+    assert time.monotonic() - begun > 1.0
 
 
 def test_the_gripper_can_be_commanded(rig: DriverRig) -> None:

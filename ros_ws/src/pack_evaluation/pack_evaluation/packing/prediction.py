@@ -17,6 +17,7 @@ import numpy as np
 from pack_core.bodies import body_pose, set_object_poses
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import ArmRole, HeldRole, build_model
+from pack_core.packing.parking import parked_pose
 from pack_core.rotations import Array
 from pack_core.states import Source
 from pack_evaluation.packing.run import Run
@@ -28,8 +29,6 @@ STEP = 0.006
 """Longest step of the integrator [s], the paper's model time step (section IV-B)."""
 MAX_SPEED = 3.0
 """An object faster than this moves only because the physics diverged [m/s]."""
-PARKED = -5.0
-"""Where objects without any estimate stand, out of reach of everything else: x [m]."""
 
 
 def predict(run: Run) -> dict[str, Track]:
@@ -78,8 +77,10 @@ class _GuidedModel:
         # a free joint: position and quaternion in qpos, linear and angular velocity in qvel
         self._q = np.array([joint.qposadr[0] for joint in free], dtype=int)[:, None] + np.arange(7)
         self._v = np.array([joint.dofadr[0] for joint in free], dtype=int)[:, None] + np.arange(6)
-        for i, name in enumerate(set(run.scene.names) - set(self.names)):
-            self._data.qpos[self._model.joint(name).qposadr[0]] = PARKED - i
+        # objects without any estimate stand out of reach of everything else
+        unseen = [name for name in run.scene.names if name not in self.names]
+        parked = {name: parked_pose(i, run.scene.model_of(name)) for i, name in enumerate(unseen)}
+        set_object_poses(self._model, self._data, parked)
 
     def restart(self, time: float) -> Array:
         """Put every object where perception saw it at `time` [s], at rest, and return the poses `(n, 7)`."""

@@ -20,12 +20,10 @@ import numpy.typing as npt
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array, yaw_of
 from pack_core.states import SceneState
 from pack_planner.placement.placement_config import PlacementConfig
 from pack_planner.placement.placement_evaluation import PlacementEvaluation
 from pack_planner.placement.placement_result import PlacementSamples, PlannedPlacement
-from pack_planner.placement.pose_sampling import sample_poses
 from pack_planner.placement.ranking import cheapest_elsewhere
 
 
@@ -37,7 +35,6 @@ class Algorithm1Planner:
     """
 
     def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
-        self._scene, self._config = scene, config
         self._evaluation = PlacementEvaluation(scene, cell, config)
 
     def plan(
@@ -46,19 +43,13 @@ class Algorithm1Planner:
     ) -> PlannedPlacement:  # fmt: skip
         """The cheapest feasible sample away from `avoid`; `lean` has no influence here."""
         poses, now = self._evaluation.start(state)
-        samples, reason = self._sample(now, yaw_of(poses[self._scene.new_object.name].q), rng)
+        samples, reason = self._evaluation.evaluate(now, self._evaluation.sample(poses, rng))
         ranked = self._ranked(samples, avoid, avoid_radius)
         if not len(ranked):
             return PlannedPlacement.failure(reason, samples)
         best = int(ranked[0])
         candidate = self._evaluation.candidate(now, samples.settled[best], samples.costs[best])
         return PlannedPlacement.success(candidate, 0, samples)
-
-    def _sample(self, now: Array, yaw: float, rng: np.random.Generator) -> tuple[PlacementSamples, str]:
-        """Lines 2 to 13: S settled samples with their costs, and why none of them is feasible, if so."""
-        scene = self._scene
-        sampled = sample_poses(scene.new_object, scene.container, self._config.samples, yaw, rng)
-        return self._evaluation.evaluate(now, sampled)
 
     def _ranked(
         self, samples: PlacementSamples, avoid: Sequence[npt.ArrayLike], radius: float

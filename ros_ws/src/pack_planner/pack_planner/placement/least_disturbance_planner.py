@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array, yaw_of
+from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
 from pack_planner.placement.approach import ApproachPlanner
@@ -29,6 +29,7 @@ class LeastDisturbancePlanner(Algorithm1Planner):
 
     def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
         super().__init__(scene, cell, config)
+        self._scene, self._config = scene, config
         self._approach = ApproachPlanner(scene, cell, config.approach, config.threads)
 
     def plan(
@@ -37,7 +38,7 @@ class LeastDisturbancePlanner(Algorithm1Planner):
     ) -> PlannedPlacement:  # fmt: skip
         """The cheapest feasible sample that can be entered (Eq. 6)."""
         poses, now = self._evaluation.start(state)
-        samples, reason = self._sample(now, yaw_of(poses[self._scene.new_object.name].q), rng)
+        samples, reason = self._evaluation.evaluate(now, self._evaluation.sample(poses, rng))
         ranked, approach = self._ranked(samples, avoid, avoid_radius), self._config.approach
         if not len(ranked):
             return PlannedPlacement.failure(reason, samples)

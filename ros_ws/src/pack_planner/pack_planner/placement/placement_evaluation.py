@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.fit import fitting_yaws
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.states import SceneState
 from pack_planner.placement.feasibility import judge
 from pack_planner.placement.placement_config import PlacementConfig
 from pack_planner.placement.placement_result import PlacementCandidate, PlacementSamples
+from pack_planner.placement.pose_sampling import sample_poses
 from pack_planner.placement.settling import Settling
 
 
@@ -48,6 +51,12 @@ class PlacementEvaluation:
             if names:
                 raise PackError(f"the scene's state {what} {names}; the cell's description has {known}")
         return poses, self._settling.start(poses)
+
+    def sample(self, poses: Mapping[str, Pose], rng: np.random.Generator) -> Array:
+        """Random poses `(S, 7)` at which the new object stands in the container, whatever it overlaps."""
+        new = self.scene.new_object
+        yaw = yaw_of(poses[new.name].q)
+        return sample_poses(new, self.scene.container, self._config.samples, yaw, rng)
 
     def evaluate(self, now: Array, sampled: Array) -> tuple[PlacementSamples, str]:
         """Settle poses `(S, 7)` of the new object, and compute their costs and feasibility.

@@ -16,13 +16,11 @@ import numpy.typing as npt
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
-from pack_core.rotations import yaw_of
 from pack_core.states import SceneState
 from pack_planner.placement.approach import beside
 from pack_planner.placement.placement_config import PlacementConfig
 from pack_planner.placement.placement_evaluation import PlacementEvaluation
 from pack_planner.placement.placement_result import PlannedPlacement
-from pack_planner.placement.pose_sampling import sample_poses
 from pack_planner.placement.ranking import cheapest_elsewhere
 
 
@@ -30,7 +28,6 @@ class RandomPosePlanner:
     """Takes the first random pose that was not tried before; implements `PlacementPlanner`."""
 
     def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
-        self._scene, self._config = scene, config
         self._evaluation = PlacementEvaluation(scene, cell, config)
 
     def plan(
@@ -39,9 +36,7 @@ class RandomPosePlanner:
     ) -> PlannedPlacement:  # fmt: skip
         """A random pose, leaning towards the objects that it overlaps; `lean` has no influence here."""
         poses, now = self._evaluation.start(state)
-        new = self._scene.new_object
-        yaw = yaw_of(poses[new.name].q)
-        sampled = sample_poses(new, self._scene.container, self._config.samples, yaw, rng)
+        sampled = self._evaluation.sample(poses, rng)
         # at equal costs the order is that of the samples, so this is the first one away from `avoid`
         k = cheapest_elsewhere(np.zeros(len(sampled)), sampled, avoid, avoid_radius)[0]
         samples, _ = self._evaluation.evaluate(now, sampled[[k]])
