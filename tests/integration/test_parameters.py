@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Annotated, Any
@@ -114,11 +113,11 @@ def same(a: Any, b: Any) -> bool:
 
 
 @pytest.fixture(params=EXECUTABLES, ids=lambda found: f"{found[0]}.{found[1]}")
-def told(request: Any, graph: Graph, monkeypatch: pytest.MonkeyPatch) -> Iterator[Told]:
+def told(request: Any, graph: Graph, monkeypatch: pytest.MonkeyPatch) -> Told:
     """A node with the parameters of one of the cells' nodes."""
     cls = config_of(*request.param, graph, monkeypatch)
     monkeypatch.undo()
-    yield graph.start(lambda **kwargs: Told(cls, **kwargs))
+    return graph.start(lambda **kwargs: Told(cls, **kwargs))
 
 
 def test_every_parameter_says_what_it_is_for_and_what_it_may_be(graph: Graph, told: Told) -> None:
@@ -186,7 +185,7 @@ def test_a_whole_number_may_stand_for_any_number(asking: Asking) -> None:
         ("use_sim_time", True, "'use_sim_time' is read when the node starts"),
         ("label", "forbidden", "this label is forbidden"),
         ("label", None, "'label' cannot be deleted"),
-        ("lable", "red", "has no parameter 'lable'; did you mean 'label'?"),
+        ("lable", "red", "no parameter 'lable'; did you mean 'label'?"),
     ],
 )
 def test_a_refusal_says_what_was_given_and_what_is_allowed(

@@ -13,8 +13,8 @@ import pytest
 
 from integration.harness import Graph
 from pack_bringup.graph.executables import find_executable
+from pack_core.errors import ConfigError
 from pack_core.paths import config_path
-from pack_core.ros.params import unknown_parameters
 from pack_planner.placement.planner_node import PlannerNode
 
 EXAMPLE = config_path("scenarios", "packing", "example.yaml")
@@ -78,12 +78,14 @@ def test_a_bad_scene_file_is_named_with_its_key_and_what_is_allowed(tmp_path: Pa
         assert part in line
 
 
-def test_an_unknown_parameter_is_reported_with_what_may_have_been_meant(graph: Graph) -> None:
-    node = graph.start(PlannerNode, smaples=3)
-    graph.wait_until(lambda: node.health.counts["unknown parameter"])
-    assert unknown_parameters(node) == ["'smaples'; did you mean 'samples'?"]
+def test_an_unknown_parameter_is_refused_with_what_may_have_been_meant(graph: Graph) -> None:
+    graph.start(PlannerNode, smaples=3)
+    with pytest.raises(
+        ConfigError, match="no parameter 'smaples'; did you mean 'samples'"
+    ):
+        graph.wait_until(lambda: False)
 
 
-def test_what_is_known_is_not_reported(graph: Graph) -> None:
+def test_what_is_known_is_not_refused(graph: Graph) -> None:
     node = graph.start(PlannerNode, samples=3)
-    assert unknown_parameters(node) == []
+    graph.wait_until(lambda: node.count_publishers("/alive/planner"))

@@ -17,6 +17,7 @@ from pydantic.fields import FieldInfo
 
 from pack_core.config import Changeable
 
+
 @dataclass(frozen=True)
 class ParameterField:
     """One parameter of a configuration class.

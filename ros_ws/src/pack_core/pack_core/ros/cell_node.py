@@ -76,6 +76,8 @@ class CellNode(Node):
         would be taken for dead before it has begun.
         """
         self._birth.cancel()
+        if said := unknown_parameters(self):
+            raise ConfigError(f"node '{self.get_name()}' has no parameter {', and none '.join(said)}")
         self._watch_socket = WatchSocket(self.context.get_domain_id(), self.get_name())
         self._alive = self.create_publisher(Empty, alive_topic(self.get_name()), ALIVE_QOS)
         self._heart = threading.Thread(target=self._beat, name="alive", daemon=True)
@@ -83,9 +85,6 @@ class CellNode(Node):
         self._is_up = True
         for watch in self._watches:
             watch.begin()
-        for said in unknown_parameters(self):
-            self.health.count("unknown parameter", said)
-            self.get_logger().warning(f"ignored: unknown parameter {said}")
 
     def _beat(self) -> None:
         # A thread, because a timer would wait for callbacks that compute for longer than the lease.
@@ -98,7 +97,7 @@ class CellNode(Node):
         try:
             for parameter in parameter_list:
                 if not self.has_parameter(parameter.name):
-                    raise ConfigError(f"node '{self.get_name()}' has no parameter {unknown(self, parameter.name)}")
+                    raise ConfigError(f"no parameter {unknown(self, parameter.name)}")
             if self.parameter_set is None:
                 raise ConfigError(f"node '{self.get_name()}' reads its parameters only when it starts")
             stored, when = self.parameter_set.change(parameter_list)
