@@ -23,13 +23,15 @@ FLOORS = (
         "pack_sim", "pack_perception", "pack_planner", "pack_mpc", "pack_motion", "pallet_fsm", "block_fsm",
         "pack_evaluation",
     },
-    {"pack_lockstep"},
+    {"pack_lockstep", "pack_viewer"},
     {"pack_bringup"},
 )  # fmt: skip
 """Packages of one floor never import each other."""
-OF_ALL_CELLS = ("pack_evaluation", "pack_lockstep", "pack_bringup", "pack_core", "pack_sim")
+OF_ALL_CELLS = ("pack_evaluation", "pack_lockstep", "pack_viewer", "pack_bringup", "pack_core", "pack_sim")
 """Packages that serve all cells."""
 DRAWING = {"matplotlib", "jinja2", "imageio_ffmpeg", "PIL"}
+THE_PAGE = {"viser", "trimesh", "websockets"}
+"""What the page in the browser is made with."""
 
 
 @cache
@@ -101,6 +103,11 @@ def test_shared_files_of_a_package_import_no_cell(package: str) -> None:
 @pytest.mark.parametrize("package", sorted(FLOORS[1] | FLOORS[2] - {"pack_evaluation"}))
 def test_no_node_needs_what_draws_plots_and_reports(package: str) -> None:
     assert imported_packages(package) & DRAWING == set()
+
+
+@pytest.mark.parametrize("package", [name for name in PYTHON_PACKAGES if name != "pack_viewer"])
+def test_only_the_viewer_needs_what_the_page_is_made_with(package: str) -> None:
+    assert imported_packages(package) & THE_PAGE == set()
 
 
 @pytest.mark.parametrize("package", PYTHON_PACKAGES)

@@ -49,6 +49,9 @@ PARTS = {
     "benchmark": CellPart(
         "pack_bringup.{cell}.benchmark_command", "benchmark", "the command `pack benchmark CELL`"
     ),
+    "page": CellPart(
+        "pack_viewer.{cell}.{cell}_page", "PAGE", "the cell's part of the page in the browser"
+    ),
     "commands": CellPart(
         "pack_bringup.{cell}.commands", "APPS", "commands of `pack` that only this cell has", is_optional=True
     ),

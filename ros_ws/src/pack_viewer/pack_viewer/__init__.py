@@ -1,0 +1,1 @@
+"""A page in the browser that shows a cell, live or recorded, and lets it be operated."""

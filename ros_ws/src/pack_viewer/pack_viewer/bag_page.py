@@ -1,0 +1,89 @@
+"""The page of a recording: `pack play BAG --live`."""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+
+from viser import ViserServer
+
+from pack_core.cells import cell_part
+from pack_evaluation.record import cell_of
+from pack_viewer.cell_page import CellPage
+from pack_viewer.event_log import EventLog
+from pack_viewer.live_page import SHARED_TOPICS, LivePage
+from pack_viewer.recorded_news import RecordedNews
+
+TURN = 1.0 / 30.0
+"""Time between two looks at the recording [s of wall clock]."""
+RATES = ("0.1", "0.25", "0.5", "1", "2", "4", "8")
+
+
+class BagPage:
+    """Shows a recording, with a slider over its time.
+
+    Args:
+        server: the web server.
+        bag: a run's folder, a bag's folder or an MCAP file.
+        rate: simulated seconds a second of wall clock.
+        start: simulated time to begin at [s]; None: the recording's first moment.
+
+    Raises:
+        BagError: the recording is missing or broken.
+    """
+
+    def __init__(
+        self, server: ViserServer, bag: Path, *, rate: float = 1.0, start: float | None = None
+    ) -> None:
+        cell = cell_of(bag)
+        page: type[CellPage] = cell_part(cell, "page")
+        self._server = server
+        self.news = RecordedNews(bag, page.topics + SHARED_TOPICS, start=start)
+        self.news.rate = rate
+        self.page = LivePage(
+            server, page, self.news, self._add_controls, origin=f"{cell}, recorded: {bag.name}", is_live=False
+        )
+        self._is_moving_slider = False
+
+    def run(self, ended: threading.Event) -> None:
+        """Play until `ended` is set."""
+        while not ended.is_set():
+            begun = time.monotonic()
+            self.page.turn()
+            self._follow()
+            ended.wait(max(0.0, begun + TURN - time.monotonic()))
+
+    def _add_controls(self, log: EventLog) -> None:
+        gui, news = self._server.gui, self.news
+        with gui.add_folder("Recording"):
+            self._slider = gui.add_slider(
+                "time [s]", min=round(news.start, 2), max=max(round(news.end, 2), round(news.start, 2) + 0.01),
+                step=0.01, initial_value=round(news.time, 2),
+            )  # fmt: skip
+            self._slider.on_update(lambda event: self._seek(event.client is not None))
+            self._pause = gui.add_button("pause")
+            self._pause.on_click(lambda _: self._set_paused(not news.is_paused))
+            given = f"{news.rate:g}"
+            rates = RATES if given in RATES else tuple(sorted((*RATES, given), key=float))
+            rate = gui.add_dropdown("rate", rates, initial_value=given)
+            rate.on_update(lambda _: setattr(news, "rate", float(rate.value)))
+
+    def _set_paused(self, paused: bool) -> None:
+        if not paused and self.news.time >= self.news.end:
+            self.news.seek(self.news.start)
+        self.news.is_paused = paused
+        self._pause.label = "go on" if paused else "pause"
+
+    def _seek(self, by_somebody: bool) -> None:
+        """Go where somebody has put the slider; that it follows the recording is no wish."""
+        if by_somebody:
+            self.news.seek(float(self._slider.value))
+
+    def _follow(self) -> None:
+        shown = round(self.news.time, 2)
+        if abs(shown - self._slider.value) >= 0.1 or self.news.is_paused:
+            if shown != self._slider.value:
+                self._slider.value = shown
+        if self.news.time >= self.news.end and not self.news.is_paused:
+            self._set_paused(True)

@@ -1,0 +1,85 @@
+"""The health of every node, as /diagnostics tells it and as its silence does."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pack_viewer.event_log import EventLog
+from pack_viewer.fragments import GREEN, ORANGE, RED, signed_list
+
+SILENT = 4.0
+"""A node that reports once a second counts as silent after this long [s of wall clock]."""
+OK, WARN = 0, 1
+
+
+@dataclass
+class NodeHealth:
+    """The last report of a node, and when it came [s of wall clock]."""
+
+    level: int
+    message: str
+    heard_at: float
+
+
+class NodeBoard:
+    """Keeps the last report of every node.
+
+    Args:
+        log: is told of changes.
+        watches_silence: whether a node that says nothing is a fault; not in a recording, which may be held.
+        clock: wall clock that never jumps [s].
+    """
+
+    def __init__(
+        self, log: EventLog, *, watches_silence: bool, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._log, self._watches_silence, self._clock = log, watches_silence, clock
+        self._nodes: dict[str, NodeHealth] = {}
+
+    def take(self, message: Any) -> None:
+        """Note a message of /diagnostics."""
+        for status in message.status:
+            level = level_of(status.level)
+            before = self._nodes.get(status.name)
+            if level > OK and (before is None or before.message != status.message):
+                self._log.add(f"{status.name}: {status.message}", "error" if level > WARN else "warning")
+            self._nodes[status.name] = NodeHealth(level, status.message, self._clock())
+
+    def forget(self) -> None:
+        """As if no node had reported yet."""
+        self._nodes.clear()
+
+    @property
+    def silent(self) -> list[str]:
+        """Nodes that have reported before and do so no longer."""
+        if not self._watches_silence:
+            return []
+        now = self._clock()
+        return [name for name, node in self._nodes.items() if now - node.heard_at > SILENT]
+
+    @property
+    def has_fault(self) -> bool:
+        """Whether a node reports an error or has fallen silent."""
+        return bool(self.silent) or any(node.level > WARN for node in self._nodes.values())
+
+    def html(self) -> str:
+        """A line a node."""
+        silent = self.silent
+        rows = []
+        for name, node in sorted(self._nodes.items()):
+            if name in silent:
+                rows.append(("✕", RED, f"{name}: silent for {self._clock() - node.heard_at:.0f} s"))
+            elif node.level == OK:
+                rows.append(("✓", GREEN, name))
+            else:
+                sign, colour = ("✕", RED) if node.level > WARN else ("▲", ORANGE)
+                rows.append((sign, colour, f"{name}: {node.message}"))
+        return signed_list(rows, "no node has reported yet")
+
+
+def level_of(level: bytes | int) -> int:
+    """A diagnostic level, which ROS hands out as a byte string and recordings as a number."""
+    return level[0] if isinstance(level, bytes) else int(level)

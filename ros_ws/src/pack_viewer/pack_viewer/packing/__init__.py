@@ -1,0 +1,1 @@
+"""The packing cell's page."""

@@ -1,0 +1,151 @@
+"""The packing cell on the page: arm, container, objects, ghosts of what is planned, stages and plots."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from viser import ViserServer
+
+from pack_core.packing import topics
+from pack_core.robots.packing_arms import arm_of
+from pack_viewer.cell_page import CellPage, Headline, preset_from_angles
+from pack_viewer.event_log import EventLog
+from pack_viewer.fragments import GREY, ORANGE, boxed, chips, facts, put, signed_list
+from pack_viewer.news import News, Topics, seconds
+from pack_viewer.packing.ghosts import Ghosts
+from pack_viewer.packing.packing_scene import ESTIMATE, TRUTH, PackingScene
+from pack_viewer.rolling_plot import RollingPlot
+
+STAGES = ("LOOK", "PRE_PACK", "INSERT", "FINE_TUNE")
+IDLE = Headline("ready", "no goal is in progress")
+
+
+class PackingPage(CellPage):
+    """The packing cell's part of the page."""
+
+    topics = Topics(
+        states=(
+            topics.DESCRIPTION, topics.JOINT_STATES, topics.SCENE, topics.TRUTH, topics.GRIPPER_STATE,
+            topics.WRENCH, topics.MPC_STATUS, topics.SETTLED_SAMPLES,
+        ),
+        events=(topics.RESULT,),
+    )  # fmt: skip
+    presets = (
+        preset_from_angles("cell", (0.35, 0.0, 0.25), 1.9, 150.0, -25.0),
+        preset_from_angles("container", (0.42, 0.0, 0.16), 1.0, 150.0, -42.0),
+        preset_from_angles("side", (0.45, 0.0, 0.2), 1.3, 90.0, -12.0),
+        preset_from_angles("top", (0.5, 0.0, 0.1), 1.3, 180.0, -89.0),
+    )
+
+    def __init__(self, server: ViserServer, log: EventLog) -> None:
+        super().__init__(server, log)
+        self._scene = PackingScene(server.scene)
+        self._ghosts = Ghosts(server.scene)
+        self._stage, self._visited = "", list[str]()
+        self._status: Any = None
+        self._grip: Any = None
+        self._force = float("nan")
+
+    def tabs(self) -> dict[str, Callable[[], None]]:
+        """Stages and what may be pushed, and plots over time."""
+        return {"Task": self._add_task, "Plots": self._add_plots}
+
+    def view_options(self) -> None:
+        """Choose where objects are drawn, and which ghosts are."""
+        gui = self.server.gui
+        source = gui.add_dropdown("objects", (ESTIMATE, TRUTH), hint="as perceived, or as simulated")
+        source.on_update(lambda _: self._scene.draw_from(source.value))
+        target = gui.add_checkbox("target", initial_value=True)
+        target.on_update(lambda _: self._ghosts.show_target(target.value))
+        samples = gui.add_checkbox("samples of the placement", initial_value=True)
+        samples.on_update(lambda _: self._ghosts.show_samples(samples.value))
+
+    def update(self, news: News) -> None:
+        """Move the scene and note where the goal stands."""
+        if text := news.newest(topics.DESCRIPTION):
+            self._scene.describe(text.data)
+            self._ghosts.describe(text.data)
+        if joints := news.newest(topics.JOINT_STATES):
+            self._scene.set_arm(arm_of(joints.name), np.asarray(joints.position))
+        self._scene.update(news)
+        self._grip = news.newest(topics.GRIPPER_STATE) or self._grip
+        if wrench := news.newest(topics.WRENCH):
+            force = wrench.wrench.force
+            self._force = float(np.linalg.norm([force.x, force.y, force.z]))
+        if samples := news.newest(topics.SETTLED_SAMPLES):
+            self._ghosts.set_samples(samples.samples)
+        if status := news.newest(topics.MPC_STATUS):
+            self._take_status(status)
+        for result in news.all(topics.RESULT):
+            self._take_result(json.loads(result.data), news.time)
+
+    def show(self) -> None:
+        """Bring the task and the plots up to date."""
+        put(self._stage_chips, boxed(chips(STAGES, self._stage, self._visited)))
+        status = self._status
+        names = status.collisions if status else ()
+        rows = [("→", ORANGE, name) for name in names]
+        put(self._collisions, signed_list(rows, "nothing may be pushed aside now"))
+        held = self._grip.object if self._grip and self._grip.is_closed else ""
+        rest = [("pump", f"holds {held}" if held else "open"), ("force", f"{self._force:.1f} N")]
+        if status:
+            rest += [("placements", str(status.placements)), ("cost", f"{status.cost:.3g}")]
+            rest += [("iteration", f"{status.iteration_ms:.0f} ms")]
+        put(self._values, facts(rest))
+        for plot in self._plots:
+            plot.send()
+
+    def forget(self) -> None:
+        """Begin anew with an empty task."""
+        self._stage, self._visited, self._status = "", [], None
+        self.headline = IDLE
+        self._ghosts.clear()
+        for plot in self._plots:
+            plot.clear()
+
+    def _take_status(self, status: Any) -> None:
+        now = seconds(status)
+        if self._status is not None and status.elapsed < self._status.elapsed:  # another goal has begun
+            self._visited = []
+            for plot in self._plots:
+                plot.clear()
+        if status.stage != self._stage or not self._visited:
+            self.log.add(f"stage {status.stage}", time=now)
+            self._visited.append(status.stage)
+        if status.warning and (self._status is None or status.warning != self._status.warning):
+            self.log.add(status.warning, "warning", now)
+        self._stage, self._status = status.stage, status
+        self.headline = Headline(
+            status.stage.replace("_", "-"),
+            status.warning or f"{100 * status.distance:.1f} cm to go, {status.elapsed:.1f} s",
+        )
+        self._ghosts.set_target(status.target)
+        for plot, value in zip(
+            self._plots, (100 * status.distance, self._force, status.iteration_ms, status.cost), strict=True
+        ):
+            plot.add(now, value)
+
+    def _take_result(self, result: dict[str, Any], time: float | None) -> None:
+        reason, message = str(result.get("exit_reason", "")), str(result.get("message", ""))
+        is_success = reason == "placed"
+        self.log.add(f"goal ended: {message or reason}", "info" if is_success else "error", time)
+        self.headline = Headline(reason or "ended", message, is_fault=not is_success)
+        self._stage, self._status = "", None
+        self._ghosts.clear()
+
+    def _add_task(self) -> None:
+        gui = self.server.gui
+        self._stage_chips = gui.add_html("")
+        gui.add_html(boxed(f'<div style="color:{GREY}">may be pushed aside (collision list)</div>'))
+        self._collisions = gui.add_html("")
+        self._values = gui.add_html("")
+
+    def _add_plots(self) -> None:
+        titles = ("distance to the target [cm]", "force on the cup [N]", "iteration [ms]", "cost")
+        self._plots = [RollingPlot(self.server.gui, title, (title.split(" ")[0],)) for title in titles]
+
+
+PAGE = PackingPage

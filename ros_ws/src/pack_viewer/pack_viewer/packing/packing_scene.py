@@ -1,0 +1,82 @@
+"""Arm, container and objects of the packing cell in the 3D scene."""
+
+from __future__ import annotations
+
+import numpy as np
+from viser import SceneApi
+
+from pack_core.packing import topics
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.model import WALLS, ArmRole, HeldRole, build_model
+from pack_core.packing.scene import Scene
+from pack_core.robots.seven_axis_arm import SevenAxisArm
+from pack_core.rotations import Array, Pose
+from pack_viewer.model_scene import ModelScene
+from pack_viewer.news import News
+
+ESTIMATE, TRUTH = "as perceived", "as simulated"
+WALL_OPACITY = 0.45
+"""The container's walls are seen through, as in the videos."""
+
+
+class PackingScene:
+    """Is built as soon as the scene and the arm are known, and anew with every other scene."""
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._text = ""
+        self._arm: SevenAxisArm | None = None
+        self._drawn: ModelScene | None = None
+        self._source = ESTIMATE
+        self._poses: dict[str, dict[str, Pose]] = {ESTIMATE: {}, TRUTH: {}}
+
+    def describe(self, text: str) -> None:
+        """Take up a scene file's text; the same text again changes nothing."""
+        if text != self._text:
+            self._text = text
+            self._rebuild()
+
+    def set_arm(self, arm: SevenAxisArm, q: Array) -> None:
+        """Put the arm at joint positions `(7,)` [rad]."""
+        if arm != self._arm:
+            self._arm = arm
+            self._rebuild()
+        if self._drawn is not None:
+            self._drawn.set_joints(arm.joints, q)
+
+    def draw_from(self, source: str) -> None:
+        """Draw objects as perceived or as simulated."""
+        self._source = source
+
+    def update(self, news: News) -> None:
+        """Move what has moved."""
+        for source, topic in ((ESTIMATE, topics.SCENE), (TRUTH, topics.TRUTH)):
+            if message := news.newest(topic):
+                self._poses[source] = {item.name: _pose(item.pose) for item in message.objects}
+        if self._drawn is None:
+            return
+        # What is not perceived yet is drawn where the simulator has it, rather than in the middle of the arm.
+        for name, X_WO in {**self._poses[TRUTH], **self._poses[self._source]}.items():
+            if name in self._names:
+                self._drawn.set_body(name, X_WO)
+        self._drawn.send()
+
+    def _rebuild(self) -> None:
+        if not self._text or self._arm is None:
+            return
+        if self._drawn is not None:
+            self._drawn.remove()
+        scene = Scene.from_yaml(self._text)
+        self._names = {*scene.names, scene.new_object.name}
+        model = build_model(
+            scene, packing_cell().with_arm(self._arm.name), timestep=0.002, arm=ArmRole.DRIVEN,
+            held=HeldRole.FREE, surroundings=True,
+        )  # fmt: skip
+        for wall in WALLS:
+            model.geom(wall).rgba[3] = WALL_OPACITY
+        self._drawn = ModelScene(self._scene, model)
+
+
+def _pose(message: object) -> Pose:
+    p, q = message.position, message.orientation  # type: ignore[attr-defined]
+    return Pose(np.array([p.x, p.y, p.z]), np.array([q.w, q.x, q.y, q.z]))

@@ -1,0 +1,1 @@
+"""The palletizing cell's page."""

@@ -1,0 +1,97 @@
+"""News from a recording, which can be held, gone through at any rate, and set to any time."""
+
+from __future__ import annotations
+
+import threading
+import time
+from bisect import bisect_right
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pack_core import stamps
+from pack_core.errors import BagError
+from pack_evaluation.raw_bag import RawMessage, read_raw_bag
+from pack_viewer.news import News, Topics
+
+
+class RecordedNews:
+    """Reads a recording as a running cell is heard; any thread may hold it or set its time.
+
+    Args:
+        path: a run's folder, a bag's folder or an MCAP file.
+        topics: what is read; what the recording lacks is left out.
+        start: simulated time to begin at [s]; None: the recording's first moment.
+        clock: wall clock that never jumps [s].
+
+    Attributes:
+        rate: simulated seconds a second of wall clock.
+        is_paused: whether time stands still.
+
+    Raises:
+        BagError: the recording is missing or broken, or has none of the topics.
+    """
+
+    def __init__(
+        self, path: Path, topics: Topics, *, start: float | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:  # fmt: skip
+        raw = read_raw_bag(path, topics.all)
+        if not raw.messages:
+            raise BagError(f"{raw.path} has no message on {', '.join(topics.all)}")
+        self._topics, self._raw, self._clock = topics, raw, clock
+        self._tracks: dict[str, list[RawMessage]] = {name: [] for name in raw.topics}
+        for message in raw.messages:
+            self._tracks[message.topic].append(message)
+        self._times = {name: [m.time_ns for m in track] for name, track in self._tracks.items()}
+        self._read = dict.fromkeys(self._tracks, 0)
+        self.rate, self.is_paused = 1.0, False
+        self._lock = threading.Lock()
+        self._time, self._seen_at = self.start if start is None else start, clock()
+        self._went_back = False
+
+    @property
+    def start(self) -> float:
+        """First moment [s of simulated time]."""
+        return stamps.to_seconds(self._raw.messages[0].time_ns)
+
+    @property
+    def end(self) -> float:
+        """Last moment [s of simulated time]."""
+        return stamps.to_seconds(self._raw.messages[-1].time_ns)
+
+    @property
+    def time(self) -> float:
+        """Simulated time that is shown [s]."""
+        return self._time
+
+    def seek(self, time: float) -> None:
+        """Go to a simulated time [s]."""
+        with self._lock:
+            target = min(max(time, self.start), self.end)
+            self._went_back |= target < self._time
+            self._time = target
+
+    def take(self) -> News:
+        """What was recorded since the time of the last call."""
+        with self._lock:
+            now = self._clock()
+            if not self.is_paused:
+                self._time = min(self._time + self.rate * (now - self._seen_at), self.end)
+            self._seen_at = now
+            restarted, self._went_back = self._went_back, False
+            if restarted:
+                self._read = dict.fromkeys(self._tracks, 0)
+            until = stamps.to_ns(self._time)
+            return News({name: self._until(name, until) for name in self._tracks}, self._time, restarted)
+
+    def _until(self, topic: str, time_ns: int) -> list[Any]:
+        """Messages of a topic up to a time that were not handed out yet."""
+        first, last = self._read[topic], bisect_right(self._times[topic], time_ns)
+        if last <= first:
+            return []
+        self._read[topic] = last
+        if topic in self._topics.states:
+            first = last - 1
+        kind = self._raw.topics[topic].type
+        return [self._raw.types.deserialize_cdr(m.data, kind) for m in self._tracks[topic][first:last]]

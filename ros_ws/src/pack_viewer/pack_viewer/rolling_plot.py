@@ -1,0 +1,60 @@
+"""Curves over the last stretch of simulated time."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+from viser import GuiApi, uplot
+
+from pack_viewer.fragments import BLUE, GREEN, GREY, ORANGE, PURPLE, RED
+
+COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE)
+KEPT = 1500
+"""Points of a curve; at ten a second they are two minutes and a half."""
+HEIGHT = 150
+
+
+class RollingPlot:
+    """A plot to which points are added as time goes on, and which is sent when it is asked to.
+
+    Args:
+        gui: where it is added, within the container that is open.
+        title: what is plotted, with its unit.
+        curves: name of each curve.
+    """
+
+    def __init__(self, gui: GuiApi, title: str, curves: Sequence[str]) -> None:
+        self._rows: deque[tuple[float, ...]] = deque(maxlen=KEPT)
+        self._width, self._changed = len(curves) + 1, False
+        series: list[uplot.Series] = [uplot.Series(label="time [s]")]
+        series += [
+            uplot.Series(label=name, stroke=colour, width=2)
+            for name, colour in zip(curves, COLOURS, strict=False)
+        ]
+        axis = uplot.Axis(stroke=GREY, grid={"stroke": f"{GREY}40", "width": 1})
+        self._handle = gui.add_uplot(
+            self._data(), tuple(series), title=title, height=HEIGHT, axes=(axis, axis),
+            scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(auto=True)},
+        )  # fmt: skip
+
+    def add(self, time: float, *values: float) -> None:
+        """Add a point to every curve; NaN leaves a gap."""
+        self._rows.append((time, *values))
+        self._changed = True
+
+    def clear(self) -> None:
+        """Forget all points."""
+        self._rows.clear()
+        self._changed = True
+
+    def send(self) -> None:
+        """Show what was added."""
+        if self._changed:
+            self._handle.data = self._data()
+            self._changed = False
+
+    def _data(self) -> tuple[np.ndarray, ...]:
+        rows = np.array(self._rows, dtype=float).reshape(-1, self._width)
+        return tuple(np.ascontiguousarray(column) for column in rows.T)

@@ -1,0 +1,1 @@
+"""What the page hears from a running cell, and what it asks of it."""

@@ -1,0 +1,15 @@
+from setuptools import find_packages, setup
+
+package = "pack_viewer"
+
+setup(
+    name=package,
+    version="0.1.0",
+    license="Apache-2.0",
+    packages=find_packages(),
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+    ],
+    entry_points={"console_scripts": ["live_node = pack_viewer.live_node:main"]},
+)
