@@ -13,10 +13,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import yaml
 
+from pack_bringup.bring_up import check_alive
 from pack_bringup.graph.domains import choose_domain
 from pack_bringup.graph.graph import Graph, load_graph
+from pack_bringup.graph.node_log import last_words
 from pack_bringup.graph.processes import ProcessGroup
+from pack_bringup.graph.running import check_domain_is_free
 from pack_bringup.pace import Pace
+from pack_bringup.page import PageProcess
 from pack_core.errors import PackError
 
 if TYPE_CHECKING:
@@ -30,7 +34,6 @@ TIMEOUT = 240.0
 """Wall clock for the nodes to come up (a first start compiles), and between two signs of progress [s]."""
 LINGER = 2.0
 """Wall clock for which the recording goes on after the goal [s]."""
-LOG_LINES = 12
 
 
 @dataclass(frozen=True)
@@ -68,11 +71,14 @@ class Job(Protocol):
 
 def recorder_parameters(job: Job, seed: int, command: str) -> dict[str, str]:
     """What the recorder is told of a job, as YAML text."""
-    text = {"path": str(job.folder.resolve()), "cell": job.cell, "command": command}
+    # Always: the folder then shows the start, too, and the demo ends shortly after its goal anyhow.
+    text = {"path": str(job.folder.resolve()), "cell": job.cell, "command": command, "record": "always"}
     return {"seed": str(seed), **{name: json.dumps(value) for name, value in text.items()}}
 
 
-def run_demo(job: Job, on_progress: Callable[[Progress], None]) -> tuple[Any, Pace]:
+def run_demo(
+    job: Job, on_progress: Callable[[Progress], None], page: PageProcess | None = None
+) -> tuple[Any, Pace]:
     """Start the nodes, pursue the goal, stop the nodes; the recording is then complete.
 
     Returns:
@@ -85,23 +91,26 @@ def run_demo(job: Job, on_progress: Callable[[Progress], None]) -> tuple[Any, Pa
 
     graph = load_graph(job.cell)
     commands, (contract, goal) = graph.commands(job.overrides()), job.goal()
+    commands |= page.commands() if page else {}
     pace = Pace(_wanted_factor(graph, job))
     domain = choose_domain(os.environ)
+    names = [node.name for node in graph.nodes]
+    check_domain_is_free(domain, job.cell, names)
+    environment = {"ROS_DOMAIN_ID": str(domain), **(page.environment() if page else {})}
     job.folder.mkdir(parents=True, exist_ok=True)
     log = job.folder / LOG
     with log.open("w") as output:
-        group = ProcessGroup(commands, environment={"ROS_DOMAIN_ID": str(domain)}, output=output)
+        group = ProcessGroup(commands, environment=environment, output=output)
         patience = _Patience(log, job.server)
 
         def check(node: GoalClient) -> None:
             nonlocal pace
-            _check_alive(group, log)
+            check_alive(group, log)
             patience.check(node)
             pace = replace(pace, achieved=node.factors, iterations_ms=node.iterations_ms)
             on_progress(_progress(job, node, pace))
 
         with group:
-            names = [node.name for node in graph.nodes]
             make = partial(GoalClient, contract, goal, names)
             return follow_goal(make, check, domain=domain, linger=LINGER), pace
 
@@ -113,11 +122,6 @@ def _wanted_factor(graph: Graph, job: Job) -> float:
         (sim,) = graph.only((SIM,)).nodes
         given = yaml.safe_load(sim.parameters_path.read_text())[SIM]["ros__parameters"][FACTOR]
     return float(given)
-
-
-def _check_alive(group: ProcessGroup, log: Path) -> None:
-    for name, code in group.exit_codes.items():
-        raise PackError(f"node '{name}' ended with exit code {code}; {_tail(log, name)}")
 
 
 class _Patience:
@@ -135,26 +139,18 @@ class _Patience:
         if time.monotonic() < self._deadline:
             return
         if missing := node.missing:
-            what, culprit = f"did not come up: {', '.join(missing)}", missing[0]
+            waiting = [f"{name} ({why})" for name, why in missing.items()]
+            what, culprit = f"not ready: {', '.join(waiting)}", next(iter(missing))
         elif not node.is_accepted:
             what, culprit = f"node '{self._server}' does not take the goal", self._server
         else:
             what, culprit = f"node '{self._server}' has taken the goal but does not go on", self._server
-        raise PackError(f"nothing happened for {TIMEOUT:.0f} s: {what}; {_tail(self._log, culprit)}")
+        raise PackError(f"nothing happened for {TIMEOUT:.0f} s: {what}; {last_words(self._log, culprit)}")
 
 
 def _progress(job: Job, node: GoalClient, pace: Pace) -> Progress:
     if node.feedback is not None:
         progress = job.progress(node.feedback, node.real_time_factor)
         return replace(progress, line=progress.line + pace.remark)
-    missing = [] if node.is_accepted else node.missing
+    missing = {} if node.is_accepted else node.missing
     return Progress("", f"waiting for {', '.join(missing) or f'node {job.server!r}'}")
-
-
-def _tail(log: Path, name: str) -> str:
-    """The last lines of a node in the log."""
-    lines = [
-        line for line in log.read_text(errors="replace").splitlines() if f" {name} " in line.partition("|")[0]
-    ]
-    shown = "\n  ".join(lines[-LOG_LINES:]) or "it wrote nothing"
-    return f"its last lines in {log}:\n  {shown}"

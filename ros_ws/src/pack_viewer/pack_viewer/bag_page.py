@@ -57,9 +57,10 @@ class BagPage:
     def _add_controls(self, log: EventLog) -> None:
         gui, news = self._server.gui, self.news
         with gui.add_folder("Recording"):
+            first, last = round(news.start, 2), round(news.end, 2)
             self._slider = gui.add_slider(
-                "time [s]", min=round(news.start, 2), max=max(round(news.end, 2), round(news.start, 2) + 0.01),
-                step=0.01, initial_value=round(news.time, 2),
+                "time [s]", min=first, max=max(last, first + 0.01), step=0.01,
+                initial_value=round(news.time, 2),
             )  # fmt: skip
             self._slider.on_update(lambda event: self._seek(event.client is not None))
             self._pause = gui.add_button("pause")
@@ -82,8 +83,8 @@ class BagPage:
 
     def _follow(self) -> None:
         shown = round(self.news.time, 2)
-        if abs(shown - self._slider.value) >= 0.1 or self.news.is_paused:
-            if shown != self._slider.value:
-                self._slider.value = shown
+        # Ten times a second are enough for the eye; a recording that is held shows its time exactly.
+        if abs(shown - self._slider.value) >= (0.001 if self.news.is_paused else 0.1):
+            self._slider.value = shown
         if self.news.time >= self.news.end and not self.news.is_paused:
             self._set_paused(True)

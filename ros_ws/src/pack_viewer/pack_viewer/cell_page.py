@@ -75,7 +75,7 @@ class CellPage(ABC):
     def tabs(self) -> dict[str, Callable[[], None]]:
         """Panels of the cell's own: a title, and what fills it."""
 
-    def view_options(self) -> None:
+    def view_options(self) -> None:  # noqa: B027 -- most cells have nothing to choose
         """Add what can be chosen about the view, such as what is shown."""
 
     @abstractmethod

@@ -29,7 +29,8 @@ def lines(texts: Iterable[str], colour: str = "inherit") -> str:
 def facts(rows: Iterable[tuple[str, str]]) -> str:
     """Names and values, a row each."""
     cells = "".join(
-        f'<div style="opacity:.7">{escape(name)}</div><div style="overflow-wrap:anywhere">{escape(value)}</div>'
+        f'<div style="opacity:.7">{escape(name)}</div>'
+        f'<div style="overflow-wrap:anywhere">{escape(value)}</div>'
         for name, value in rows
     )
     return (

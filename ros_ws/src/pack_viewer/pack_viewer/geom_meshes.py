@@ -84,9 +84,8 @@ def _shape(kind: mujoco.mjtGeom, size: Array) -> trimesh.Trimesh:
         case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
             return trimesh.creation.icosphere(subdivisions=2).apply_scale(size)
         case mujoco.mjtGeom.mjGEOM_CAPSULE:
-            return trimesh.creation.capsule(
-                height=2 * size[1], radius=size[0], count=(12, 24)
-            ).apply_translation(_capsule_shift(size))
+            mesh = trimesh.creation.capsule(height=2 * size[1], radius=size[0], count=(12, 24))
+            return mesh.apply_translation(-mesh.bounds.mean(axis=0))  # MuJoCo's origin is its middle
         case mujoco.mjtGeom.mjGEOM_CYLINDER:
             mesh = trimesh.creation.cylinder(radius=size[0], height=2 * size[1], sections=SECTIONS)
             return trimesh.graph.smooth_shade(mesh, angle=np.radians(40.0))
@@ -101,12 +100,6 @@ def _hull(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
     faces = model.mesh_face[f : f + model.mesh_facenum[mesh]]
     surface = trimesh.Trimesh(vertices, faces, process=False)
     return trimesh.graph.smooth_shade(surface, angle=np.radians(30.0))
-
-
-def _capsule_shift(size: Array) -> Array:
-    """Brings a capsule of trimesh, whatever its origin, to MuJoCo's: its middle."""
-    low, high = trimesh.creation.capsule(height=2 * size[1], radius=size[0], count=(4, 4)).bounds
-    return -0.5 * (low + high)
 
 
 def _box(half: Array) -> trimesh.Trimesh:

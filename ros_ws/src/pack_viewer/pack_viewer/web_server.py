@@ -24,6 +24,7 @@ from websockets.http11 import Request, Response
 from pack_core.errors import ConfigError
 
 LOOPBACK = "127.0.0.1"
+DEFAULT_PORT = 8210
 LOCAL_NAMES = (LOOPBACK, "localhost")
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Largest message that a browser may send [bytes]: a picture of the scene, or a piece of an uploaded file."""
@@ -48,7 +49,7 @@ class ConnectionGuard:
         host, origin = request.headers.get("Host", ""), request.headers.get("Origin")
         if not self.token and host not in self._addresses:
             return f"this page is served at {' and '.join(self._addresses)} only"
-        # A page that this server served names this server as its origin; other clients than browsers name none.
+        # A page that this server served names this server as its origin; other clients than browsers none.
         if origin is not None and origin != f"http://{host}":
             return "a page from elsewhere may not connect"
         if self.token and not self._knows_token(request):
@@ -62,7 +63,7 @@ class ConnectionGuard:
     def _knows_token(self, request: Request) -> bool:
         given = [*parse_qs(urlsplit(request.path).query).get("token", []), *_cookies(request, COOKIE)]
         # In constant time, so that how long a refusal takes does not tell how much of a guess was right.
-        return any([hmac.compare_digest(text.encode(), self.token.encode()) for text in given])
+        return any(hmac.compare_digest(text.encode(), self.token.encode()) for text in given)
 
 
 def open_server(port: int, label: str, *, host: str = LOOPBACK, token: str = "") -> viser.ViserServer:
@@ -87,6 +88,11 @@ def open_server(port: int, label: str, *, host: str = LOOPBACK, token: str = "")
         server.stop()
         raise ConfigError(f"port {port} is taken; choose another one, or end the page that has it")
     return server
+
+
+def page_address(host: str, port: int, token: str = "") -> str:
+    """What to open in a browser."""
+    return f"http://{host}:{port}" + (f"/?token={token}" if token else "")
 
 
 class PrivateServer(viser.ViserServer):

@@ -10,6 +10,7 @@ import typer
 
 from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
+from pack_bringup.cli.page_options import PORT, Live, Port, page_process
 from pack_bringup.recording.run_record import default_folder
 from pack_core.errors import ConfigError
 
@@ -29,6 +30,8 @@ def demo(
     ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
+    live: Live = False,
+    port: Port = PORT,
     output: Output = None,
 ) -> None:
     """Rearrange blocks into a dense grid: six nodes, one goal, and a report at the end.
@@ -43,7 +46,8 @@ def demo(
 
     text = _text_of(problem) if problem else _generated(blocks, density, seed)
     folder = output or default_folder("blocks", seed, datetime.now())
-    run_live(BlocksJob(folder, text, seed, method, real_time_factor, command_line()), video=video)
+    job = BlocksJob(folder, text, seed, method, real_time_factor, command_line())
+    run_live(job, video=video, page=page_process("blocks", live, port))
 
 
 def _text_of(path: Path) -> str:

@@ -14,6 +14,7 @@ from rich.text import Text
 
 from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
 from pack_bringup.demo import LOG, Job, Progress, run_demo
+from pack_bringup.page import PageProcess
 
 
 def command_line() -> str:
@@ -21,12 +22,20 @@ def command_line() -> str:
     return " ".join(["pack", *sys.argv[1:]])
 
 
-def run_live(job: Job, *, video: bool) -> NoReturn:
-    """Run a job, evaluate its recording, and leave with 0 only if it succeeded."""
+def run_live(job: Job, *, video: bool, page: PageProcess | None = None) -> NoReturn:
+    """Run a job, evaluate its recording, and leave with 0 only if it succeeded.
+
+    Args:
+        job: what to run.
+        video: render the run for the report.
+        page: a page that shows the run while it goes on; None: none.
+    """
     signal.signal(signal.SIGTERM, _as_ctrl_c)
+    if page:
+        typer.echo(page.announcement)
     try:
         with LiveLine() as line:
-            result, pace = run_demo(job, line.show)
+            result, pace = run_demo(job, line.show, page)
     except KeyboardInterrupt:
         typer.echo(f"stopped; what was recorded is in {job.folder}")
         raise typer.Exit(130) from None

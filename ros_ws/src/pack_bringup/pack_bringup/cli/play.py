@@ -11,6 +11,7 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn
 
 from pack_bringup.cli.network_option import Network, environment_of
+from pack_bringup.cli.page_options import PORT, Port
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -45,6 +46,10 @@ def play(
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
     ] = None,
     network: Network = "",
+    live: Annotated[
+        bool, typer.Option("--live", help="Show the recording in the browser instead of publishing it.")
+    ] = False,
+    port: Port = PORT,
 ) -> None:
     """Publish a recording, so that nodes run against it as they do against the simulator.
 
@@ -53,8 +58,12 @@ def play(
 
     - `pack play bags/samples/packing --for perception --clock`, with `pack up packing --only perception`
       in another terminal and the same ROS_DOMAIN_ID
+    - `pack play bags/samples/packing --live`, to look at it in the browser, with a slider over its time
     - `pack play bags/packing_20260101_120000_seed0 --rate 0.3 --topics /scene --topics /sim/truth`
     """
+    if live:
+        show_recording(bag, port, rate, start)
+        return
     from pack_bringup.recording.playback import load_playback
     from pack_bringup.recording.ros.bag_player import BagPlayer
     from pack_core.ros.contracts.table import wiring_of
@@ -75,6 +84,27 @@ def play(
             raise typer.Exit(130) from None
     cut = " of a recording that was cut off" if playback.is_cut else ""
     typer.echo(f"{count} messages{cut} played, {playback.duration:.1f} s of simulated time")
+
+
+def show_recording(bag: Path, port: int, rate: float, start: float) -> None:
+    """Serve the page of a recording until Ctrl-C; no node and no graph is needed for it."""
+    from threading import Event
+
+    from pack_bringup.page import announcement
+    from pack_evaluation.record import cell_of
+    from pack_viewer.bag_page import BagPage
+    from pack_viewer.web_server import LOOPBACK, open_server
+
+    signal.signal(signal.SIGTERM, _as_ctrl_c)
+    server = open_server(port, f"PackCell · {cell_of(bag)}")
+    try:
+        page = BagPage(server, bag, rate=rate, start=start)
+        typer.echo(f"{announcement(LOOPBACK, port)}  (Ctrl-C ends it)")
+        page.run(Event())
+    except KeyboardInterrupt:
+        typer.echo("stopped")
+    finally:
+        server.stop()
 
 
 def heard_by(node: str, wiring: Iterable[Contract]) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from pack_bringup.cli.network_option import Network, environment_of
+from pack_bringup.cli.page_options import HOST, PORT, Host, Live, Port, Token, page_process
 from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrides
 from pack_bringup.graph.processes import ProcessGroup
 from pack_core.config import merged
@@ -35,6 +36,10 @@ def up(
         int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
     ] = None,
     network: Network = "",
+    live: Live = False,
+    port: Port = PORT,
+    host: Host = HOST,
+    token: Token = "",
 ) -> None:
     """Start the nodes of a cell, each a process of its own, until Ctrl-C.
 
@@ -44,6 +49,7 @@ def up(
     - `pack up packing --set sim.seed=3 --set sim.real_time_factor=0.5`
     - `pack up packing --preset hardware`
     - `pack up packing --only sim --only perception --domain 7`
+    - `pack up packing --live`, to watch and operate the cell in the browser (docs/viewing.md)
     - `pack up packing --network eth0`, for nodes on other machines
     """
     graph = load_graph(cell)
@@ -53,6 +59,10 @@ def up(
     commands = graph.commands(merged(conditions, parse_overrides(settings or [])))
     environment = environment_of(network)
     environment |= {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
+    if page := page_process(cell, live, port, host, token):
+        commands |= page.commands()
+        environment |= page.environment()
+        typer.echo(page.announcement)
     died: dict[str, int] = {}
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _as_ctrl_c)

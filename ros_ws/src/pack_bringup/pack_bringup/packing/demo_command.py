@@ -10,6 +10,7 @@ import typer
 
 from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
+from pack_bringup.cli.page_options import PORT, Live, Port, page_process
 from pack_bringup.recording.run_record import default_folder
 from pack_core.packing.method import PackingMethod
 
@@ -39,6 +40,8 @@ def demo(
     ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
+    live: Live = False,
+    port: Port = PORT,
     output: Output = None,
 ) -> None:
     """Pack one object: five nodes, one goal, and a report at the end.
@@ -58,7 +61,7 @@ def demo(
         _check_scene(scene)
     folder = output or default_folder("packing", seed, datetime.now())
     job = PackingJob(folder, seed, scene, method.value, real_time_factor, command_line(), preset)
-    run_live(job, video=video)
+    run_live(job, video=video, page=page_process("packing", live, port))
 
 
 def _check_scene(path: Path) -> None:

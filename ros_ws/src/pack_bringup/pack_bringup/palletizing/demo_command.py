@@ -10,6 +10,7 @@ import typer
 
 from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
+from pack_bringup.cli.page_options import PORT, Live, Port, page_process
 from pack_bringup.recording.run_record import default_folder
 from pack_core.paths import config_path
 
@@ -30,6 +31,8 @@ def demo(
     ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
+    live: Live = False,
+    port: Port = PORT,
     output: Output = None,
 ) -> None:
     """Build the pallet of one order: six nodes, one goal, and a report at the end.
@@ -46,7 +49,7 @@ def demo(
     _check(file, profile)
     folder = output or default_folder("palletizing", seed, datetime.now())
     job = PalletizingJob(folder, file, seed, profile, real_time_factor, command_line())
-    run_live(job, video=video)
+    run_live(job, video=video, page=page_process("palletizing", live, port))
 
 
 def _check(order: Path, profile: str) -> None:

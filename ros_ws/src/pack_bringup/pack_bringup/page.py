@@ -1,0 +1,56 @@
+"""The page in the browser as a process beside a cell's nodes."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from dataclasses import dataclass
+
+from pack_bringup.graph.executables import find_executable
+
+NODE = "live"
+TOKEN_VARIABLE = "PACKCELL_PAGE_TOKEN"
+"""The node reads the token from here: parameters can be read by everybody in the graph, and command lines
+by everybody on the machine."""
+
+
+@dataclass(frozen=True)
+class PageProcess:
+    """The node `live` and how it is told what to serve.
+
+    Attributes:
+        cell: the cell that is shown.
+        port: of the page.
+        host: address to listen on; others than 127.0.0.1 need a token.
+        token: what a browser must bring; empty: none.
+    """
+
+    cell: str
+    port: int
+    host: str = "127.0.0.1"
+    token: str = ""
+
+    def commands(self) -> dict[str, list[str]]:
+        """The command of the node, by its name."""
+        command = [str(find_executable("pack_viewer", "live_node")), "--ros-args", "-r", f"__node:={NODE}"]
+        for name, value in {"cell": self.cell, "port": self.port, "host": self.host}.items():
+            command += ["-p", f"{name}:={json.dumps(value)}"]
+        # It stands back behind the nodes: a late picture does no harm, a late setpoint does.
+        return {NODE: ["nice", "-n", "5", *command]}
+
+    def environment(self) -> dict[str, str]:
+        """What the node reads from its environment."""
+        return {TOKEN_VARIABLE: self.token} if self.token else {}
+
+    @property
+    def announcement(self) -> str:
+        """Where the page is, and how to open it on a machine with a display."""
+        return announcement(self.host, self.port, self.token)
+
+
+def announcement(host: str, port: int, token: str = "") -> str:
+    """A line that says where a page is, and how to open it on a machine with a display."""
+    address = f"http://{host}:{port}" + (f"/?token={token}" if token else "")
+    has_display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    return f"page: {address}" + (f"  (xdg-open {address})" if has_display and sys.stdout.isatty() else "")

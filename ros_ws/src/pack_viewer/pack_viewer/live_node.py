@@ -1,0 +1,71 @@
+"""Serves the page of a running cell."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import Any
+
+from pydantic import Field
+
+from pack_core.cells import CELLS, cell_part
+from pack_core.config import Config
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts.table import wiring_of
+from pack_core.ros.params import read_parameters
+from pack_core.ros.run import run_node
+from pack_core.ros.stream import NodeThread
+from pack_viewer.cell_page import CellPage
+from pack_viewer.live_page import SHARED_TOPICS, LivePage
+from pack_viewer.ros.live_news import LiveNews
+from pack_viewer.web_server import DEFAULT_PORT, LOOPBACK, open_server, page_address
+
+TOKEN_VARIABLE = "PACKCELL_PAGE_TOKEN"
+"""The token comes from the environment: everybody in the graph can read a node's parameters."""
+
+
+class LiveNodeConfig(Config):
+    """Parameters of the node `live`."""
+
+    cell: str = Field(default=CELLS[0], description="the cell that is shown")
+    port: int = Field(default=DEFAULT_PORT, ge=1, le=65535, description="port of the page")
+    host: str = Field(
+        default=LOOPBACK,
+        description="address to listen on; others than 127.0.0.1 need a token, which is "
+        "read from the environment variable PACKCELL_PAGE_TOKEN",
+    )
+    frame_rate: float = Field(default=30.0, gt=0.0, le=60.0, description="frames a second of wall clock")
+
+
+class LiveNode(CellNode):
+    """Node `live`: a page in the browser that shows a cell and lets it be operated."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("live", **kwargs)
+        config = read_parameters(self, LiveNodeConfig)
+        token = os.environ.get(TOKEN_VARIABLE, "")
+        page: type[CellPage] = cell_part(config.cell, "page")
+        self._server = open_server(config.port, f"PackCell · {config.cell}", host=config.host, token=token)
+        news = LiveNews(self, wiring_of(config.cell), page.topics + SHARED_TOPICS)
+        self.page = LivePage(
+            self._server, page, news, lambda log: None, origin=f"{config.cell}, live", is_live=True
+        )
+        self._period = 1.0 / config.frame_rate
+        self._thread = NodeThread(self, self._turn, "page")
+        print(f"page: {page_address(config.host, config.port, token)}", flush=True)
+
+    def destroy_node(self) -> None:
+        """Close the page, then end."""
+        self._thread.end()
+        self._server.stop()
+        super().destroy_node()
+
+    def _turn(self) -> None:
+        begun = time.monotonic()
+        self.page.turn()
+        time.sleep(max(0.0, begun + self._period - time.monotonic()))
+
+
+def main() -> int:
+    """Entry point of `live_node`."""
+    return run_node(LiveNode)
