@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 import rclpy
+from pack_interfaces.msg import NodeStatus
 from rclpy.action import ActionClient
 from rclpy.client import Client
 from rclpy.context import Context
@@ -19,7 +20,10 @@ from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
 from pack_bringup.graph.domains import DOMAINS, is_free
+from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.goal_node import REFUSED
+from pack_core.ros.node_status import LISTENING
 
 N = TypeVar("N", bound=Node)
 _numbers = itertools.count(7 * os.getpid())
@@ -144,6 +148,24 @@ class Graph:
         future = handle.get_result_async()
         self.wait_until(future.done, timeout)
         return future.result().result
+
+    def wait_until_ready(self, *names: str, timeout: float = 10.0) -> None:
+        """Spin until nodes have said that they are ready."""
+        ready: set[str] = set()
+
+        def note(status: NodeStatus) -> None:
+            ready.add(status.name) if status.state == NodeStatus.READY else ready.discard(status.name)
+
+        topic = shared.NODE_STATUS
+        listening = self.probe.create_subscription(topic.type, topic.name, note, LISTENING)
+        self.wait_until(lambda: ready >= set(names), timeout)
+        self.probe.destroy_subscription(listening)
+
+    def refusal(self, contract: Contract, goal: Any) -> str:
+        """Send a goal that is not taken; the reason that the sender is told."""
+        message = str(self.result_of(self.send_goal(contract, goal), timeout=10.0).message)
+        assert message.startswith(REFUSED), message
+        return message.removeprefix(REFUSED)
 
     def close(self) -> None:
         """End all nodes and the domain."""

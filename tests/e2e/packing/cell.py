@@ -54,10 +54,7 @@ class Cell:
 
     def __enter__(self) -> Self:
         self.processes.start()
-        probe = self.graph.probe
-        self.graph.wait_until(
-            lambda: all(probe.count_publishers(f"/alive/{name}") for name in NODES), START_TIMEOUT
-        )
+        self.graph.wait_until_ready(*NODES, timeout=START_TIMEOUT)
         self.graph.wait_until(lambda: self._heard, START_TIMEOUT)
         return self
 
@@ -66,15 +63,8 @@ class Cell:
         self._log.close()
 
     def start_goal(self) -> Any:
-        """Send the goal until it is accepted."""
-        handles: list[Any] = []
-
-        def is_accepted() -> bool:
-            handles.append(self.graph.send_goal(contracts.PACK_OBJECT, PackObject.Goal(method="pack_it_in")))
-            return bool(handles[-1].accepted)
-
-        self.graph.wait_until(is_accepted, START_TIMEOUT)
-        return handles[-1]
+        """Send the goal."""
+        return self.graph.send_goal(contracts.PACK_OBJECT, PackObject.Goal())
 
     def kill(self, name: str) -> int:
         """End a node without warning; the wall clock of it [ns since the epoch]."""

@@ -55,15 +55,9 @@ def patient_node(graph: Graph, rig: BlocksRig) -> BlockFsmNode:
 
 
 def accepted(graph: Graph) -> Any:
-    """The goal, sent until the executor has heard of arm and gripper and takes it."""
-    handles: list[Any] = []
-
-    def is_taken() -> bool:
-        handles.append(graph.send_goal(contracts.REARRANGE, Rearrange.Goal(problem=TEXT)))
-        return bool(handles[-1].accepted)
-
-    graph.wait_until(is_taken)
-    return handles[-1]
+    """The goal, sent when the executor has heard of arm and gripper."""
+    graph.wait_until_ready("fsm")
+    return graph.send_goal(contracts.REARRANGE, Rearrange.Goal(problem=TEXT))
 
 
 def outcome(graph: Graph) -> Rearrange.Result:

@@ -90,4 +90,5 @@ def test_fingers_obey_and_refuse_what_they_cannot_do(graph: Graph, tmp_path: Pat
 
 def test_a_goal_that_cannot_be_read_is_refused(graph: Graph) -> None:
     graph.start(BlockFsmNode)
-    assert not graph.send_goal(contracts.REARRANGE, Rearrange.Goal(problem="blocks: none")).accepted
+    assert "blocks" in graph.refusal(contracts.REARRANGE, Rearrange.Goal(problem="blocks: none"))
+    assert "`problem` is empty" in graph.refusal(contracts.REARRANGE, Rearrange.Goal())

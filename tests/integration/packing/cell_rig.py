@@ -48,7 +48,7 @@ class Cell(Witness):
         self.perception = graph.start(PerceptionNode, **parameters_of("perception", **cell))
         self.planner = graph.start(PlannerNode, **parameters_of("planner", **cell))
         self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched, **cell))
-        graph.wait_until(lambda: self.mpc.is_ready and self.planner.is_ready)
+        graph.wait_until(lambda: not self.mpc.waits_for and not self.planner.waits_for)
         graph.connect(contracts.SETPOINTS)
         graph.connect(contracts.JOINT_STATES, subscribers=3)
         graph.connect(contracts.SCENE, subscribers=2)

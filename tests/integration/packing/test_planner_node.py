@@ -35,7 +35,7 @@ def planner(graph: Graph, scene: Scene) -> PlannerNode:
     """A planner that has heard the description of the example."""
     node = graph.start(PlannerNode, samples=SAMPLES)
     describe(graph, scene.description().to_yaml())
-    graph.wait_until(lambda: node.is_ready)
+    graph.wait_until(lambda: not node.waits_for)
     return node
 
 

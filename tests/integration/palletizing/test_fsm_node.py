@@ -48,22 +48,15 @@ def tell(graph: Graph, time: float = 1.0) -> None:
     graph.probe.send(motion_contracts.MOTION_STATUS, to_status(status))
 
 
-def accepted(graph: Graph, **fields: str) -> object:
+def accepted(graph: Graph, fsm: PalletFsmNode, **fields: str) -> object:
     """The handle of a goal that is taken, once arm and gripper have been heard."""
-
-    def offered() -> bool:
-        nonlocal handle
-        tell(graph)
-        handle = graph.send_goal(contracts.PALLETIZE, Palletize.Goal(**fields))
-        return bool(handle.accepted)
-
-    handle = None
-    graph.wait_until(offered)
-    return handle
+    tell(graph)
+    graph.wait_until(lambda: not fsm.waits_for)
+    return graph.send_goal(contracts.PALLETIZE, Palletize.Goal(**fields))
 
 
 def test_an_order_before_the_arm_was_heard_is_not_taken(graph: Graph, fsm: PalletFsmNode) -> None:
-    assert not graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+    assert "nothing heard of arm" in graph.refusal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER)))
 
 
 def test_an_order_without_a_layout_service_is_not_taken(graph: Graph) -> None:
@@ -73,7 +66,7 @@ def test_an_order_without_a_layout_service_is_not_taken(graph: Graph) -> None:
 
     def says_why() -> bool:
         tell(graph)
-        assert not graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+        graph.refusal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER)))
         mail = graph.probe.mail[shared.DIAGNOSTICS.name]
         return any("is layout up?" in message.status[0].message for message in mail)
 
@@ -84,11 +77,12 @@ def test_a_node_that_dies_while_the_layout_is_planned_ends_the_order(
     graph: Graph, fsm: PalletFsmNode, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(fsm._layout, "call_async", lambda _: Future(executor=fsm.executor))
-    handle = accepted(graph, file=str(ORDER))
+    handle = accepted(graph, fsm, file=str(ORDER))
     fsm.on_peer("sim", is_alive=False)
     assert graph.result_of(handle).message == "node 'sim' is silent"
     fsm.on_peer("sim", is_alive=True)
-    assert graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER))).accepted
+    graph.send_goal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER)))
+    graph.wait_until(lambda: fsm.is_busy)
 
 
 def spoiled(change: str) -> str:
@@ -142,7 +136,7 @@ def spoiled(change: str) -> str:
 def test_a_wrong_order_ends_with_the_reason_and_nothing_moves(
     graph: Graph, fsm: PalletFsmNode, fields: dict[str, str], reason: str
 ) -> None:
-    result = graph.result_of(accepted(graph, **fields))
+    result = graph.result_of(accepted(graph, fsm, **fields))
     assert not result.success
     assert reason in result.message
     assert graph.probe.mail[motion_contracts.MOTION_TARGET.name] == []
@@ -154,7 +148,7 @@ def test_plans_that_would_not_stand_are_refused_with_the_boxes_named(
     graph: Graph, fsm: PalletFsmNode, number: int
 ) -> None:
     file = config_path("orders", "stress", f"order_{number:02}.json")
-    result = graph.result_of(accepted(graph, file=str(file)))
+    result = graph.result_of(accepted(graph, fsm, file=str(file)))
     assert not result.success
     names = [box["id"] for box in json.loads(file.read_text())["boxes"]]
     assert any(name in result.message for name in names)
@@ -163,7 +157,7 @@ def test_plans_that_would_not_stand_are_refused_with_the_boxes_named(
 def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(
     graph: Graph, fsm: PalletFsmNode
 ) -> None:
-    handle = accepted(graph, file=str(ORDER))
+    handle = accepted(graph, fsm, file=str(ORDER))
     graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
     first = graph.probe.mail[contracts.PALLET_STATE.name][0]
     assert (first.state, first.box) == ("0 spawn", "00102400-4")
@@ -176,7 +170,7 @@ def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(
 
 
 def test_a_node_that_is_soon_heard_again_costs_nothing(graph: Graph, fsm: PalletFsmNode) -> None:
-    handle = accepted(graph, file=str(ORDER))
+    handle = accepted(graph, fsm, file=str(ORDER))
     graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
     fsm.on_peer("vision", is_alive=False)
     fsm.on_peer("vision", is_alive=True)

@@ -65,11 +65,19 @@ class BlockFsmNode(GoalNode):
         """Use these parameters from the next goal on."""
         self._config = config
 
-    def refusal(self, request: Rearrange.Goal) -> str:
-        parse_problem(request.problem, "goal")  # raises when it is no problem
+    @property
+    def waits_for(self) -> str:
         if self._state.motion is None or self._state.fingers is None:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
         return ""
+
+    def refusal(self, request: Rearrange.Goal) -> str:
+        if not request.problem.strip():
+            return (
+                "the goal's field `problem` is empty; allowed: a problem file's text (docs/blocks/manual.md)"
+            )
+        parse_problem(request.problem, "goal")  # raises when it is no problem
+        return self.waits_for
 
     async def pursue(self, request: Rearrange.Goal) -> Rearrange.Result:
         """Follow the executor from request to request until it has an outcome."""

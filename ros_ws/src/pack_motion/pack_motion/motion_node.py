@@ -67,6 +67,10 @@ class MotionNode(CellNode):
         self._reader = StreamReader(self, (self._joints,), self._read, READ_PERIOD)
         self.watch(("sim",))
 
+    @property
+    def waits_for(self) -> str:
+        return "" if self._stream is not None else f"no {contracts.JOINT_STATES.name} yet: is sim up?"
+
     def destroy_node(self) -> None:
         """Stop reading and planning, then the node."""
         self._reader.end()

@@ -74,16 +74,11 @@ class MpcNode(GoalNode):
         self._config = config
 
     @property
-    def missing(self) -> str:
+    def waits_for(self) -> str:
         """What a goal needs and is still missing, in words; empty if nothing is."""
         if self._scene is None:
             return f"no {contracts.DESCRIPTION.name} yet: is sim up?"
         return self._mailbox.missing(self._scene)
-
-    @property
-    def is_ready(self) -> bool:
-        """Whether a goal could begin: the cell is described, and joints and held object have been seen."""
-        return not self.missing
 
     def destroy_node(self) -> None:
         """Stop the worker before the node that it publishes with."""
@@ -94,10 +89,10 @@ class MpcNode(GoalNode):
         self._scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
 
     def refusal(self, request: PackObject.Goal) -> str:
-        if self.missing:
-            return self.missing
+        if reason := self.waits_for:
+            return reason
         methods = [method.value for method in PackingMethod]
-        if request.method not in methods:
+        if request.method and request.method not in methods:
             return f"method '{request.method}'; allowed: {', '.join(methods)}"
         if not 0.0 <= request.timeout < math.inf:
             return f"timeout {request.timeout}; allowed: seconds from 0 on; 0: the parameter task.timeout"
@@ -108,7 +103,12 @@ class MpcNode(GoalNode):
         assert self._scene is not None
         now = self._mailbox.time
         session = PackingSession(
-            self._scene, self._cell, self._config, PackingMethod.of(request.method), now, request.timeout
+            self._scene,
+            self._cell,
+            self._config,
+            PackingMethod.of(request.method or PackingMethod.PACK_IT_IN.value),
+            now,
+            request.timeout,
         )
         self._placements.start(request.seed)
         self._mailbox.clear_forces()

@@ -59,12 +59,16 @@ class PalletFsmNode(GoalNode):
         profile_of(config.profile)
         self._config = config
 
-    def refusal(self, _: Palletize.Goal) -> str:
+    @property
+    def waits_for(self) -> str:
         if self._observer.newest is None:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
         if not self._layout.service_is_ready():
             return f"no service {contracts.PLAN_LAYOUT.name}: is layout up?"
         return ""
+
+    def refusal(self, _: Palletize.Goal) -> str:
+        return self.waits_for
 
     async def pursue(self, request: Palletize.Goal) -> Palletize.Result:
         """Build the order's pallet; nothing moves before the order and its layout were checked."""

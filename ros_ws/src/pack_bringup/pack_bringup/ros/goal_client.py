@@ -2,36 +2,42 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import rclpy
+from pack_interfaces.msg import NodeStatus
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
+from pack_core.errors import PackError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.goal_node import REFUSED
+from pack_core.ros.node_status import LISTENING
+from pack_core.ros.peer_watch import alive_topic
 
-RETRY = 0.5
-"""Wall clock [s] between two tries while the goal is still refused."""
 SETTLE = 1.0
-"""Wall clock [s] for which all nodes are up before the goal is sent, so that all hear each other."""
+"""Wall clock [s] for which all nodes are ready before the goal is sent, so that all hear each other; and as
+long after a reset, so that all have heard of what it has changed."""
 
 
 class GoalClient(CellNode):
-    """One goal: sent again until it is accepted, then followed.
+    """One goal: sent when every node is ready, then followed.
 
     Args:
         contract: the action.
-        goal: its message; may be set until it is sent.
-        peers: nodes that must be up before it is sent.
+        goal: its message.
+        peers: nodes that must be ready before it is sent.
+        reset: a service and its request, which puts the cell into the goal's scene first; None: no reset.
 
     Attributes:
-        is_accepted: whether the goal was taken.
+        is_accepted: whether the goal was sent and heard of.
         feedback: the newest, if any.
         result: once the goal has ended.
         real_time_factor: as the simulator reports it.
@@ -39,9 +45,17 @@ class GoalClient(CellNode):
         iterations_ms: what the controller's iterations took, where its feedback says so [ms of wall clock].
     """
 
-    def __init__(self, contract: Contract, goal: Any, peers: Sequence[str], **kwargs: Any) -> None:
+    def __init__(
+        self,
+        contract: Contract,
+        goal: Any,
+        peers: Sequence[str],
+        reset: tuple[Contract, Any] | None = None,
+        **kwargs: Any,
+    ) -> None:
         super().__init__("goal", **kwargs)
-        self.goal, self._peers = goal, peers
+        self._goal, self._peers, self._reset = goal, peers, reset
+        self._statuses: dict[str, NodeStatus] = {}
         self.is_accepted = False
         self.feedback: Any = None
         self.result: Any = None
@@ -49,33 +63,83 @@ class GoalClient(CellNode):
         self.factors: list[float] = []
         self.iterations_ms: list[float] = []
         self._client = ActionClient(self, contract.type, contract.name)
+        self._reset_client = self.create_client(reset[0].type, reset[0].name) if reset else None
+        self._handle: Any = None
         self._is_sent = False
-        self._next_try = 0.0
+        self._send_time = math.inf
+        self._failure = ""  # what a callback found, which must not raise itself
         self._is_complete = False
         self.listen(shared.REAL_TIME_FACTOR, self._on_real_time_factor)
+        status = shared.NODE_STATUS
+        self.create_subscription(status.type, status.name, self._on_status, LISTENING)
 
     @property
-    def missing(self) -> list[str]:
-        """Nodes of the cell that are not up."""
-        return [peer for peer in self._peers if not self.count_publishers(f"/alive/{peer}")]
+    def missing(self) -> dict[str, str]:
+        """Nodes of the cell that are not ready, each with the reason in words."""
+        found = {}
+        for peer in self._peers:
+            status = self._statuses.get(peer)
+            if status is None or not self.count_publishers(alive_topic(peer)):
+                found[peer] = "not up"
+            elif status.state in (NodeStatus.STARTING, NodeStatus.WAITING):
+                found[peer] = status.waits_for or "starting"
+        return found
 
     def pursue(self) -> None:
-        """Send the goal if it is not on its way; to be called again and again."""
-        if self._is_sent or self.missing:
-            return
-        if not self._is_complete:
-            self._is_complete, self._next_try = True, time.monotonic() + SETTLE
-        if time.monotonic() >= self._next_try and self._client.server_is_ready():
+        """Take the next step towards the goal: to be called again and again.
+
+        Raises:
+            PackError: another goal is in progress, the cell cannot be reset, or the goal was refused.
+        """
+        if not self._is_complete and not self.missing:
+            self._is_complete = True
+            self._begin()
+        if self._failure:
+            raise PackError(self._failure)
+        if not self._is_sent and time.monotonic() >= self._send_time and self._client.server_is_ready():
             self._is_sent = True
-            future = self._client.send_goal_async(self.goal, feedback_callback=self._on_feedback)
+            future = self._client.send_goal_async(self._goal, feedback_callback=self._on_feedback)
             future.add_done_callback(self._on_answer)
+        if self.result is not None and self.result.message.startswith(REFUSED):
+            raise PackError(f"the goal was {self.result.message}")
+
+    def cancel(self) -> None:
+        """Ask for the end of the goal; its result comes as of any goal."""
+        if self._handle is not None:
+            self._handle.cancel_goal_async()
+
+    def _begin(self) -> None:
+        if self._reset is None or self._reset_client is None:
+            self._send_time = time.monotonic() + SETTLE
+            return
+        # A reset would pull the scene away from under a goal in progress.
+        if busy := [name for name, status in self._statuses.items() if status.state == NodeStatus.BUSY]:
+            raise PackError(f"node '{busy[0]}' pursues a goal: wait for it, or cancel it where it was sent")
+        # Not the executor's own wait: this is called between its turns.
+        if not self._reset_client.wait_for_service(SETTLE):
+            raise PackError(
+                f"no service {self._reset[0].name}, which puts the cell into the goal's scene: no simulator? "
+                "Use --no-reset for the scene as it stands"
+            )
+        self._reset_client.call_async(self._reset[1]).add_done_callback(self._on_reset)
+
+    def _on_reset(self, future: Future) -> None:
+        answer = future.result()
+        if answer.success:
+            self._send_time = time.monotonic() + SETTLE
+        else:
+            self._failure = f"the cell cannot be put into the goal's scene: {answer.message}"
+
+    def _on_status(self, status: NodeStatus) -> None:
+        self._statuses[status.name] = status
 
     def _on_answer(self, future: Future) -> None:
-        handle = future.result()
-        self.is_accepted = self._is_sent = handle.accepted
-        self._next_try = time.monotonic() + RETRY
-        if handle.accepted:
-            handle.get_result_async().add_done_callback(self._on_result)
+        self._handle = future.result()
+        self.is_accepted = self._handle.accepted
+        if self.is_accepted:
+            self._handle.get_result_async().add_done_callback(self._on_result)
+        else:
+            self._failure = "the goal was rejected; the log of the node that takes it says why"
 
     def _on_feedback(self, message: Any) -> None:
         self.feedback = message.feedback

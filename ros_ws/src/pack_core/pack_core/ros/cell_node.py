@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import partial
@@ -23,6 +24,7 @@ from pack_core.errors import ConfigError, PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.health import Health
+from pack_core.ros.node_status import StatusTeller
 from pack_core.ros.params import ParameterSet, unknown, unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
 from pack_core.ros.stream import TakenByHand
@@ -31,6 +33,11 @@ from pack_core.ros.watch_connection import WatchSocket
 ASSERTION_PERIOD = 0.05
 """How often a node says that it is alive [s of wall clock]: ten times within the lease, so that a busy
 machine may delay many of them."""
+READINESS_PERIOD = 0.1
+"""How often a node that has just started looks whether it is ready [s of wall clock]."""
+LASTING = 1.0
+"""Silence of a peer that is written to the log [s of wall clock]. It is acted upon and reported at once; but when
+a cell ends, its nodes end one after the other, and each would call those before it silent."""
 
 
 class CellNode(Node):
@@ -50,13 +57,31 @@ class CellNode(Node):
         self.health = Health(name)
         self._diagnostics = self.advertise(shared.DIAGNOSTICS)
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(1.0, self.report, clock=self.wall)
+        self._status_teller = StatusTeller(self)
+        self._silences: dict[str, float] = {}
+        self.create_timer(1.0, self._look_around, clock=self.wall)
         self._ended = threading.Event()
         self._watch_socket: WatchSocket | None = None
         self._watches: list[PeerWatch] = []
         self._is_up = False
         self._heart: threading.Thread | None = None
         self._birth = self.create_timer(0.001, self._come_alive, clock=self.wall)
+        self._readiness = self.create_timer(READINESS_PERIOD, self._look_whether_ready, clock=self.wall)
+
+    @property
+    def waits_for(self) -> str:
+        """What the node needs of others before it can do its work, in words; empty: it is ready."""
+        return ""
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether the node pursues a goal."""
+        return False
+
+    def tell_status(self) -> None:
+        """Say on /node_status where the node stands, if that has changed; to be called from the executor."""
+        is_busy = self.is_busy
+        self._status_teller.tell("" if is_busy else self.waits_for, is_busy=is_busy)
 
     def destroy_node(self) -> None:
         """Stop saying that the node is alive, then end."""
@@ -85,6 +110,16 @@ class CellNode(Node):
         self._is_up = True
         for watch in self._watches:
             watch.begin()
+
+    def _look_whether_ready(self) -> None:
+        self.tell_status()
+        if self._status_teller.is_ready:
+            self._readiness.cancel()
+
+    def _look_around(self) -> None:
+        self.tell_status()
+        self._log_lasting_silences()
+        self.report()
 
     def _beat(self) -> None:
         # A thread, because a timer would wait for callbacks that compute for longer than the lease.
@@ -170,8 +205,16 @@ class CellNode(Node):
             self.health.faults.pop(peer, None)
         else:
             self.health.faults[peer] = f"node '{peer}' is silent: restart it (pack run, or pack up)"
-            self.get_logger().error(self.health.faults[peer])
+            self._silences[peer] = time.monotonic()
             self.report()
+
+    def _log_lasting_silences(self) -> None:
+        for peer, since in list(self._silences.items()):
+            if peer not in self.health.faults:
+                self._silences.pop(peer, None)
+            elif time.monotonic() - since > LASTING:
+                self._silences.pop(peer, None)
+                self.get_logger().error(self.health.faults[peer])
 
     def report(self) -> None:
         """Publish this node's health on /diagnostics."""

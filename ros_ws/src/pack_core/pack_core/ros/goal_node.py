@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from typing import Any
 
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
@@ -18,6 +18,8 @@ from pack_core.ros.silent_peers import SilentPeers
 
 CHECK_PERIOD = 0.1
 """Time between two looks at how long peers have been silent [s of wall clock]."""
+REFUSED = "refused: "
+"""How the message of a goal's result begins when the goal was not taken; the reason follows."""
 
 
 class GoalNode(CellNode, ABC):
@@ -26,7 +28,9 @@ class GoalNode(CellNode, ABC):
     A goal goes through these steps:
 
     1. It is refused while another goal is in progress or a watched peer is silent, or with the reason
-       that the subclass gives (`refusal`). The reason is logged and counted in /diagnostics.
+       that the subclass gives (`refusal`). The reason is logged, counted in /diagnostics, and sent to the
+       client: ROS 2 has no words for a goal that is rejected, so the goal is accepted and ends at once,
+       aborted, with a result whose message is `refused: ` and the reason.
     2. `pursue` works on it, usually until `end_goal` is called, and returns the action's result. The
        result must have the fields `success` and `message`. A PackError raised there becomes the message
        of a result without success.
@@ -45,8 +49,6 @@ class GoalNode(CellNode, ABC):
         self._action: ActionServer | None = None
         self._goal: ServerGoalHandle | None = None
         self._goal_ended: Future | None = None
-        # A goal counts from its acceptance, but has a handle only once the executor gets round to it.
-        self._is_busy = False
 
     def take_goals(self, contract: Contract, watched: Iterable[str], fault_time: float) -> None:
         """Open the action; the last thing that a subclass's constructor does.
@@ -59,7 +61,7 @@ class GoalNode(CellNode, ABC):
         self._fault_time, self._result_type = fault_time, contract.type.Result
         self._action = ActionServer(
             self, contract.type, contract.name, self._execute,
-            goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
         )  # fmt: skip
         self.watch(watched, self.on_peer)
         self.create_timer(CHECK_PERIOD, self._check_peers, clock=self.wall)
@@ -69,6 +71,10 @@ class GoalNode(CellNode, ABC):
         if self._action is not None:
             self._action.destroy()
         super().destroy_node()
+
+    @property
+    def is_busy(self) -> bool:
+        return self._goal is not None
 
     @property
     def is_cancel_requested(self) -> bool:
@@ -116,31 +122,38 @@ class GoalNode(CellNode, ABC):
         """A result in a line of the log."""
         return str(result.message)
 
-    def _on_goal(self, request: Any) -> GoalResponse:
-        try:
-            reason = self._refusal_of_any() or self.refusal(request)
-        except PackError as error:
-            reason = str(error)
-        if not reason:
-            self._is_busy = True
-            return GoalResponse.ACCEPT
-        self.health.count("refused goal", reason)
-        self.get_logger().error(f"refused goal: {reason}")
-        return GoalResponse.REJECT
-
-    def _refusal_of_any(self) -> str:
-        if self._is_busy:
+    def _reason_to_refuse(self, request: Any) -> str:
+        if self._goal is not None:
             return "a goal is in progress; cancel it first"
-        return f"silent: {self.silent_peers}" if self.silent_peers else ""
+        if self.silent_peers:
+            return f"silent: {self.silent_peers}"
+        try:
+            return self.refusal(request)
+        except PackError as error:
+            return str(error)
+
+    def _refuse(self, goal: ServerGoalHandle, reason: str) -> Any:
+        self.health.count("refused goal", reason)
+        self.get_logger().warning(f"refused goal: {reason}")
+        goal.abort()
+        result = self._result_type(success=False, message=REFUSED + reason)
+        if hasattr(result, "exit_reason"):
+            result.exit_reason = "refused"
+        return result
 
     async def _execute(self, goal: ServerGoalHandle) -> Any:
+        # The executor runs this up to its first `await` without a break, so that of two goals one is taken.
+        if reason := self._reason_to_refuse(goal.request):
+            return self._refuse(goal, reason)
         self._goal, self._goal_ended = goal, Future(executor=self.executor)
+        self.tell_status()
         try:
             result = await self.pursue(goal.request)
         except PackError as error:
             result = self._result_type(success=False, message=str(error))
         finally:
-            self._goal, self._is_busy = None, False
+            self._goal = None
+        self.tell_status()
         self.get_logger().info(f"goal ended: {self.describe(result)}")
         if result.success:
             goal.succeed()

@@ -97,6 +97,8 @@ class PeerWatch:
         with self._lock:
             if self._is_alive is is_alive or not self._node.context.ok():
                 return
+            if self._is_alive is None and not is_alive:
+                return  # it is being started: only who was heard can fall silent
             self._is_alive = is_alive
             try:
                 self._on_change(self.peer, is_alive)

@@ -10,7 +10,10 @@ from __future__ import annotations
 
 import socket
 from contextlib import suppress
+from pathlib import Path
 
+SOCKETS = Path("/proc/net/unix")
+"""Linux' list of local sockets; the last word of a line is the address, with `@` for the leading zero byte."""
 BACKLOG = 64
 """Watchers that the system queues: as nobody accepts them, one more could not connect."""
 
@@ -58,6 +61,17 @@ class WatchConnection:
         with suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)  # wakes who waits, which `close` alone does not
         self._socket.close()
+
+
+def nodes_on_this_machine() -> dict[int, set[str]]:
+    """Names of the nodes that run on this machine, by ROS domain; nodes of other machines are not seen."""
+    found: dict[int, set[str]] = {}
+    for line in SOCKETS.read_text().splitlines():
+        folder, _, rest = line.rpartition(" ")[2].partition("/")
+        domain, _, name = rest.partition("/")
+        if folder == "@packcell" and domain.isdecimal() and name:
+            found.setdefault(int(domain), set()).add(name)
+    return found
 
 
 def _address(domain: int, name: str) -> str:

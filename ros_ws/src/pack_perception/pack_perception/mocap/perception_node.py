@@ -64,6 +64,10 @@ class PerceptionNode(CellNode):
         self._reader = StreamReader(self, (self._markers,), self._read, 1.0 / self._config.min_rate)
         self.watch(("sim",))
 
+    @property
+    def waits_for(self) -> str:
+        return "" if self._estimator is not None else f"no {contracts.DESCRIPTION.name} yet: is sim up?"
+
     def destroy_node(self) -> None:
         """Stop reading, then the node."""
         self._reader.end()

@@ -49,9 +49,8 @@ class PlannerNode(CellNode):
         self._config = config
 
     @property
-    def is_ready(self) -> bool:
-        """Whether a cell description has come in which the new object fits."""
-        return self._planners is not None
+    def waits_for(self) -> str:
+        return "" if self._planners is not None else self._refusal
 
     def _on_description(self, message: String) -> None:
         self._planners = None

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
+from pack_interfaces.msg import NodeStatus
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
 from pack_core import topics
-from pack_core.ros.contracts.contract import EVENTS, LATEST, STREAM, Contract, contracts_in, hz
+from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, contracts_in, hz
 
 # fmt: off
 CLOCK = Contract(
@@ -21,6 +22,10 @@ DIAGNOSTICS = Contract(
     topics.DIAGNOSTICS, DiagnosticArray, ("all",), ("recorder", "user"),
     "health of every node: counts of refused messages, silent peers", qos=EVENTS,
     rate="1 Hz of wall clock", recorded=True)
+NODE_STATUS = Contract(
+    "/node_status", NodeStatus, ("all",), ("user",),
+    "how far every node has come since its start: starting, waiting for something, ready or busy",
+    qos=LATCHED, rate="on change")
 # fmt: on
 
 SHARED = contracts_in(globals())

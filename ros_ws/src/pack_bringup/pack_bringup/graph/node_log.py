@@ -1,0 +1,49 @@
+"""The log of a cell's nodes: one file, each line with the name of the node that wrote it."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+from typing import TextIO
+
+COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+LAST_LINES = 12
+ERROR = "error: "
+"""How the line begins in which a node says why it ends (pack_core/ros/run.py)."""
+
+
+class Tee(io.TextIOBase):
+    """Writes to a terminal and, without colours, to a file."""
+
+    def __init__(self, terminal: TextIO, file: TextIO) -> None:
+        self._terminal, self._file = terminal, file
+
+    def isatty(self) -> bool:
+        """Whether colours are wanted."""
+        return self._terminal.isatty()
+
+    def write(self, text: str) -> int:
+        """Write to both."""
+        self._file.write(COLOUR.sub("", text))
+        return self._terminal.write(text)
+
+    def flush(self) -> None:
+        """Have both written."""
+        self._file.flush()
+        self._terminal.flush()
+
+
+def lines_of(log: Path, name: str) -> list[str]:
+    """What a node has written, without time and name."""
+    parts = [line.partition("|") for line in log.read_text(errors="replace").splitlines()]
+    return [text.strip() for head, _, text in parts if f" {name} " in head]
+
+
+def last_words(log: Path, name: str) -> str:
+    """Why a node ended: the error that it named, else the last lines that it wrote."""
+    lines = lines_of(log, name)
+    if errors := [line.removeprefix(ERROR) for line in lines if line.startswith(ERROR)]:
+        return f"{errors[-1]} (log: {log})"
+    shown = "\n  ".join(lines[-LAST_LINES:]) or "it wrote nothing"
+    return f"its last lines in {log}:\n  {shown}"

@@ -1,0 +1,78 @@
+"""Which cells run on this machine, and in which ROS domains."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+
+from pack_bringup.graph.domains import DOMAINS, is_free
+from pack_bringup.graph.graph import load_graph
+from pack_core.cells import CELLS
+from pack_core.errors import PackError
+from pack_core.ros.watch_connection import nodes_on_this_machine
+
+
+def check_domain_is_free(
+    domain: int, cell: str, nodes: Iterable[str], running: Mapping[int, Collection[str]] | None = None
+) -> None:
+    """Refuse to start nodes among those of another cell, or among nodes of the same names.
+
+    Nodes of the same cell with other names are allowed: a cell may be started in parts.
+
+    Args:
+        domain: ROS domain id in which the nodes are to run.
+        cell: theirs.
+        nodes: their names.
+        running: names of the nodes that run on this machine by domain; None: found now.
+
+    Raises:
+        PackError: the domain is taken; the text names what runs there, and a domain that is free.
+    """
+    everywhere = nodes_on_this_machine() if running is None else running
+    here = all_cell_nodes() & set(everywhere.get(domain, ()))
+    if here & set(nodes) or here - names_of(cell):
+        raise PackError(
+            f"ROS domain {domain} is taken: {described(here)} there. End it (Ctrl-C where it was started), "
+            f"or use another domain: --domain {free_domain(everywhere)}, or ROS_DOMAIN_ID in the environment"
+        )
+
+
+def running_cells() -> dict[int, str]:
+    """What runs on this machine in words, by ROS domain."""
+    known = all_cell_nodes()
+    everywhere = {domain: known & names for domain, names in nodes_on_this_machine().items()}
+    return {domain: described(names) for domain, names in sorted(everywhere.items()) if names}
+
+
+def cell_of(nodes: Collection[str]) -> str:
+    """The cell that these nodes belong to; empty if more than one may have them, or none."""
+    fitting = [cell for cell in CELLS if set(nodes) <= names_of(cell)]
+    return fitting[0] if len(fitting) == 1 else ""
+
+
+def described(nodes: Collection[str]) -> str:
+    """A sentence's beginning about running nodes, as in "the packing cell (mpc, sim) runs"."""
+    listed = ", ".join(sorted(nodes))
+    cell = cell_of(nodes)
+    return f"the {cell} cell ({listed}) runs" if cell else f"nodes of a cell ({listed}) run"
+
+
+def free_domain(running: Mapping[int, Collection[str]]) -> int:
+    """The lowest ROS domain from 1 on that nobody on this machine uses.
+
+    Raises:
+        PackError: every domain is in use.
+    """
+    for domain in range(1, DOMAINS + 1):
+        if domain not in running and is_free(domain):
+            return domain
+    raise PackError(f"all ROS domains from 1 to {DOMAINS} are in use on this machine")
+
+
+def names_of(cell: str) -> set[str]:
+    """The names of a cell's nodes."""
+    return {node.name for node in load_graph(cell).nodes}
+
+
+def all_cell_nodes() -> set[str]:
+    """The names that nodes of any cell have."""
+    return set().union(*map(names_of, CELLS))

@@ -1,0 +1,90 @@
+"""Hears where the nodes of a ROS domain stand, from outside of any cell."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Self
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from pack_interfaces.msg import NodeStatus
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from pack_core.ros.contracts import shared
+from pack_core.ros.node_status import LISTENING
+
+STATE_WORDS = {
+    NodeStatus.STARTING: "starting",
+    NodeStatus.WAITING: "waiting",
+    NodeStatus.READY: "ready",
+    NodeStatus.BUSY: "pursues a goal",
+}
+
+
+class StatusListener:
+    """A node for the time of a `with` block; nothing is heard but in `spin_until`.
+
+    Args:
+        domain: ROS domain id.
+
+    Attributes:
+        statuses: the newest status of each node, by name.
+        health: the newest diagnostics of each node, by name.
+    """
+
+    def __init__(self, domain: int) -> None:
+        self._domain = domain
+        self.statuses: dict[str, NodeStatus] = {}
+        self.health: dict[str, DiagnosticStatus] = {}
+
+    def __enter__(self) -> Self:
+        self._context = Context()
+        signals = SignalHandlerOptions.NO  # they are the caller's
+        rclpy.init(context=self._context, domain_id=self._domain, signal_handler_options=signals)
+        # No CellNode: it only listens, and two of them may listen at a time.
+        self._node = rclpy.create_node(f"status_{os.getpid()}", context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._node.create_subscription(NodeStatus, shared.NODE_STATUS.name, self._on_status, LISTENING)
+        diagnostics = shared.DIAGNOSTICS
+        self._node.create_subscription(DiagnosticArray, diagnostics.name, self._on_health, diagnostics.qos)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._executor.shutdown()
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+    def spin_until(self, condition: Callable[[], bool], timeout: float) -> bool:
+        """Listen until a condition holds; False if `timeout` [s of wall clock] came first."""
+        deadline = time.monotonic() + timeout
+        while not condition():
+            rest = deadline - time.monotonic()
+            if rest <= 0.0:
+                return False
+            self._executor.spin_once(timeout_sec=min(rest, 0.1))
+        return True
+
+    def unready(self, names: list[str]) -> dict[str, str]:
+        """Those of some nodes that are not ready, each with what it waits for, in words."""
+        found = {}
+        for name in names:
+            status = self.statuses.get(name)
+            if status is None or status.state == NodeStatus.STARTING:
+                found[name] = "starting"
+            elif status.state == NodeStatus.WAITING:
+                found[name] = status.waits_for
+        return found
+
+    def _on_status(self, status: NodeStatus) -> None:
+        self.statuses[status.name] = status
+
+    def _on_health(self, message: DiagnosticArray) -> None:
+        self.health.update({status.name: status for status in message.status})
