@@ -74,7 +74,7 @@ class BlockFsmNode(GoalNode):
     def refusal(self, request: Rearrange.Goal) -> str:
         if not request.problem.strip():
             return (
-                "the goal's field `problem` is empty; allowed: a problem file's text (docs/blocks/manual.md)"
+                "the goal's `problem` is empty; allowed: a problem file's text (docs/blocks/manual.md)"
             )
         parse_problem(request.problem, "goal")  # raises when it is no problem
         return self.waits_for

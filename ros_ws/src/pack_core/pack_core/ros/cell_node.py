@@ -36,8 +36,8 @@ machine may delay many of them."""
 READINESS_PERIOD = 0.1
 """How often a node that has just started looks whether it is ready [s of wall clock]."""
 LASTING = 1.0
-"""Silence of a peer that is written to the log [s of wall clock]. It is acted upon and reported at once; but when
-a cell ends, its nodes end one after the other, and each would call those before it silent."""
+"""Silence of a peer that is written to the log [s of wall clock]. It is acted upon and reported at once; but
+when a cell ends, its nodes end one after the other, and each would call those before it silent."""
 
 
 class CellNode(Node):

@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 SOCKETS = Path("/proc/net/unix")
-"""Linux' list of local sockets; the last word of a line is the address, with `@` for the leading zero byte."""
+"""Linux' list of local sockets. The last word of a line is the address, with `@` for its leading zero byte."""
 BACKLOG = 64
 """Watchers that the system queues: as nobody accepts them, one more could not connect."""
 
