@@ -14,6 +14,8 @@ from trimesh.visual.texture import TextureVisuals
 
 from pack_core.rotations import Array, to_matrix
 
+Colour = tuple[float, ...]
+"""Red, green, blue and opacity, from 0 to 1."""
 SECTIONS = 32
 """Flat faces around a cylinder."""
 UNBOUNDED = 5.0
@@ -38,7 +40,7 @@ def visible_geoms(model: mujoco.MjModel, body: int) -> list[int]:
     ]
 
 
-def body_glb(model: mujoco.MjModel, geoms: Iterable[int], *, rgba: tuple[float, ...] | None = None) -> bytes:
+def body_glb(model: mujoco.MjModel, geoms: Iterable[int], *, rgba: Colour | None = None) -> bytes:
     """Geoms of one body as one GLB file, in the body's frame.
 
     Args:
@@ -50,21 +52,33 @@ def body_glb(model: mujoco.MjModel, geoms: Iterable[int], *, rgba: tuple[float, 
     return bytes(trimesh.Scene(meshes).export(file_type="glb", include_normals=True))
 
 
-def box_glb(size: Array, rgba: tuple[float, ...]) -> bytes:
-    """A box of edge lengths `(3,)` [m] in one colour, its origin in its middle."""
-    mesh = _box(0.5 * np.asarray(size))
-    mesh.visual = TextureVisuals(uv=np.zeros((len(mesh.vertices), 2)), material=_material(rgba, None))
+def box_glb(model: mujoco.MjModel, half: Array, *, material: str = "", rgba: Colour | None = None) -> bytes:
+    """A box as a GLB file, its origin in its middle.
+
+    Args:
+        model: has the material.
+        half: half its edge lengths `(3,)` [m].
+        material: what it looks like.
+        rgba: a plain colour instead.
+    """
+    mesh = _box(np.asarray(half))
+    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_MATERIAL, material)
+    _dress(
+        model,
+        mesh,
+        mujoco.mjtGeom.mjGEOM_BOX,
+        number,
+        rgba or (1.0, 1.0, 1.0, 1.0),
+        is_plain=rgba is not None,
+    )
     return bytes(trimesh.Scene([mesh]).export(file_type="glb", include_normals=True))
 
 
-def _geom_mesh(model: mujoco.MjModel, geom: int, rgba: tuple[float, ...] | None) -> trimesh.Trimesh:
+def _geom_mesh(model: mujoco.MjModel, geom: int, rgba: Colour | None) -> trimesh.Trimesh:
     kind = mujoco.mjtGeom(model.geom_type[geom])
     mesh = _hull(model, geom) if kind == mujoco.mjtGeom.mjGEOM_MESH else _shape(kind, model.geom_size[geom])
-    picture, uv = (None, None) if rgba else _texture(model, geom, kind, mesh)
-    material = _material(rgba or tuple(_rgba(model, geom)), picture)
-    mesh.visual = TextureVisuals(
-        uv=np.zeros((len(mesh.vertices), 2)) if uv is None else uv, material=material
-    )
+    colour = rgba or tuple(_rgba(model, geom))
+    _dress(model, mesh, kind, int(model.geom_matid[geom]), colour, is_plain=rgba is not None)
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = to_matrix(model.geom_quat[geom]), model.geom_pos[geom]
     return mesh.apply_transform(X)
@@ -90,6 +104,16 @@ def _shape(kind: mujoco.mjtGeom, size: Array) -> trimesh.Trimesh:
             mesh = trimesh.creation.cylinder(radius=size[0], height=2 * size[1], sections=SECTIONS)
             return trimesh.graph.smooth_shade(mesh, angle=np.radians(40.0))
     raise ValueError(f"no surface for a geom of type {kind.name}")
+
+
+def _dress(
+    model: mujoco.MjModel, mesh: trimesh.Trimesh, kind: mujoco.mjtGeom, material: int, rgba: Colour, *,
+    is_plain: bool,
+) -> None:  # fmt: skip
+    """Give a mesh its colour, and the texture of the material with this number unless it is to be plain."""
+    picture, uv = (None, None) if is_plain else _texture(model, material, kind, mesh)
+    plain = np.zeros((len(mesh.vertices), 2))
+    mesh.visual = TextureVisuals(uv=plain if uv is None else uv, material=_material(rgba, picture))
 
 
 def _hull(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
@@ -129,7 +153,7 @@ def _rgba(model: mujoco.MjModel, geom: int) -> Array:
     return colour
 
 
-def _material(rgba: tuple[float, ...], picture: Image.Image | None) -> PBRMaterial:
+def _material(rgba: Colour, picture: Image.Image | None) -> PBRMaterial:
     return PBRMaterial(
         baseColorFactor=[float(c) for c in rgba], baseColorTexture=picture, metallicFactor=0.0,
         roughnessFactor=ROUGH, alphaMode="BLEND" if rgba[3] < 1.0 else "OPAQUE", doubleSided=True,
@@ -137,10 +161,9 @@ def _material(rgba: tuple[float, ...], picture: Image.Image | None) -> PBRMateri
 
 
 def _texture(
-    model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom, mesh: trimesh.Trimesh
+    model: mujoco.MjModel, material: int, kind: mujoco.mjtGeom, mesh: trimesh.Trimesh
 ) -> tuple[Image.Image | None, Any]:
     """Picture and texture coordinates `(V, 2)` of a geom; None and None where it is plain."""
-    material = model.geom_matid[geom]
     texture = model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB] if material >= 0 else -1
     if texture < 0 or kind not in (mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_PLANE):
         return None, None

@@ -47,7 +47,8 @@ class RecordedNews:
         self._read = dict.fromkeys(self._tracks, 0)
         self.rate, self.is_paused = 1.0, False
         self._lock = threading.Lock()
-        self._time, self._seen_at = self.start if start is None else start, clock()
+        self._time = self.start if start is None else start
+        self._seen_at: float | None = None
         self._went_back = False
 
     @property
@@ -76,7 +77,7 @@ class RecordedNews:
         """What was recorded since the time of the last call."""
         with self._lock:
             now = self._clock()
-            if not self.is_paused:
+            if not self.is_paused and self._seen_at is not None:
                 self._time = min(self._time + self.rate * (now - self._seen_at), self.end)
             self._seen_at = now
             restarted, self._went_back = self._went_back, False

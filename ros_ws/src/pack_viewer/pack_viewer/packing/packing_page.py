@@ -149,3 +149,4 @@ class PackingPage(CellPage):
 
 
 PAGE = PackingPage
+"""For the register of cells."""
