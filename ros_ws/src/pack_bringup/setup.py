@@ -16,8 +16,6 @@ setup(
     ],
     entry_points={
         "console_scripts": [
-            "goal_node = pack_bringup.packing.goal_node:main",
-            "order_node = pack_bringup.palletizing.order_node:main",
             "recorder_node = pack_bringup.recording.recorder_node:main",
             "pack = pack_bringup.cli.main:main",
         ]

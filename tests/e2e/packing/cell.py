@@ -40,7 +40,7 @@ class Cell:
     def __init__(self, graph: Graph, folder: Path) -> None:
         self.graph, self.folder = graph, folder
         folder.mkdir()
-        demo = PackingJob(folder, scene=EASY_SCENE, real_time_factor=FACTOR)
+        demo = PackingJob(scene=EASY_SCENE, folder=folder, real_time_factor=FACTOR)
         self._log = (folder / "nodes.log").open("w")
         domain = str(graph.context.get_domain_id())
         self.processes = ProcessGroup(

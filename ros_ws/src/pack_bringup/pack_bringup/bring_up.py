@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -42,7 +43,13 @@ def wait_until_ready(
     def is_settled() -> bool:
         return bool(group.exit_codes) or not listener.unready(names)
 
-    while not listener.spin_until(is_settled, REMIND_PERIOD):
-        waiting = [f"{name} ({why})" for name, why in listener.unready(names).items()]
-        say(f"waiting for {', '.join(waiting)}")
-    check_alive(group, log)
+    try:
+        while not listener.spin_until(is_settled, REMIND_PERIOD):
+            waiting = [f"{name} ({why})" for name, why in listener.unready(names).items()]
+            say(f"waiting for {', '.join(waiting)}")
+        check_alive(group, log)
+    except BaseException:
+        # A node that is still being loaded would answer Ctrl-C with a traceback; this it takes without a word.
+        for name in group.running:
+            group.signal(name, signal.SIGTERM)
+        raise

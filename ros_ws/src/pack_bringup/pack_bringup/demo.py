@@ -6,7 +6,7 @@ import json
 import os
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import yaml
 
 from pack_bringup.bring_up import check_alive
+from pack_bringup.cell_goal import CellGoal, Progress
 from pack_bringup.graph.domains import choose_domain
 from pack_bringup.graph.graph import Graph, load_graph
 from pack_bringup.graph.node_log import last_words
@@ -25,7 +26,6 @@ from pack_core.errors import PackError
 
 if TYPE_CHECKING:
     from pack_bringup.ros.goal_client import GoalClient
-    from pack_core.ros.contracts.contract import Contract
 
 LOG = "nodes.log"
 SIM, FACTOR = "sim", "real_time_factor"
@@ -36,37 +36,15 @@ LINGER = 2.0
 """Wall clock for which the recording goes on after the goal [s]."""
 
 
-@dataclass(frozen=True)
-class Progress:
-    """What is shown while the goal is pursued: the stage it is in, and a line about it."""
-
-    stage: str
-    line: str
-
-
-class Job(Protocol):
-    """What to run."""
-
-    @property
-    def cell(self) -> str:
-        """A graph of config/graphs."""
+class Job(CellGoal, Protocol):
+    """A goal, and the nodes that are started for it."""
 
     @property
     def folder(self) -> Path:
         """Of the run; nodes.log, bag/ and run.yaml go there."""
 
-    @property
-    def server(self) -> str:
-        """The node that takes the goal."""
-
     def overrides(self) -> dict[str, dict[str, str]]:
         """Parameters by node, as YAML text."""
-
-    def goal(self) -> tuple[Contract, Any]:
-        """The action, and its goal."""
-
-    def progress(self, feedback: Any, real_time_factor: float) -> Progress:
-        """Feedback of the action in words."""
 
 
 def recorder_parameters(job: Job, seed: int, command: str) -> dict[str, str]:
@@ -108,7 +86,7 @@ def run_demo(
             check_alive(group, log)
             patience.check(node)
             pace = replace(pace, achieved=node.factors, iterations_ms=node.iterations_ms)
-            on_progress(_progress(job, node, pace))
+            on_progress(progress_of(job, node, pace))
 
         with group:
             make = partial(GoalClient, contract, goal, names)
@@ -148,7 +126,8 @@ class _Patience:
         raise PackError(f"nothing happened for {TIMEOUT:.0f} s: {what}; {last_words(self._log, culprit)}")
 
 
-def _progress(job: Job, node: GoalClient, pace: Pace) -> Progress:
+def progress_of(job: CellGoal, node: GoalClient, pace: Pace) -> Progress:
+    """Where a goal stands: what it waits for, or the last feedback in words."""
     if node.feedback is not None:
         progress = job.progress(node.feedback, node.real_time_factor)
         return replace(progress, line=progress.line + pace.remark)

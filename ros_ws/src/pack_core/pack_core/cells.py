@@ -46,6 +46,7 @@ PARTS = {
         "pack_evaluation.{cell}.studies", "STUDIES", "many recordings and benchmarks side by side"
     ),
     "demo": CellPart("pack_bringup.{cell}.demo_command", "demo", "the command `pack demo CELL`"),
+    "goal": CellPart("pack_bringup.{cell}.goal_command", "goal", "the command `pack goal CELL`"),
     "benchmark": CellPart(
         "pack_bringup.{cell}.benchmark_command", "benchmark", "the command `pack benchmark CELL`"
     ),

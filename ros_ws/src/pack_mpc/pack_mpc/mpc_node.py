@@ -102,14 +102,8 @@ class MpcNode(GoalNode):
         """Hand the goal to the worker and wait for its outcome."""
         assert self._scene is not None
         now = self._mailbox.time
-        session = PackingSession(
-            self._scene,
-            self._cell,
-            self._config,
-            PackingMethod.of(request.method or PackingMethod.PACK_IT_IN.value),
-            now,
-            request.timeout,
-        )
+        method = PackingMethod.of(request.method or PackingMethod.PACK_IT_IN.value)
+        session = PackingSession(self._scene, self._cell, self._config, method, now, request.timeout)
         self._placements.start(request.seed)
         self._mailbox.clear_forces()
         self._session = session

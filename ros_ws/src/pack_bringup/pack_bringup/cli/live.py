@@ -12,8 +12,9 @@ from rich.console import Console
 from rich.live import Live
 from rich.text import Text
 
+from pack_bringup.cell_goal import Progress
 from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
-from pack_bringup.demo import LOG, Job, Progress, run_demo
+from pack_bringup.demo import LOG, Job, run_demo
 from pack_bringup.page import PageProcess
 
 

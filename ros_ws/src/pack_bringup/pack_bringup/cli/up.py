@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
+from datetime import datetime
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from pack_bringup.bring_up import wait_until_ready
+from pack_bringup.cli.domain_option import Domain, domain_of, domain_words
 from pack_bringup.cli.network_option import Network, environment_of
 from pack_bringup.cli.page_options import HOST, PORT, Host, Live, Port, Token, page_process
 from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrides
+from pack_bringup.graph.node_log import Tee
 from pack_bringup.graph.processes import ProcessGroup
+from pack_bringup.graph.running import check_domain_is_free
 from pack_core.config import merged
+from pack_core.paths import bags_path
 
 app = typer.Typer()
 
@@ -32,9 +41,7 @@ def up(
             help="Run under the conditions of this file of config/presets (docs/packing/presets.md)."
         ),
     ] = "",
-    domain: Annotated[
-        int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
-    ] = None,
+    domain: Domain = None,
     network: Network = "",
     live: Live = False,
     port: Port = PORT,
@@ -43,7 +50,10 @@ def up(
 ) -> None:
     """Start the nodes of a cell, each a process of its own, until Ctrl-C.
 
-    Log lines carry the node's name. A node that dies is named; the others stay up, and the exit code is 1.
+    Log lines carry the node's name. Once every node has said that it is ready, it says so, and what to do
+    next. A node that fails before that ends all of them, with its reason and the log (exit code 2). One that
+    dies later is named; the others stay up, and the exit code is 1. A ROS domain in which another cell runs
+    is refused, with one that is free.
 
     - `pack up packing`
     - `pack up packing --set sim.seed=3 --set sim.real_time_factor=0.5`
@@ -57,26 +67,50 @@ def up(
     names = [node.name for node in graph.nodes]
     conditions = {name: given for name, given in preset_overrides(cell, preset).items() if name in names}
     commands = graph.commands(merged(conditions, parse_overrides(settings or [])))
-    environment = environment_of(network)
-    environment |= {} if domain is None else {"ROS_DOMAIN_ID": str(domain)}
+    where = domain_of(domain)
+    check_domain_is_free(where, cell, names)
+    environment = {**environment_of(network), "ROS_DOMAIN_ID": str(where)}
     if page := page_process(cell, live, port, host, token):
         commands |= page.commands()
         environment |= page.environment()
         typer.echo(page.announcement)
-    died: dict[str, int] = {}
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _as_ctrl_c)
-    try:
-        with ProcessGroup(commands, environment=environment) as group:
-            try:
-                group.wait()
-            finally:
-                died = group.exit_codes
-    except KeyboardInterrupt:
-        typer.echo("stopped")
+    next_step = f"ready: `pack goal {cell}{domain_words(domain)}` sends a goal, Ctrl-C ends the cell"
+    died = _run(commands, environment, names, _log_file(cell), next_step)
     if died:
         typer.secho(f"died before the end: {', '.join(died)}", fg=typer.colors.RED, err=True)
         raise typer.Exit(1)
+
+
+def _run(
+    commands: dict[str, list[str]], environment: dict[str, str], names: list[str], log: Path, next_step: str
+) -> dict[str, int]:
+    """Run the processes until Ctrl-C, or until all have ended; exit codes of those that have by themselves."""
+    from pack_bringup.ros.status_listener import StatusListener
+
+    os.environ.update(environment)  # for the listener, which is in this process
+    died: dict[str, int] = {}
+    try:
+        with log.open("w") as file:
+            output: Any = Tee(sys.stdout, file)
+            with ProcessGroup(commands, environment=environment, output=output) as group:
+                with StatusListener(int(environment["ROS_DOMAIN_ID"])) as listener:
+                    wait_until_ready(group, listener, names, log, typer.echo)
+                typer.secho(next_step, fg=typer.colors.GREEN)
+                try:
+                    group.wait()
+                finally:
+                    died = group.exit_codes
+    except KeyboardInterrupt:
+        typer.echo("stopped")
+    return died
+
+
+def _log_file(cell: str) -> Path:
+    folder = bags_path() / "logs"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / f"{cell}_{datetime.now():%Y%m%d_%H%M%S}.log"
 
 
 def _as_ctrl_c(*_: Any) -> None:

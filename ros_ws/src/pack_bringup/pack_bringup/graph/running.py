@@ -36,6 +36,11 @@ def check_domain_is_free(
         )
 
 
+def nodes_here(cell: str, domain: int) -> set[str]:
+    """Names of a cell's nodes that run on this machine in a ROS domain."""
+    return names_of(cell) & nodes_on_this_machine().get(domain, set())
+
+
 def running_cells() -> dict[int, str]:
     """What runs on this machine in words, by ROS domain."""
     known = all_cell_nodes()

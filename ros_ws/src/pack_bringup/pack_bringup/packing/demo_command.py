@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from datetime import datetime
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,27 +10,15 @@ import typer
 from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
 from pack_bringup.cli.page_options import PORT, Live, Port, page_process
+from pack_bringup.packing.goal_command import Method, SceneFile, Seed, check_scene
 from pack_bringup.recording.run_record import default_folder
 from pack_core.packing.method import PackingMethod
 
 
 def demo(
-    seed: Annotated[
-        int,
-        typer.Option(
-            min=0, help="Seed of the generated scene, of the sensors' noise and of the placement planner."
-        ),
-    ] = 0,
-    scene: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Pack in the scene of this file (docs/packing/scenes.md) instead of a generated one.",
-        ),
-    ] = None,
-    method: Annotated[
-        PackingMethod, typer.Option(help="The paper's method, or one of its baselines.")
-    ] = PackingMethod.PACK_IT_IN,
+    seed: Seed = 0,
+    scene: SceneFile = None,
+    method: Method = PackingMethod.PACK_IT_IN,
     preset: Annotated[
         str,
         typer.Option(
@@ -57,14 +44,10 @@ def demo(
     """
     from pack_bringup.packing.job import PackingJob
 
-    if scene:
-        _check_scene(scene)
+    check_scene(scene)
     folder = output or default_folder("packing", seed, datetime.now())
-    job = PackingJob(folder, seed, scene, method.value, real_time_factor, command_line(), preset)
+    job = PackingJob(
+        seed, scene, method.value, folder=folder, real_time_factor=real_time_factor, command=command_line(),
+        preset=preset,
+    )  # fmt: skip
     run_live(job, video=video, page=page_process("packing", live, port))
-
-
-def _check_scene(path: Path) -> None:
-    from pack_core.packing.scene_file import load_scene
-
-    load_scene(path)

@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 SOCKETS = Path("/proc/net/unix")
-"""Linux' list of local sockets. The last word of a line is the address, with `@` for its leading zero byte."""
+"""Linux' list of local sockets. A line ends with the address, `@` standing for its leading zero byte."""
 BACKLOG = 64
 """Watchers that the system queues: as nobody accepts them, one more could not connect."""
 

@@ -1,0 +1,22 @@
+"""The option `--domain` of commands that join a live graph."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated
+
+import typer
+
+Domain = Annotated[
+    int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
+]
+
+
+def domain_of(option: int | None) -> int:
+    """The domain that an option names, else the environment's, else 0 as ROS has it."""
+    return int(os.environ.get("ROS_DOMAIN_ID") or 0) if option is None else option
+
+
+def domain_words(option: int | None) -> str:
+    """The option as other commands need it, after a space; empty if they do not need it."""
+    return "" if option is None or option == domain_of(None) else f" --domain {option}"

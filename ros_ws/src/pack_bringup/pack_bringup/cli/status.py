@@ -1,0 +1,76 @@
+"""`pack status`: what runs in a ROS domain, since when, and in which state."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import TYPE_CHECKING
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from pack_bringup.cli.domain_option import Domain, domain_of
+from pack_bringup.cli.network_option import Network, environment_of
+
+if TYPE_CHECKING:
+    from pack_interfaces.msg import NodeStatus
+
+app = typer.Typer()
+
+DISCOVERY = 1.5
+"""Time after which everybody has been heard [s of wall clock]: diagnostics come once a second."""
+
+
+@app.command()
+def status(domain: Domain = None, network: Network = "") -> None:
+    """Show what runs in a ROS domain: each node, since when it runs, its state and its health.
+
+    Cells of this machine in other domains are named below. The exit code is 0 if a cell runs and all its
+    nodes are ready and healthy, else 1.
+
+    - `pack status`
+    - `pack status --domain 7`
+    """
+    from pack_bringup.graph.running import all_cell_nodes, described, running_cells
+    from pack_bringup.ros.status_listener import StatusListener
+
+    os.environ.update(environment_of(network))
+    where = domain_of(domain)
+    with StatusListener(where) as listener:
+        known = all_cell_nodes()
+        listener.spin_until(lambda: False, DISCOVERY)
+        nodes = [item for name, item in sorted(listener.statuses.items()) if name in known]
+        faults = {name: item.message for name, item in listener.health.items() if item.level != b"\x00"}
+    if nodes:
+        names = [node.name for node in nodes]
+        typer.echo(f"ROS domain {where}: {described(names)}")
+        Console().print(_table(nodes, faults))
+    else:
+        typer.echo(f"ROS domain {where}: no cell runs")
+    for number, what in running_cells().items():
+        if number != where:
+            typer.echo(f"ROS domain {number}: {what}")
+    is_well = nodes and not faults and all(node.state >= node.READY for node in nodes)
+    raise typer.Exit(0 if is_well else 1)
+
+
+def _table(nodes: list[NodeStatus], faults: dict[str, str]) -> Table:
+    from pack_bringup.ros.status_listener import STATE_WORDS
+
+    table = Table("node", "runs for", "state", "for", "what", expand=False)
+    for node in nodes:
+        what = "; ".join(filter(None, (node.waits_for, faults.get(node.name, ""))))
+        table.add_row(
+            node.name, _duration(node.started), STATE_WORDS[node.state], _duration(node.since), Text(what)
+        )
+    return table
+
+
+def _duration(since: float) -> str:
+    """Time since then, in the unit that suits it."""
+    seconds = max(0.0, time.time() - since)
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 3600 else f"{seconds / 3600:.1f} h"

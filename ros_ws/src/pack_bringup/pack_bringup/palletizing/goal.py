@@ -1,0 +1,53 @@
+"""The goal of the palletizing cell: one order's pallet built."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pack_bringup.cell_goal import Progress
+
+if TYPE_CHECKING:
+    from pack_core.ros.contracts.contract import Contract
+
+
+@dataclass(frozen=True)
+class PalletizingGoal:
+    """What to build, and how.
+
+    Attributes:
+        order: an order's file.
+        seed: of where boxes arrive.
+        profile: blended or thesis; empty: that of config/nodes/palletizing/fsm.yaml.
+    """
+
+    order: Path
+    seed: int = 0
+    profile: str = ""
+    cell: str = "palletizing"
+    server: str = "fsm"
+
+    def goal(self) -> tuple[Contract, Any]:
+        """The action, and its goal."""
+        from pack_interfaces.action import Palletize
+
+        from pack_core.ros.contracts.palletizing import PALLETIZE
+
+        return PALLETIZE, Palletize.Goal(order=self.order.read_text(), profile=self.profile)
+
+    def reset(self) -> tuple[Contract, Any]:
+        """The service that empties the cell, and its request."""
+        from pack_interfaces.srv import ResetCell
+
+        from pack_core.ros.contracts.palletizing import RESET
+
+        return RESET, ResetCell.Request(seed=self.seed)
+
+    def progress(self, feedback: Any, real_time_factor: float) -> Progress:
+        """Feedback of the action in words."""
+        return Progress(
+            f"{feedback.box} {feedback.state}",
+            f"{feedback.state:18} box {feedback.box:14} {feedback.placed:2} of {feedback.boxes:2} placed   "
+            f"{feedback.elapsed:6.1f} s   real-time factor {real_time_factor:4.2f}",
+        )
