@@ -1,8 +1,10 @@
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
+from pack_interfaces.action import PackObject
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
@@ -14,15 +16,18 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import recorded
 from pack_core.ros.conversions import to_stamp
+from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.scene_messages import to_scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
+from pack_evaluation.bag import read_bag
 from pack_evaluation.raw_bag import read_raw_bag
 
 
 @pytest.fixture
 def recorder(graph: Graph, tmp_path: Path) -> RecorderNode:
-    node = graph.start(RecorderNode, path=str(tmp_path / "run"), seed=5, command="pack demo")
+    path = str(tmp_path / "run")
+    node = graph.start(RecorderNode, path=path, seed=5, command="pack demo", record="always")
     graph.connect(shared.CLOCK, contracts.JOINT_STATES, contracts.DESCRIPTION, contracts.TRUTH)
     return node
 
@@ -94,3 +99,94 @@ def test_a_failing_disk_is_reported_as_a_fault(graph: Graph, recorder: RecorderN
             for message in graph.probe.mail[shared.DIAGNOSTICS.name]
         )
     )
+
+
+class Packer(GoalNode):
+    """Pursues the packing cell's goals until the test ends them."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("mpc", **kwargs)
+        self.results = self.advertise(contracts.RESULT)
+        self.take_goals(contracts.PACK_OBJECT, [], 1.0)
+
+    async def pursue(self, request: PackObject.Goal) -> PackObject.Result:
+        await self.until_goal_ends()
+        self.results.publish(String(data="{}"))
+        return PackObject.Result(success=True)
+
+    def on_lost_peers(self, peers: list[str]) -> None:
+        """Nobody is watched."""
+
+
+@pytest.fixture
+def by_goals(graph: Graph, tmp_path: Path) -> RecorderNode:
+    node = graph.start(RecorderNode, path=str(tmp_path / "run"))
+    graph.connect(shared.CLOCK, contracts.JOINT_STATES, contracts.DESCRIPTION)
+    return node
+
+
+def positions(folder: Path) -> list[float]:
+    """What the joint states in a bag say."""
+    return [item.message.position[0] for item in read_bag(folder, [contracts.JOINT_STATES.name]).messages]
+
+
+def test_by_default_goals_are_recorded_whole_with_what_was_latched_before(
+    graph: Graph, by_goals: RecorderNode, tmp_path: Path
+) -> None:
+    packer = graph.start(Packer)
+    graph.probe.send(contracts.DESCRIPTION, String(data="the cell"))
+    graph.probe.send(shared.CLOCK, Clock(clock=to_stamp(50.0)))
+    graph.probe.send(contracts.JOINT_STATES, JointState(position=[1.0]))
+    handle = graph.send_goal(contracts.PACK_OBJECT, PackObject.Goal())
+    assert handle.accepted
+    graph.probe.send(contracts.JOINT_STATES, JointState(position=[2.0]))
+    packer.end_goal()
+    graph.result_of(handle)
+    graph.probe.send(contracts.JOINT_STATES, JointState(position=[3.0]))
+    graph.wait_until(received(by_goals, contracts.JOINT_STATES, 3))
+    graph.wait_until(received(by_goals, contracts.RESULT, 1))
+    graph.stop(by_goals)
+    assert positions(tmp_path / "run") == [1.0, 2.0, 3.0]
+    assert read_bag(tmp_path / "run", [contracts.DESCRIPTION.name]).messages[0].message.data == "the cell"
+
+
+def test_without_a_goal_the_bag_stays_empty(graph: Graph, by_goals: RecorderNode, tmp_path: Path) -> None:
+    graph.probe.send(contracts.JOINT_STATES, JointState(position=[1.0]))
+    graph.wait_until(lambda: by_goals.received)
+    graph.stop(by_goals)
+    assert positions(tmp_path / "run") == []
+
+
+def test_a_recorder_that_joins_during_a_goal_records_it(graph: Graph, tmp_path: Path) -> None:
+    graph.start(Packer)
+    assert graph.send_goal(contracts.PACK_OBJECT, PackObject.Goal()).accepted
+    node = graph.start(RecorderNode, path=str(tmp_path / "run"))
+    graph.connect(contracts.JOINT_STATES)
+    graph.wait_until(lambda: node.is_recording)
+    graph.probe.send(contracts.JOINT_STATES, JointState(position=[1.0]))
+    graph.wait_until(received(node, contracts.JOINT_STATES, 1))
+
+
+def test_the_end_of_the_node_that_pursues_a_goal_ends_its_recording(
+    graph: Graph, by_goals: RecorderNode
+) -> None:
+    packer = graph.start(Packer)
+    assert graph.send_goal(contracts.PACK_OBJECT, PackObject.Goal()).accepted
+    graph.wait_until(lambda: by_goals.is_recording and by_goals.hears("mpc"))
+    graph.stop(packer)
+    graph.wait_until(lambda: not by_goals.is_recording)
+
+
+def test_never_means_that_no_file_is_written(graph: Graph, tmp_path: Path) -> None:
+    node = graph.start(RecorderNode, path=str(tmp_path / "run"), record="never")
+    graph.stop(node)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_start_says_where_what_and_how_much_is_recorded(
+    graph: Graph, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    graph.start(RecorderNode, path=str(tmp_path / "run"), split_mb=100.0, limit_gb=2.5)
+    said = capfd.readouterr().err
+    for part in ("goals", str(tmp_path / "run"), "100 MB", "2.5 GB", "recording stops"):
+        assert part in said

@@ -6,7 +6,7 @@ Message types come from the schemas in the bag, so a bag can be read without the
 from __future__ import annotations
 
 import struct
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -86,10 +86,12 @@ def read_raw_bag(path: Path, topics: Collection[str] | None = None) -> RawBag:
     try:
         return _read_finished(bag, topics)
     except UNREADABLE as error:
-        return _read_cut(bag, _storage_file(bag, error), topics)
+        return _read_cut(bag, _storage_files(bag, error), topics)
 
 
 def _read_finished(bag: Path, topics: Collection[str] | None) -> RawBag:
+    if bag.is_dir() and _are_files_missing_in_metadata(bag):
+        raise ValueError("metadata.yaml does not name every .mcap file")
     with AnyReader([bag]) as reader:
         wanted = [item for item in reader.connections if topics is None or item.topic in topics]
         found = {
@@ -103,20 +105,54 @@ def _read_finished(bag: Path, topics: Collection[str] | None) -> RawBag:
         return RawBag(bag, found, messages, reader.typestore, is_cut=False)
 
 
-def _storage_file(bag: Path, reason: Exception) -> Path:
-    files = [bag] if bag.is_file() else sorted(bag.glob("*.mcap"))
-    if len(files) != 1:
+def _are_files_missing_in_metadata(bag: Path) -> bool:
+    """Whether the folder holds more files than its metadata.yaml names, as while a split bag is written."""
+    if not (metadata := bag / "metadata.yaml").is_file():
+        return False  # rosbags says so itself
+    text = metadata.read_text()
+    return any(file.name not in text for file in bag.glob("*.mcap"))
+
+
+def _storage_files(bag: Path, reason: Exception) -> list[Path]:
+    """The files of a bag in the order in which they were written: <bag>_0, <bag>_1, ..., then <bag>."""
+    files = [bag] if bag.is_file() else sorted(bag.glob("*.mcap"), key=_number)
+    if not files:
         raise BagError(f"{bag} is not readable as a bag: {reason}") from reason
-    return files[0]
+    return files
 
 
-def _read_cut(bag: Path, file: Path, topics: Collection[str] | None) -> RawBag:
-    """All messages of an MCAP file before the first broken record."""
+def _number(file: Path) -> float:
+    """Place of a file among those of its bag: the one without a number is being written and comes last."""
+    number = file.stem.rpartition("_")[2]
+    return int(number) if number.isdecimal() else float("inf")
+
+
+def _read_cut(bag: Path, files: Sequence[Path], topics: Collection[str] | None) -> RawBag:
+    """All messages of MCAP files before the first broken record of each."""
     types = get_typestore(Stores.EMPTY)
+    topics_of: dict[str, Topic] = {}
+    messages: list[RawMessage] = []
+    is_cut = False
+    for file in files:
+        found, sent, is_whole = _read_file(file, types)
+        topics_of |= {topic.name: topic for topic in found}
+        messages += sent
+        is_cut = is_cut or not is_whole
+    if not topics_of:
+        raise BagError(
+            f"{files[0]} holds no readable recording: not an MCAP file, or cut off at its very start"
+        )
+    wanted = {name: topic for name, topic in topics_of.items() if topics is None or name in topics}
+    kept = (item for item in messages if item.topic in wanted)
+    return RawBag(bag, wanted, tuple(sorted(kept, key=lambda item: item.time_ns)), types, is_cut)
+
+
+def _read_file(file: Path, types: Typestore) -> tuple[list[Topic], list[RawMessage], bool]:
+    """Topics, messages, and whether the file ends as a finished one does; its types are registered."""
     names: dict[int, str] = {}
     channels: dict[int, Topic] = {}
     messages: list[RawMessage] = []
-    is_cut = True
+    is_whole = False
     for record in _whole_records(file.read_bytes()):
         if isinstance(record, Schema):
             names[record.id] = record.name
@@ -127,12 +163,8 @@ def _read_cut(bag: Path, file: Path, topics: Collection[str] | None) -> RawBag:
         elif isinstance(record, Message):
             messages.append(RawMessage(channels[record.channel_id].name, record.log_time, record.data))
         elif isinstance(record, Footer):
-            is_cut = False
-    if not channels:
-        raise BagError(f"{file} holds no readable recording: not an MCAP file, or cut off at its very start")
-    wanted = {item.name: item for item in channels.values() if topics is None or item.name in topics}
-    kept = (item for item in messages if item.topic in wanted)
-    return RawBag(bag, wanted, tuple(sorted(kept, key=lambda item: item.time_ns)), types, is_cut)
+            is_whole = True
+    return list(channels.values()), messages, is_whole
 
 
 def _whole_records(data: bytes) -> Iterator[Any]:

@@ -2,6 +2,7 @@ import json
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -25,6 +26,7 @@ QOS = Qos(
 
 WRITER = """
 import sys
+import time
 from pathlib import Path
 from threading import Event
 from pack_bringup.recording.message_types import message_types
@@ -117,3 +119,18 @@ def test_an_existing_folder_is_not_written_over(tmp_path: Path) -> None:
     (tmp_path / "bag").mkdir()
     with pytest.raises(BagError, match=r"exists already.*another `path`"):
         Recorder(tmp_path / "bag", [NUMBERS], message_types())
+
+
+def test_a_recording_ends_whole_at_its_limit_and_says_so(tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "bag", [NUMBERS], message_types(), limit=100.0)
+    write_numbers(recorder, 10)
+    deadline = time.monotonic() + 20.0
+    while not recorder.fault:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert "limit" in recorder.fault
+    assert "limit_gb" in recorder.fault
+    write_numbers(recorder, 5)
+    recorder.close()
+    bag = read_bag(tmp_path)
+    assert (len(bag.messages), bag.is_cut, recorder.dropped) == (10, False, 5)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections import Counter
 from collections.abc import Iterable
@@ -10,14 +9,11 @@ from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
-from typing import cast
 
-from rosbags.interfaces import Connection
-from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.errors import WriterError
-from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.typesys.store import Typestore
 
+from pack_bringup.recording.bag_writer import BagWriter
 from pack_core.errors import BagError
 from pack_evaluation.raw_bag import Topic
 
@@ -33,24 +29,37 @@ STORAGE_ERRORS = (OSError, WriterError)
 class Recorder:
     """An open bag (rosbag2 format 9, MCAP) that takes serialised messages and never blocks.
 
-    Once the disk is full or fails, `fault` says so and all further messages are dropped; what was
-    flushed before stays readable.
+    Once the disk is full or fails, or the bag has reached its limit, `fault` says so and all further
+    messages are dropped; what was flushed before stays readable.
+
+    Args:
+        path: the bag's folder, which is made.
+        topics: what will be written.
+        types: definitions of their messages.
+        split_size: size of a file at which the next one is begun [byte].
+        limit: size of all files at which recording ends [byte].
+
+    Raises:
+        BagError: the folder exists already or cannot be written.
     """
 
-    def __init__(self, path: Path, topics: Iterable[Topic], types: Typestore) -> None:
-        """Create the bag folder `path`.
-
-        Raises:
-            BagError: the folder exists already or cannot be written.
-        """
-        self.path = path
+    def __init__(
+        self,
+        path: Path,
+        topics: Iterable[Topic],
+        types: Typestore,
+        *,
+        split_size: float = float("inf"),
+        limit: float = float("inf"),
+    ) -> None:
+        self.path, self._limit = path, limit
         self.fault = ""
         self.dropped = 0
         self.written: Counter[str] = Counter()
         self._waiting, self._counting = 0, Lock()
         # Many messages at a time: handing over one by one would wake the writer's thread for each.
         self._queue: SimpleQueue[list[Stamped] | None] = SimpleQueue()
-        self._writer, self._connections = _open(path, topics, types)
+        self._writer = _open(path, topics, types, split_size)
         self._thread = Thread(target=self._run, name="bag writer", daemon=True)
         self._thread.start()
 
@@ -74,39 +83,41 @@ class Recorder:
             self._thread.join()
 
     def _run(self) -> None:
+        is_ended = False
         try:
-            self._consume()
+            is_ended = self._consume()
+            size = self._writer.size
             self._writer.close()
+            if not is_ended:
+                self.fault = (
+                    f"recording to {self.path} stopped: {size / 1e9:.3g} GB, and the limit is "
+                    f"{self._limit / 1e9:.3g} GB (limit_gb); the bag is whole, goals go on unrecorded"
+                )
         except STORAGE_ERRORS as error:
             self.fault = f"recording to {self.path} stopped: {error}; what was written before is readable"
-            with suppress(OSError):
-                self._writer.abort()
+            self._writer.abort()
+        if not is_ended:
             self._discard()
 
-    def _consume(self) -> None:
+    def _consume(self) -> bool:
+        """Write until `close` is called (True) or the limit is reached (False)."""
         next_flush = time.monotonic() + FLUSH_PERIOD
         while True:
             if (wait := next_flush - time.monotonic()) <= 0.0:
-                self._flush()
+                self._writer.flush()
+                if self._writer.size >= self._limit:
+                    return False
                 next_flush = time.monotonic() + FLUSH_PERIOD
                 continue
             with suppress(Empty):
                 messages = self._queue.get(timeout=wait)
                 if messages is None:
-                    return
+                    return True
                 for topic, time_ns, data in messages:
-                    self._writer.write(self._connections[topic], time_ns, data)
+                    self._writer.write(topic, time_ns, data)
                     self.written[topic] += 1
                 with self._counting:
                     self._waiting -= len(messages)
-
-    def _flush(self) -> None:
-        """Close the chunk at hand, so that a reader finds it whole, and see it to the disk."""
-        storage = cast(McapWriter, self._writer.storage)
-        if storage.chunk.msgs:
-            storage.close_chunk()
-            storage.bio.flush()
-            os.fdatasync(storage.bio.fileno())
 
     def _discard(self) -> None:
         """Take messages until the end without keeping them, so that nobody waits for room."""
@@ -114,15 +125,8 @@ class Recorder:
             self.dropped += len(messages)
 
 
-def _open(path: Path, topics: Iterable[Topic], types: Typestore) -> tuple[Writer, dict[str, Connection]]:
+def _open(path: Path, topics: Iterable[Topic], types: Typestore, split_size: float) -> BagWriter:
     try:
-        writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
-        writer.open()
-        return writer, {
-            topic.name: writer.add_connection(
-                topic.name, topic.type, typestore=types, offered_qos_profiles=topic.offered_qos
-            )
-            for topic in topics
-        }
+        return BagWriter(path, topics, types, split_size)
     except STORAGE_ERRORS as error:
         raise BagError(f"cannot record to {path}: {error}; give another `path`") from error

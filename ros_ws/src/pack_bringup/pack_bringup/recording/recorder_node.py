@@ -1,4 +1,4 @@
-"""The recorder: every topic that the wiring table marks as recorded, in one bag.
+"""The recorder: every topic that the wiring table marks as recorded, in one bag, while goals run or always.
 
 Bag stamps are simulated time, that of the last /clock received (0 before the first), so runs of
 any real-time factor read alike; each message keeps its own header stamp besides.
@@ -12,12 +12,15 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
-from rclpy.qos import QoSProfile
+from pydantic import Field
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
+from pack_bringup.recording.goal_gate import GoalGate, Sent
 from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.recorder import Recorder
-from pack_bringup.recording.run_record import BAG_FOLDER, default_folder, describe_run
+from pack_bringup.recording.ros.goal_status import GoalsInProgress, status_contracts
+from pack_bringup.recording.run_record import BAG_FOLDER, Record, default_folder, describe_run
 from pack_core import stamps
 from pack_core.cells import optional_cell_part
 from pack_core.config import Config
@@ -42,59 +45,90 @@ FOREVER = QosTime(9223372036, 854775807)
 class RecorderConfig(Config):
     """Parameters of the recorder."""
 
-    path: str = ""
-    """The run's folder; empty: bags/<cell>_<date>_seed<seed>."""
-    cell: str = "packing"
-    seed: int | None = None
-    preset: str = ""
-    """The conditions' name, for run.yaml."""
-    command: str = ""
-    """The command line that started the run, for run.yaml."""
+    path: str = Field(default="", description="the run's folder; empty: bags/<cell>_<date>_seed<seed>")
+    cell: str = Field(default="packing", description="the cell whose topics are recorded")
+    record: Record = Field(default="goals", description="when to record: while goals run, always, or never")
+    split_mb: float = Field(default=256.0, gt=0.0, description="size at which another file is begun [MB]")
+    limit_gb: float = Field(default=10.0, gt=0.0, description="size of the bag at which recording ends [GB]")
+    seed: int | None = Field(default=None, description="the run's seed, for run.yaml")
+    preset: str = Field(default="", description="the conditions' name, for run.yaml")
+    command: str = Field(default="", description="the command line that started the run, for run.yaml")
 
 
 class RecorderNode(CellNode):
-    """Records the run and says what it was."""
+    """Records the run and says what it was.
+
+    Attributes:
+        folder: of the run.
+        recorder: the open bag; None if nothing is to be recorded.
+        received: number of messages that came, recorded or not.
+    """
+
+    recorder: Recorder | None = None
+    received = 0
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("recorder", **kwargs)
-        config, now = read_parameters(self, RecorderConfig), datetime.now()
+        config = read_parameters(self, RecorderConfig)
+        if config.record == "never":
+            self.get_logger().info("recording nothing (record: never)")
+            return
+        now, topics = datetime.now(), recorded(config.cell)
         self.folder = Path(config.path) if config.path else default_folder(config.cell, config.seed, now)
-        topics = recorded(config.cell)
-        self.recorder = Recorder(self.folder / BAG_FOLDER, map(_topic, topics), message_types())
+        self.recorder = Recorder(
+            self.folder / BAG_FOLDER, map(_topic, topics), message_types(),
+            split_size=config.split_mb * 1e6, limit=config.limit_gb * 1e9,
+        )  # fmt: skip
         describe_run(config.cell, config.seed, config.command, now, config.preset).save(self.folder)
         self._time_ns = 0
         run_files = optional_cell_part(config.cell, "run_files")
         self._run_files = run_files(self.folder) if run_files else None
-        self._streams = [Stream(self, contract, depth=DEPTH, raw=True) for contract in topics]
+        by_goals = config.record == "goals"
+        status = status_contracts(config.cell) if by_goals else ()
+        self._goals = GoalsInProgress(status)
+        self._gate = GoalGate([topic.name for topic in topics if _is_latched(topic)]) if by_goals else None
+        self._streams = [Stream(self, contract, depth=DEPTH, raw=True) for contract in (*topics, *status)]
         self._drain = NodeThread(self, self._wait_and_drain, "drain")
-        self.watch(nodes_of(config.cell) - {self.get_name()})
-        self.get_logger().info(f"recording to {self.folder}")
+        self.watch(nodes_of(config.cell) - {self.get_name()}, self._on_peer)
+        self.get_logger().info(f"recording {_plan(config)} to {self.folder}")
+
+    @property
+    def is_recording(self) -> bool:
+        """Whether what comes now is recorded, apart from the time after a goal."""
+        return self.recorder is not None and (self._gate is None or self._gate.is_goal)
 
     def report(self) -> None:
         """Report what was written, and a disk that fails."""
-        self.health.values["written"] = str(self.recorder.written.total())
-        self.health.values["dropped"] = str(self.recorder.dropped)
-        if self.recorder.fault and "bag" not in self.health.faults:
-            self.health.faults["bag"] = self.recorder.fault
-            self.get_logger().error(self.recorder.fault)
+        if self.recorder is not None:
+            self.health.values["written"] = str(self.recorder.written.total())
+            self.health.values["dropped"] = str(self.recorder.dropped)
+            if self.recorder.fault and "bag" not in self.health.faults:
+                self.health.faults["bag"] = self.recorder.fault
+                self.get_logger().error(self.recorder.fault)
         super().report()
 
     def destroy_node(self) -> None:
         """Finish the bag."""
-        self._drain.end()
-        self.drain()
-        self.recorder.close()
+        if self.recorder is not None:
+            self._drain.end()
+            self.drain()
+            self.recorder.close()
         super().destroy_node()
 
     def drain(self) -> None:
-        """Record all that has arrived, in the order in which it was sent."""
+        """Record what has arrived and is wanted, in the order in which it was sent."""
+        assert self.recorder is not None, "nothing is recorded"
         taken = [
             (sent, stream.contract.name, data)
             for stream in self._streams
             for sent, data in stream.take_with_times()
         ]
         taken.sort(key=itemgetter(0))
-        self.recorder.write_all([(topic, self._time_of(topic, data), data) for _, topic, data in taken])
+        self.received += len(taken)
+        wanted = [item for sent, topic, data in taken for item in self._choose(sent, topic, data)]
+        # Once more without a message: the node that pursued the goal may have ended.
+        wanted += self._open_or_close(time.time_ns())
+        self.recorder.write_all([(item.topic, item.time_ns, item.data) for item in wanted])
         if self._run_files is not None:
             for _, topic, data in taken:
                 self._note(topic, data)
@@ -102,6 +136,26 @@ class RecorderNode(CellNode):
     def _wait_and_drain(self) -> None:
         time.sleep(DRAIN_PERIOD)
         self.drain()
+
+    def _choose(self, sent_ns: int, topic: str, data: bytes) -> list[Sent]:
+        """What is to be recorded now that this message has come."""
+        if topic in self._goals:
+            self._goals.on_status(topic, data)
+            return self._open_or_close(sent_ns)
+        item = Sent(sent_ns, topic, self._time_of(topic, data), data)
+        return [item] if self._gate is None else self._gate.take(item)
+
+    def _open_or_close(self, now_ns: int) -> list[Sent]:
+        gate = self._gate
+        if gate is None or gate.is_goal is bool(self._goals):
+            return []
+        wanted = gate.set_goal(bool(self._goals), now_ns)
+        self.get_logger().info(f"recording goal {gate.goals}" if gate.is_goal else f"goal {gate.goals} ended")
+        return wanted
+
+    def _on_peer(self, peer: str, is_alive: bool) -> None:
+        if not is_alive:
+            self._goals.on_lost_node(peer)
 
     def _time_of(self, topic: str, data: bytes) -> int:
         """Stamp in the bag [ns]: the time of the last tick of the clock, which may be this message."""
@@ -117,6 +171,20 @@ class RecorderNode(CellNode):
             self._run_files.on_message(topic, data)
         except PackError as error:
             self.health.count(f"refused {topic}", str(error))
+
+
+def _plan(config: RecorderConfig) -> str:
+    """What is recorded, and how far, in the words of the log."""
+    what = "all that is sent" if config.record == "always" else "goals, from 2 s before to 2 s after each,"
+    return (
+        f"{what} in compressed files of {config.split_mb:g} MB, at most {config.limit_gb:g} GB together "
+        "(limit_gb; then recording stops and the cell goes on)"
+    )
+
+
+def _is_latched(contract: Contract) -> bool:
+    assert contract.qos is not None, f"{contract.name} is no topic"
+    return bool(contract.qos.durability == DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def _topic(contract: Contract) -> Topic:
