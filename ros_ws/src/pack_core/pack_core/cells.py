@@ -53,6 +53,9 @@ PARTS = {
     "page": CellPart(
         "pack_viewer.{cell}.{cell}_page", "PAGE", "the cell's part of the page in the browser"
     ),
+    "run_form": CellPart(
+        "pack_viewer.{cell}.ros.{cell}_run_form", "RUN_FORM", "what the page lets one choose for a goal"
+    ),
     "commands": CellPart(
         "pack_bringup.{cell}.commands", "APPS", "commands of `pack` that only this cell has", is_optional=True
     ),

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from viser import ViserServer
 
@@ -51,14 +53,13 @@ class BagPage:
         while not ended.is_set():
             begun = time.monotonic()
             self.page.turn()
-            self._follow()
             ended.wait(max(0.0, begun + TURN - time.monotonic()))
 
-    def _add_controls(self, log: EventLog) -> None:
+    def _add_controls(self, log: EventLog) -> Callable[[], None]:
         gui, news = self._server.gui, self.news
         with gui.add_folder("Recording"):
             first, last = round(news.start, 2), round(news.end, 2)
-            self._slider = gui.add_slider(
+            self._slider: Any = gui.add_slider(
                 "time [s]", min=first, max=max(last, first + 0.01), step=0.01,
                 initial_value=round(news.time, 2),
             )  # fmt: skip
@@ -69,6 +70,7 @@ class BagPage:
             rates = RATES if given in RATES else tuple(sorted((*RATES, given), key=float))
             rate = gui.add_dropdown("rate", rates, initial_value=given)
             rate.on_update(lambda _: setattr(news, "rate", float(rate.value)))
+        return self._follow
 
     def _set_paused(self, paused: bool) -> None:
         if not paused and self.news.time >= self.news.end:
@@ -83,8 +85,7 @@ class BagPage:
 
     def _follow(self) -> None:
         shown = round(self.news.time, 2)
-        # Ten times a second are enough for the eye; a recording that is held shows its time exactly.
-        if abs(shown - self._slider.value) >= (0.001 if self.news.is_paused else 0.1):
+        if shown != self._slider.value:
             self._slider.value = shown
         if self.news.time >= self.news.end and not self.news.is_paused:
             self._set_paused(True)

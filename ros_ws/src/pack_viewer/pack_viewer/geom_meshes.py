@@ -128,7 +128,8 @@ def _hull(model: mujoco.MjModel, geom: int) -> trimesh.Trimesh:
 
 def _box(half: Array) -> trimesh.Trimesh:
     """A box whose faces share no vertices, so that each has a texture and a normal of its own."""
-    vertices, faces = [], []
+    vertices: list[Array] = []
+    faces: list[list[int]] = []
     for axis, sign, (u, v) in FACES:
         corners = np.zeros((4, 3))
         corners[:, axis] = sign * half[axis]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
 from typing import Any
 
 from pydantic import Field
@@ -11,13 +12,18 @@ from pydantic import Field
 from pack_core.cells import CELLS, cell_part
 from pack_core.config import Config
 from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts.contract import Kind
 from pack_core.ros.contracts.table import wiring_of
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import NodeThread
 from pack_viewer.cell_page import CellPage
+from pack_viewer.event_log import EventLog
 from pack_viewer.live_page import SHARED_TOPICS, LivePage
 from pack_viewer.ros.live_news import LiveNews
+from pack_viewer.ros.live_operator import LiveOperator
+from pack_viewer.ros.run_form import RunForm
+from pack_viewer.run_panel import RunPanel
 from pack_viewer.web_server import DEFAULT_PORT, LOOPBACK, open_server, page_address
 
 TOKEN_VARIABLE = "PACKCELL_PAGE_TOKEN"
@@ -47,8 +53,9 @@ class LiveNode(CellNode):
         page: type[CellPage] = cell_part(config.cell, "page")
         self._server = open_server(config.port, f"PackCell · {config.cell}", host=config.host, token=token)
         news = LiveNews(self, wiring_of(config.cell), page.topics + SHARED_TOPICS)
+        self._cell = config.cell
         self.page = LivePage(
-            self._server, page, news, lambda log: None, origin=f"{config.cell}, live", is_live=True
+            self._server, page, news, self._add_controls, origin=f"{config.cell}, live", is_live=True
         )
         self._period = 1.0 / config.frame_rate
         self._thread = NodeThread(self, self._turn, "page")
@@ -59,6 +66,12 @@ class LiveNode(CellNode):
         self._thread.end()
         self._server.stop()
         super().destroy_node()
+
+    def _add_controls(self, log: EventLog) -> Callable[[], None]:
+        form: RunForm = cell_part(self._cell, "run_form")(self._server.gui, log)
+        (action,) = (contract for contract in wiring_of(self._cell) if contract.kind is Kind.ACTION)
+        operator = LiveOperator(self, action, form, log)
+        return RunPanel(self._server.gui, log, operator, form.add).show
 
     def _turn(self) -> None:
         begun = time.monotonic()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from viser import GuiEvent, ViserServer
@@ -30,14 +31,15 @@ class LivePage:
         server: the web server.
         cell_page: makes the cell's part.
         source: where news comes from.
-        controls: adds what the cell, or the recording, is operated with; called with the log.
+        controls: adds what the cell, or the recording, is operated with; called with the log, and returns
+            what brings it up to date.
         origin: what is shown, such as `live` or a recording's name.
         is_live: whether nodes run now.
     """
 
     def __init__(
         self, server: ViserServer, cell_page: type[CellPage], source: NewsSource,
-        controls: Callable[[EventLog], None], *, origin: str, is_live: bool,
+        controls: Callable[[EventLog], Callable[[], None]], *, origin: str, is_live: bool,
     ) -> None:  # fmt: skip
         self._server, self._source, self._origin = server, source, origin
         gui = server.gui
@@ -47,7 +49,7 @@ class LivePage:
         self.log = EventLog()
         self.cell = cell_page(server, self.log)
         self.board = NodeBoard(self.log, watches_silence=is_live)
-        controls(self.log)
+        self._show_controls = controls(self.log)
         self._add_view(cell_page.presets)
         with gui.add_folder("Nodes"):
             self._nodes = gui.add_html("")
@@ -76,6 +78,7 @@ class LivePage:
         put(self._headline, headline(head.title, head.note, colour))
         put(self._facts, facts(self._rows()))
         put(self._nodes, self.board.html())
+        self._show_controls()
         self.log.send()
 
     def _take(self, news: News) -> None:
@@ -117,7 +120,8 @@ class LivePage:
     def _add_side_panel(self) -> None:
         gui = self._server.gui
         side = gui.add_panel()
-        for title, fill in {**self.cell.tabs(), "Log": lambda: self.log.place(gui)}.items():
+        tabs: dict[str, Callable[[], None]] = {**self.cell.tabs(), "Log": partial(self.log.place, gui)}
+        for title, fill in tabs.items():
             with side.add_tab(title):
                 fill()
         side.dock_left()

@@ -1,0 +1,101 @@
+"""What can be chosen for the next goal, and the messages that it becomes."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from viser import GuiApi
+
+from pack_core.errors import PackError
+from pack_core.ros.contracts.contract import Contract
+from pack_viewer.event_log import EventLog
+
+LARGEST_UPLOAD = 1_000_000
+"""Largest file that a browser may upload [bytes]."""
+
+
+class RunForm(ABC):
+    """The widgets of a cell's goal.
+
+    Args:
+        gui: where `add` puts them.
+        log: is told of files that are refused.
+    """
+
+    def __init__(self, gui: GuiApi, log: EventLog) -> None:
+        self.gui, self.log = gui, log
+
+    @abstractmethod
+    def add(self) -> None:
+        """Add the widgets."""
+
+    @abstractmethod
+    def reset(self) -> tuple[Contract, Any]:
+        """The service that brings the cell into the chosen scene, and its request; raises PackError."""
+
+    @abstractmethod
+    def goal(self) -> tuple[Contract, Any]:
+        """The action, and the chosen goal; raises PackError."""
+
+
+class FileChoice:
+    """A file from a list, or one that a browser has uploaded.
+
+    Args:
+        form: where it is shown.
+        label: what the files are.
+        files: those that are there, by name; an empty path stands for none.
+        check: raises PackError for a text that must not be used; called with the text and the file's name.
+    """
+
+    def __init__(
+        self, form: RunForm, label: str, files: Mapping[str, Path | None], check: Callable[[str, str], Any]
+    ) -> None:
+        self._log, self._files, self._check = form.log, dict(files), check
+        self._uploaded: dict[str, str] = {}
+        self._list = form.gui.add_dropdown(label, tuple(files))
+        button = form.gui.add_upload_button(f"upload {label}")
+        button.on_upload(lambda _: self._take(button.value.name, button.value.content))
+
+    @property
+    def name(self) -> str:
+        """What is chosen."""
+        return str(self._list.value)
+
+    @property
+    def text(self) -> str:
+        """The chosen file's text; empty where none is chosen."""
+        if self.name in self._uploaded:
+            return self._uploaded[self.name]
+        path = self._files[self.name]
+        return path.read_text() if path else ""
+
+    def _take(self, name: str, content: bytes) -> None:
+        try:
+            text = checked_text(name, content)
+            self._check(text, name)
+        except PackError as error:
+            self._log.add(f"upload refused: {error}", "error")
+            return
+        shown = f"{name} (uploaded)"
+        self._uploaded[shown] = text
+        self._list.options = tuple(dict.fromkeys([*self._list.options, shown]))
+        self._list.value = shown
+        self._log.add(f"uploaded {name}", "person")
+
+
+def checked_text(name: str, content: bytes) -> str:
+    """The text of an uploaded file.
+
+    Raises:
+        PackError: it is too large, or no text.
+    """
+    if len(content) > LARGEST_UPLOAD:
+        raise PackError(f"{name} has {len(content)} bytes; allowed: up to {LARGEST_UPLOAD}")
+    try:
+        return content.decode()
+    except UnicodeDecodeError as error:
+        raise PackError(f"{name} is no text in UTF-8") from error

@@ -1,0 +1,130 @@
+"""Pieces of the page: what may be pressed, what is escaped, how an order's progress is told."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from pack_viewer.cell_condition import CellCondition
+from pack_viewer.event_log import EventLog
+from pack_viewer.fragments import chips, facts, headline, lines, signed_list
+from pack_viewer.node_board import NodeBoard, level_of
+from pack_viewer.palletizing.order_progress import OrderProgress
+from pallet_fsm.states import State
+
+READY = CellCondition(is_up=True)
+EVIL = '<script>alert("x")</script>&'
+
+
+@pytest.mark.parametrize(
+    "html",
+    [
+        headline(EVIL, EVIL), lines([EVIL]), facts([(EVIL, EVIL)]), signed_list([("·", "red", EVIL)]),
+        chips([EVIL], EVIL, [EVIL], [EVIL]),
+    ],
+)  # fmt: skip
+def test_every_text_from_outside_is_escaped(html: str) -> None:
+    assert "<script" not in html
+    assert "&lt;script&gt;" in html
+
+
+def test_texts_of_an_order_are_escaped() -> None:
+    progress = OrderProgress()
+    progress.enter(EVIL, EVIL, EVIL, 0.0)
+    progress.enter(State.GRIP_FAILED.label, EVIL, EVIL, 1.0)
+    progress.enter(State.RETREAT.label, EVIL, "", 2.0)
+    progress.enter(State.RETURN.label, EVIL, "", 3.0)
+    assert "<script" not in progress.states_html() + progress.cycles_html()
+
+
+def test_a_goal_can_be_started_only_in_a_cell_that_is_ready() -> None:
+    assert READY.can_start
+    for change in (
+        {"is_up": False}, {"waits_for": "a scene"}, {"is_busy": True}, {"is_starting": True},
+        {"is_paused": True},
+    ):  # fmt: skip
+        assert not replace(READY, **change).can_start
+
+
+def test_only_a_goal_in_progress_can_be_cancelled() -> None:
+    assert not READY.can_cancel
+    assert replace(READY, is_busy=True).can_cancel
+
+
+def test_the_arm_can_be_stopped_at_any_time_and_resumed_only_after_that() -> None:
+    for condition in (READY, replace(READY, is_busy=True), replace(READY, is_paused=True)):
+        assert condition.can_stop
+        assert not condition.can_resume
+    stopped = replace(READY, is_stopped=True)
+    assert not stopped.can_stop
+    assert stopped.can_resume
+
+
+def test_a_cell_that_is_not_up_has_no_button_to_press() -> None:
+    nothing = CellCondition()
+    assert not any(
+        (nothing.can_start, nothing.can_cancel, nothing.can_pause, nothing.can_stop, nothing.can_resume)
+    )
+
+
+def status(name: str, level: bytes | int, message: str) -> SimpleNamespace:
+    return SimpleNamespace(status=[SimpleNamespace(name=name, level=level, message=message)])
+
+
+def test_levels_are_read_from_ros_and_from_recordings() -> None:
+    assert level_of(b"\x02") == level_of(2) == 2
+
+
+def test_a_node_that_falls_silent_is_a_fault() -> None:
+    now = [0.0]
+    board = NodeBoard(EventLog(), watches_silence=True, clock=lambda: now[0])
+    board.take(status("mpc", b"\x00", "ok"))
+    assert not board.has_fault
+    now[0] = 10.0
+    assert board.silent == ["mpc"]
+    assert board.has_fault
+    assert "silent for 10 s" in board.html()
+    board.take(status("mpc", b"\x00", "ok"))
+    assert not board.has_fault
+
+
+def test_in_a_recording_that_is_held_nobody_falls_silent() -> None:
+    now = [0.0]
+    board = NodeBoard(EventLog(), watches_silence=False, clock=lambda: now[0])
+    board.take(status("mpc", 0, "ok"))
+    now[0] = 10.0
+    assert board.silent == []
+
+
+def test_an_error_that_a_node_reports_is_a_fault() -> None:
+    board = NodeBoard(EventLog(), watches_silence=True)
+    board.take(status("sim", 2, "no scene"))
+    assert board.has_fault
+    assert "no scene" in board.html()
+
+
+def enter(progress: OrderProgress, box: str, *visits: tuple[State, float]) -> None:
+    for state, time in visits:
+        progress.enter(state.label, box, "", time)
+
+
+def test_a_boxs_time_runs_from_its_first_state_to_that_of_the_next_box() -> None:
+    progress = OrderProgress()
+    enter(progress, "a", (State.SPAWN, 1.0), (State.DEPOSIT, 9.0), (State.RETREAT, 10.0))
+    enter(progress, "b", (State.SPAWN, 12.0), (State.RETREAT, 20.0), (State.RETURN, 21.0))
+    assert progress.placed == ["a", "b"]
+    assert progress.placed_text == "2, 10.0 s a box"  # 11 s and 9 s
+
+
+def test_another_order_begins_with_nothing_placed() -> None:
+    progress = OrderProgress()
+    enter(progress, "a", (State.SPAWN, 1.0), (State.RETREAT, 5.0), (State.DONE, 6.0), (State.SPAWN, 9.0))
+    assert progress.placed == []
+
+
+def test_a_fault_stays_on_view_with_its_reason() -> None:
+    progress = OrderProgress()
+    progress.enter(State.BOX_LOST.label, "a", "it slipped", 3.0)
+    assert progress.is_fault
+    progress.enter(State.SKIP_BOX.label, "a", "", 3.0)
+    assert "it slipped" in progress.states_html()
