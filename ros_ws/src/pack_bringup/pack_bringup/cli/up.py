@@ -19,6 +19,7 @@ from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrid
 from pack_bringup.graph.node_log import Tee
 from pack_bringup.graph.processes import ProcessGroup
 from pack_bringup.graph.running import check_domain_is_free
+from pack_bringup.recording.record import Record
 from pack_core.config import merged
 from pack_core.paths import bags_path
 
@@ -41,6 +42,10 @@ def up(
             help="Run under the conditions of this file of config/presets (docs/packing/presets.md)."
         ),
     ] = "",
+    record: Annotated[
+        Record | None,
+        typer.Option(help="Record while goals run, always, or never (docs/recordings.md). Default: goals."),
+    ] = None,
     domain: Domain = None,
     network: Network = "",
     live: Live = False,
@@ -58,6 +63,7 @@ def up(
     - `pack up packing`
     - `pack up packing --set sim.seed=3 --set sim.real_time_factor=0.5`
     - `pack up packing --preset hardware`
+    - `pack up packing --record never`
     - `pack up packing --only sim --only perception --domain 7`
     - `pack up packing --live`, to watch and operate the cell in the browser (docs/viewing.md)
     - `pack up packing --network eth0`, for nodes on other machines
@@ -66,6 +72,8 @@ def up(
     graph = graph.only(only) if only else graph
     names = [node.name for node in graph.nodes]
     conditions = {name: given for name, given in preset_overrides(cell, preset).items() if name in names}
+    if record is not None and "recorder" in names:
+        conditions = merged(conditions, {"recorder": {"record": record}})
     commands = graph.commands(merged(conditions, parse_overrides(settings or [])))
     where = domain_of(domain)
     check_domain_is_free(where, cell, names)
@@ -86,7 +94,7 @@ def up(
 def _run(
     commands: dict[str, list[str]], environment: dict[str, str], names: list[str], log: Path, next_step: str
 ) -> dict[str, int]:
-    """Run the processes until Ctrl-C, or until all have ended; exit codes of those that have by themselves."""
+    """Run the processes until Ctrl-C or until all have ended; exit codes of those that did by themselves."""
     from pack_bringup.ros.status_listener import StatusListener
 
     os.environ.update(environment)  # for the listener, which is in this process

@@ -18,9 +18,10 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 
 from pack_bringup.recording.goal_gate import GoalGate, Sent
 from pack_bringup.recording.message_types import message_types
+from pack_bringup.recording.record import Record
 from pack_bringup.recording.recorder import Recorder
 from pack_bringup.recording.ros.goal_status import GoalsInProgress, status_contracts
-from pack_bringup.recording.run_record import BAG_FOLDER, Record, default_folder, describe_run
+from pack_bringup.recording.run_record import BAG_FOLDER, default_folder, describe_run
 from pack_core import stamps
 from pack_core.cells import optional_cell_part
 from pack_core.config import Config

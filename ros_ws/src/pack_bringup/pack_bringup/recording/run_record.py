@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import yaml
 
@@ -15,8 +15,6 @@ from pack_evaluation.provenance import checked_out_commit, installed_versions
 from pack_evaluation.record import RECORD
 
 BAG_FOLDER = "bag"
-Record = Literal["goals", "always", "never"]
-"""When a cell is recorded: while goals run, always, or never."""
 
 
 class RunRecord(Config):
