@@ -49,7 +49,7 @@ def wait_until_ready(
             say(f"waiting for {', '.join(waiting)}")
         check_alive(group, log)
     except BaseException:
-        # A node that is still being loaded would answer Ctrl-C with a traceback; this it takes without a word.
+        # A node that is still being loaded would answer Ctrl-C with a traceback; this ends it without one.
         for name in group.running:
             group.signal(name, signal.SIGTERM)
         raise
