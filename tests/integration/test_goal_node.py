@@ -7,11 +7,14 @@ from typing import Any
 import pytest
 from action_msgs.msg import GoalStatus
 from pack_interfaces.action import Palletize
+from pack_interfaces.msg import ArmState
 from rclpy.action import ActionClient
+from std_srvs.srv import Trigger
 
 from integration.harness import Graph
 from pack_core.errors import PackError
 from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract, Kind
 from pack_core.ros.goal_node import GoalNode
 
@@ -45,6 +48,9 @@ class Waiter(GoalNode):
 
     def on_lost_peers(self, peers: list[str]) -> None:
         self.end(False, f"lost: {', '.join(peers)}")
+
+    def on_arm_stop(self, reason: str) -> None:
+        self.end(False, reason)
 
     def end(self, success: bool, message: str) -> None:
         self.result = Palletize.Result(success=success, message=message)
@@ -168,3 +174,82 @@ def test_a_peer_that_is_soon_heard_again_costs_nothing(graph: Graph, waiter: Wai
     waiter.on_peer("sim", is_alive=True)
     with pytest.raises(AssertionError, match="in vain"):
         graph.result_of(handle, timeout=2.0 * FAULT_TIME)
+
+
+class Driver(CellNode):
+    """An arm's driver, as far as stops go."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("sim", **kwargs)
+        self._state, self.stops, self.is_stopped = self.advertise(shared.ARM_STATE), 0, False
+        self.create_service(Trigger, shared.RESUME_ARM.name, self._on_resume)
+        self.tell()
+
+    def stop(self) -> None:
+        self.stops, self.is_stopped = self.stops + 1, True
+        self.tell()
+
+    def release(self) -> None:
+        self.is_stopped = False
+        self.tell()
+
+    def tell(self) -> None:
+        reason = "a button" if self.is_stopped else ""
+        self._state.publish(ArmState(is_stopped=self.is_stopped, reason=reason, stops=self.stops))
+
+    def _on_resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success = self.is_stopped
+        self.release()
+        return response
+
+
+@pytest.fixture
+def driver(graph: Graph, waiter: Waiter) -> Driver:
+    node = graph.start(Driver)
+    graph.wait_until(lambda: waiter.hears("sim"))
+    graph.wait_until(lambda: node.count_subscribers(shared.ARM_STATE.name) > 0)
+    return node
+
+
+def test_a_stop_of_the_arm_ends_the_goal_once_and_the_next_goal_releases_it(
+    graph: Graph, waiter: Waiter, driver: Driver
+) -> None:
+    handle = send(graph)
+    driver.stop()
+    assert ended(graph, handle) == (GoalStatus.STATUS_ABORTED, "the arm was stopped: a button")
+    assert driver.is_stopped
+    following = send(graph)
+    graph.wait_until(lambda: waiter.started == 2)
+    assert not driver.is_stopped
+    driver.tell()
+    waiter.end(True, "done")
+    assert ended(graph, following) == (GoalStatus.STATUS_SUCCEEDED, "done")
+
+
+def test_a_stop_that_was_released_before_it_was_heard_of_ends_the_goal_all_the_same(
+    graph: Graph, waiter: Waiter, driver: Driver
+) -> None:
+    handle = send(graph)
+    graph.wait_until(lambda: waiter.started)
+    driver.stops += 1
+    driver.release()
+    status, message = ended(graph, handle)
+    assert status == GoalStatus.STATUS_ABORTED
+    assert message == "the arm was stopped: and released at once"
+
+
+def test_a_goal_that_was_accepted_before_the_stop_does_not_release_the_arm(
+    graph: Graph, waiter: Waiter, driver: Driver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    release = waiter._release_arm
+
+    async def stopped_in_between() -> None:
+        driver.stop()
+        waiter._arm = ArmState(is_stopped=True, reason="a button", stops=1)
+        await release()
+
+    monkeypatch.setattr(waiter, "_release_arm", stopped_in_between)
+    status, message = ended(graph, send(graph))
+    assert (status, message) == (GoalStatus.STATUS_ABORTED, "the arm was stopped: a button")
+    assert driver.is_stopped
+    assert waiter.started == 0

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pack_interfaces.action import Rearrange
-from pack_interfaces.msg import BlockDeed
+from pack_interfaces.msg import ArmState, BlockDeed
 from pack_interfaces.msg import BlockSighting as BlockSightingMsg
 from pack_interfaces.srv import PlanRearrangement
 
@@ -22,6 +22,7 @@ from pack_core.blocks.problem_file import problem_text
 from pack_core.motion.target import MotionState
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.contracts import shared
 
 GOALS = {"a": PlanarPose(0.62, 0.05, 0.0), "b": PlanarPose(0.6728, 0.05, 0.0)}
 AWAY = PlanarPose(0.55, -0.1, 0.4)
@@ -172,6 +173,20 @@ def test_a_node_that_dies_ends_the_goal_and_stops_the_arm(
     result = graph.result_of(handle)
     assert (result.success, result.exit_reason) == (False, "node silent")
     assert "'tags'" in result.message
+    graph.wait_until(lambda: not rig.targets[-1].segments)
+
+
+def test_a_stop_of_the_arm_ends_the_goal_with_the_reason(
+    graph: Graph, patient_node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    rig.camera = "still busy"
+    handle = accepted(graph)
+    graph.wait_until(lambda: rig.targets)
+    graph.connect(shared.ARM_STATE)
+    graph.probe.send(shared.ARM_STATE, ArmState(is_stopped=True, reason="a button", stops=1))
+    result = graph.result_of(handle)
+    assert (result.success, result.exit_reason) == (False, "arm stopped")
+    assert result.message == "the arm was stopped: a button"
     graph.wait_until(lambda: not rig.targets[-1].segments)
 
 

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from pack_interfaces.action import Palletize
+from pack_interfaces.msg import ArmState
 from rclpy.task import Future
 from std_msgs.msg import String
 
@@ -167,6 +168,18 @@ def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(
     report = json.loads(graph.probe.last(contracts.RESULT).data)
     assert report["reason"] == "node 'sim' is silent"
     assert isinstance(graph.probe.last(contracts.RESULT), String)
+
+
+def test_a_stop_of_the_arm_ends_the_order_safely(graph: Graph, fsm: PalletFsmNode) -> None:
+    handle = accepted(graph, file=str(ORDER))
+    graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
+    graph.connect(shared.ARM_STATE)
+    graph.probe.send(shared.ARM_STATE, ArmState(is_stopped=True, reason="a button", stops=1))
+    result = graph.result_of(handle)
+    assert (result.success, result.message) == (False, "the arm was stopped: a button")
+    graph.wait_until(lambda: graph.probe.last(contracts.PALLET_STATE).reason == result.message)
+    graph.wait_until(lambda: graph.probe.last(motion_contracts.MOTION_TARGET))
+    assert not graph.probe.last(motion_contracts.MOTION_TARGET).segments
 
 
 def test_a_node_that_is_soon_heard_again_costs_nothing(graph: Graph, fsm: PalletFsmNode) -> None:

@@ -73,9 +73,7 @@ class BlockFsmNode(GoalNode):
 
     def refusal(self, request: Rearrange.Goal) -> str:
         if not request.problem.strip():
-            return (
-                "the goal's `problem` is empty; allowed: a problem file's text (docs/blocks/manual.md)"
-            )
+            return "the goal's `problem` is empty; allowed: a problem file's text (docs/blocks/manual.md)"
         parse_problem(request.problem, "goal")  # raises when it is no problem
         return self.waits_for
 
@@ -143,6 +141,9 @@ class BlockFsmNode(GoalNode):
 
     def on_lost_peers(self, peers: list[str]) -> None:
         self._cancel(ExitReason.NODE_SILENT, f"node '{peers[0]}' is silent")
+
+    def on_arm_stop(self, reason: str) -> None:
+        self._cancel(ExitReason.ARM_STOPPED, reason)
 
 
 def _plain(result: Rearrange.Result) -> dict[str, Any]:

@@ -18,6 +18,7 @@ class ExitReason(Enum):
     NO_PROGRESS = "no progress"
     CANCELLED = "cancelled"
     NODE_SILENT = "node silent"
+    ARM_STOPPED = "arm stopped"
 
 
 @dataclass(frozen=True)

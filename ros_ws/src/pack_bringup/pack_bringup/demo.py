@@ -112,7 +112,7 @@ class _Patience:
 
     def check(self, node: GoalClient) -> None:
         seen = (node.feedback, node.result)
-        if seen != self._seen:
+        if seen != self._seen or node.is_paused:
             self._seen, self._deadline = seen, time.monotonic() + TIMEOUT
         if time.monotonic() < self._deadline:
             return

@@ -9,6 +9,7 @@ Rates are in hertz of simulated time.
 from __future__ import annotations
 
 CLOCK, REAL_TIME_FACTOR, DIAGNOSTICS = "/clock", "/sim/real_time_factor", "/diagnostics"
+SIMULATION_STATE, ARM_STATE = "/simulation_state", "/arm/state"
 
 CLOCK_RATE = 250.0
 

@@ -6,7 +6,7 @@ import threading
 from dataclasses import replace
 from typing import Any
 
-from pack_interfaces.msg import BoxObstacles
+from pack_interfaces.msg import ArmState, BoxObstacles
 from pack_interfaces.msg import MotionTarget as MotionTargetMsg
 from pydantic import Field
 from sensor_msgs.msg import JointState
@@ -18,6 +18,7 @@ from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionTarget
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion as contracts
+from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import NEWEST
 from pack_core.ros.joint_messages import from_joint_state, to_trajectory
 from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
@@ -57,11 +58,13 @@ class MotionNode(CellNode):
         self._waiting: MotionTarget | None = None
         self._planned: MotionTarget | None = None
         self._stepping = threading.Lock()
+        self._arm_state = ArmState()
         self._planning = PlanningThread(self._prepare, self._on_error)
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._status = self.advertise(contracts.MOTION_STATUS)
         self.listen(contracts.MOTION_TARGET, self._on_target)
         self.listen(contracts.MOTION_OBSTACLES, self._on_obstacles)
+        self.listen(shared.ARM_STATE, self._on_arm_state)
         # Only the newest joint state: setpoints made for an older one would be late.
         self._joints = Stream(self, replace(contracts.JOINT_STATES, qos=NEWEST))
         self._reader = StreamReader(self, (self._joints,), self._read, READ_PERIOD)
@@ -97,14 +100,23 @@ class MotionNode(CellNode):
             if self._stream is not None:
                 self._stream.controller.observe(obstacles)
 
+    def _on_arm_state(self, message: ArmState) -> None:
+        """Give up the move when the arm is stopped; a target that comes later waits until it is released."""
+        with self._stepping:
+            if message.stops > self._arm_state.stops and self._stream is not None:
+                self._waiting = self._planned = None
+                self._stream.abandon(f"the arm was stopped: {message.reason}")
+            self._arm_state = message
+
     def _on_joints(self, message: JointState) -> None:
         sample = from_joint_state(message, self._arm.limits.names)
         stream = self._stream
         if stream is None or stream.has_begun_anew(sample):
             stream = self._stream = self._start(sample)
-        self._take_up(stream.controller)
+        if not self._arm_state.is_stopped:
+            self._take_up(stream.controller)
         reference = stream.advance(sample)
-        if reference is not None:
+        if reference is not None and not self._arm_state.is_stopped:
             self._setpoints.publish(to_trajectory(reference, self._arm.limits.names))
         if stream.interruption:
             self._note_interruption(stream.interruption)

@@ -71,6 +71,12 @@ class SetpointStream:
             return None
         return reference
 
+    def abandon(self, reason: str) -> None:
+        """Give up the move, since the driver brakes the arm on request; stand where it comes to rest."""
+        if not self.controller.is_held:
+            self._pause(reason)
+        self.controller.stop()
+
     def _pause(self, reason: str) -> None:
         self._rested, self.interruption = np.inf, f"{reason}; the driver holds the arm"
         self.controller.hold(self.interruption)

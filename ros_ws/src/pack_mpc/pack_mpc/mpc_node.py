@@ -167,9 +167,15 @@ class MpcNode(GoalNode):
                 self._hold()
 
     def on_lost_peers(self, peers: list[str]) -> None:
+        self._fail(f"silent: {', '.join(peers)}")
+
+    def on_arm_stop(self, reason: str) -> None:
+        self._fail(reason)
+
+    def _fail(self, reason: str) -> None:
         session = self._session
         if session is not None:
-            session.task.finish(PackingExitReason.FAULT, self._mailbox.time, f"silent: {', '.join(peers)}")
+            session.task.finish(PackingExitReason.FAULT, self._mailbox.time, reason)
             self._end(session)
 
     def _expire(self) -> None:

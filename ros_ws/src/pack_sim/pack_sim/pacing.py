@@ -39,6 +39,11 @@ class Pacer:
         self._next = max(self._next + simulated / factor, now - late)
         return max(0.0, self._next - now)
 
+    def skip(self) -> None:
+        """Begin anew: while simulated time stood still on purpose, the wall clock went on."""
+        self._next = now = time.perf_counter()
+        self._mark = (now, self._simulated)
+
     def achieved(self) -> float:
         """Real-time factor since the last call: simulated seconds per second of wall clock."""
         (wall, simulated), now = self._mark, time.perf_counter()

@@ -118,7 +118,12 @@ class PalletFsmNode(GoalNode):
 
     def on_lost_peers(self, peers: list[str]) -> None:
         """Halt the machine; the silent node may be the one whose messages would keep it going."""
-        reason = f"node '{peers[0]}' is silent"
+        self._halt(f"node '{peers[0]}' is silent")
+
+    def on_arm_stop(self, reason: str) -> None:
+        self._halt(reason)
+
+    def _halt(self, reason: str) -> None:
         if self._run is not None:
             self._run.session.halt(reason)
             self._step()

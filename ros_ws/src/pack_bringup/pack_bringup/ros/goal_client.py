@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import rclpy
-from pack_interfaces.msg import NodeStatus
+from pack_interfaces.msg import NodeStatus, SimulationState
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
@@ -41,6 +41,7 @@ class GoalClient(CellNode):
         feedback: the newest, if any.
         result: once the goal has ended.
         real_time_factor: as the simulator reports it.
+        is_paused: whether the simulator stands still on request, so that nothing is to be expected.
         factors: those reported while the goal was pursued.
         iterations_ms: what the controller's iterations took, where its feedback says so [ms of wall clock].
     """
@@ -60,6 +61,7 @@ class GoalClient(CellNode):
         self.feedback: Any = None
         self.result: Any = None
         self.real_time_factor = 0.0
+        self.is_paused = False
         self.factors: list[float] = []
         self.iterations_ms: list[float] = []
         self._client = ActionClient(self, contract.type, contract.name)
@@ -70,6 +72,7 @@ class GoalClient(CellNode):
         self._failure = ""  # what a callback found, which must not raise itself
         self._is_complete = False
         self.listen(shared.REAL_TIME_FACTOR, self._on_real_time_factor)
+        self.listen(shared.SIMULATION_STATE, self._on_simulation_state)
         status = shared.NODE_STATUS
         self.create_subscription(status.type, status.name, self._on_status, LISTENING)
 
@@ -153,6 +156,9 @@ class GoalClient(CellNode):
         self.real_time_factor = message.data
         if self.is_accepted and self.result is None:
             self.factors.append(message.data)
+
+    def _on_simulation_state(self, message: SimulationState) -> None:
+        self.is_paused = message.state == SimulationState.STATE_PAUSED
 
 
 def follow_goal(

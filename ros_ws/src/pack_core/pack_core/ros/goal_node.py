@@ -7,12 +7,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from typing import Any
 
-from rclpy.action import ActionServer, CancelResponse
+from pack_interfaces.msg import ArmState
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
 from pack_core.errors import PackError
 from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.silent_peers import SilentPeers
 
@@ -38,6 +40,8 @@ class GoalNode(CellNode, ABC):
        turn of its work: it alone knows how to stop safely.
     4. When a watched peer has been silent for longer than `fault_time`, `on_lost_peers` is called until
        the goal has ended.
+    5. When the arm is stopped (`/arm/stop`), `on_arm_stop` is called once. A goal that is sent after a
+       stop releases the arm before it begins.
 
     Args:
         name: of the node.
@@ -49,6 +53,8 @@ class GoalNode(CellNode, ABC):
         self._action: ActionServer | None = None
         self._goal: ServerGoalHandle | None = None
         self._goal_ended: Future | None = None
+        self._arm = ArmState()
+        self._stops_known = 0
 
     def take_goals(self, contract: Contract, watched: Iterable[str], fault_time: float) -> None:
         """Open the action; the last thing that a subclass's constructor does.
@@ -61,8 +67,10 @@ class GoalNode(CellNode, ABC):
         self._fault_time, self._result_type = fault_time, contract.type.Result
         self._action = ActionServer(
             self, contract.type, contract.name, self._execute,
-            cancel_callback=lambda _: CancelResponse.ACCEPT,
+            goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
         )  # fmt: skip
+        self._resume = self.create_client(shared.RESUME_ARM.type, shared.RESUME_ARM.name)
+        self.listen(shared.ARM_STATE, self._on_arm_state)
         self.watch(watched, self.on_peer)
         self.create_timer(CHECK_PERIOD, self._check_peers, clock=self.wall)
 
@@ -114,6 +122,10 @@ class GoalNode(CellNode, ABC):
     def on_lost_peers(self, peers: list[str]) -> None:
         """End the goal in progress: these peers have been silent for longer than `fault_time`."""
 
+    @abstractmethod
+    def on_arm_stop(self, reason: str) -> None:
+        """End the goal in progress: the arm was stopped, and its driver refuses setpoints."""
+
     def on_peer(self, peer: str, is_alive: bool) -> None:
         """A watched peer fell silent or was heard of again; called from the executor or another thread."""
         self.silent_peers.note(peer, is_alive, time.monotonic())
@@ -121,6 +133,11 @@ class GoalNode(CellNode, ABC):
     def describe(self, result: Any) -> str:
         """A result in a line of the log."""
         return str(result.message)
+
+    def _on_goal(self, _: Any) -> GoalResponse:
+        # Every goal is accepted, and told the reason in its result if it is refused.
+        self._stops_known = self._arm.stops
+        return GoalResponse.ACCEPT
 
     def _reason_to_refuse(self, request: Any) -> str:
         if self._goal is not None:
@@ -148,6 +165,7 @@ class GoalNode(CellNode, ABC):
         self._goal, self._goal_ended = goal, Future(executor=self.executor)
         self.tell_status()
         try:
+            await self._release_arm()
             result = await self.pursue(goal.request)
         except PackError as error:
             result = self._result_type(success=False, message=str(error))
@@ -163,8 +181,35 @@ class GoalNode(CellNode, ABC):
             goal.abort()
         return result
 
+    async def _release_arm(self) -> None:
+        """Have the driver follow setpoints again, if it was stopped before this goal came.
+
+        Raises:
+            PackError: it was stopped since, which the goal must not undo.
+        """
+        if not self._arm.is_stopped:
+            return
+        known = self._stops_known  # when the goal came
+        if self._arm.stops == known:
+            await self._resume.call_async(shared.RESUME_ARM.type.Request())
+        if self._arm.stops != known:
+            raise PackError(_stopped(self._arm.reason))
+
+    def _on_arm_state(self, message: ArmState) -> None:
+        self._arm = message
+        # Counted, because of a stop and its release only the second message may come.
+        is_new = message.stops > self._stops_known
+        if self._goal is not None or message.stops < self._stops_known:  # fewer: the driver began anew
+            self._stops_known = message.stops
+        if self._goal is not None and is_new:
+            self.on_arm_stop(_stopped(message.reason))
+
     def _check_peers(self) -> None:
         if self._goal is None:
             return
         if lost := self.silent_peers.lasting(self._fault_time, time.monotonic()):
             self.on_lost_peers(lost)
+
+
+def _stopped(reason: str) -> str:
+    return f"the arm was stopped: {reason or 'and released at once'}"

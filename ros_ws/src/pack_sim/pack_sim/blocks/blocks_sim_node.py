@@ -93,6 +93,7 @@ class BlocksSimNode(MotionSimNode):
             problem = parse_problem(request.scene, "request")
             with self.lock:
                 self._simulator = self._build(problem, self._simulator.time)
+                self.release()
         except PackError as error:
             response.message = str(error)
         response.success = not response.message

@@ -90,6 +90,7 @@ class PackingSimNode(PhysicsNode):
             )
             with self.lock:
                 self._simulator = self._build(scene, request.seed, self._simulator.time)
+                self.release()
         except Exception as error:
             response.message = str(error)
             return response

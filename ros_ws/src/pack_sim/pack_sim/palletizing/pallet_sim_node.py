@@ -92,6 +92,7 @@ class PalletSimNode(MotionSimNode):
         with self.lock:
             time = self._simulator.time
             self._simulator = PalletSimulator(self._cell, self._config, request.seed, time)
+            self.release()
         return self._after_change(response)
 
     def _after_change(self, response: Any) -> Any:

@@ -6,7 +6,7 @@ import threading
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Iterable
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 from pydantic import Field
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -15,12 +15,25 @@ from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.config import AT_ONCE, Config
 from pack_core.errors import MessageError
+from pack_core.joints import JointSample
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_sim.pacing import Pacer
+from pack_sim.ros.arm_brake import ArmBrake
+from pack_sim.ros.pause import Pause
 
 Service = Callable[[Any, Any], Any]
+REPORT_PERIOD = 1.0
+"""Time between two reports of the real-time factor [s of wall clock]."""
+
+
+class SimulatedArm(Protocol):
+    """A simulated cell, as far as every cell's node needs it."""
+
+    def joints(self) -> JointSample:
+        """What the joint sensors measure now."""
+        ...
 
 
 class Pacing(Config):
@@ -44,6 +57,11 @@ class PhysicsNode(CellNode):
         self._factor = self.advertise(shared.REAL_TIME_FACTOR)
         self._thread: threading.Thread | None = None
 
+    @property
+    @abstractmethod
+    def simulator(self) -> SimulatedArm:
+        """The simulated cell; a new object after every reset."""
+
     @abstractmethod
     def advance(self) -> float:
         """Advance by one tick of /clock and publish what is due, under the lock; how long that was [s]."""
@@ -51,6 +69,10 @@ class PhysicsNode(CellNode):
     @abstractmethod
     def accept(self, message: JointTrajectory) -> None:
         """Hand setpoints to the driver; raises MessageError when they are refused."""
+
+    def release(self) -> None:
+        """Let the arm follow setpoints again after a stop, under the lock: for a reset of the cell."""
+        self._brake.release()
 
     @abstractmethod
     def drop(self) -> None:
@@ -67,6 +89,8 @@ class PhysicsNode(CellNode):
             services: what is served, and by whom.
             factor: simulated seconds a second of wall clock, 0 for as fast as it can.
         """
+        self._pause = Pause(self, self.lock)
+        self._brake = ArmBrake(self, self.drop, lambda: self.simulator.joints(), self.lock)
         self.listen(setpoints, self._on_setpoints)
         group = ReentrantCallbackGroup()
         for contract, serve in services:
@@ -84,6 +108,7 @@ class PhysicsNode(CellNode):
         """Stop the physics."""
         self._stopped.set()
         if self._thread is not None:
+            self._pause.end()
             self._thread.join()
 
     def destroy_node(self) -> None:
@@ -102,17 +127,29 @@ class PhysicsNode(CellNode):
         pacer, reported = self._pacer, time.monotonic()
         while not self._stopped.is_set():
             with self.lock:
-                simulated = self.advance()
+                # Looked at under the lock, so that no tick follows the answer that time stands.
+                simulated = None if self._pause.is_paused else self._tick()
+            if simulated is None:
+                self._pause.wait()
+                pacer.skip()
+                reported = time.monotonic()
+                continue
             delay = pacer.delay(simulated)
             self._stopped.wait(delay) if delay > 0 else time.sleep(0)
-            if time.monotonic() - reported > 1.0:
+            if time.monotonic() - reported > REPORT_PERIOD:
                 reported = time.monotonic()
                 self._factor.publish(Float64(data=pacer.achieved()))
+
+    def _tick(self) -> float:
+        simulated = self.advance()
+        self._brake.watch()
+        return simulated
 
     def _on_setpoints(self, message: JointTrajectory) -> None:
         if self._is_abandoned:
             raise MessageError("their sender has fallen silent since; the arm holds")
-        self.accept(message)
+        if self._brake.check():
+            self.accept(message)
 
     def _on_sender(self, _: str, is_alive: bool) -> None:
         self._is_abandoned = not is_alive

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
-from pack_interfaces.msg import NodeStatus
+from pack_interfaces.msg import ArmState, NodeStatus, SimulationState
+from pack_interfaces.srv import GetSimulationState, SetSimulationState, StopArm
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
 
 from pack_core import topics
-from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, contracts_in, hz
+from pack_core.ros.contracts.contract import (
+    EVENTS,
+    LATCHED,
+    LATEST,
+    STREAM,
+    Contract,
+    Kind,
+    contracts_in,
+    hz,
+)
 
 # fmt: off
 CLOCK = Contract(
@@ -22,6 +33,24 @@ DIAGNOSTICS = Contract(
     topics.DIAGNOSTICS, DiagnosticArray, ("all",), ("recorder", "user"),
     "health of every node: counts of refused messages, silent peers", qos=EVENTS,
     rate="1 Hz of wall clock", recorded=True)
+SIMULATION_STATE = Contract(
+    topics.SIMULATION_STATE, SimulationState, ("sim",), ("recorder", "user"),
+    "whether simulated time runs or is paused", qos=LATCHED, rate="on change", recorded=True)
+SET_SIMULATION_STATE = Contract(
+    "/set_simulation_state", SetSimulationState, ("user",), ("sim",),
+    "pause, or go on; as simulation_interfaces has it", kind=Kind.SERVICE)
+GET_SIMULATION_STATE = Contract(
+    "/get_simulation_state", GetSimulationState, ("user",), ("sim",),
+    "whether simulated time runs; as simulation_interfaces has it", kind=Kind.SERVICE)
+ARM_STATE = Contract(
+    topics.ARM_STATE, ArmState, ("sim",), ("all", "user"),
+    "whether the arm was stopped, why, and whether it stands", qos=LATCHED, rate="on change", recorded=True)
+STOP_ARM = Contract(
+    "/arm/stop", StopArm, ("user",), ("sim",),
+    "brake the arm at once and hold it; setpoints are refused and goals end", kind=Kind.SERVICE)
+RESUME_ARM = Contract(
+    "/arm/resume", Trigger, ("user", "all"), ("sim",),
+    "follow setpoints again after a stop; the next goal and a reset do it, too", kind=Kind.SERVICE)
 NODE_STATUS = Contract(
     "/node_status", NodeStatus, ("all",), ("user",),
     "how far every node has come since its start: starting, waiting for something, ready or busy",

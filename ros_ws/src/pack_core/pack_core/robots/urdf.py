@@ -1,0 +1,149 @@
+"""A robot as URDF, made from its MuJoCo model: links, joints and shapes, for viewers of ROS 2."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pack_core.errors import ConfigError
+from pack_core.rotations import Array, Pose
+
+WORLD = "world"
+HIDDEN_GROUP = 3
+"""Geoms of this group and above are for collisions alone, and are not drawn."""
+KINDS = {mujoco.mjtJoint.mjJNT_HINGE: "revolute", mujoco.mjtJoint.mjJNT_SLIDE: "prismatic"}
+"""Joints of URDF by those of MuJoCo; a body without a joint is fixed to its parent."""
+Shape = tuple[str, dict[str, str], Pose]
+"""Element of URDF, its attributes, and X_BG: its pose in the link's frame."""
+
+
+def robot_description(model: mujoco.MjModel, root: str, name: str) -> str:
+    """The URDF of the bodies below `root`; links and joints carry the model's names.
+
+    The link `world` is the parent of `root`. Every other link's frame is that of its body, which in these
+    models lies in the joint's axis, as URDF wants it.
+
+    Args:
+        model: with joint positions 0 where URDF has them, so without reference angles.
+        root: name of the robot's first body, which is fixed to the world.
+        name: of the robot.
+
+    Raises:
+        ConfigError: a body has two joints, or one beside its frame's origin or of another kind.
+    """
+    robot = Element("robot", name=name)
+    SubElement(robot, "link", name=WORLD)
+    for body in bodies_below(model, root):
+        _add_link(robot, model, body)
+        _add_joint(robot, model, body)
+    ElementTree.indent(robot)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(robot, encoding="unicode") + "\n"
+
+
+def bodies_below(model: mujoco.MjModel, root: str) -> list[int]:
+    """Ids of a body and of all below it, parents before children."""
+    found = {model.body(root).id}
+    for body in range(min(found) + 1, model.nbody):
+        if int(model.body_parentid[body]) in found:
+            found.add(body)
+    return sorted(found)
+
+
+def _add_link(robot: Element, model: mujoco.MjModel, body: int) -> None:
+    link = SubElement(robot, "link", name=model.body(body).name)
+    start, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
+    for geom in range(start, start + count):
+        colour = model.geom_rgba[geom]
+        if model.geom_group[geom] >= HIDDEN_GROUP or colour[3] == 0.0:
+            continue
+        for kind, sizes, X_BG in _shapes(model, geom):
+            visual = SubElement(link, "visual")
+            _add_origin(visual, X_BG)
+            SubElement(SubElement(visual, "geometry"), kind, sizes)
+            material = SubElement(visual, "material", name=f"colour of geom {geom}")
+            SubElement(material, "color", rgba=_text(colour))
+
+
+def _add_joint(robot: Element, model: mujoco.MjModel, body: int) -> None:
+    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+    name = model.body(body).name
+    parent = model.body(model.body_parentid[body]).name  # MuJoCo's own name of the world is `world`
+    if count > 1:
+        raise ConfigError(f"body '{name}' has {count} joints; URDF allows 1: give a model with rigid gears")
+    joint = SubElement(robot, "joint", name=f"{name}_mount" if count == 0 else model.joint(first).name)
+    SubElement(joint, "parent", link=parent)
+    SubElement(joint, "child", link=name)
+    _add_origin(joint, Pose(model.body_pos[body], model.body_quat[body]))
+    if count == 0:
+        joint.set("type", "fixed")
+        return
+    kind = mujoco.mjtJoint(model.jnt_type[first])
+    if kind not in KINDS or np.any(model.jnt_pos[first]) or model.qpos0[model.jnt_qposadr[first]] != 0.0:
+        raise ConfigError(f"joint of body '{name}' is no hinge or slide at its frame's origin with angle 0")
+    joint.set("type", KINDS[kind])
+    SubElement(joint, "axis", xyz=_text(model.jnt_axis[first]))
+    lower, upper = model.jnt_range[first]
+    # URDF demands both limits; viewers do not use them.
+    SubElement(joint, "limit", lower=f"{lower:.9g}", upper=f"{upper:.9g}", effort="0", velocity="0")
+
+
+def _shapes(model: mujoco.MjModel, geom: int) -> Iterator[Shape]:
+    """A geom as shapes of URDF, which has no capsule and takes a mesh only from a file."""
+    X_BG = Pose(model.geom_pos[geom], model.geom_quat[geom])
+    kind, size = mujoco.mjtGeom(model.geom_type[geom]), model.geom_size[geom]
+    if kind in SHAPES:
+        yield from SHAPES[kind](size, X_BG)
+    elif kind == mujoco.mjtGeom.mjGEOM_MESH:  # its bounding box: centre and half edges in the geom's frame
+        centre, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
+        yield from _box(half, X_BG @ Pose(centre))
+
+
+def _box(half: Array, X_BG: Pose) -> Iterator[Shape]:
+    yield "box", {"size": _text(2.0 * half)}, X_BG
+
+
+def _cylinder(size: Array, X_BG: Pose) -> Iterator[Shape]:
+    yield "cylinder", {"radius": f"{size[0]:.9g}", "length": f"{2.0 * size[1]:.9g}"}, X_BG
+
+
+def _sphere(size: Array, X_BG: Pose) -> Iterator[Shape]:
+    yield "sphere", {"radius": f"{size[0]:.9g}"}, X_BG
+
+
+def _capsule(size: Array, X_BG: Pose) -> Iterator[Shape]:
+    """A cylinder with a ball at each end; MuJoCo's half length does not count the balls."""
+    yield from _cylinder(size, X_BG)
+    for end in (-size[1], size[1]):
+        yield from _sphere(size, X_BG @ Pose(np.array([0.0, 0.0, end])))
+
+
+SHAPES: dict[mujoco.mjtGeom, Callable[[Array, Pose], Iterator[Shape]]] = {
+    mujoco.mjtGeom.mjGEOM_BOX: _box,
+    mujoco.mjtGeom.mjGEOM_CYLINDER: _cylinder,
+    mujoco.mjtGeom.mjGEOM_SPHERE: _sphere,
+    mujoco.mjtGeom.mjGEOM_CAPSULE: _capsule,
+}
+
+
+def _add_origin(parent: Element, X: Pose) -> None:
+    SubElement(parent, "origin", xyz=_text(X.p), rpy=_text(_roll_pitch_yaw(X)))
+
+
+def _roll_pitch_yaw(X: Pose) -> Array:
+    """Angles `(3,)` [rad] about the fixed axes x, y and z, one after the other, as URDF has them."""
+    with warnings.catch_warnings():
+        # With a pitch of 90 degrees, as between many links, roll and yaw turn about one axis, and scipy warns
+        # that it sets one of them to zero.
+        warnings.simplefilter("ignore", UserWarning)
+        return np.asarray(Rotation.from_quat(X.q, scalar_first=True).as_euler("xyz"))
+
+
+def _text(values: Array) -> str:
+    # 9 digits, and no minus zero, so that the text does not depend on rounding
+    return " ".join(f"{value + 0.0:.9g}" for value in np.where(np.abs(values) < 1e-12, 0.0, values))

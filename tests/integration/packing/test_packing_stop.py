@@ -1,0 +1,77 @@
+"""Stopping the arm of the packing cell, and pausing the cell."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from integration.harness import Graph
+from integration.packing.cell_rig import Cell
+from integration.packing.sim_rig import joint_samples, newest_joints, speeds
+from integration.simulation_rig import WHO, braking_time, pause, play, stop_arm
+from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts import shared
+
+FACTOR = 0.3
+"""Real-time factor at which one process runs four nodes."""
+BRAKING = 0.3
+"""The arm stands this long after a stop, the time for which the driver waits to be sure included [s]."""
+
+
+@pytest.fixture
+def cell(graph: Graph) -> Cell:
+    graph.probe.listen(shared.ARM_STATE, shared.CLOCK)
+    return Cell(graph, FACTOR)
+
+
+def test_a_stop_ends_the_goal_keeps_the_object_and_the_next_goal_moves_the_arm_again(cell: Cell) -> None:
+    handle = cell.pack()
+    cell.wait_for_motion()
+    assert braking_time(cell.graph) < BRAKING
+    result = cell.graph.result_of(handle)
+    assert (result.success, result.exit_reason) == (False, "fault")
+    assert result.message == f"the arm was stopped: {WHO}"
+    held = newest_joints(cell.graph)
+    cell.wait_past(held.time + 0.2)
+    np.testing.assert_allclose(newest_joints(cell.graph).q, held.q, atol=2e-3)
+    assert cell.sim.simulator.pump.state.is_closed
+    assert cell.pack().accepted
+    cell.wait_for_motion()
+    assert not cell.graph.probe.last(shared.ARM_STATE).is_stopped
+    assert "refused /joint_torque_setpoints" not in cell.sim.health.counts
+
+
+def test_a_stop_needs_no_other_node(cell: Cell) -> None:
+    cell.pack()
+    cell.wait_for_motion()
+    for node in (cell.perception, cell.planner):
+        cell.graph.stop(node)
+    assert braking_time(cell.graph) < BRAKING
+
+
+def test_a_pause_stops_time_and_afterwards_the_goal_goes_on_without_a_jump_or_an_alarm(cell: Cell) -> None:
+    handle = cell.pack()
+    cell.wait_for_motion()
+    pause(cell.graph)
+    stands, ticks = cell.time, len(cell.graph.probe.mail[shared.CLOCK.name])
+    reports = len(cell.graph.probe.mail[shared.DIAGNOSTICS.name])
+    # Each node reports its health once a second of wall clock: peers have time to miss each other.
+    cell.graph.wait_until(lambda: len(cell.graph.probe.mail[shared.DIAGNOSTICS.name]) > reports + 12, 20.0)
+    assert cell.time == stands
+    assert len(cell.graph.probe.mail[shared.CLOCK.name]) <= ticks + 1  # one may have been on its way
+    for node in (cell.sim, cell.perception, cell.planner, cell.mpc):
+        assert not node.health.faults
+    play(cell.graph)
+    cell.wait_past(stands + 0.3)
+    samples = joint_samples(cell.graph, stands - 0.1)
+    assert np.diff([sample.time for sample in samples]).max() < 0.01
+    assert np.abs(np.diff([sample.q for sample in samples], axis=0)).max() < 0.02
+    assert max(speeds(sample).max() for sample in samples) > 0.1
+    handle.cancel_goal_async()
+    assert cell.graph.result_of(handle).exit_reason == "canceled"
+
+
+def test_a_reset_releases_a_stopped_arm(cell: Cell) -> None:
+    stop_arm(cell.graph)
+    assert cell.graph.call(contracts.RESET, contracts.RESET.type.Request(seed=3)).success
+    cell.graph.wait_until(lambda: not cell.graph.probe.last(shared.ARM_STATE).is_stopped)

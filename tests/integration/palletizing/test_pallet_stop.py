@@ -1,0 +1,95 @@
+"""Stopping the arm of the palletizing cell in a move with a box, and pausing the cell."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from integration.harness import Graph
+from integration.palletizing.pallet_rig import joint_samples, newest_joints, start_pallet_sim
+from integration.simulation_rig import WHO, braking_time, pause, play
+from pack_core.motion.moves import Path, PoseMove
+from pack_core.motion.target import MotionTarget
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.robots.kr210 import LIMITS
+from pack_core.ros.contracts import motion, shared
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.motion_messages import to_target
+from pack_core.rotations import Pose, from_rpy
+from pack_motion.motion_node import MotionNode
+from pack_sim.palletizing.pallet_sim_node import PalletSimNode
+
+MOVE = Path((PoseMove(Pose(np.array([-2.3, 2.4, 1.3]), from_rpy((np.pi, 0.0, 0.0)))),))
+BRAKING = 1.2
+"""The arm stands this long after a stop at 0.8 rad/s [s]."""
+BOX = BoxBody("box", (0.4, 0.3, 0.25), 8.0)
+
+
+@pytest.fixture
+def sim(graph: Graph) -> PalletSimNode:
+    graph.probe.listen(shared.ARM_STATE)
+    return start_pallet_sim(graph, factor=0.5)
+
+
+@pytest.fixture
+def motion_node(graph: Graph, sim: PalletSimNode) -> MotionNode:
+    node = graph.start(MotionNode)
+    graph.probe.listen(motion.MOTION_STATUS)
+    graph.connect(motion.MOTION_TARGET)
+    graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS))
+    return node
+
+
+def hand_over(graph: Graph, sim: PalletSimNode) -> None:
+    """Put a box to the gripper's pad and have it gripped."""
+    with sim.lock:
+        below = Pose(np.array([0.0, 0.0, 0.5 * BOX.size[2] + 0.001]))
+        sim.simulator.spawn(BOX, sim.simulator.tool_pose() @ below)
+        sim.simulator.gripper.close()
+    graph.wait_until(lambda: graph.probe.last(contracts.GRIPPER_STATE).is_closed)
+
+
+def begin(graph: Graph, number: int) -> None:
+    """Send a move, and wait until the arm is fast."""
+    graph.probe.send(motion.MOTION_TARGET, to_target(MotionTarget(number, MOVE), newest_joints(graph).time))
+    graph.wait_until(lambda: np.abs(newest_joints(graph).v).max() > 0.8, 30.0)
+
+
+def test_a_stopped_arm_keeps_its_box_stays_where_it_is_and_takes_the_next_move(
+    graph: Graph, sim: PalletSimNode, motion_node: MotionNode
+) -> None:
+    hand_over(graph, sim)
+    begin(graph, 1)
+    start = newest_joints(graph).time
+    assert braking_time(graph) < BRAKING
+    held = newest_joints(graph)
+    graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "IDLE")
+    assert graph.call(shared.RESUME_ARM, shared.RESUME_ARM.type.Request()).success
+    graph.wait_until(lambda: newest_joints(graph).time > held.time + 0.5)
+    np.testing.assert_allclose(newest_joints(graph).q, held.q, atol=2e-3)
+    reasons = {message.reason for message in graph.probe.mail[motion.MOTION_STATUS.name]}
+    assert any(f"the arm was stopped: {WHO}" in reason for reason in reasons)
+    begin(graph, 2)
+    graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "REACHED", 60.0)
+    assert graph.probe.last(contracts.GRIPPER_STATE).is_closed
+    assert "refused /joint_setpoints" not in sim.health.counts
+    rows = joint_samples(graph, start)
+    v, t = np.array([row.v for row in rows]), np.array([row.time for row in rows])
+    assert np.all(np.abs(np.diff(v, axis=0) / np.diff(t)[:, None]) < 1.5 * LIMITS.acceleration)
+
+
+def test_a_pause_in_a_move_loses_nothing(graph: Graph, sim: PalletSimNode, motion_node: MotionNode) -> None:
+    begin(graph, 1)
+    graph.probe.listen(shared.DIAGNOSTICS)
+    pause(graph)
+    stands, mail = sim.simulator.time, graph.probe.mail[shared.DIAGNOSTICS.name]
+    heard = len(mail)
+    graph.wait_until(lambda: len(mail) > heard + 6)  # each of two nodes reports once a second of wall clock
+    assert sim.simulator.time == stands
+    assert not sim.health.faults
+    assert not motion_node.health.faults
+    play(graph)
+    graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "REACHED", 60.0)
+    assert not motion_node.health.counts
+    times = [sample.time for sample in joint_samples(graph, stands - 0.1)]
+    assert np.diff(times).max() < 0.005
