@@ -68,6 +68,7 @@ class GoalClient(CellNode):
         self._reset_client = self.create_client(reset[0].type, reset[0].name) if reset else None
         self._handle: Any = None
         self._is_sent = False
+        self._is_cancel_wanted = False
         self._send_time = math.inf
         self._failure = ""  # what a callback found, which must not raise itself
         self._is_complete = False
@@ -103,13 +104,15 @@ class GoalClient(CellNode):
             self._is_sent = True
             future = self._client.send_goal_async(self._goal, feedback_callback=self._on_feedback)
             future.add_done_callback(self._on_answer)
+        if self._is_cancel_wanted and self.is_accepted:
+            self._is_cancel_wanted = False
+            self._handle.cancel_goal_async()
         if self.result is not None and self.result.message.startswith(REFUSED):
             raise PackError(f"the goal was {self.result.message}")
 
     def cancel(self) -> None:
-        """Ask for the end of the goal; its result comes as of any goal."""
-        if self._handle is not None:
-            self._handle.cancel_goal_async()
+        """Have the goal ended as soon as it has been accepted; its result comes as of any goal."""
+        self._is_cancel_wanted = True
 
     def _begin(self) -> None:
         if self._reset is None or self._reset_client is None:
