@@ -15,9 +15,11 @@ from pack_evaluation.table import Row, measure_rows
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-VIDEO, REPORT, PLOTS = "run.mp4", "report.html", "plots"
+VIDEO, REPLAY, REPORT, PLOTS = "run.mp4", "replay.html", "report.html", "plots"
 OnProgress = Callable[[float], None]
 """Called with the fraction that is done, 0 to 1."""
+WriteReplay = Callable[[Path, Path], None]
+"""Writes a recording, given first, as an interactive replay into the HTML file that is given second."""
 
 
 class RecordedRun(Protocol):
@@ -36,7 +38,8 @@ MeasuresT = TypeVar("MeasuresT", bound="DataclassInstance")
 class Evaluation(Generic[RunT, MeasuresT]):
     """Results of an evaluation and the files that it wrote; `rows` are the measures in words.
 
-    `plots` are PNG files, `video` is None where none was wanted, and `record` is what run.yaml holds.
+    `plots` are PNG files, `video` and `replay` are None where none was wanted, and `record` is what run.yaml
+    holds.
     """
 
     run: RunT
@@ -46,6 +49,7 @@ class Evaluation(Generic[RunT, MeasuresT]):
     plots: list[Path]
     video: Path | None
     report: Path
+    replay: Path | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The measures as plain values, NaN as None."""
@@ -56,8 +60,9 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
     """How the recordings of one cell are evaluated."""
 
     def evaluate(
-        self, path: Path, output: Path, *, with_video: bool = True, progress: OnProgress = lambda _: None
-    ) -> Evaluation[RunT, MeasuresT]:
+        self, path: Path, output: Path, *, with_video: bool = True, progress: OnProgress = lambda _: None,
+        write_replay: WriteReplay | None = None,
+    ) -> Evaluation[RunT, MeasuresT]:  # fmt: skip
         """Measure a recording and write its report.
 
         Args:
@@ -65,6 +70,7 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
             output: the folder for report.html, plots/ and run.mp4.
             with_video: render the run.
             progress: called with the fraction of the video that is rendered.
+            write_replay: writes the interactive replay that the report links; None: there is none.
 
         Raises:
             BagError: the recording is missing, broken, or holds no goal of this cell.
@@ -76,9 +82,12 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
         video = output / VIDEO if with_video else None
         if video:
             self.film(run, video, progress)
+        replay = output / REPLAY if write_replay else None
+        if write_replay and replay:
+            write_replay(path, replay)
         plots = self.draw(run, output / PLOTS)
         rows, record = measure_rows(measures), load_record(path)
-        found = Evaluation(run, measures, rows, record, plots, video, output / REPORT)
+        found = Evaluation(run, measures, rows, record, plots, video, output / REPORT, replay)
         found.report.write_text(self.page(found))
         return found
 

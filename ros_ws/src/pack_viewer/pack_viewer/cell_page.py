@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from pack_core.rotations import Array
+from pack_viewer.cell_scene import CellScene
 from pack_viewer.news import News, Topics
 
 if TYPE_CHECKING:
@@ -63,7 +64,9 @@ class CellPage(ABC):
     """
 
     topics: ClassVar[Topics]
-    """What the cell's part listens to."""
+    """What the cell's part listens to, its scene included."""
+    scene_type: ClassVar[type[CellScene]]
+    """What it draws; replays are made of it alone."""
     presets: ClassVar[tuple[CameraPreset, ...]]
     """Where to look from; the first one is how the page opens."""
 

@@ -70,7 +70,7 @@ def open_server(port: int, label: str, *, host: str = LOOPBACK, token: str = "")
     """Start the web server.
 
     Args:
-        port: to listen on.
+        port: to listen on; 0: any free one, for a scene that nobody is to look at here.
         label: title of the page.
         host: address to listen on; others than this machine's own need a token.
         token: what a browser must bring, in the address or in the cookie that it then gets.
@@ -84,7 +84,7 @@ def open_server(port: int, label: str, *, host: str = LOOPBACK, token: str = "")
     if not is_guarded():
         server.stop()
         raise ConfigError("viser opened its server in another way than expected, so nobody would be refused")
-    if server.get_port() != port:  # viser takes the next free port without a word
+    if port and server.get_port() != port:  # viser takes the next free port without a word
         server.stop()
         raise ConfigError(f"port {port} is taken; choose another one, or end the page that has it")
     return server
@@ -101,6 +101,11 @@ class PrivateServer(viser.ViserServer):
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refused: any browser may ask for it, and it would open the page to everybody."""
         return None
+
+    def stop(self) -> None:
+        """Close the server, without viser's line on the terminal."""
+        with redirect_stdout(StringIO()):
+            super().stop()
 
 
 def _check(host: str, token: str) -> None:

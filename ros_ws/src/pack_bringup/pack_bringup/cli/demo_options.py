@@ -14,7 +14,9 @@ RealTimeFactor = Annotated[
         help="Simulated seconds per second of wall clock; 0: as fast as possible. Default: see sim.yaml.",
     ),
 ]
-Video = Annotated[bool, typer.Option(help="Render the run as MP4 for the report.")]
+Video = Annotated[
+    bool, typer.Option(help="Render the run as MP4 and as an interactive replay, for the report.")
+]
 Output = Annotated[
     Path | None,
     typer.Option(

@@ -107,12 +107,15 @@ def evaluator_of(bag: Path) -> Evaluator[Any, Any]:
 def run_evaluation(
     evaluator: Evaluator[Any, Any], bag: Path, output: Path, *, with_video: bool
 ) -> Evaluation[Any, Any]:
-    """Evaluate with a progress bar for the video."""
+    """Evaluate with a progress bar for the video; with it comes the interactive replay."""
+    from pack_viewer.replay import write_replay
+
+    has_bag = bag.is_dir() or bag.suffix == ".mcap"  # and not what a benchmark keeps of a run
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, transient=True) as bar:
         task = bar.add_task("evaluating", total=1.0)
         return evaluator.evaluate(
-            bag, output, with_video=with_video,
+            bag, output, with_video=with_video, write_replay=write_replay if with_video and has_bag else None,
             progress=lambda done: bar.update(task, completed=done, description="rendering"),
         )  # fmt: skip
 
@@ -129,3 +132,5 @@ def show(found: Evaluation[Any, Any]) -> None:
     console.print(f"report: {found.report}", soft_wrap=True)
     if found.video:
         console.print(f"video:  {found.video}", soft_wrap=True)
+    if found.replay:
+        console.print(f"replay: {found.replay}", soft_wrap=True)

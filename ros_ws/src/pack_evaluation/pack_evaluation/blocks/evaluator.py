@@ -21,9 +21,9 @@ TEMPLATE = Path(__file__).with_name("report.html.j2")
 class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
     """Evaluates the rearrangement of a recording."""
 
-    def load(self, path: Path) -> BlocksRun:
-        """The rearrangement in a recording."""
-        return load_blocks_run(path)
+    def load(self, path: Path, goal: int | None = None) -> BlocksRun:
+        """A rearrangement in a recording."""
+        return load_blocks_run(path, goal)
 
     def measure(self, run: BlocksRun) -> BlocksMeasures:
         """Everything that is measured of the run."""
@@ -51,6 +51,7 @@ class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
             TEMPLATE, title=f"{len(found.run.problem.blocks)} blocks", run=found.run,
             measures=found.measures, rows=found.rows, plots=[embedded(plot) for plot in found.plots],
             video=embedded(found.video) if found.video else "",
+            replay=found.replay.name if found.replay else "",
             record={key: _in_words(value) for key, value in found.record.items() if key != "configuration"},
         )  # fmt: skip
 

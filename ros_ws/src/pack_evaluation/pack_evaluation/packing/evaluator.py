@@ -17,11 +17,11 @@ from pack_evaluation.packing.video import write_still, write_video
 
 
 class PackingEvaluator(Evaluator[Run, PackingMeasures]):
-    """Evaluates the last packing goal of a recording."""
+    """Evaluates a packing goal of a recording."""
 
-    def load(self, path: Path) -> Run:
-        """The goal in a recording."""
-        return load_run(path)
+    def load(self, path: Path, goal: int | None = None) -> Run:
+        """A goal in a recording."""
+        return load_run(path, goal)
 
     def measure(self, run: Run) -> PackingMeasures:
         """Everything that is measured of the run."""

@@ -40,7 +40,7 @@ def packing_page(found: Evaluation[Run, PackingMeasures]) -> str:
         message=run.outcome.get("message", ""), is_cut=run.is_cut,
         plots=[(plot.stem, embedded(plot)) for plot in found.plots if plot.name != SETTLED_SAMPLES],
         samples=[embedded(plot) for plot in found.plots if plot.name == SETTLED_SAMPLES],
-        video=embedded(found.video) if found.video else "",
+        video=embedded(found.video) if found.video else "", replay=found.replay.name if found.replay else "",
         objects=_object_rows(run), record=about if record else {}, files=files,
     )  # fmt: skip
 

@@ -16,11 +16,11 @@ TEMPLATE = Path(__file__).with_name("report.html.j2")
 
 
 class PalletEvaluator(Evaluator[PalletRun, OrderMeasures]):
-    """Evaluates the order of a recording."""
+    """Evaluates an order of a recording."""
 
-    def load(self, path: Path) -> PalletRun:
-        """The order in a recording."""
-        return load_pallet_run(path)
+    def load(self, path: Path, goal: int | None = None) -> PalletRun:
+        """An order in a recording."""
+        return load_pallet_run(path, goal)
 
     def measure(self, run: PalletRun) -> OrderMeasures:
         """Everything that is measured of the run."""
@@ -42,6 +42,7 @@ class PalletEvaluator(Evaluator[PalletRun, OrderMeasures]):
             record={key: value for key, value in found.record.items() if key != "configuration"},
             plots=[(plot.stem, embedded(plot)) for plot in found.plots],
             video=embedded(found.video) if found.video else "",
+            replay=found.replay.name if found.replay else "",
         )  # fmt: skip
 
 

@@ -33,11 +33,11 @@ class BlocksPage(CellPage):
 
     topics = Topics(
         states=(
-            topics.TAGS, motion.JOINT_STATES, motion.MOTION_STATUS, topics.JAW_STATE, topics.TRUTH,
-            topics.BLOCK_POSES,
+            *BlocksScene.topics.all, motion.MOTION_STATUS, topics.BLOCK_POSES,
         ),
         events=(topics.STATUS, topics.RESULT),
     )  # fmt: skip
+    scene_type = BlocksScene
     presets = (
         preset_from_angles("cell", (0.55, 0.0, 0.2), 2.2, 145.0, -28.0),
         preset_from_angles("blocks", (0.7, 0.0, 0.05), 1.1, 145.0, -45.0),

@@ -16,17 +16,20 @@ from pack_core.motion import topics as motion
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS
 from pack_core.rotations import Pose
+from pack_viewer.cell_scene import CellScene
 from pack_viewer.geom_meshes import box_glb
 from pack_viewer.model_scene import ModelScene, scene_name
-from pack_viewer.news import News
+from pack_viewer.news import News, Topics
 
 GOAL = (0.0, 0.62, 0.45, 0.45)
 GOAL_THICKNESS = 0.002
 """Goals lie on the table as thin squares [m]."""
 
 
-class BlocksScene:
+class BlocksScene(CellScene):
     """Is built as soon as the blocks are known, and anew when there are others."""
+
+    topics = Topics(states=(topics.TAGS, motion.JOINT_STATES, topics.JAW_STATE, topics.TRUTH))
 
     def __init__(self, scene: SceneApi) -> None:
         self._scene, self._cell = scene, blocks_cell()

@@ -10,7 +10,6 @@ import numpy as np
 from viser import ViserServer
 
 from pack_core.packing import topics
-from pack_core.robots.packing_arms import arm_of
 from pack_viewer.cell_page import CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import GREY, ORANGE, boxed, chips, facts, put, signed_list
@@ -28,11 +27,12 @@ class PackingPage(CellPage):
 
     topics = Topics(
         states=(
-            topics.DESCRIPTION, topics.JOINT_STATES, topics.SCENE, topics.TRUTH, topics.GRIPPER_STATE,
-            topics.WRENCH, topics.MPC_STATUS, topics.SETTLED_SAMPLES,
+            *PackingScene.topics.all, topics.GRIPPER_STATE, topics.WRENCH, topics.MPC_STATUS,
+            topics.SETTLED_SAMPLES,
         ),
         events=(topics.RESULT,),
     )  # fmt: skip
+    scene_type = PackingScene
     presets = (
         preset_from_angles("cell", (0.35, 0.0, 0.25), 1.9, 150.0, -25.0),
         preset_from_angles("container", (0.42, 0.0, 0.16), 1.0, 150.0, -42.0),
@@ -66,10 +66,7 @@ class PackingPage(CellPage):
     def update(self, news: News) -> None:
         """Move the scene and note where the goal stands."""
         if text := news.newest(topics.DESCRIPTION):
-            self._scene.describe(text.data)
             self._ghosts.describe(text.data)
-        if joints := news.newest(topics.JOINT_STATES):
-            self._scene.set_arm(arm_of(joints.name), np.asarray(joints.position))
         self._scene.update(news)
         self._grip = news.newest(topics.GRIPPER_STATE) or self._grip
         if wrench := news.newest(topics.WRENCH):

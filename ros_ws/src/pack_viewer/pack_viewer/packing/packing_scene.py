@@ -9,18 +9,22 @@ from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import WALLS, ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
+from pack_core.robots.packing_arms import arm_of
 from pack_core.robots.seven_axis_arm import SevenAxisArm
 from pack_core.rotations import Array, Pose
+from pack_viewer.cell_scene import CellScene
 from pack_viewer.model_scene import ModelScene
-from pack_viewer.news import News
+from pack_viewer.news import News, Topics
 
 ESTIMATE, TRUTH = "as perceived", "as simulated"
 WALL_OPACITY = 0.45
 """The container's walls are seen through, as in the videos."""
 
 
-class PackingScene:
+class PackingScene(CellScene):
     """Is built as soon as the scene and the arm are known, and anew with every other scene."""
+
+    topics = Topics(states=(topics.DESCRIPTION, topics.JOINT_STATES, topics.SCENE, topics.TRUTH))
 
     def __init__(self, scene: SceneApi) -> None:
         self._scene = scene
@@ -30,13 +34,13 @@ class PackingScene:
         self._source = ESTIMATE
         self._poses: dict[str, dict[str, Pose]] = {ESTIMATE: {}, TRUTH: {}}
 
-    def describe(self, text: str) -> None:
+    def _describe(self, text: str) -> None:
         """Take up a scene file's text; the same text again changes nothing."""
         if text != self._text:
             self._text = text
             self._rebuild()
 
-    def set_arm(self, arm: SevenAxisArm, q: Array) -> None:
+    def _set_arm(self, arm: SevenAxisArm, q: Array) -> None:
         """Put the arm at joint positions `(7,)` [rad]."""
         if arm != self._arm:
             self._arm = arm
@@ -49,7 +53,11 @@ class PackingScene:
         self._source = source
 
     def update(self, news: News) -> None:
-        """Move what has moved."""
+        """Build what has become known, and move what has moved."""
+        if text := news.newest(topics.DESCRIPTION):
+            self._describe(text.data)
+        if joints := news.newest(topics.JOINT_STATES):
+            self._set_arm(arm_of(joints.name), np.asarray(joints.position))
         for source, topic in ((ESTIMATE, topics.SCENE), (TRUTH, topics.TRUTH)):
             if message := news.newest(topic):
                 self._poses[source] = {item.name: _pose(item.pose) for item in message.objects}

@@ -16,13 +16,16 @@ from pack_core.palletizing.look import CARDBOARDS
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import JOINTS
 from pack_core.rotations import Array
+from pack_viewer.cell_scene import CellScene
 from pack_viewer.geom_meshes import box_glb
 from pack_viewer.model_scene import STILL, ModelScene, scene_name
-from pack_viewer.news import News
+from pack_viewer.news import News, Topics
 
 
-class PalletScene:
+class PalletScene(CellScene):
     """The cell is drawn at once, boxes as soon as the simulator names them."""
+
+    topics = Topics(states=(topics.BOXES, motion.JOINT_STATES, topics.TRUTH))
 
     def __init__(self, scene: SceneApi) -> None:
         self._scene = scene

@@ -32,11 +32,11 @@ class PalletizingPage(CellPage):
 
     topics = Topics(
         states=(
-            motion.JOINT_STATES, motion.MOTION_STATUS, topics.GRIPPER_STATE, topics.TRUTH, topics.BOXES,
-            topics.VISION_OVERLAY,
+            *PalletScene.topics.all, motion.MOTION_STATUS, topics.GRIPPER_STATE, topics.VISION_OVERLAY,
         ),
         events=(topics.PALLET_STATE, topics.BOX_DETECTION, topics.CONTACTS, topics.RESULT),
     )  # fmt: skip
+    scene_type = PalletScene
     presets = (
         preset_from_angles("cell", (-0.9, 1.4, 0.8), 6.2, 125.0, -28.0),
         preset_from_angles("pallet", (-0.6, 2.4, 0.6), 3.4, 125.0, -30.0),
