@@ -17,7 +17,7 @@ SOURCES = project_root() / "ros_ws" / "src"
 PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/package.xml"))
 PYTHON_PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/setup.py"))
 FLOORS = (
-    {"pack_interfaces"},
+    {"pack_interfaces", "tf2_msgs"},
     {"pack_core"},
     {
         "pack_sim", "pack_perception", "pack_planner", "pack_mpc", "pack_motion", "pallet_fsm", "block_fsm",
