@@ -59,3 +59,13 @@ def test_the_achieved_factor_is_measured_between_calls(clock) -> None:
     assert pacer.achieved() == pytest.approx(0.5)
     clock[0] += 1.0
     assert pacer.achieved() == 0.0
+
+
+def test_another_factor_counts_from_the_next_block_on_and_nothing_is_made_up_for(clock) -> None:
+    pacer = Pacer(1.0)
+    assert pacer.delay(0.004) == pytest.approx(0.004)
+    clock[0] += 0.004
+    pacer.change_factor(0.5)
+    assert pacer.delay(0.004) == pytest.approx(0.008)
+    pacer.change_factor(0.0)
+    assert pacer.delay(0.004) == 0.0

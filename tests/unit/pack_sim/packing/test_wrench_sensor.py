@@ -53,3 +53,12 @@ def test_reading_twice_changes_nothing() -> None:
     sensor = WrenchSensor(WrenchSensorConfig(force_noise=1.0), STEP, np.random.default_rng(0))
     sensor.advance()
     np.testing.assert_array_equal(sensor.read(ZERO, ZERO), sensor.read(ZERO, ZERO))
+
+
+def test_other_errors_count_at_once_and_none_leave_no_trace() -> None:
+    sensor = WrenchSensor(WrenchSensorConfig(), STEP, np.random.default_rng(0))
+    sensor.configure(WrenchSensorConfig(force_bias=2.0))
+    assert np.abs(sensor.read(ZERO, ZERO)[0]).max() > 0.1
+    sensor.configure(WrenchSensorConfig())
+    sensor.advance()
+    np.testing.assert_array_equal(sensor.read(ZERO, ZERO)[0], ZERO)

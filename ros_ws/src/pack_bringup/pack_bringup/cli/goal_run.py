@@ -13,7 +13,6 @@ from pack_bringup.cli.domain_option import domain_of
 from pack_bringup.cli.live import LiveLine
 from pack_bringup.cli.network_option import environment_of
 from pack_bringup.demo import progress_of
-from pack_bringup.graph.graph import load_graph
 from pack_bringup.graph.running import nodes_here, running_cells
 from pack_bringup.pace import Pace
 from pack_core.errors import PackError
@@ -37,7 +36,8 @@ def run_goal(goal: CellGoal, *, reset: bool, domain: int | None, network: str) -
     where = domain_of(domain)
     if not network:
         _check_running(goal.cell, where)
-    names = [node.name for node in load_graph(goal.cell).nodes]
+    # Those that run here: a cell may lack some, as the simulator beside a real arm, or have them elsewhere.
+    names = sorted({goal.server} | nodes_here(goal.cell, where))
     canceling = _Canceling()
     with LiveLine() as line:
 
