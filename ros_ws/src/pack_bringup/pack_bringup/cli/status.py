@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-DISCOVERY = 1.5
-"""Time after which everybody has been heard [s of wall clock]: diagnostics come once a second."""
+DISCOVERY = 1.0
+"""Shortest time to listen [s of wall clock], for nodes of other machines and those that are still starting."""
+PATIENCE = 5.0
+"""Longest time to listen for nodes that are known to run [s of wall clock]."""
 
 
 @app.command()
@@ -35,12 +37,15 @@ def status(domain: Domain = None, network: Network = "") -> None:
     """
     from pack_bringup.graph.running import all_cell_nodes, described, running_cells
     from pack_bringup.ros.status_listener import StatusListener
+    from pack_core.ros.watch_connection import nodes_on_this_machine
 
     os.environ.update(environment_of(network))
     where = domain_of(domain)
     with StatusListener(where) as listener:
         known = all_cell_nodes()
+        running = known.intersection(nodes_on_this_machine().get(where, ()))
         listener.spin_until(lambda: False, DISCOVERY)
+        listener.spin_until(lambda: running <= listener.statuses.keys() & listener.health.keys(), PATIENCE)
         nodes = [item for name, item in sorted(listener.statuses.items()) if name in known]
         faults = {name: item.message for name, item in listener.health.items() if item.level != b"\x00"}
     if nodes:

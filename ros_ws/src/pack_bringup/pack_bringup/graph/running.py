@@ -38,7 +38,7 @@ def check_domain_is_free(
 
 def nodes_here(cell: str, domain: int) -> set[str]:
     """Names of a cell's nodes that run on this machine in a ROS domain."""
-    return names_of(cell) & nodes_on_this_machine().get(domain, set())
+    return names_of(cell).intersection(nodes_on_this_machine().get(domain, ()))
 
 
 def running_cells() -> dict[int, str]:
