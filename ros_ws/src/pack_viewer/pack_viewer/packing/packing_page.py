@@ -34,7 +34,7 @@ class PackingPage(CellPage):
     )  # fmt: skip
     scene_type = PackingScene
     presets = (
-        preset_from_angles("cell", (0.35, 0.0, 0.25), 1.9, 150.0, -25.0),
+        preset_from_angles("cell", (0.35, 0.0, 0.22), 1.6, 150.0, -25.0),
         preset_from_angles("container", (0.42, 0.0, 0.16), 1.0, 150.0, -42.0),
         preset_from_angles("side", (0.45, 0.0, 0.2), 1.3, 90.0, -12.0),
         preset_from_angles("top", (0.5, 0.0, 0.1), 1.3, 180.0, -89.0),

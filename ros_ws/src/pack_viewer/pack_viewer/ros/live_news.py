@@ -14,6 +14,8 @@ from pack_core.ros.contracts.contract import NEWEST, Contract
 from pack_core.ros.stream import Stream
 from pack_viewer.news import News, Topics, seconds
 
+JOINT_STATES = "/joint_states"
+"""Tells simulated time: every cell has it, often, and stamped by the simulator."""
 RESTART = 1.0
 """Simulated time that goes back by more means that the simulator was started anew [s]."""
 QUEUE = 200
@@ -42,12 +44,10 @@ class LiveNews:
     def take(self) -> News:
         """What has come since the last call."""
         messages = {name: stream.take_all() for name, stream in self._streams.items()}
-        stamps = [seconds(found[-1]) for found in messages.values() if found and hasattr(found[-1], "header")]
-        before, now = self._time, max(stamps, default=self._time)
-        # Messages of other topics may be a little older than the newest one that was seen.
-        restarted = before is not None and now is not None and now < before - RESTART
-        if restarted or before is None or (now is not None and now > before):
-            self._time = now
+        before = self._time
+        if joints := messages[JOINT_STATES]:
+            self._time = seconds(joints[-1])
+        restarted = before is not None and self._time is not None and self._time < before - RESTART
         return News({name: found for name, found in messages.items() if found}, self._time, restarted)
 
 

@@ -57,7 +57,7 @@ class FileChoice:
         self._log, self._files, self._check = form.log, dict(files), check
         self._uploaded: dict[str, str] = {}
         self._list = form.gui.add_dropdown(label, tuple(files))
-        button = form.gui.add_upload_button(f"upload {label}")
+        button = form.gui.add_upload_button(f"upload {label}", color="gray")
         button.on_upload(lambda _: self._take(button.value.name, button.value.content))
 
     @property
