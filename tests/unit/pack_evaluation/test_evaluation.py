@@ -9,6 +9,7 @@ import pytest
 
 from pack_core.errors import BagError
 from pack_evaluation.evaluator import Evaluation
+from pack_evaluation.goals import GoalNumber
 from pack_evaluation.record import load_record
 
 
@@ -26,12 +27,16 @@ class Found:
 @dataclass(frozen=True)
 class Run:
     is_cut: bool = True
+    goal: GoalNumber = GoalNumber(2, 3)  # noqa: RUF009
 
 
 def test_measures_become_json_with_null_for_what_there_is_not() -> None:
     measures = Found(End.PLACED, (float("nan"), 1.0), {"a": float("nan"), "b": 2.0})
     found = Evaluation(Run(), measures, (), {}, [], None, Path("report.html"))
-    expected = {"end": "placed", "errors": [None, 1.0], "by_name": {"a": None, "b": 2.0}, "is_cut": True}
+    expected = {
+        "end": "placed", "errors": [None, 1.0], "by_name": {"a": None, "b": 2.0},
+        "is_cut": True, "goal": 2, "goals": 3,
+    }  # fmt: skip
     assert json.loads(json.dumps(found.to_json(), allow_nan=False)) == expected
 
 

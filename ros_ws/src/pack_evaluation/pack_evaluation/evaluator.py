@@ -9,6 +9,7 @@ from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
+from pack_evaluation.goals import GoalNumber
 from pack_evaluation.record import load_record
 from pack_evaluation.table import Row, measure_rows
 
@@ -28,6 +29,10 @@ class RecordedRun(Protocol):
     @property
     def is_cut(self) -> bool:
         """Whether the recording was cut off."""
+
+    @property
+    def goal(self) -> GoalNumber:
+        """Which goal of the recording it is."""
 
 
 RunT = TypeVar("RunT", bound=RecordedRun)
@@ -53,7 +58,8 @@ class Evaluation(Generic[RunT, MeasuresT]):
 
     def to_json(self) -> dict[str, Any]:
         """The measures as plain values, NaN as None."""
-        return {**_plain(asdict(self.measures)), "is_cut": self.run.is_cut}
+        which = {"goal": self.run.goal.number, "goals": self.run.goal.count}
+        return {**_plain(asdict(self.measures)), "is_cut": self.run.is_cut, **which}
 
 
 class Evaluator(ABC, Generic[RunT, MeasuresT]):
@@ -61,7 +67,7 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
 
     def evaluate(
         self, path: Path, output: Path, *, with_video: bool = True, progress: OnProgress = lambda _: None,
-        write_replay: WriteReplay | None = None,
+        write_replay: WriteReplay | None = None, goal: int | None = None,
     ) -> Evaluation[RunT, MeasuresT]:  # fmt: skip
         """Measure a recording and write its report.
 
@@ -71,12 +77,13 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
             with_video: render the run.
             progress: called with the fraction of the video that is rendered.
             write_replay: writes the interactive replay that the report links; None: there is none.
+            goal: which goal of a recording with several, from 1; None: the last.
 
         Raises:
-            BagError: the recording is missing, broken, or holds no goal of this cell.
+            BagError: the recording is missing, broken, or holds no such goal of this cell.
             PackError: the video was wanted and there is no OpenGL to draw with.
         """
-        run = self.load(path)
+        run = self.load(path, goal)
         measures = self.measure(run)
         (output / PLOTS).mkdir(parents=True, exist_ok=True)
         video = output / VIDEO if with_video else None
@@ -86,17 +93,17 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
         if write_replay and replay:
             write_replay(path, replay)
         plots = self.draw(run, output / PLOTS)
-        rows, record = measure_rows(measures), load_record(path)
+        rows, record = (*_goal_rows(run.goal), *measure_rows(measures)), load_record(path)
         found = Evaluation(run, measures, rows, record, plots, video, output / REPORT, replay)
         found.report.write_text(self.page(found))
         return found
 
     @abstractmethod
-    def load(self, path: Path) -> RunT:
-        """The run in a recording.
+    def load(self, path: Path, goal: int | None = None) -> RunT:
+        """A goal's run in a recording: the goal of this number, from 1, or the last.
 
         Raises:
-            BagError: the recording is missing, broken, or of another version.
+            BagError: the recording is missing, broken, of another version, or has no such goal.
         """
 
     @abstractmethod
@@ -117,6 +124,12 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
 
     def still(self, run: RunT, path: Path) -> None:
         """Write one large picture, where a cell has one beside its plots."""
+
+
+def _goal_rows(goal: GoalNumber) -> tuple[Row, ...]:
+    """A row that says which goal was measured, where there are others."""
+    meaning = "which goal of the recording this is; `pack evaluate --goal N` measures another"
+    return (Row("goal", str(goal), meaning),) if goal.count > 1 else ()
 
 
 def _plain(value: Any) -> Any:

@@ -31,6 +31,10 @@ def evaluate(
             "--output", "-o", help="Folder of the report. Default: of one BAG its own, else bags/evaluation."
         ),
     ] = None,
+    goal: Annotated[
+        int | None,
+        typer.Option(min=1, help="Which goal of a recording with several, from 1. Default: the last."),
+    ] = None,
     video: Annotated[bool, typer.Option(help="Render a single run as MP4 (the slow part).")] = True,
     gif: Annotated[bool, typer.Option("--gif", help="Also an animated GIF of a single run.")] = False,
     still: Annotated[bool, typer.Option("--still", help="Also one large picture of a single run.")] = False,
@@ -47,6 +51,7 @@ def evaluate(
 
     - `pack evaluate bags/packing_20260101_120000_seed0`
     - `pack evaluate bags/packing_20260101_120000_seed0 --no-video --json measures.json`
+    - `pack evaluate bags/packing_20260101_120000 --goal 2`, of a cell that was given several
     - `pack evaluate run.mcap --output /tmp/report`
     - `pack evaluate bags/packing_* --json summary.json`
     - `pack evaluate bags/benchmarks/*`
@@ -59,17 +64,19 @@ def evaluate(
         measures = evaluate_many(recordings, output or bags_path() / "evaluation", pictures)
     else:
         folder = output or (first if first.is_dir() else first.parent)
-        measures = evaluate_one(first, folder, video=video, gif=gif, still=still)
+        measures = evaluate_one(first, folder, video=video, gif=gif, still=still, goal=goal)
     if json_file:
         write_json(json_file, measures)
 
 
-def evaluate_one(bag: Path, folder: Path, *, video: bool, gif: bool, still: bool) -> dict[str, Any]:
+def evaluate_one(
+    bag: Path, folder: Path, *, video: bool, gif: bool, still: bool, goal: int | None = None
+) -> dict[str, Any]:
     """Report a run and return its measures."""
     from pack_evaluation.gif import write_gif
 
     evaluator = evaluator_of(bag)
-    found = run_evaluation(evaluator, bag, folder, with_video=video or gif)
+    found = run_evaluation(evaluator, bag, folder, with_video=video or gif, goal=goal)
     show(found)
     if gif and found.video:
         write_gif(found.video, found.video.with_suffix(".gif"))
@@ -105,7 +112,7 @@ def evaluator_of(bag: Path) -> Evaluator[Any, Any]:
 
 
 def run_evaluation(
-    evaluator: Evaluator[Any, Any], bag: Path, output: Path, *, with_video: bool
+    evaluator: Evaluator[Any, Any], bag: Path, output: Path, *, with_video: bool, goal: int | None = None
 ) -> Evaluation[Any, Any]:
     """Evaluate with a progress bar for the video; with it comes the interactive replay."""
     from pack_viewer.replay import write_replay
@@ -116,7 +123,7 @@ def run_evaluation(
         task = bar.add_task("evaluating", total=1.0)
         return evaluator.evaluate(
             bag, output, with_video=with_video, write_replay=write_replay if with_video and has_bag else None,
-            progress=lambda done: bar.update(task, completed=done, description="rendering"),
+            progress=lambda done: bar.update(task, completed=done, description="rendering"), goal=goal,
         )  # fmt: skip
 
 
@@ -127,6 +134,10 @@ def show(found: Evaluation[Any, Any]) -> None:
         table.add_row(row.name, row.value, row.meaning)
     console = Console()
     console.print(table)
+    which = found.run.goal
+    if which.count > 1:
+        others = f"this recording holds {which.count} goals, and this is goal {which.number}"
+        console.print(f"[yellow]{others}: --goal 1 to {which.count} chooses[/]", soft_wrap=True)
     if found.run.is_cut:
         console.print("[yellow]the recording was cut off; all in front of the cut was evaluated[/]")
     console.print(f"report: {found.report}", soft_wrap=True)

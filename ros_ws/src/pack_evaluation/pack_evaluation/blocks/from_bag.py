@@ -20,6 +20,7 @@ from pack_core.errors import BagError
 from pack_core.motion.topics import JOINT_STATES
 from pack_core.rotations import Array
 from pack_evaluation.bag import read_bag
+from pack_evaluation.goals import ONLY_GOAL, GoalNumber, goal_of
 
 TOPICS = (TRUTH, JOINT_STATES, JAW_STATE, BLOCK_POSES, STATUS, RESULT)
 FIELDS = (
@@ -57,6 +58,7 @@ class BlocksRun:
         jaw_times: times of the openings `(G,)` [s].
         openings: distances between the gripper's pads `(G,)` [m].
         is_cut: whether the recording was cut off.
+        goal: which rearrangement of its recording it is.
     """
 
     problem: Problem
@@ -70,6 +72,7 @@ class BlocksRun:
     jaw_times: Array
     openings: Array
     is_cut: bool
+    goal: GoalNumber = ONLY_GOAL
 
     def poses_at(self, time: float) -> dict[str, PlanarPose]:
         """True X_WB by id at `time` [s], or at the nearest time that was recorded."""
@@ -77,19 +80,24 @@ class BlocksRun:
         return {name: planar(rows[row]) for name, rows in self.truth.items()}
 
 
-def load_blocks_run(path: Path) -> BlocksRun:
+def load_blocks_run(path: Path, goal: int | None = None) -> BlocksRun:
     """Read a recorded rearrangement.
 
     Args:
         path: a run's folder, or its bag's.
+        goal: which rearrangement of a recording with several, from 1; None: the last.
 
     Raises:
         BagError: the recording is missing, broken, of another version, or holds no rearrangement.
         ConfigError: there is no problem file beside it.
     """
-    bag = read_bag(path, TOPICS)
+    bag, number = goal_of(
+        read_bag(path, TOPICS), goal, result=RESULT,
+        has_begun=lambda rest: any(item.topic == STATUS for item in rest),
+    )  # fmt: skip
     if missing := [topic for topic in (TRUTH, JOINT_STATES, JAW_STATE, STATUS, RESULT) if not bag.of(topic)]:
-        raise BagError(f"{bag.path} has no message on {', '.join(missing)}: did a goal run to its end?")
+        lacks = f"no message on {', '.join(missing)}"
+        raise BagError(f"{bag.path}: goal {number} has {lacks}; did it run to its end?")
     folder = path if (path / PROBLEM_FILE).is_file() else path.parent
     truth, joints, jaw = bag.of(TRUTH), bag.of(JOINT_STATES), bag.of(JAW_STATE)
     return BlocksRun(
@@ -98,6 +106,7 @@ def load_blocks_run(path: Path) -> BlocksRun:
         times=_times(truth), truth=_tracks(truth), joint_times=_times(joints),
         joints=np.array([message.position for message in joints]), jaw_times=_times(jaw),
         openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut,
+        goal=number,
     )  # fmt: skip
 
 

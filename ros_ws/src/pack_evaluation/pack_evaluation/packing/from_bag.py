@@ -27,7 +27,8 @@ from pack_core.packing.topics import (
 from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array, Pose
 from pack_core.topics import REAL_TIME_FACTOR
-from pack_evaluation.bag import Bag, read_bag
+from pack_evaluation.bag import Bag, Recorded, read_bag
+from pack_evaluation.goals import goal_of
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
 from pack_evaluation.track import Track
@@ -46,24 +47,28 @@ TOPICS = (
 )
 
 
-def load_run(path: Path) -> Run:
-    """Read the last goal of a run.
+def load_run(path: Path, goal: int | None = None) -> Run:
+    """Read a goal of a run.
 
     Args:
         path: a run's folder, a bag's folder or an MCAP file, or a run that a benchmark saved (.npz).
+        goal: which goal of a recording with several, from 1; None: the last.
 
     Raises:
         BagError: the recording is missing, broken, or holds no goal.
     """
-    return load_saved_run(path) if path.suffix == SUFFIX else to_run(read_bag(path, TOPICS))
+    return load_saved_run(path) if path.suffix == SUFFIX else to_run(read_bag(path, TOPICS), goal)
 
 
-def to_run(bag: Bag) -> Run:
-    """The last goal in a bag.
+def to_run(bag: Bag, goal: int | None = None) -> Run:
+    """A goal in a bag, by its number from 1; the last if None.
 
     Raises:
-        BagError: a topic that every run has is missing.
+        BagError: a topic that every run has is missing, or there is no such goal.
     """
+    bag, number = goal_of(
+        bag, goal, result=RESULT, latched=(DESCRIPTION, SETTLED_SAMPLES), has_begun=_has_begun
+    )
     _check(bag)
     iterations, outcome = _last_goal(bag)
     start, end = _window(bag, iterations, outcome)
@@ -76,7 +81,13 @@ def to_run(bag: Bag) -> Run:
         release_reason=_release(bag, start),
         real_time_factors=_real_time_factors(bag, start, end),
         outcome=outcome, is_cut=bag.is_cut, arm=_arm(bag, joints[0]), samples=_samples(bag, start),
+        goal=number,
     )  # fmt: skip
+
+
+def _has_begun(rest: Sequence[Recorded]) -> bool:
+    """Whether the controller worked on a goal after the last result: one late status may still follow it."""
+    return sum(item.topic == MPC_STATUS for item in rest) > 1
 
 
 def _check(bag: Bag) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Array
+from pack_evaluation.goals import ONLY_GOAL, GoalNumber
 from pack_evaluation.track import Track
 
 
@@ -44,7 +45,7 @@ class Iterations:
 
 @dataclass(frozen=True)
 class Run:
-    """One goal of a run, the last one of the bag.
+    """One goal of a run.
 
     Attributes:
         scene: shapes, sizes and masses; no poses.
@@ -63,6 +64,7 @@ class Run:
         is_cut: whether the recording was cut off.
         arm: name of the arm, one of `pack_core.robots.packing_arms`.
         samples: some settled samples of the first placement, the cheapest first; empty if none were recorded.
+        goal: which goal of its recording it is.
     """
 
     scene: Scene
@@ -81,6 +83,7 @@ class Run:
     is_cut: bool = False
     arm: str = "panda"
     samples: tuple[SettledSample, ...] = ()
+    goal: GoalNumber = ONLY_GOAL
 
     @property
     def held(self) -> str:

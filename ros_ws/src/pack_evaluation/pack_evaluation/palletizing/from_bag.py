@@ -17,6 +17,7 @@ from pack_core.motion.topics import JOINT_STATES, MOTION_STATUS, SETPOINTS
 from pack_core.palletizing.topics import CONTACTS, GRIPPER_STATE, PALLET_STATE, RESULT, TRUTH
 from pack_core.rotations import Array, Pose
 from pack_evaluation.bag import Bag, read_bag
+from pack_evaluation.goals import goal_of
 from pack_evaluation.palletizing.run import (
     BoxRecord,
     BoxTrack,
@@ -32,19 +33,24 @@ NEAR = 0.75
 """Share of the usual time between setpoints; a moment farther from all setpoints had none to follow."""
 
 
-def load_pallet_run(path: Path) -> PalletRun:
+def load_pallet_run(path: Path, goal: int | None = None) -> PalletRun:
     """Read a recorded order.
 
     Args:
         path: a run's folder, a bag's folder or an MCAP file.
+        goal: which order of a recording with several, from 1; None: the last.
 
     Raises:
         BagError: the recording is missing, broken, or holds no order.
     """
-    bag = read_bag(path, TOPICS)
+    bag, number = goal_of(
+        read_bag(path, TOPICS), goal, result=RESULT,
+        has_begun=lambda rest: any(item.topic == PALLET_STATE for item in rest),
+    )  # fmt: skip
     missing = [topic for topic in (JOINT_STATES, SETPOINTS, TRUTH, PALLET_STATE, RESULT) if not bag.of(topic)]
     if missing:
-        raise BagError(f"{bag.path} has no message on {', '.join(missing)}: did an order run to its end?")
+        lacks = f"no message on {', '.join(missing)}"
+        raise BagError(f"{bag.path}: order {number} has {lacks}; did it run to its end?")
     result = json.loads(bag.of(RESULT)[-1].data)
     visits = tuple(
         StateVisit(message.state, _seconds(message.header.stamp), message.box, message.reason)
@@ -60,7 +66,7 @@ def load_pallet_run(path: Path) -> PalletRun:
         ),
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
-        is_cut=bag.is_cut,
+        is_cut=bag.is_cut, goal=number,
     )  # fmt: skip
 
 

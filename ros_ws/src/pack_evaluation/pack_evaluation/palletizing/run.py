@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pack_core.rotations import Array, Pose
+from pack_evaluation.goals import ONLY_GOAL, GoalNumber
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,7 @@ class PalletRun:
         grip_peaks: largest coaxial force, shear force [N] and moment [N m] of each box's grips, by name.
         interruptions: how often setpoints came too late and the driver held the arm in a move.
         is_cut: whether the recording ended before the run did.
+        goal: which order of its recording it is.
     """
 
     order: str
@@ -118,3 +120,4 @@ class PalletRun:
     grip_peaks: Mapping[str, tuple[float, float, float]]
     interruptions: int = 0
     is_cut: bool = False
+    goal: GoalNumber = ONLY_GOAL

@@ -1,0 +1,84 @@
+"""Takes one goal out of a recording that holds several."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+
+from pack_core.errors import BagError
+from pack_evaluation.bag import Bag, Recorded
+
+
+@dataclass(frozen=True)
+class GoalNumber:
+    """Which goal of a recording this is.
+
+    Attributes:
+        number: counted from 1 in order of time.
+        count: how many goals the recording holds.
+    """
+
+    number: int = 1
+    count: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.number} of {self.count}"
+
+
+ONLY_GOAL = GoalNumber()
+"""Of a run that is not one of several."""
+
+
+def goal_of(
+    bag: Bag,
+    number: int | None,
+    *,
+    result: str,
+    latched: Collection[str] = (),
+    has_begun: Callable[[Sequence[Recorded]], bool] = lambda _: False,
+) -> tuple[Bag, GoalNumber]:
+    """The part of a recording that belongs to one goal.
+
+    A goal ends with its result, and what follows belongs to the next. After the last result all is kept.
+
+    Args:
+        bag: the recording.
+        number: which goal, from 1 in order of time; None: the last.
+        result: topic on which a goal's end is published.
+        latched: topics whose newest message from before the goal belongs to it, too.
+        has_begun: whether what was recorded after the last result shows a goal without an end.
+
+    Raises:
+        BagError: there is no goal of this number.
+    """
+    parts = _parts(bag.messages, result, latched, has_begun)
+    wanted = len(parts) if number is None else number
+    if not 1 <= wanted <= len(parts):
+        held = f"it holds {len(parts)}, numbered from 1 in order of time"
+        raise BagError(f"{bag.path} has no goal {wanted}; {held}")
+    start, end = parts[wanted - 1]
+    earlier = {item.topic: item for item in bag.messages[:start] if item.topic in latched}
+    messages = (*earlier.values(), *bag.messages[start:end])
+    return replace(bag, messages=messages), GoalNumber(wanted, len(parts))
+
+
+def _parts(
+    messages: Sequence[Recorded],
+    result: str,
+    latched: Collection[str],
+    has_begun: Callable[[Sequence[Recorded]], bool],
+) -> list[tuple[int, int]]:
+    """First and last place of each goal's messages, the last excluded."""
+    ends = [place + 1 for place, item in enumerate(messages) if item.topic == result]
+    parts = [
+        (start, end)
+        for start, end in zip([0, *ends], ends, strict=False)
+        # The result of a goal before the recording began, latched, stands alone.
+        if any(item.topic != result and item.topic not in latched for item in messages[start:end])
+    ]
+    last = parts[-1][1] if parts else 0
+    if parts and not has_begun(messages[last:]):
+        parts[-1] = (parts[-1][0], len(messages))
+    else:
+        parts.append((last, len(messages)))
+    return parts
