@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 DISCOVERY = 1.0
-"""Shortest time to listen [s of wall clock], for nodes of other machines and those that are still starting."""
+"""Shortest time to listen [s of wall clock]: not all nodes are known to run before they are heard."""
 PATIENCE = 5.0
 """Longest time to listen for nodes that are known to run [s of wall clock]."""
 
