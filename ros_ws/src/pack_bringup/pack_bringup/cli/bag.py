@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
+
+from pack_bringup.cli.terminal import show_table
 
 app = typer.Typer()
 bag_app = typer.Typer(no_args_is_help=True, help="Look into recordings.")
@@ -29,10 +29,8 @@ def info(bag: BagPath) -> None:
 
     found = read_bag(bag)
     times = [item.time_ns for item in found.messages]
-    table = Table("topic", "messages", title=str(found.path))
-    for topic, count in found.counts().items():
-        table.add_row(topic, str(count))
-    Console().print(table)
+    counts = [(topic, str(count)) for topic, count in found.counts().items()]
+    show_table(("topic", "messages"), counts, title=str(found.path))
     typer.echo(f"{stamps.to_seconds(max(times, default=0)):.3f} s of simulated time, {len(times)} messages")
     if found.is_cut:
         typer.echo("the recording was cut off; all in front of the cut was read")

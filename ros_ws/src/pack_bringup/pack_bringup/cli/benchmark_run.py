@@ -11,6 +11,7 @@ import typer
 from pack_bringup.cli.json_file import write_json
 from pack_bringup.cli.live import command_line
 from pack_bringup.cli.studies import report_studies
+from pack_bringup.cli.terminal import notice
 from pack_bringup.cli.trial_progress import TrialProgress
 
 if TYPE_CHECKING:
@@ -84,4 +85,4 @@ def _warn_of_other_code(begun: str, now: str) -> None:
     """Settings are compared, code is not: whoever goes on with other code should know."""
     if begun != now:
         text = f"the folder's first trials are of commit {begun}, this is {now}; --fresh measures all anew"
-        typer.secho(text, fg=typer.colors.YELLOW, err=True)
+        notice(text, typer.colors.YELLOW, is_error=True)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 from pack_bringup.cli.json_file import write_json
 from pack_bringup.cli.studies import report_studies
+from pack_bringup.cli.terminal import notice, show_table
 
 if TYPE_CHECKING:
     from pack_evaluation.evaluator import Evaluation, Evaluator
@@ -94,7 +94,7 @@ def evaluate_many(recordings: list[Path], folder: Path, pictures: int) -> dict[s
         task = bar.add_task("reading", total=len(recordings))
         found = gather(recordings, lambda _: bar.advance(task))
     for path, reason in found.left_out.items():
-        typer.secho(f"left out {path}: {reason}", fg=typer.colors.YELLOW, err=True)
+        notice(f"left out {path}: {reason}", typer.colors.YELLOW, is_error=True)
     if not found.cells:
         raise BagError(f"none of the {len(recordings)} paths holds a recording or a benchmark's results")
     title = " and ".join(item.evaluator.title for item in found.cells)
@@ -129,17 +129,14 @@ def run_evaluation(
 
 def show(found: Evaluation[Any, Any]) -> None:
     """Print the table of the measures, and where the report is."""
-    table = Table("measure", "value", "what it is")
-    for row in found.rows:
-        table.add_row(row.name, row.value, row.meaning)
+    show_table(("measure", "value", "what it is"), [(r.name, r.value, r.meaning) for r in found.rows])
     console = Console()
-    console.print(table)
     which = found.run.goal
     if which.count > 1:
         others = f"this recording holds {which.count} goals, and this is goal {which.number}"
-        console.print(f"[yellow]{others}: --goal 1 to {which.count} chooses[/]", soft_wrap=True)
+        notice(f"{others}: --goal 1 to {which.count} chooses", typer.colors.YELLOW)
     if found.run.is_cut:
-        console.print("[yellow]the recording was cut off; all in front of the cut was evaluated[/]")
+        notice("the recording was cut off; all in front of the cut was evaluated", typer.colors.YELLOW)
     console.print(f"report: {found.report}", soft_wrap=True)
     if found.video:
         console.print(f"video:  {found.video}", soft_wrap=True)

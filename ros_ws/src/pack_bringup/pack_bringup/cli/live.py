@@ -14,6 +14,7 @@ from rich.text import Text
 
 from pack_bringup.cell_goal import Progress
 from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
+from pack_bringup.cli.terminal import notice
 from pack_bringup.demo import LOG, Job, run_demo
 from pack_bringup.page import PageProcess
 
@@ -41,11 +42,11 @@ def run_live(job: Job, *, video: bool, page: PageProcess | None = None) -> NoRet
         typer.echo(f"stopped; what was recorded is in {job.folder}")
         raise typer.Exit(130) from None
     reason = getattr(result, "exit_reason", "success" if result.success else "failure")
-    typer.echo(f"goal ended: {reason}, {result.message}")
+    typer.echo(f"goal ended: {reason}" + (f", {result.message}" if result.message else ""))
     show(run_evaluation(evaluator_of(job.folder), job.folder, job.folder, with_video=video))
     typer.echo(f"log:    {job.folder / LOG}")
     if pace.warning:
-        typer.secho(pace.warning, fg=typer.colors.YELLOW)
+        notice(pace.warning, typer.colors.YELLOW)
     raise typer.Exit(0 if result.success else 1)
 
 

@@ -7,10 +7,12 @@ import sys
 import typer
 
 from pack_bringup.cli import bag, benchmark, demo, evaluate, executables, goal, play, run, status, up, wiring
+from pack_bringup.cli.terminal import no_colours, notice
 from pack_core.cells import CELLS, optional_cell_part
 from pack_core.errors import PackError
 
 app = typer.Typer(
+    context_settings={"color": False} if no_colours() else {},
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="markdown",
@@ -44,5 +46,5 @@ def main() -> None:
 
 
 def _shown(error: PackError) -> int:
-    typer.secho(f"error: {error}", fg=typer.colors.RED, err=True)
+    notice(f"error: {error}", typer.colors.RED, is_error=True)
     return 2

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from pack_bringup.cli.terminal import notice
+
 Network = Annotated[
     str,
     typer.Option(
@@ -21,5 +23,5 @@ def environment_of(network: str) -> dict[str, str]:
 
     if not network:
         return {}
-    typer.secho(network_warning(network), fg=typer.colors.YELLOW, err=True)
+    notice(network_warning(network), typer.colors.YELLOW, is_error=True)
     return network_environment(network)

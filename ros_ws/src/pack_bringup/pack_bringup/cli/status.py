@@ -7,12 +7,10 @@ import time
 from typing import TYPE_CHECKING
 
 import typer
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from pack_bringup.cli.domain_option import Domain, domain_of
 from pack_bringup.cli.network_option import Network, environment_of
+from pack_bringup.cli.terminal import show_table
 
 if TYPE_CHECKING:
     from pack_interfaces.msg import NodeStatus
@@ -51,7 +49,7 @@ def status(domain: Domain = None, network: Network = "") -> None:
     if nodes:
         names = [node.name for node in nodes]
         typer.echo(f"ROS domain {where}: {described(names)}")
-        Console().print(_table(nodes, faults))
+        show_table(("node", "runs for", "state", "for", "what"), _rows(nodes, faults))
     else:
         typer.echo(f"ROS domain {where}: no cell runs")
     for number, what in running_cells().items():
@@ -61,16 +59,16 @@ def status(domain: Domain = None, network: Network = "") -> None:
     raise typer.Exit(0 if is_well else 1)
 
 
-def _table(nodes: list[NodeStatus], faults: dict[str, str]) -> Table:
+def _rows(nodes: list[NodeStatus], faults: dict[str, str]) -> list[tuple[str, ...]]:
     from pack_bringup.ros.status_listener import STATE_WORDS
 
-    table = Table("node", "runs for", "state", "for", "what", expand=False)
-    for node in nodes:
-        what = "; ".join(filter(None, (node.waits_for, faults.get(node.name, ""))))
-        table.add_row(
-            node.name, _duration(node.started), STATE_WORDS[node.state], _duration(node.since), Text(what)
+    return [
+        (
+            node.name, _duration(node.started), STATE_WORDS[node.state], _duration(node.since),
+            "; ".join(filter(None, (node.waits_for, faults.get(node.name, "")))),
         )
-    return table
+        for node in nodes
+    ]  # fmt: skip
 
 
 def _duration(since: float) -> str:

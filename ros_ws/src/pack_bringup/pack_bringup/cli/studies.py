@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
+
+from pack_bringup.cli.terminal import notice, show_table
 
 if TYPE_CHECKING:
-    from pack_evaluation.table import TextTable
     from pack_lockstep.benchmarking.side_by_side import CellStudies
 
 
@@ -41,21 +40,12 @@ def report_studies(
             item.evaluator, item.studies, below, pictures=pictures, videos=videos, warn=_warn
         )
         for table in section.tables:
-            console.print(_view(table))
+            show_table(table.head, table.rows, title=table.title, note=table.note)
         sections.append(section)
     report = write_study_report(sections, folder, title)
     console.print(f"report: {report}", soft_wrap=True, highlight=False)
     return {item.cell: summaries(item.evaluator, item.studies) for item in cells}
 
 
-def _view(table: TextTable) -> Table:
-    view = Table(title=escape(table.title), caption=escape(table.note))
-    for name in table.head:
-        view.add_column(escape(name), overflow="fold")
-    for row in table.rows:
-        view.add_row(*map(escape, row))
-    return view
-
-
 def _warn(text: str) -> None:
-    typer.secho(text, fg=typer.colors.YELLOW, err=True)
+    notice(text, typer.colors.YELLOW, is_error=True)

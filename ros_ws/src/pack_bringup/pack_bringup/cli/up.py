@@ -15,6 +15,7 @@ from pack_bringup.bring_up import wait_until_ready
 from pack_bringup.cli.domain_option import Domain, domain_of, domain_words
 from pack_bringup.cli.network_option import Network, environment_of
 from pack_bringup.cli.page_options import HOST, PORT, Host, Live, Port, Token, page_process
+from pack_bringup.cli.terminal import notice
 from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrides
 from pack_bringup.graph.node_log import Tee
 from pack_bringup.graph.processes import ProcessGroup
@@ -87,7 +88,7 @@ def up(
     next_step = f"ready: `pack goal {cell}{domain_words(domain)}` sends a goal, Ctrl-C ends the cell"
     died = _run(commands, environment, names, _log_file(cell), next_step)
     if died:
-        typer.secho(f"died before the end: {', '.join(died)}", fg=typer.colors.RED, err=True)
+        notice(f"died before the end: {', '.join(died)}", typer.colors.RED, is_error=True)
         raise typer.Exit(1)
 
 
@@ -105,7 +106,7 @@ def _run(
             with ProcessGroup(commands, environment=environment, output=output) as group:
                 with StatusListener(int(environment["ROS_DOMAIN_ID"])) as listener:
                     wait_until_ready(group, listener, names, log, typer.echo)
-                typer.secho(next_step, fg=typer.colors.GREEN)
+                notice(next_step, typer.colors.GREEN)
                 try:
                     group.wait()
                 finally:

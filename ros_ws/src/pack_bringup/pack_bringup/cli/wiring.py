@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
+from pack_bringup.cli.terminal import show_table
 from pack_bringup.wiring import COLUMNS, wiring_page, wiring_rows
 
 app = typer.Typer()
@@ -30,7 +29,4 @@ def wiring(
     if markdown:
         typer.echo(wiring_page(wiring_tables()), nl=False)
         return
-    table = Table(*COLUMNS)
-    for row in wiring_rows(wiring_of(cell)):
-        table.add_row(*row)
-    Console().print(table)
+    show_table(COLUMNS, wiring_rows(wiring_of(cell)))

@@ -34,7 +34,7 @@ class ProcessGroup:
         output: TextIO = sys.stdout,
     ) -> None:
         """Prepare the processes; `environment` adds to our own, `output` takes their log lines."""
-        self._printer = Printer(output, width=max(map(len, commands)))
+        self._printer = Printer(output, width=max(map(len, commands)), colour=not os.environ.get("NO_COLOR"))
         self._events: Queue[Any] = Queue()
         self._changed = Condition()
         self._pids: dict[str, int] = {}

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
+from rich.text import Text
+
+from pack_bringup.cli.terminal import show_table
 
 if TYPE_CHECKING:
     from pack_lockstep.packing.replay.comparison import Replay
@@ -66,12 +66,12 @@ def show(found: Replay) -> None:
     """Print what went in and how far apart the answers are."""
     typer.echo(f"fed in: {', '.join(f'{count} of {topic}' for topic, count in found.inputs.items())}")
     head = ("", "compared", "mean [mm]", "difference [mm]", "allowed [mm]", "")
-    table = Table(*map(escape, head))
+    rows = []
     for row in found.rows:
-        verdict = "[green]agrees[/]" if row.agrees else "[red]differs[/]"
+        verdict = Text("agrees", "green") if row.agrees else Text("differs", "red")
         values = (f"{row.mean_mm:.3f}", f"{row.difference_mm:.3f}", f"{row.limit_mm:g}")
-        table.add_row(row.name, str(row.compared), *values, verdict)
-    Console().print(table)
+        rows.append((row.name, str(row.compared), *values, verdict))
+    show_table(head, rows)
 
 
 def _seed_of(bag: Path) -> int:
