@@ -65,7 +65,8 @@ def run_demo(
     Raises:
         PackError: a node did not come up or died, or the goal was refused; the log's last lines say why.
     """
-    from pack_bringup.ros.goal_client import GoalClient, follow_goal
+    from pack_bringup.ros.follow_goal import follow_goal
+    from pack_bringup.ros.goal_client import GoalClient
 
     graph = load_graph(job.cell)
     commands, (contract, goal) = graph.commands(job.overrides()), job.goal()

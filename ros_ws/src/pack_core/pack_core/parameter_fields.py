@@ -106,9 +106,8 @@ def nested(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def is_of_kind(field: ParameterField, value: Any) -> bool:
     """Whether a value has the type of a parameter; a whole number may stand for any number."""
-    kinds = (int, float) if field.kind is float else (field.kind,)
-    items = value if field.is_list else [value]
-    if field.is_list and (isinstance(value, str) or not isinstance(value, Sequence)):
+    kinds, items = (int, float) if field.kind is float else (field.kind,), value if field.is_list else [value]
+    if not isinstance(items, Sequence) or isinstance(items, str):
         return False
     # True and False count as integers in Python.
     return all(isinstance(item, kinds) and (field.kind is bool) == isinstance(item, bool) for item in items)
@@ -126,8 +125,7 @@ def _mark(cls: type[BaseModel], name: str, field: FieldInfo) -> Changeable | Non
         if isinstance(item, Changeable):
             return item
     declaring = next((kind for kind in cls.__mro__ if name in vars(kind).get("__annotations__", {})), cls)
-    mark: Changeable | None = vars(declaring).get("changeable")
-    return mark
+    return vars(declaring).get("changeable")
 
 
 def _parameter(name: str, field: FieldInfo, changeable: Changeable | None) -> ParameterField:

@@ -68,14 +68,12 @@ class MpcNode(GoalNode):
 
     def _change(self, config: MpcNodeConfig) -> None:
         """Use these parameters from the next goal on."""
-        # What does not exist or is not installed is found now, not at the next goal.
-        load_weights(config.weights)
+        load_weights(config.weights)  # what there is not is found now, not at the next goal
         optimizer_class(config.controller.optimizer).require()
         self._config = config
 
     @property
     def waits_for(self) -> str:
-        """What a goal needs and is still missing, in words; empty if nothing is."""
         if self._scene is None:
             return f"no {contracts.DESCRIPTION.name} yet: is sim up?"
         return self._mailbox.missing(self._scene)
@@ -91,9 +89,7 @@ class MpcNode(GoalNode):
     def refusal(self, request: PackObject.Goal) -> str:
         if reason := self.waits_for:
             return reason
-        methods = [method.value for method in PackingMethod]
-        if request.method and request.method not in methods:
-            return f"method '{request.method}'; allowed: {', '.join(methods)}"
+        _method_of(request)  # raises when there is none
         if not 0.0 <= request.timeout < math.inf:
             return f"timeout {request.timeout}; allowed: seconds from 0 on; 0: the parameter task.timeout"
         return ""
@@ -101,8 +97,7 @@ class MpcNode(GoalNode):
     async def pursue(self, request: PackObject.Goal) -> PackObject.Result:
         """Hand the goal to the worker and wait for its outcome."""
         assert self._scene is not None
-        now = self._mailbox.time
-        method = PackingMethod.of(request.method or PackingMethod.PACK_IT_IN.value)
+        method, now = _method_of(request), self._mailbox.time
         session = PackingSession(self._scene, self._cell, self._config, method, now, request.timeout)
         self._placements.start(request.seed)
         self._mailbox.clear_forces()
@@ -180,12 +175,10 @@ class MpcNode(GoalNode):
 
     def _expire(self) -> None:
         """End a goal whose time ran out while the worker had nothing to plan from."""
-        session = self._session
-        if session is None:
-            return
-        session.task.expire(self._mailbox.time)
-        if session.task.outcome is not None:
-            self._end(session)
+        if (session := self._session) is not None:
+            session.task.expire(self._mailbox.time)
+            if session.task.outcome is not None:
+                self._end(session)
 
     def _on_error(self, error: Exception) -> None:
         if not self.context.ok():
@@ -196,6 +189,10 @@ class MpcNode(GoalNode):
         else:
             self.health.count("failed iteration", str(error))
             self.get_logger().error(f"iteration failed: {error!r}", throttle_duration_sec=1.0)
+
+
+def _method_of(request: PackObject.Goal) -> PackingMethod:
+    return PackingMethod.of(request.method) if request.method else PackingMethod.PACK_IT_IN
 
 
 def main() -> int:

@@ -30,7 +30,8 @@ def run_goal(goal: CellGoal, *, reset: bool, domain: int | None, network: str) -
     Raises:
         PackError: the cell does not run here, or the goal was refused.
     """
-    from pack_bringup.ros.goal_client import GoalClient, follow_goal
+    from pack_bringup.ros.follow_goal import follow_goal
+    from pack_bringup.ros.goal_client import GoalClient
 
     os.environ.update(environment_of(network))
     where = domain_of(domain)

@@ -10,11 +10,8 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from rclpy.time_source import TimeSource
@@ -25,14 +22,14 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.health import Health
 from pack_core.ros.node_status import StatusTeller
-from pack_core.ros.params import ParameterSet, unknown, unknown_parameters
+from pack_core.ros.parameter_node import ParameterNode
+from pack_core.ros.params import unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
 from pack_core.ros.stream import TakenByHand
 from pack_core.ros.watch_connection import WatchSocket
 
 ASSERTION_PERIOD = 0.05
-"""How often a node says that it is alive [s of wall clock]: ten times within the lease, so that a busy
-machine may delay many of them."""
+"""How often a node says that it is alive [s of wall clock]: ten times within the lease, as some come late."""
 READINESS_PERIOD = 0.1
 """How often a node that has just started looks whether it is ready [s of wall clock]."""
 LASTING = 1.0
@@ -40,17 +37,15 @@ LASTING = 1.0
 when a cell ends, its nodes end one after the other, and each would call those before it silent."""
 
 
-class CellNode(Node):
+class CellNode(ParameterNode):
     """A node whose endpoints come from the wiring table and that no bad message can stop.
 
     Attributes:
         health: what was refused and what is wrong, published on /diagnostics once a second.
         wall: a clock of wall time that never jumps, for timers that must not wait for simulated time.
-        parameter_set: the configuration that `read_parameters` has read, if it has.
     """
 
     _simulated_time: Subscription | None = None
-    parameter_set: ParameterSet[Any] | None = None
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
@@ -80,8 +75,7 @@ class CellNode(Node):
 
     def tell_status(self) -> None:
         """Say on /node_status where the node stands, if that has changed; to be called from the executor."""
-        is_busy = self.is_busy
-        self._status_teller.tell("" if is_busy else self.waits_for, is_busy=is_busy)
+        self._status_teller.tell("" if self.is_busy else self.waits_for, is_busy=self.is_busy)
 
     def destroy_node(self) -> None:
         """Stop saying that the node is alive, then end."""
@@ -126,23 +120,6 @@ class CellNode(Node):
         with suppress(InvalidHandle, RuntimeError):  # the context may end first
             while not self._ended.wait(ASSERTION_PERIOD) and self.context.ok():
                 self._alive.assert_liveliness()
-
-    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """Put new values of parameters in force, all or none; what is refused is refused with the reason."""
-        try:
-            for parameter in parameter_list:
-                if not self.has_parameter(parameter.name):
-                    raise ConfigError(f"no parameter {unknown(self, parameter.name)}")
-            if self.parameter_set is None:
-                raise ConfigError(f"node '{self.get_name()}' reads its parameters only when it starts")
-            stored, when = self.parameter_set.change(parameter_list)
-        except PackError as error:
-            return SetParametersResult(successful=False, reason=str(error))
-        result = super().set_parameters_atomically(stored)
-        if result.successful:
-            result.reason = f"counts {when}"
-            self.get_logger().info(", ".join(f"{item.name} is {item.value}" for item in stored) + f", {when}")
-        return result
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **kwargs: Any) -> Any:
         """As of every node, but that of rclpy to /clock costs nothing until somebody asks for the time."""
@@ -210,11 +187,11 @@ class CellNode(Node):
 
     def _log_lasting_silences(self) -> None:
         for peer, since in list(self._silences.items()):
-            if peer not in self.health.faults:
+            fault = self.health.faults.get(peer)
+            if fault is None or time.monotonic() - since > LASTING:
                 self._silences.pop(peer, None)
-            elif time.monotonic() - since > LASTING:
-                self._silences.pop(peer, None)
-                self.get_logger().error(self.health.faults[peer])
+                if fault is not None:
+                    self.get_logger().error(fault)
 
     def report(self) -> None:
         """Publish this node's health on /diagnostics."""
