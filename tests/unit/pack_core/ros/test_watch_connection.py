@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 
-from pack_core.ros.watch_connection import WatchConnection, WatchSocket
+from pack_core.ros.watch_connection import WatchConnection, WatchSocket, nodes_on_this_machine
 
 DOMAIN = os.getpid()
 CHILD = f"""
@@ -79,3 +79,12 @@ def test_a_second_node_of_the_same_name_is_no_error() -> None:
     assert not ended.wait(0.1)
     first.close()
     assert ended.wait(2.0)
+
+
+def test_nodes_of_this_machine_are_found_while_they_live() -> None:
+    watched = WatchSocket(DOMAIN, "found")
+    connection = WatchConnection(DOMAIN, "found")
+    assert "found" in nodes_on_this_machine()[DOMAIN]
+    watched.close()
+    connection.close()
+    assert "found" not in nodes_on_this_machine().get(DOMAIN, set())
