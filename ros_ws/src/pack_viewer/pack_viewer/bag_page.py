@@ -31,6 +31,11 @@ class BagPage:
         rate: simulated seconds a second of wall clock.
         start: simulated time to begin at [s]; None: the recording's first moment.
 
+    Attributes:
+        server: as given.
+        news: the recording, which can be held and set to a time.
+        page: what is shown.
+
     Raises:
         BagError: the recording is missing or broken.
     """
@@ -40,7 +45,7 @@ class BagPage:
     ) -> None:
         cell = cell_of(bag)
         page: type[CellPage] = cell_part(cell, "page")
-        self._server = server
+        self.server = server
         self.news = RecordedNews(bag, page.topics + SHARED_TOPICS, start=start)
         self.news.rate = rate
         self.page = LivePage(
@@ -56,7 +61,7 @@ class BagPage:
             ended.wait(max(0.0, begun + TURN - time.monotonic()))
 
     def _add_controls(self, log: EventLog) -> Callable[[], None]:
-        gui, news = self._server.gui, self.news
+        gui, news = self.server.gui, self.news
         with gui.add_folder("Recording"):
             first, last = round(news.start, 2), round(news.end, 2)
             self._slider: Any = gui.add_slider(

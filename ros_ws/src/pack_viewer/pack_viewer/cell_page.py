@@ -28,6 +28,10 @@ class Headline:
     is_fault: bool = False
 
 
+UNHEARD = Headline("waiting for the cell", "nothing has been heard of it yet")
+IDLE = Headline("ready", "no goal is in progress")
+
+
 @dataclass(frozen=True)
 class CameraPreset:
     """A place to look from.
@@ -61,6 +65,9 @@ class CellPage(ABC):
     Args:
         server: the page.
         log: where events go.
+
+    Attributes:
+        headline: the cell's state in a few words.
     """
 
     topics: ClassVar[Topics]
@@ -72,7 +79,7 @@ class CellPage(ABC):
 
     def __init__(self, server: ViserServer, log: EventLog) -> None:
         self.server, self.log = server, log
-        self.headline = Headline("waiting for the cell", "nothing has been heard of it yet")
+        self.headline = UNHEARD
 
     @abstractmethod
     def tabs(self) -> dict[str, Callable[[], None]]:

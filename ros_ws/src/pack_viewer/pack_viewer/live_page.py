@@ -10,7 +10,7 @@ from typing import Any
 from viser import GuiEvent, ViserServer
 
 from pack_core import topics
-from pack_viewer.cell_page import CameraPreset, CellPage
+from pack_viewer.cell_page import IDLE, UNHEARD, CameraPreset, CellPage
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import RED, facts, headline, put
 from pack_viewer.news import News, NewsSource, Topics
@@ -83,6 +83,8 @@ class LivePage:
 
     def _take(self, news: News) -> None:
         self._time = news.time if news.time is not None else self._time
+        if self.cell.headline is UNHEARD and self._time is not None:
+            self.cell.headline = IDLE
         if (factor := news.newest(topics.REAL_TIME_FACTOR)) is not None:
             self._factor = factor.data
         for message in news.all(topics.DIAGNOSTICS):

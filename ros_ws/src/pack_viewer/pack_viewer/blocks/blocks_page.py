@@ -12,7 +12,7 @@ from viser import ViserServer
 from pack_core.blocks import topics
 from pack_core.motion import topics as motion
 from pack_viewer.blocks.blocks_scene import BlocksScene
-from pack_viewer.cell_page import CellPage, Headline, preset_from_angles
+from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import BLUE, GREEN, GREY, ORANGE, boxed, chips, facts, put, signed_list
 from pack_viewer.news import News, Topics, seconds
@@ -47,7 +47,7 @@ class BlocksPage(CellPage):
 
     def __init__(self, server: ViserServer, log: EventLog) -> None:
         super().__init__(server, log)
-        self._scene = BlocksScene(server.scene)
+        self.scene = BlocksScene(server.scene)
         self._status: Any = None
         self._jaws: Any = None
         self._motion: Any = None
@@ -61,11 +61,11 @@ class BlocksPage(CellPage):
     def view_options(self) -> None:
         """Choose whether goals are drawn."""
         goals = self.server.gui.add_checkbox("goals", initial_value=True)
-        goals.on_update(lambda _: self._scene.show_goals(goals.value))
+        goals.on_update(lambda _: self.scene.show_goals(goals.value))
 
     def update(self, news: News) -> None:
         """Move the scene and follow the plan."""
-        self._scene.update(news)
+        self.scene.update(news)
         self._jaws = news.newest(topics.JAW_STATE) or self._jaws
         self._motion = news.newest(motion.MOTION_STATUS) or self._motion
         if sight := news.newest(topics.BLOCK_POSES):
@@ -100,8 +100,8 @@ class BlocksPage(CellPage):
     def forget(self) -> None:
         """Begin anew without a plan."""
         self._status, self._unseen, self._plotted = None, (), -np.inf
-        self.headline = Headline("ready", "no goal is in progress")
-        self._scene.set_goals(())
+        self.headline = IDLE
+        self.scene.set_goals(())
         for plot in (self._error, self._opening):
             plot.clear()
 
@@ -109,7 +109,7 @@ class BlocksPage(CellPage):
         before, now = self._status, seconds(status)
         if status.plan and (before is None or status.plans != before.plans or not before.plan):
             self.log.add(f"plan of {len(status.plan)} actions", time=now)
-            self._scene.set_goals(status.plan)
+            self.scene.set_goals(status.plan)
         if before is None or status.phase != before.phase:
             self.log.add(" ".join(filter(None, (status.phase, status.block))), time=now)
         for name in ("failed_grasps", "refusals", "deviations", "disturbances"):

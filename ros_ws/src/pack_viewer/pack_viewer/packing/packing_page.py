@@ -10,7 +10,7 @@ import numpy as np
 from viser import ViserServer
 
 from pack_core.packing import topics
-from pack_viewer.cell_page import CellPage, Headline, preset_from_angles
+from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import GREY, ORANGE, boxed, chips, facts, put, signed_list
 from pack_viewer.news import News, Topics, seconds
@@ -19,7 +19,6 @@ from pack_viewer.packing.packing_scene import ESTIMATE, TRUTH, PackingScene
 from pack_viewer.rolling_plot import RollingPlot
 
 STAGES = ("LOOK", "PRE_PACK", "INSERT", "FINE_TUNE")
-IDLE = Headline("ready", "no goal is in progress")
 
 
 class PackingPage(CellPage):
@@ -42,7 +41,7 @@ class PackingPage(CellPage):
 
     def __init__(self, server: ViserServer, log: EventLog) -> None:
         super().__init__(server, log)
-        self._scene = PackingScene(server.scene)
+        self.scene = PackingScene(server.scene)
         self._ghosts = Ghosts(server.scene)
         self._stage, self._visited = "", list[str]()
         self._status: Any = None
@@ -57,7 +56,7 @@ class PackingPage(CellPage):
         """Choose where objects are drawn, and which ghosts are."""
         gui = self.server.gui
         source = gui.add_dropdown("objects", (ESTIMATE, TRUTH), hint="as perceived, or as simulated")
-        source.on_update(lambda _: self._scene.draw_from(source.value))
+        source.on_update(lambda _: self.scene.draw_from(source.value))
         target = gui.add_checkbox("target", initial_value=True)
         target.on_update(lambda _: self._ghosts.show_target(target.value))
         samples = gui.add_checkbox("samples of the placement", initial_value=True)
@@ -67,7 +66,7 @@ class PackingPage(CellPage):
         """Move the scene and note where the goal stands."""
         if text := news.newest(topics.DESCRIPTION):
             self._ghosts.describe(text.data)
-        self._scene.update(news)
+        self.scene.update(news)
         self._grip = news.newest(topics.GRIPPER_STATE) or self._grip
         if wrench := news.newest(topics.WRENCH):
             force = wrench.wrench.force

@@ -22,7 +22,11 @@ WALL_OPACITY = 0.45
 
 
 class PackingScene(CellScene):
-    """Is built as soon as the scene and the arm are known, and anew with every other scene."""
+    """Is built as soon as the scene and the arm are known, and anew with every other scene.
+
+    Attributes:
+        drawn: what is drawn; None until both are known.
+    """
 
     topics = Topics(states=(topics.DESCRIPTION, topics.JOINT_STATES, topics.SCENE, topics.TRUTH))
 
@@ -30,7 +34,7 @@ class PackingScene(CellScene):
         self._scene = scene
         self._text = ""
         self._arm: SevenAxisArm | None = None
-        self._drawn: ModelScene | None = None
+        self.drawn: ModelScene | None = None
         self._source = ESTIMATE
         self._poses: dict[str, dict[str, Pose]] = {ESTIMATE: {}, TRUTH: {}}
 
@@ -45,8 +49,8 @@ class PackingScene(CellScene):
         if arm != self._arm:
             self._arm = arm
             self._rebuild()
-        if self._drawn is not None:
-            self._drawn.set_joints(arm.joints, q)
+        if self.drawn is not None:
+            self.drawn.set_joints(arm.joints, q)
 
     def draw_from(self, source: str) -> None:
         """Draw objects as perceived or as simulated."""
@@ -61,19 +65,19 @@ class PackingScene(CellScene):
         for source, topic in ((ESTIMATE, topics.SCENE), (TRUTH, topics.TRUTH)):
             if message := news.newest(topic):
                 self._poses[source] = {item.name: _pose(item.pose) for item in message.objects}
-        if self._drawn is None:
+        if self.drawn is None:
             return
         # What is not perceived yet is drawn where the simulator has it, rather than in the middle of the arm.
         for name, X_WO in {**self._poses[TRUTH], **self._poses[self._source]}.items():
             if name in self._names:
-                self._drawn.set_body(name, X_WO)
-        self._drawn.send()
+                self.drawn.set_body(name, X_WO)
+        self.drawn.send()
 
     def _rebuild(self) -> None:
         if not self._text or self._arm is None:
             return
-        if self._drawn is not None:
-            self._drawn.remove()
+        if self.drawn is not None:
+            self.drawn.remove()
         scene = Scene.from_yaml(self._text)
         self._names = {*scene.names, scene.new_object.name}
         model = build_model(
@@ -82,7 +86,7 @@ class PackingScene(CellScene):
         )  # fmt: skip
         for wall in WALLS:
             model.geom(wall).rgba[3] = WALL_OPACITY
-        self._drawn = ModelScene(self._scene, model)
+        self.drawn = ModelScene(self._scene, model)
 
 
 def _pose(message: object) -> Pose:

@@ -13,7 +13,7 @@ from viser import ViserServer
 
 from pack_core.motion import topics as motion
 from pack_core.palletizing import topics
-from pack_viewer.cell_page import CellPage, Headline, preset_from_angles
+from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import facts, put
 from pack_viewer.news import News, Topics, seconds
@@ -46,7 +46,7 @@ class PalletizingPage(CellPage):
 
     def __init__(self, server: ViserServer, log: EventLog) -> None:
         super().__init__(server, log)
-        self._scene = PalletScene(server.scene)
+        self.scene = PalletScene(server.scene)
         self._progress = OrderProgress()
         self._grip: Any = None
         self._motion: Any = None
@@ -58,7 +58,7 @@ class PalletizingPage(CellPage):
 
     def update(self, news: News) -> None:
         """Move the scene and follow the machine."""
-        self._scene.update(news)
+        self.scene.update(news)
         self._grip = news.newest(topics.GRIPPER_STATE) or self._grip
         self._motion = news.newest(motion.MOTION_STATUS) or self._motion
         for state in news.all(topics.PALLET_STATE):
@@ -95,7 +95,7 @@ class PalletizingPage(CellPage):
         """Begin anew with no box placed."""
         self._progress = OrderProgress()
         self._contacts, self._plotted = 0, -np.inf
-        self.headline = Headline("ready", "no order is being built")
+        self.headline = IDLE
         for plot in (self._error, self._load):
             plot.clear()
 

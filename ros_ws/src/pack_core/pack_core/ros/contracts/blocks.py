@@ -15,10 +15,10 @@ from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
 TAGS = Contract(
-    topics.TAGS, String, ("sim",), ("tags", "recorder"),
+    topics.TAGS, String, ("sim",), ("tags", "recorder", "user"),
     "the number of every block's tag by the block's id, as YAML", qos=LATCHED, rate="at reset", recorded=True)
 JAW_STATE = Contract(
-    topics.JAW_STATE, JawState, ("sim",), ("fsm", "recorder"),
+    topics.JAW_STATE, JawState, ("sim",), ("fsm", "recorder", "user"),
     "where the fingers are, how hard they press, whether they hold something",
     qos=STREAM, rate=hz(topics.JAW_RATE), recorded=True)
 JAW_COMMAND = Contract(
@@ -26,7 +26,7 @@ JAW_COMMAND = Contract(
     "an opening and a force; answers at once, the state tells how it went", kind=Kind.SERVICE)
 TRIGGER, IMAGE, CAMERA_INFO = overhead_camera("tags")
 BLOCK_POSES = Contract(
-    topics.BLOCK_POSES, BlockSighting, ("tags",), ("fsm", "recorder"),
+    topics.BLOCK_POSES, BlockSighting, ("tags",), ("fsm", "recorder", "user"),
     "poses of the blocks in a picture; those not seen, and those seen twice",
     qos=STREAM, rate="each picture", recorded=True)
 PLAN_REARRANGEMENT = Contract(
@@ -36,14 +36,14 @@ STATUS = Contract(
     topics.STATUS, RearrangeStatus, ("fsm",), ("recorder", "user"),
     "phase, plan and what was done so far", qos=STREAM, rate="on change", recorded=True)
 RESULT = Contract(
-    topics.RESULT, String, ("fsm",), ("recorder",),
+    topics.RESULT, String, ("fsm",), ("recorder", "user"),
     "how the last goal ended, as JSON with the fields of the action's result", qos=LATCHED,
     rate="each goal", recorded=True)
 REARRANGE = Contract(
     "/rearrange", Rearrange, ("user",), ("fsm",), "bring every block to its goal", kind=Kind.ACTION)
 TRUTH = Contract(
-    topics.TRUTH, SceneState, ("sim",), ("recorder",),
-    "true poses and twists of the blocks; for the recorder and tests only",
+    topics.TRUTH, SceneState, ("sim",), ("recorder", "user"),
+    "true poses and twists of the blocks; for whoever looks on, never for what controls",
     qos=STREAM, rate=hz(topics.TRUTH_RATE), recorded=True)
 RESET = Contract(
     "/sim/reset", ResetScene, ("user",), ("sim",),

@@ -11,7 +11,7 @@ from pack_core.ros.contracts.contract import EVENTS, LATEST, STREAM, Contract, c
 
 # fmt: off
 JOINT_STATES = Contract(
-    topics.JOINT_STATES, JointState, ("sim",), ("motion", "recorder"),
+    topics.JOINT_STATES, JointState, ("sim",), ("motion", "recorder", "user"),
     "measured joint positions, velocities and torques", qos=STREAM, rate=hz(topics.JOINT_RATE), recorded=True)
 MOTION_TARGET = Contract(
     topics.MOTION_TARGET, MotionTarget, ("fsm", "user"), ("motion", "recorder"),

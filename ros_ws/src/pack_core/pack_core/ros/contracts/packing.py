@@ -17,11 +17,11 @@ from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
 DESCRIPTION = Contract(
-    topics.DESCRIPTION, String, ("sim",), ("perception", "planner", "mpc", "recorder"),
+    topics.DESCRIPTION, String, ("sim",), ("perception", "planner", "mpc", "recorder", "user"),
     "shapes, sizes and masses of container and objects, as a scene file without poses",
     qos=LATCHED, rate="at reset", recorded=True)
 JOINT_STATES = Contract(
-    topics.JOINT_STATES, JointState, ("sim",), ("perception", "mpc", "recorder"),
+    topics.JOINT_STATES, JointState, ("sim",), ("perception", "mpc", "recorder", "user"),
     "measured joint positions, velocities and torques", qos=STREAM, rate=hz(topics.JOINT_RATE), recorded=True)
 SETPOINTS = Contract(
     topics.SETPOINTS, JointTrajectory, ("mpc",), ("sim", "recorder"),
@@ -31,19 +31,19 @@ MARKERS = Contract(
     topics.MARKERS, MocapMarkers, ("sim",), ("perception", "recorder"),
     "markers that at least two cameras see", qos=STREAM, rate=hz(topics.MARKER_RATE), recorded=True)
 SCENE = Contract(
-    topics.SCENE, SceneState, ("perception",), ("planner", "mpc", "recorder"),
+    topics.SCENE, SceneState, ("perception",), ("planner", "mpc", "recorder", "user"),
     "estimated pose and twist of every object, with source and age", qos=STREAM,
     rate=hz(topics.MARKER_RATE), recorded=True)
 WRENCH = Contract(
-    topics.WRENCH, WrenchStamped, ("sim",), ("mpc", "recorder"),
+    topics.WRENCH, WrenchStamped, ("sim",), ("mpc", "recorder", "user"),
     "force and torque on the suction cup, less the held object's weight, in the cup's frame",
     qos=STREAM, rate=hz(topics.WRENCH_RATE), recorded=True)
 GRIPPER_STATE = Contract(
-    topics.GRIPPER_STATE, GripperState, ("sim",), ("mpc", "recorder"),
+    topics.GRIPPER_STATE, GripperState, ("sim",), ("mpc", "recorder", "user"),
     "what the pump holds and how hard it is pulled", qos=STREAM, rate=hz(topics.GRIPPER_RATE), recorded=True)
 TRUTH = Contract(
-    topics.TRUTH, SceneState, ("sim",), ("recorder",),
-    "true poses and twists; for the recorder and tests only", qos=STREAM,
+    topics.TRUTH, SceneState, ("sim",), ("recorder", "user"),
+    "true poses and twists; for whoever looks on, never for what controls", qos=STREAM,
     rate=hz(topics.TRUTH_RATE), recorded=True)
 MPC_STATUS = Contract(
     topics.MPC_STATUS, MpcStatus, ("mpc",), ("recorder", "user"),
@@ -57,7 +57,7 @@ SETTLED_SAMPLES = Contract(
     "some samples of a placement as settled scenes, with their costs", qos=LATCHED, rate="each placement",
     recorded=True)
 RESULT = Contract(
-    topics.RESULT, String, ("mpc",), ("recorder",),
+    topics.RESULT, String, ("mpc",), ("recorder", "user"),
     "how the last goal ended, as JSON with the fields of the action's result", qos=LATCHED,
     rate="each goal", recorded=True)
 PLAN_PLACEMENT = Contract(

@@ -23,18 +23,18 @@ from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
 BOXES = Contract(
-    topics.BOXES, String, ("sim",), ("recorder",),
+    topics.BOXES, String, ("sim",), ("recorder", "user"),
     "name, size and mass of every box in the cell, as YAML", qos=LATCHED, rate="on change", recorded=True)
 GRIPPER_STATE = Contract(
-    topics.GRIPPER_STATE, GripperState, ("sim",), ("fsm", "recorder"),
+    topics.GRIPPER_STATE, GripperState, ("sim",), ("fsm", "recorder", "user"),
     "what the gripper holds and how hard it is loaded; still closing: neither closed nor with a reason",
     qos=STREAM, rate=hz(topics.GRIPPER_RATE), recorded=True)
 TRUTH = Contract(
-    topics.TRUTH, SceneState, ("sim",), ("recorder",),
-    "true poses and twists of the boxes; for the recorder and tests only",
+    topics.TRUTH, SceneState, ("sim",), ("recorder", "user"),
+    "true poses and twists of the boxes; for whoever looks on, never for what controls",
     qos=STREAM, rate=hz(topics.TRUTH_RATE), recorded=True)
 CONTACTS = Contract(
-    topics.CONTACTS, UnwantedContact, ("sim",), ("recorder",),
+    topics.CONTACTS, UnwantedContact, ("sim",), ("recorder", "user"),
     "arm, tool or carried box touched something that they should not, with more than a set force",
     qos=STREAM, rate="each contact", recorded=True)
 GRIPPER_COMMAND = Contract(
@@ -52,7 +52,7 @@ EXPECTED_BOX = Contract(
     topics.EXPECTED_BOX, ExpectedBox, ("fsm",), ("vision", "recorder"),
     "the box that is to be found in pictures from its stamp on", qos=LATCHED, rate="each box", recorded=True)
 BOX_DETECTION = Contract(
-    topics.BOX_DETECTION, BoxDetection, ("vision",), ("fsm", "recorder"),
+    topics.BOX_DETECTION, BoxDetection, ("vision",), ("fsm", "recorder", "user"),
     "the expected box's pose, or why there is none", qos=STREAM, rate="each picture", recorded=True)
 VISION_FRAME = Contract(
     "/vision/frame", CompressedImage, ("vision",), ("user",),
@@ -75,7 +75,7 @@ PALLET_STATE = Contract(
     "the machine entered a state: which, for which box, on what event, and why if it is a fault",
     qos=EVENTS, rate="each state", recorded=True)
 RESULT = Contract(
-    topics.RESULT, String, ("fsm",), ("recorder",),
+    topics.RESULT, String, ("fsm",), ("recorder", "user"),
     "what became of the last order and of each of its boxes, as JSON", qos=LATCHED,
     rate="each order", recorded=True)
 PALLETIZE = Contract(

@@ -1,0 +1,57 @@
+"""A recording in a real browser: the page is drawn, told, held, and set to a time."""
+
+import socket
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from pack_core.paths import project_root
+from pack_viewer.bag_page import BagPage
+from pack_viewer.replay import write_replay
+from pack_viewer.web_server import open_server
+from page_browser import changed_share, open_page, picture
+
+SAMPLE = project_root() / "bags" / "samples" / "packing"
+
+
+@pytest.fixture
+def shown() -> Iterator[BagPage]:
+    """The sample recording, played fast."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    server, ended = open_server(port, "PackCell"), threading.Event()
+    page = BagPage(server, SAMPLE, rate=4.0)
+    thread = threading.Thread(target=page.run, args=(ended,))
+    thread.start()
+    yield page
+    ended.set()
+    thread.join()
+    server.stop()
+
+
+@pytest.mark.timeout(300)
+def test_a_recording_is_shown_to_its_end_and_held_and_set_back(shown: BagPage) -> None:
+    with open_page(f"http://127.0.0.1:{shown.server.get_port()}") as browser:
+        browser.wait_for_headline("placed")
+        browser.wait_for_text("nothing may be pushed aside now")
+        browser.press("go on")  # at its end it is held; going on begins anew
+        browser.wait_for_headline("INSERT")
+        browser.press("pause")
+        browser.wait_for_headline("INSERT")
+        robot = shown.page.cell.scene.drawn.body("link4")
+        before = picture(shown.server)
+        assert changed_share(before, picture(shown.server)) == 0.0
+        robot.visible = False
+        assert changed_share(before, picture(shown.server)) > 0.002  # it was really drawn
+        assert browser.foreign_requests == []
+
+
+@pytest.mark.timeout(300)
+def test_a_replay_is_drawn_from_its_file_alone(tmp_path) -> None:
+    write_replay(SAMPLE, tmp_path / "replay.html")
+    with open_page((tmp_path / "replay.html").as_uri()) as browser:
+        browser.page.wait_for_selector("canvas", timeout=60_000)
+        browser.wait_for_text("1x")
+        assert browser.foreign_requests == []
