@@ -32,9 +32,9 @@ ASSERTION_PERIOD = 0.05
 """How often a node says that it is alive [s of wall clock]: ten times within the lease, as some come late."""
 READINESS_PERIOD = 0.1
 """How often a node that has just started looks whether it is ready [s of wall clock]."""
-LASTING = 1.0
+LASTING = 3.0
 """Silence of a peer that is written to the log [s of wall clock]. It is acted upon and reported at once; but
-when a cell ends, its nodes end one after the other, and each would call those before it silent."""
+a busy machine keeps nodes waiting while a cell starts, and nodes end one after the other when it ends."""
 
 
 class CellNode(ParameterNode):
