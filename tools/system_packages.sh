@@ -23,9 +23,13 @@ fi
 has_library libEGL.so.1 || missing+=(libegl1)
 has_library libOpenGL.so.0 || missing+=(libopengl0)
 has_gl_driver || missing+=(libgl1-mesa-dri)
+# Only tests of the page need a browser: set-up goes on without one. Ubuntu's chromium is a snap.
+is_debian() { grep -qx 'ID=debian' /etc/os-release 2>/dev/null; }
+can_install() { [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null; }
+if can_install && is_debian && ! command -v chromium >/dev/null; then missing+=(chromium libgl1-mesa-dri); fi
 [ ${#missing[@]} -eq 0 ] && exit 0
 
-if [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null; then
+if can_install; then
     echo "Installing system packages: ${missing[*]}"
     apt-get update -qq
     DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
