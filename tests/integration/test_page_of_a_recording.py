@@ -40,7 +40,7 @@ def test_a_recording_is_shown_to_its_end_and_held_and_set_back(shown: BagPage) -
         browser.wait_for_headline("INSERT")
         browser.press("pause")
         browser.wait_for_headline("INSERT")
-        robot = shown.page.cell.scene.drawn.body("link4")
+        robot = shown.page.cell.scene.drawn.body("panda_link4")
         before = picture(shown.server)
         assert changed_share(before, picture(shown.server)) == 0.0
         robot.visible = False

@@ -43,7 +43,7 @@ class LivePage:
     ) -> None:  # fmt: skip
         self._server, self._source, self._origin = server, source, origin
         gui = server.gui
-        gui.configure_theme(control_layout="collapsible", show_logo=False, show_share_button=False)
+        gui.configure_theme(show_logo=False, show_share_button=False)
         self._headline = gui.add_html("")
         self._facts = gui.add_html("")
         self.log = EventLog()
@@ -115,9 +115,7 @@ class LivePage:
             dark.on_update(lambda _: self._set_dark(dark.value))
 
     def _set_dark(self, dark: bool) -> None:
-        self._server.gui.configure_theme(
-            control_layout="collapsible", show_logo=False, show_share_button=False, dark_mode=dark
-        )
+        self._server.gui.configure_theme(show_logo=False, show_share_button=False, dark_mode=dark)
 
     def _add_side_panel(self) -> None:
         gui = self._server.gui

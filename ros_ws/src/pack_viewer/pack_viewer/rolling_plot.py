@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Sequence
 
@@ -11,8 +12,10 @@ from viser import GuiApi, uplot
 from pack_viewer.fragments import BLUE, GREEN, GREY, ORANGE, PURPLE, RED
 
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE)
-KEPT = 1500
-"""Points of a curve; at ten a second they are two minutes and a half."""
+KEPT = 600
+"""Points of a curve; at ten a second they are a minute."""
+SEND_PERIOD = 0.5
+"""Least time between two pictures of a plot [s of wall clock]: each carries all of its points."""
 HEIGHT = 150
 
 
@@ -28,6 +31,7 @@ class RollingPlot:
     def __init__(self, gui: GuiApi, title: str, curves: Sequence[str]) -> None:
         self._rows: deque[tuple[float, ...]] = deque(maxlen=KEPT)
         self._width, self._changed = len(curves) + 1, False
+        self._next_send = 0.0
         series: list[uplot.Series] = [uplot.Series(label="time [s]")]
         series += [
             uplot.Series(label=name, stroke=colour, width=2)
@@ -39,9 +43,9 @@ class RollingPlot:
             scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(auto=True)},
         )  # fmt: skip
 
-    def add(self, time: float, *values: float) -> None:
-        """Add a point to every curve; NaN leaves a gap."""
-        self._rows.append((time, *values))
+    def add(self, at: float, *values: float) -> None:
+        """Add a point to every curve at simulated time `at` [s]; NaN leaves a gap."""
+        self._rows.append((at, *values))
         self._changed = True
 
     def clear(self) -> None:
@@ -50,10 +54,10 @@ class RollingPlot:
         self._changed = True
 
     def send(self) -> None:
-        """Show what was added."""
-        if self._changed:
+        """Show what was added, unless it was shown a moment ago."""
+        if self._changed and (now := time.monotonic()) >= self._next_send:
             self._handle.data = self._data()
-            self._changed = False
+            self._changed, self._next_send = False, now + SEND_PERIOD
 
     def _data(self) -> tuple[np.ndarray, ...]:
         rows = np.array(self._rows, dtype=float).reshape(-1, self._width)
