@@ -1,11 +1,15 @@
 """docs/dataflow.md is what the wiring tables say."""
 
+import re
+from importlib import import_module
+
 import pytest
 
 from pack_bringup.graph.graph import load_graph
 from pack_bringup.wiring import wiring_page
 from pack_core.cells import CELLS
 from pack_core.paths import project_root
+from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import wiring_of, wiring_tables
 
 
@@ -32,3 +36,22 @@ def test_every_topic_states_its_qos_and_rate(cell: str) -> None:
     topics = [contract for contract in wiring_of(cell) if contract.kind.value == "topic"]
     assert topics
     assert [topic.name for topic in topics if topic.qos is None or not topic.rate] == []
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_what_the_wiring_sends_to_a_node_is_named_in_the_code_of_its_package(cell: str) -> None:
+    module = import_module(f"pack_core.ros.contracts.{cell}")
+    constants = {value.name: name for name, value in vars(module).items() if isinstance(value, Contract)}
+    package_of = {node.name: node.package for node in load_graph(cell).nodes}
+    unheard = [
+        (contract.name, node)
+        for contract in wiring_of(cell)
+        for node in set(contract.targets) & package_of.keys() - {"recorder"}
+        if contract.name in constants and not _is_named(constants[contract.name], package_of[node])
+    ]
+    assert unheard == []
+
+
+def _is_named(constant: str, package: str) -> bool:
+    files = (project_root() / "ros_ws" / "src" / package / package).rglob("*.py")
+    return any(re.search(rf"\b{constant}\b", file.read_text()) for file in files)

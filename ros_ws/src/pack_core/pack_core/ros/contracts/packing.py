@@ -31,7 +31,7 @@ MARKERS = Contract(
     topics.MARKERS, MocapMarkers, ("sim",), ("perception", "recorder"),
     "markers that at least two cameras see", qos=STREAM, rate=hz(topics.MARKER_RATE), recorded=True)
 SCENE = Contract(
-    topics.SCENE, SceneState, ("perception",), ("planner", "mpc", "recorder", "user"),
+    topics.SCENE, SceneState, ("perception",), ("mpc", "recorder", "user"),
     "estimated pose and twist of every object, with source and age", qos=STREAM,
     rate=hz(topics.MARKER_RATE), recorded=True)
 WRENCH = Contract(
