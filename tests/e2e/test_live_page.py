@@ -73,7 +73,7 @@ def shown(cell: str, graph: Graph, folder: Path) -> Iterator[ShownCell]:
     with (folder / "nodes.log").open("w") as log:
         processes = ProcessGroup(commands, environment=environment, output=log)
         with processes:
-            graph.wait_until_ready(*(name for name in commands if name != "live"), timeout=UP)
+            graph.wait_until_ready(*commands, timeout=UP)
             yield ShownCell(graph, processes, f"http://127.0.0.1:{port}")
 
 

@@ -36,8 +36,7 @@ class PageProcess:
         command = [str(find_executable("pack_viewer", "live_node")), "--ros-args", "-r", f"__node:={NODE}"]
         for name, value in {"cell": self.cell, "port": self.port, "host": self.host}.items():
             command += ["-p", f"{name}:={json.dumps(value)}"]
-        # It stands back behind the nodes: a late picture does no harm, a late setpoint does.
-        return {NODE: ["nice", "-n", "5", *command]}
+        return {NODE: command}  # it does not stand back behind others (nice): STOP goes through it
 
     def environment(self) -> dict[str, str]:
         """What the node reads from its environment."""
