@@ -35,6 +35,12 @@ class EventLog:
             self._entries.appendleft((sign, colour, stamp + text))
             self._changed = True
 
+    @property
+    def text(self) -> str:
+        """All entries as plain text, newest first, a line each."""
+        with self._lock:
+            return "\n".join(text for _, _, text in self._entries)
+
     def clear(self) -> None:
         """Forget everything but what people did."""
         with self._lock:

@@ -44,7 +44,13 @@ class LiveNodeConfig(Config):
 
 
 class LiveNode(CellNode):
-    """Node `live`: a page in the browser that shows a cell and lets it be operated."""
+    """Node `live`: a page in the browser that shows a cell and lets it be operated.
+
+    Attributes:
+        page: what is shown.
+        form: what can be chosen for the next goal.
+        operator: asks the cell for what is pressed.
+    """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("live", **kwargs)
@@ -68,10 +74,10 @@ class LiveNode(CellNode):
         super().destroy_node()
 
     def _add_controls(self, log: EventLog) -> Callable[[], None]:
-        form: RunForm = cell_part(self._cell, "run_form")(self._server.gui, log)
+        self.form: RunForm = cell_part(self._cell, "run_form")(self._server.gui, log)
         (action,) = (contract for contract in wiring_of(self._cell) if contract.kind is Kind.ACTION)
-        operator = LiveOperator(self, action, form, log)
-        return RunPanel(self._server.gui, log, operator, form.add).show
+        self.operator = LiveOperator(self, action, self.form, log)
+        return RunPanel(self._server.gui, log, self.operator, self.form.add).show
 
     def _turn(self) -> None:
         begun = time.monotonic()

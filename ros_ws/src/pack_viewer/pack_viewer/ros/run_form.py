@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from viser import GuiApi
+from viser import GuiApi, UploadedFile
 
 from pack_core.errors import PackError
 from pack_core.ros.contracts.contract import Contract
@@ -58,7 +58,7 @@ class FileChoice:
         self._uploaded: dict[str, str] = {}
         self._list = form.gui.add_dropdown(label, tuple(files))
         button = form.gui.add_upload_button(f"upload {label}", color="gray")
-        button.on_upload(lambda _: self._take(button.value.name, button.value.content))
+        button.on_upload(lambda _: self.take(button.value))
 
     @property
     def name(self) -> str:
@@ -73,9 +73,11 @@ class FileChoice:
         path = self._files[self.name]
         return path.read_text() if path else ""
 
-    def _take(self, name: str, content: bytes) -> None:
+    def take(self, file: UploadedFile) -> None:
+        """Choose a file that a browser has uploaded, unless it must not be used."""
+        name = file.name
         try:
-            text = checked_text(name, content)
+            text = checked_text(name, file.content)
             self._check(text, name)
         except PackError as error:
             self._log.add(f"upload refused: {error}", "error")

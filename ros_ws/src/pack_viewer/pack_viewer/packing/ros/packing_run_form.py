@@ -24,14 +24,14 @@ class PackingRunForm(RunForm):
         """Add the widgets."""
         files = sorted(config_path("scenarios", "packing").glob("*.yaml"))
         self._seed = self.gui.add_number("seed", 0, min=0, max=2**31 - 1, step=1)
-        self._scene = FileChoice(
+        self.scene = FileChoice(
             self, "scene", {GENERATED: None, **{file.stem: file for file in files}}, parse_scene
         )
         self._method = self.gui.add_dropdown("method", tuple(method.value for method in PackingMethod))
 
     def reset(self) -> tuple[Contract, Any]:
         """The scene, or the seed that one is generated from."""
-        return contracts.RESET, ResetScene.Request(scene=self._scene.text, seed=int(self._seed.value))
+        return contracts.RESET, ResetScene.Request(scene=self.scene.text, seed=int(self._seed.value))
 
     def goal(self) -> tuple[Contract, Any]:
         """The method and its seed."""
