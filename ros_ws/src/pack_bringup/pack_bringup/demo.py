@@ -55,9 +55,18 @@ def recorder_parameters(job: Job, seed: int, command: str) -> dict[str, str]:
 
 
 def run_demo(
-    job: Job, on_progress: Callable[[Progress], None], page: PageProcess | None = None
+    job: Job,
+    on_progress: Callable[[Progress], None],
+    domain: int | None = None,
+    page: PageProcess | None = None,
 ) -> tuple[Any, Pace]:
     """Start the nodes, pursue the goal, stop the nodes; the recording is then complete.
+
+    Args:
+        job: the goal, and what the nodes are told.
+        on_progress: is shown where the goal stands, about ten times a second of wall clock.
+        domain: ROS domain id; None: the environment's, else a free one.
+        page: a page that shows the run while it goes on; None: none.
 
     Returns:
         The action's result, and whether the machine kept up.
@@ -72,7 +81,7 @@ def run_demo(
     commands, (contract, goal) = graph.commands(job.overrides()), job.goal()
     commands |= page.commands() if page else {}
     pace = Pace(_wanted_factor(graph, job))
-    domain = choose_domain(os.environ)
+    domain = choose_domain(os.environ) if domain is None else domain
     names = [node.name for node in graph.nodes]
     check_domain_is_free(domain, job.cell, names)
     environment = {"ROS_DOMAIN_ID": str(domain), **(page.environment() if page else {})}

@@ -41,9 +41,9 @@ class Pace:
 
     @property
     def remark(self) -> str:
-        """For the line of progress: empty while the machine keeps up."""
+        """Follows the real-time factor in the line of progress; empty while the machine keeps up."""
         is_slow = bool(self.achieved) and self.achieved[-1] < ENOUGH * self.wanted
-        return f"   too slow for {self.wanted:.2f}" if is_slow else ""
+        return f" < {self.wanted:.2f}" if is_slow else ""
 
     @property
     def warning(self) -> str:

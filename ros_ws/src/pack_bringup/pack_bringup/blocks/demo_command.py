@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 
 from pack_bringup.blocks.goal_command import Blocks, Density, Method, ProblemFile, Seed, problem_of
-from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
+from pack_bringup.cli.demo_options import Domain, Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
 from pack_bringup.cli.page_options import PORT, Live, Port, page_process
 from pack_bringup.recording.run_record import default_folder
@@ -22,6 +22,7 @@ def demo(
     live: Live = False,
     port: Port = PORT,
     output: Output = None,
+    domain: Domain = None,
 ) -> None:
     """Rearrange blocks into a dense grid: six nodes, one goal, and a report at the end.
 
@@ -38,4 +39,4 @@ def demo(
     job = BlocksJob(
         text, seed, method, folder=folder, real_time_factor=real_time_factor, command=command_line()
     )
-    run_live(job, video=video, page=page_process("blocks", live, port))
+    run_live(job, video=video, domain=domain, page=page_process("blocks", live, port))

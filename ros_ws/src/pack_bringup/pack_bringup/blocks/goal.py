@@ -48,6 +48,6 @@ class BlocksGoal:
         action = f"action {feedback.done + 1:2} of {feedback.actions:2}" if feedback.actions else ""
         return Progress(
             f"{feedback.phase} {feedback.block}",
-            f"{feedback.phase:9} {feedback.block:4} {action:18} {feedback.elapsed:6.1f} s   "
+            f"{feedback.phase:9} {feedback.block:4} {action:18} {feedback.elapsed:6.1f} s  "
             f"real-time factor {real_time_factor:4.2f}",
         )

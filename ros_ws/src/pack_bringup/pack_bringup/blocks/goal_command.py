@@ -52,18 +52,21 @@ def problem_of(file: Path | None, blocks: int, density: float, seed: int) -> str
     """The text of a problem file, or of a generated problem where there is no file.
 
     Raises:
-        ConfigError: there is no such file, or it is no problem file.
+        ConfigError: there is no such file, it is no problem file, or the problem contradicts itself.
     """
     return _generated(blocks, density, seed) if file is None else _text_of(file)
 
 
 def _text_of(path: Path) -> str:
     from pack_core.blocks.problem_file import parse_problem
+    from pack_planner.rearrangement.validation import find_fault
 
     if not path.is_file():
         raise ConfigError(f"{path}: no such file")
     text = path.read_text()
-    parse_problem(text, str(path))
+    # Now, because the planner would find it only after all nodes have started.
+    if contradiction := find_fault(parse_problem(text, str(path))):
+        raise ConfigError(f"{path}: {contradiction.text}")
     return text
 
 

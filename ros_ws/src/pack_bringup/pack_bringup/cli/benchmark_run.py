@@ -10,6 +10,7 @@ import typer
 
 from pack_bringup.cli.json_file import write_json
 from pack_bringup.cli.live import command_line
+from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.cli.studies import report_studies
 from pack_bringup.cli.terminal import notice
 from pack_bringup.cli.trial_progress import TrialProgress
@@ -56,6 +57,7 @@ def run(benchmark: Benchmark[Any, Any], options: RunOptions) -> None:
     from pack_lockstep.benchmarking.side_by_side import CellStudies
 
     folder = ResultsFolder(options.output or bags_path() / "benchmarks" / benchmark.folder_name)
+    make_output_folder(folder.path)
     if options.fresh:
         folder.clear(benchmark.files)
     names, origin = [job.name for job in benchmark.jobs], provenance(command_line())

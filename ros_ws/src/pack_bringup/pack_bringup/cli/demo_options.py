@@ -17,6 +17,10 @@ RealTimeFactor = Annotated[
 Video = Annotated[
     bool, typer.Option(help="Render the run as MP4 and as an interactive replay, for the report.")
 ]
+Domain = Annotated[
+    int | None,
+    typer.Option(min=0, max=101, help="ROS domain id. Default: the environment's, else one that is free."),
+]
 Output = Annotated[
     Path | None,
     typer.Option(

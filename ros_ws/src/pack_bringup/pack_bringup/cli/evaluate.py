@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from pack_bringup.cli.json_file import write_json
+from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.cli.studies import report_studies
 from pack_bringup.cli.terminal import notice, show_table
 
@@ -76,6 +77,7 @@ def evaluate_one(
     from pack_evaluation.gif import write_gif
 
     evaluator = evaluator_of(bag)
+    make_output_folder(folder)
     found = run_evaluation(evaluator, bag, folder, with_video=video or gif, goal=goal)
     show(found)
     if gif and found.video:
@@ -90,6 +92,7 @@ def evaluate_many(recordings: list[Path], folder: Path, pictures: int) -> dict[s
     from pack_core.errors import BagError
     from pack_lockstep.benchmarking.side_by_side import gather
 
+    make_output_folder(folder)
     with Progress(TextColumn("reading"), BarColumn(), MofNCompleteColumn(), transient=True) as bar:
         task = bar.add_task("reading", total=len(recordings))
         found = gather(recordings, lambda _: bar.advance(task))

@@ -14,9 +14,12 @@ from rich.text import Text
 
 from pack_bringup.cell_goal import Progress
 from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
+from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.cli.terminal import notice
 from pack_bringup.demo import LOG, Job, run_demo
 from pack_bringup.page import PageProcess
+from pack_bringup.recording.run_record import BAG_FOLDER
+from pack_evaluation.record import RECORD
 
 
 def command_line() -> str:
@@ -24,20 +27,27 @@ def command_line() -> str:
     return " ".join(["pack", *sys.argv[1:]])
 
 
-def run_live(job: Job, *, video: bool, page: PageProcess | None = None) -> NoReturn:
+def run_live(
+    job: Job, *, video: bool, domain: int | None = None, page: PageProcess | None = None
+) -> NoReturn:
     """Run a job, evaluate its recording, and leave with 0 only if it succeeded.
 
     Args:
         job: what to run.
         video: render the run for the report.
+        domain: ROS domain id; None: the environment's, else a free one.
         page: a page that shows the run while it goes on; None: none.
+
+    Raises:
+        PackError: the folder cannot take the run, a node did not come up or died, or the goal was refused.
     """
+    make_output_folder(job.folder, taken_by=(BAG_FOLDER, RECORD, LOG))
     signal.signal(signal.SIGTERM, _as_ctrl_c)
     if page:
         typer.echo(page.announcement)
     try:
         with LiveLine() as line:
-            result, pace = run_demo(job, line.show, page)
+            result, pace = run_demo(job, line.show, domain, page)
     except KeyboardInterrupt:
         typer.echo(f"stopped; what was recorded is in {job.folder}")
         raise typer.Exit(130) from None

@@ -39,6 +39,12 @@ def benchmark(
             metavar="XxY", help="Inside lengths of the container [m], e.g. 0.24x0.19. Default: the cell's."
         ),
     ] = None,
+    blocked: Annotated[
+        bool,
+        typer.Option(
+            help="Generate scenes in which the new object fits nowhere without contact, or any scenes."
+        ),
+    ] = True,
     scene_dir: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Run the scene files of this folder instead of generated scenes."),
@@ -67,6 +73,7 @@ def benchmark(
     - `pack benchmark packing --scenes 100 --seed 1000 --jobs 2 --json summary.json`
     - `pack benchmark packing --method uninformed_pose --optimizer sgn --weights table_1`
     - `pack benchmark packing --scenes 50 --seed 1000 --container 0.24x0.19`
+    - `pack benchmark packing --scenes 20 --seed 1000 --preset objects_20 --no-blocked`
     - `pack evaluate bags/benchmarks/*` puts the results of several benchmarks side by side
     """
     from pack_core.config import validate_config
@@ -76,7 +83,8 @@ def benchmark(
 
     given = {
         "method": method, "optimizer": optimizer, "weights": weights, "preset": preset,
-        "container": parse_size(container) if container else None, "scene_dir": scene_dir,
+        "container": parse_size(container) if container else None, "blocked": blocked,
+        "scene_dir": scene_dir,
     }  # fmt: skip
     settings = validate_config(BenchmarkSettings, given, "pack benchmark packing")
     setup = set_up(settings, threads or max(1, cores() // jobs))

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
+from pack_bringup.cli.demo_options import Domain, Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
 from pack_bringup.cli.page_options import PORT, Live, Port, page_process
 from pack_bringup.packing.goal_command import Method, SceneFile, Seed, check_scene
@@ -30,6 +30,7 @@ def demo(
     live: Live = False,
     port: Port = PORT,
     output: Output = None,
+    domain: Domain = None,
 ) -> None:
     """Pack one object: five nodes, one goal, and a report at the end.
 
@@ -50,4 +51,4 @@ def demo(
         seed, scene, method.value, folder=folder, real_time_factor=real_time_factor, command=command_line(),
         preset=preset,
     )  # fmt: skip
-    run_live(job, video=video, page=page_process("packing", live, port))
+    run_live(job, video=video, domain=domain, page=page_process("packing", live, port))

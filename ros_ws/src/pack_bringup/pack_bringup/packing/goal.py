@@ -49,6 +49,6 @@ class PackingGoal:
         """Feedback of the action in words."""
         return Progress(
             feedback.stage,
-            f"{feedback.stage:9} {feedback.elapsed:5.1f} s   distance {100 * feedback.distance:5.1f} cm   "
-            f"iteration {feedback.iteration_ms:5.0f} ms   real-time factor {real_time_factor:4.2f}",
+            f"{feedback.stage:9} {feedback.elapsed:5.1f} s  distance {100 * feedback.distance:5.1f} cm  "
+            f"MPC {feedback.iteration_ms:4.0f} ms  real-time factor {real_time_factor:4.2f}",
         )

@@ -16,6 +16,10 @@ def benchmark(
         Path | None,
         typer.Option(metavar="DIR", help="Build every order file of this folder. Default: config/orders."),
     ] = None,
+    order: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Build the order of this file instead; may be repeated."),
+    ] = None,
     seeds: Annotated[
         int, typer.Option(min=1, help="Number of runs of each order, with the seeds 0, 1, 2, ...")
     ] = 1,
@@ -49,13 +53,16 @@ def benchmark(
     goes on where it was interrupted, and --fresh measures anew.
 
     - `pack benchmark palletizing --seeds 5 --jobs 2 --no-vision`
+    - `pack benchmark palletizing --order config/orders/order_03.json`
     - `pack benchmark palletizing --orders config/orders --json summary.json`
     - `pack benchmark palletizing --profile thesis --no-vision`
     """
     from pack_core.paths import config_path
-    from pack_lockstep.palletizing.benchmark import PalletBenchmark, order_jobs
+    from pack_lockstep.palletizing.benchmark import PalletBenchmark, order_files, order_jobs
     from pack_lockstep.palletizing.settings import set_up
 
     setup = set_up(profile=profile, motion=motion, preset=preset, vision=vision)
-    wanted = order_jobs(orders or config_path("orders"), seeds, setup.cell)
+    wanted = order_jobs(
+        list(dict.fromkeys(order or ())) or order_files(orders or config_path("orders")), seeds, setup.cell
+    )
     run(PalletBenchmark(setup, tuple(wanted)), RunOptions(jobs, ray, output, fresh, json_file))

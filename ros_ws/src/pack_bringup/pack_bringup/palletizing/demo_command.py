@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from pack_bringup.cli.demo_options import Output, RealTimeFactor, Video
+from pack_bringup.cli.demo_options import Domain, Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
 from pack_bringup.cli.page_options import PORT, Live, Port, page_process
 from pack_bringup.palletizing.goal_command import OrderFile, ProfileName, Seed, checked_order
@@ -20,6 +20,7 @@ def demo(
     live: Live = False,
     port: Port = PORT,
     output: Output = None,
+    domain: Domain = None,
 ) -> None:
     """Build the pallet of one order: six nodes, one goal, and a report at the end.
 
@@ -36,4 +37,4 @@ def demo(
     job = PalletizingJob(
         file, seed, profile, folder=folder, real_time_factor=real_time_factor, command=command_line()
     )
-    run_live(job, video=video, page=page_process("palletizing", live, port))
+    run_live(job, video=video, domain=domain, page=page_process("palletizing", live, port))

@@ -48,6 +48,6 @@ class PalletizingGoal:
         """Feedback of the action in words."""
         return Progress(
             f"{feedback.box} {feedback.state}",
-            f"{feedback.state:18} box {feedback.box:14} {feedback.placed:2} of {feedback.boxes:2} placed   "
-            f"{feedback.elapsed:6.1f} s   real-time factor {real_time_factor:4.2f}",
+            f"{feedback.state:18} {feedback.box:14} {feedback.placed:2}/{feedback.boxes}  "
+            f"{feedback.elapsed:6.1f} s  real-time factor {real_time_factor:4.2f}",
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -53,16 +53,25 @@ class OrderJob:
         return f"{self.path.stem}_seed{self.seed}"
 
 
-def order_jobs(folder: Path, seeds: int, cell: PalletizingCell) -> list[OrderJob]:
-    """Every order of a folder with the seeds from 0 on, the first seed of all orders first.
+def order_files(folder: Path) -> list[Path]:
+    """The order files of a folder, by name.
 
     Raises:
-        ConfigError: there is no order file.
-        OrderError: the cell cannot build some of the orders; the text has the reasons for each of them.
+        ConfigError: there is none.
     """
     files = sorted(folder.glob("*.json"))
     if not files:
         raise ConfigError(f"{folder} has no order files (*.json); config/orders has 25")
+    return files
+
+
+def order_jobs(files: Sequence[Path], seeds: int, cell: PalletizingCell) -> list[OrderJob]:
+    """Every order file with the seeds from 0 on, the first seed of all orders first.
+
+    Raises:
+        ConfigError: a file does not exist, or is no order file.
+        OrderError: the cell cannot build some of the orders; the text has the reasons for each of them.
+    """
     if refusals := [refusal for path in files if (refusal := _refusal(path, cell))]:
         raise OrderError("\n".join(refusals))
     return [OrderJob(path, seed) for seed in range(seeds) for path in files]
