@@ -42,7 +42,13 @@ def test_threads_decide_no_result_and_are_not_among_the_settings() -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [{"method": PackingMethod.UNINFORMED_POSE}, {"optimizer": "sgn"}, {"container": (0.24, 0.19)}]
+    "change",
+    [
+        {"method": PackingMethod.UNINFORMED_POSE},
+        {"optimizer": "sgn"},
+        {"container": (0.24, 0.19)},
+        {"blocked": False},
+    ],
 )
 def test_what_decides_a_result_is_among_the_settings(change: dict[str, object]) -> None:
     settings = BenchmarkSettings(optimizer="ilqr")

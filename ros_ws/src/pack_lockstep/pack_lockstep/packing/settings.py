@@ -31,6 +31,8 @@ class BenchmarkSettings(Config):
     preset: str = "ideal"
     container: tuple[float, float] | None = None
     """Inside lengths along x and y [m]; None: as configured."""
+    blocked: bool = True
+    """Whether generated scenes have no place at which the new object would stand without contact."""
     scene_dir: Path | None = None
     """Folder of scene files that are run instead of generated scenes."""
 
@@ -53,6 +55,8 @@ class PackingSetup:
         """Short name for tables: method, optimizer, weights, conditions."""
         s, session = self.settings, self.config.session
         parts = [s.method.value, self.optimizer, session.weights, s.preset]
+        if not s.blocked:
+            parts.append("any scene")
         if s.container is not None:
             parts.append("x".join(f"{MM * side:.0f}" for side in s.container) + "mm")
         if s.scene_dir is not None:

@@ -35,7 +35,7 @@ def run_scene(setup: PackingSetup, job: SceneJob) -> SceneResult:
     """
     started = time.perf_counter()
     try:
-        scene = job.scene or generate_scene(job.seed, setup.cell)
+        scene = job.scene or generate_scene(job.seed, setup.cell, blocked=setup.settings.blocked)
     except PackError as error:
         raise PackError(f"{job.name}: {error}") from error
     lockstep = Lockstep(setup.cell, scene, setup.config, setup.settings.method, job.seed)
