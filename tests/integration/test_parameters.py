@@ -22,7 +22,8 @@ from pack_core.parameter_fields import flat_values
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.params import plain, read_parameters
 
-EXECUTABLES = sorted({(node.package, node.executable) for cell in CELLS for node in load_graph(cell).nodes})
+OF_CELLS = {(node.package, node.executable) for cell in CELLS for node in load_graph(cell).nodes}
+EXECUTABLES = sorted({*OF_CELLS, ("pack_viewer", "live_node")})
 WRONG = [math.nan, -1, -1.0, 0, 1e300, 2**62, "", "fast", True, [], ["a"], [1], [0.5, math.nan], [True]]
 """What somebody may try to set anything to; some of it is right for some parameters."""
 OTHERS = {float: [0.5, 0.003, 7.5], int: [1, 2, 17], bool: [True, False], str: ["thesis", "ilqr", "pirs"]}
