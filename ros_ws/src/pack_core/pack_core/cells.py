@@ -51,10 +51,12 @@ PARTS = {
         "pack_bringup.{cell}.benchmark_command", "benchmark", "the command `pack benchmark CELL`"
     ),
     "page": CellPart(
-        "pack_viewer.{cell}.{cell}_page", "PAGE", "the cell's part of the page in the browser"
+        "pack_viewer.{cell}.{cell}_page", "PAGE", "the cell's part of the page in the browser",
+        is_optional=True,
     ),
     "run_form": CellPart(
-        "pack_viewer.{cell}.ros.{cell}_run_form", "RUN_FORM", "what the page lets one choose for a goal"
+        "pack_viewer.{cell}.ros.{cell}_run_form", "RUN_FORM", "what the page lets one choose for a goal",
+        is_optional=True,
     ),
     "commands": CellPart(
         "pack_bringup.{cell}.commands", "APPS", "commands of `pack` that only this cell has", is_optional=True

@@ -118,14 +118,17 @@ def run_evaluation(
     evaluator: Evaluator[Any, Any], bag: Path, output: Path, *, with_video: bool, goal: int | None = None
 ) -> Evaluation[Any, Any]:
     """Evaluate with a progress bar for the video; with it comes the interactive replay."""
+    from pack_core.cells import cells_with
+    from pack_evaluation.record import cell_of
     from pack_viewer.replay import write_replay
 
     has_bag = bag.is_dir() or bag.suffix == ".mcap"  # and not what a benchmark keeps of a run
+    with_replay = with_video and has_bag and cell_of(bag) in cells_with("page")
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, transient=True) as bar:
         task = bar.add_task("evaluating", total=1.0)
         return evaluator.evaluate(
-            bag, output, with_video=with_video, write_replay=write_replay if with_video and has_bag else None,
+            bag, output, with_video=with_video, write_replay=write_replay if with_replay else None,
             progress=lambda done: bar.update(task, completed=done, description="rendering"), goal=goal,
         )  # fmt: skip
 

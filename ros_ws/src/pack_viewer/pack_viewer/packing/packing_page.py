@@ -18,6 +18,8 @@ from pack_viewer.packing.ghosts import Ghosts
 from pack_viewer.packing.packing_scene import ESTIMATE, TRUTH, PackingScene
 from pack_viewer.rolling_plot import RollingPlot
 
+PLOT_PERIOD = 0.1
+"""Simulated time between two points of the force [s]."""
 STAGES = ("LOOK", "PRE_PACK", "INSERT", "FINE_TUNE")
 
 
@@ -26,14 +28,13 @@ class PackingPage(CellPage):
 
     topics = Topics(
         states=(
-            *PackingScene.topics.all, topics.GRIPPER_STATE, topics.WRENCH, topics.MPC_STATUS,
-            topics.SETTLED_SAMPLES,
+            *PackingScene.topics.all, topics.GRIPPER_STATE, topics.WRENCH, topics.SETTLED_SAMPLES,
         ),
-        events=(topics.RESULT,),
+        events=(topics.MPC_STATUS, topics.RESULT),
     )  # fmt: skip
     scene_type = PackingScene
     presets = (
-        preset_from_angles("cell", (0.35, 0.0, 0.22), 1.6, 150.0, -25.0),
+        preset_from_angles("cell", (0.4, 0.0, 0.25), 1.4, 150.0, -25.0),
         preset_from_angles("container", (0.42, 0.0, 0.16), 1.0, 150.0, -42.0),
         preset_from_angles("side", (0.45, 0.0, 0.2), 1.3, 90.0, -12.0),
         preset_from_angles("top", (0.5, 0.0, 0.1), 1.3, 180.0, -89.0),
@@ -46,7 +47,7 @@ class PackingPage(CellPage):
         self._stage, self._visited = "", list[str]()
         self._status: Any = None
         self._grip: Any = None
-        self._force = float("nan")
+        self._force, self._force_plotted = float("nan"), -np.inf
 
     def tabs(self) -> dict[str, Callable[[], None]]:
         """Stages and what may be pushed, and plots over time."""
@@ -71,9 +72,12 @@ class PackingPage(CellPage):
         if wrench := news.newest(topics.WRENCH):
             force = wrench.wrench.force
             self._force = float(np.linalg.norm([force.x, force.y, force.z]))
+            if (now := seconds(wrench)) >= self._force_plotted + PLOT_PERIOD and self._status is not None:
+                self._force_plotted = now
+                self._force_plot.add(now, self._force)
         if samples := news.newest(topics.SETTLED_SAMPLES):
             self._ghosts.set_samples(samples.samples)
-        if status := news.newest(topics.MPC_STATUS):
+        for status in news.all(topics.MPC_STATUS):
             self._take_status(status)
         for result in news.all(topics.RESULT):
             self._take_result(json.loads(result.data), news.time)
@@ -91,7 +95,7 @@ class PackingPage(CellPage):
             rest += [("placements", str(status.placements)), ("cost", f"{status.cost:.3g}")]
             rest += [("iteration", f"{status.iteration_ms:.0f} ms")]
         put(self._values, facts(rest))
-        for plot in self._plots:
+        for plot in (self._force_plot, *self._iteration_plots):
             plot.send()
 
     def forget(self) -> None:
@@ -99,15 +103,13 @@ class PackingPage(CellPage):
         self._stage, self._visited, self._status = "", [], None
         self.headline = IDLE
         self._ghosts.clear()
-        for plot in self._plots:
-            plot.clear()
+        self._clear_plots()
 
     def _take_status(self, status: Any) -> None:
         now = seconds(status)
         if self._status is not None and status.elapsed < self._status.elapsed:  # another goal has begun
             self._visited = []
-            for plot in self._plots:
-                plot.clear()
+            self._clear_plots()
         if status.stage != self._stage or not self._visited:
             self.log.add(f"stage {status.stage}", time=now)
             self._visited.append(status.stage)
@@ -119,10 +121,14 @@ class PackingPage(CellPage):
             status.warning or f"{100 * status.distance:.1f} cm to go, {status.elapsed:.1f} s",
         )
         self._ghosts.set_target(status.target)
-        for plot, value in zip(
-            self._plots, (100 * status.distance, self._force, status.iteration_ms, status.cost), strict=True
-        ):
+        values = (100 * status.distance, status.iteration_ms, status.cost)
+        for plot, value in zip(self._iteration_plots, values, strict=True):
             plot.add(now, value)
+
+    def _clear_plots(self) -> None:
+        self._force_plotted = -np.inf
+        for plot in (self._force_plot, *self._iteration_plots):
+            plot.clear()
 
     def _take_result(self, result: dict[str, Any], time: float | None) -> None:
         reason, message = str(result.get("exit_reason", "")), str(result.get("message", ""))
@@ -140,8 +146,11 @@ class PackingPage(CellPage):
         self._values = gui.add_html("")
 
     def _add_plots(self) -> None:
-        titles = ("distance to the target [cm]", "force on the cup [N]", "iteration [ms]", "cost")
-        self._plots = [RollingPlot(self.server.gui, title, (title.split(" ")[0],)) for title in titles]
+        gui = self.server.gui
+        distance = RollingPlot(gui, "distance to the target [cm]", ("distance",))
+        self._force_plot = RollingPlot(gui, "force on the cup [N]", ("force",))
+        iteration, cost = (RollingPlot(gui, title, (title,)) for title in ("iteration [ms]", "cost"))
+        self._iteration_plots = (distance, iteration, cost)
 
 
 PAGE = PackingPage

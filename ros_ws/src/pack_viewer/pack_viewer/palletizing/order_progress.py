@@ -88,7 +88,7 @@ class OrderProgress:
             '<div style="display:flex;gap:.5em">'
             f'<span style="flex:0 0 9em;overflow:hidden">{escape(box)}</span>'
             f'<span style="background:{BLUE};width:{45 * took / longest:.0f}%;height:1em"></span>'
-            f"<span>{took:.1f} s</span></div>"
+            f'<span style="white-space:nowrap">{took:.1f} s</span></div>'
             for box, took in list(self._took.items())[-SHOWN:]
         )
         return boxed(f'<div style="opacity:.7">seconds a box</div>{rows}')
