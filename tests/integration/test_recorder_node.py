@@ -117,6 +117,9 @@ class Packer(GoalNode):
     def on_lost_peers(self, peers: list[str]) -> None:
         """Nobody is watched."""
 
+    def on_arm_stop(self, reason: str) -> None:
+        """There is no arm."""
+
 
 @pytest.fixture
 def by_goals(graph: Graph, tmp_path: Path) -> RecorderNode:

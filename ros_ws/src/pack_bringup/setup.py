@@ -17,6 +17,7 @@ setup(
     entry_points={
         "console_scripts": [
             "recorder_node = pack_bringup.recording.recorder_node:main",
+            "foxglove_node = pack_bringup.foxglove_node:main",
             "pack = pack_bringup.cli.main:main",
         ]
     },

@@ -22,7 +22,7 @@ from pack_core.blocks.problem_file import problem_text
 from pack_core.motion.target import MotionState
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
-from pack_core.ros.contracts import shared
+from pack_core.ros.contracts import motion, shared
 
 GOALS = {"a": PlanarPose(0.62, 0.05, 0.0), "b": PlanarPose(0.6728, 0.05, 0.0)}
 AWAY = PlanarPose(0.55, -0.1, 0.4)
@@ -174,6 +174,16 @@ def test_a_node_that_dies_ends_the_goal_and_stops_the_arm(
     assert (result.success, result.exit_reason) == (False, "node silent")
     assert "'tags'" in result.message
     graph.wait_until(lambda: not rig.targets[-1].segments)
+
+
+def test_the_goals_of_a_problem_are_shown(graph: Graph, patient_node: BlockFsmNode, rig: BlocksRig) -> None:
+    rig.camera = "still busy"
+    graph.probe.listen(motion.GOAL_MARKERS)
+    accepted(graph)
+    graph.wait_until(lambda: graph.probe.last(motion.GOAL_MARKERS))
+    _, *markers = graph.probe.last(motion.GOAL_MARKERS).markers
+    assert [marker.text for marker in markers[1::2]] == list(GOALS)
+    assert markers[0].pose.position.x == pytest.approx(GOALS["a"].x)
 
 
 def test_a_stop_of_the_arm_ends_the_goal_with_the_reason(

@@ -11,6 +11,7 @@ from integration.packing.sim_rig import joint_samples, newest_joints, speeds
 from integration.simulation_rig import WHO, braking_time, pause, play, stop_arm
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
+from pack_core.ros.conversions import from_stamp
 
 FACTOR = 0.3
 """Real-time factor at which one process runs four nodes."""
@@ -31,6 +32,7 @@ def test_a_stop_ends_the_goal_keeps_the_object_and_the_next_goal_moves_the_arm_a
     result = cell.graph.result_of(handle)
     assert (result.success, result.exit_reason) == (False, "fault")
     assert result.message == f"the arm was stopped: {WHO}"
+    cell.wait_past(from_stamp(cell.graph.probe.last(shared.ARM_STATE).header.stamp))
     held = newest_joints(cell.graph)
     cell.wait_past(held.time + 0.2)
     np.testing.assert_allclose(newest_joints(cell.graph).q, held.q, atol=2e-3)

@@ -14,6 +14,7 @@ from std_msgs.msg import String
 
 from integration.harness import Graph
 from pack_core.motion.target import MotionState, MotionStatus
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.grip import ASKED, GripState
 from pack_core.paths import config_path
 from pack_core.ros.contracts import motion as motion_contracts
@@ -170,8 +171,21 @@ def test_a_machine_that_is_left_alone_with_its_box_stops_and_says_why(
     assert isinstance(graph.probe.last(contracts.RESULT), String)
 
 
+def test_the_places_of_an_order_s_boxes_are_shown(graph: Graph, fsm: PalletFsmNode) -> None:
+    graph.probe.listen(motion_contracts.GOAL_MARKERS)
+    accepted(graph, fsm, file=str(ORDER))
+    graph.wait_until(lambda: graph.probe.last(motion_contracts.GOAL_MARKERS) or tell(graph))
+    _, *markers = graph.probe.last(motion_contracts.GOAL_MARKERS).markers
+    boxes = {marker.text: cube for cube, marker in zip(markers[::2], markers[1::2], strict=True)}
+    order = {box["id"]: box for box in json.loads(ORDER.read_text())["boxes"]}
+    assert boxes.keys() == order.keys()
+    deck = palletizing_cell().pallet.X_WP.p[2]
+    lowest = min(cube.pose.position.z - 0.5 * cube.scale.z for cube in boxes.values())
+    assert lowest == pytest.approx(deck, abs=1e-6)
+
+
 def test_a_stop_of_the_arm_ends_the_order_safely(graph: Graph, fsm: PalletFsmNode) -> None:
-    handle = accepted(graph, file=str(ORDER))
+    handle = accepted(graph, fsm, file=str(ORDER))
     graph.wait_until(lambda: graph.probe.mail[contracts.PALLET_STATE.name] or tell(graph))
     graph.connect(shared.ARM_STATE)
     graph.probe.send(shared.ARM_STATE, ArmState(is_stopped=True, reason="a button", stops=1))

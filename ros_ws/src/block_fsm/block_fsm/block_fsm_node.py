@@ -27,6 +27,8 @@ from pack_core.blocks.problem_file import parse_problem
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.robots.ur10e import JOINTS
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.contracts import motion
+from pack_core.ros.goal_markers import goal_markers
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
@@ -59,6 +61,7 @@ class BlockFsmNode(GoalNode):
         self._runner = RequestRunner(self, self._state, self._config.patience, self._on_refusal)
         self._status = self.advertise(contracts.STATUS)
         self._result = self.advertise(contracts.RESULT)
+        self._goals = self.advertise(motion.GOAL_MARKERS)
         self.take_goals(contracts.REARRANGE, self._config.watched, self._config.fault_time)
 
     def _change(self, config: BlockFsmNodeConfig) -> None:
@@ -96,6 +99,11 @@ class BlockFsmNode(GoalNode):
 
     def _make(self, request: Rearrange.Goal) -> Executor:
         problem = parse_problem(request.problem, "goal")
+        block = self._cell.block
+        size = np.full(3, block.edge)
+        self._goals.publish(
+            goal_markers({name: (size, goal.pose(block.half)) for name, goal in problem.goals.items()})
+        )
         task = RearrangeTask(
             problem.goals, problem.workspace, self._cell.block.edge, problem.symmetry, problem.gripper
         )

@@ -2,37 +2,70 @@
 
 Arguments:
     cell: which cell to start; `ros2 launch pack_bringup cell.launch.py -s` lists them.
+    seed: of the generated scene, or of where boxes arrive (packing, palletizing).
+    scene: a scene file (packing) or a problem file (blocks).
+    order: an order's file, which is sent as a goal once the cell is up (palletizing).
     preset: conditions, a file of config/presets; empty: the configuration files as they are.
-    set: parameters over the files', as in `set:="sim.seed=3 sim.real_time_factor=0.5"`.
+    domain: ROS domain id; empty: the environment's.
+    live: whether to serve the page in the browser.
+    record: goals, always or never; empty: as config/nodes/<cell>/recorder.yaml has it.
+    set: parameters over all of these, as in `set:="sim.seed=3 sim.real_time_factor=0.5"`.
 """
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from typing import Any
+
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
 from pack_bringup.graph.graph import launch_parameters, load_graph
+from pack_bringup.graph.launch_arguments import NO, YES, is_yes, launch_settings, order_command
+from pack_bringup.page import PageProcess
 from pack_core.cells import CELLS
+
+PAGE_PORT = 8210
+OPTIONAL = {
+    "seed": "seed of the scene (packing), or of where boxes arrive (palletizing)",
+    "scene": "a scene file (packing) or a problem file (blocks)",
+    "order": "an order's file, sent as a goal once the cell is up (palletizing)",
+    "preset": "conditions: a file of config/presets",
+    "domain": "ROS domain id; empty: the environment's",
+    "record": "goals, always or never; empty: as configured",
+    "set": "parameters over the files', e.g. sim.real_time_factor=0.5",
+}
+"""Arguments that may be left out, with their descriptions."""
 
 
 def generate_launch_description() -> LaunchDescription:
-    """The arguments, and the nodes of config/graphs/<cell>.yaml once the arguments are known."""
+    """The arguments, and the processes of config/graphs/<cell>.yaml once the arguments are known."""
     return LaunchDescription([
         DeclareLaunchArgument("cell", choices=list(CELLS), description="the cell to start"),
-        DeclareLaunchArgument("preset", default_value="", description="conditions: a file of config/presets"),
+        *(DeclareLaunchArgument(name, default_value="", description=what) for name, what in OPTIONAL.items()),
         DeclareLaunchArgument(
-            "set", default_value="", description="parameters over the files', e.g. sim.seed=3"
+            "live", default_value=NO, choices=[YES, NO], description="serve the page in the browser"
         ),
-        OpaqueFunction(function=start_nodes),
+        OpaqueFunction(function=start_cell),
     ])  # fmt: skip
 
 
-def start_nodes(context: LaunchContext) -> list[Node]:
+def start_cell(context: LaunchContext) -> list[Any]:
+    """The domain, one launch action for each node of the graph file, and what was asked for besides."""
+    given = {name: LaunchConfiguration(name).perform(context) for name in ("cell", "live", *OPTIONAL)}
+    cell, domain = given["cell"], given["domain"]
+    actions: list[Any] = [SetEnvironmentVariable("ROS_DOMAIN_ID", domain)] if domain else []
+    actions += start_nodes(cell, given["preset"], [*launch_settings(cell, given), *given["set"].split()])
+    if is_yes("live", given["live"]):
+        (page,) = PageProcess(cell, PAGE_PORT).commands().values()
+        actions.append(ExecuteProcess(cmd=page, output="screen"))
+    if order := order_command(cell, given["order"]):
+        actions.append(ExecuteProcess(cmd=order, output="screen"))
+    return actions
+
+
+def start_nodes(cell: str, preset: str, settings: list[str]) -> list[Node]:
     """One launch action for each node of the graph file."""
-    cell, preset, settings = (
-        LaunchConfiguration(name).perform(context) for name in ("cell", "preset", "set")
-    )
-    parameters = launch_parameters(cell, preset, settings.split())
+    parameters = launch_parameters(cell, preset, settings)
     return [
         Node(
             package=node.package,

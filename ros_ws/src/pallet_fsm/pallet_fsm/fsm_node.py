@@ -14,7 +14,9 @@ from pack_core.errors import ConfigError, PackError
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
+from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.goal_markers import goal_markers
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.palletizing.layout_messages import from_layout
 from pack_core.ros.params import read_parameters
@@ -25,6 +27,7 @@ from pallet_fsm.profile import profile_of
 from pallet_fsm.ros.cell_client import CellClient
 from pallet_fsm.ros.observer import Observer
 from pallet_fsm.ros.order_run import OrderRun, StateTeller
+from pallet_fsm.ros.places import places
 from pallet_fsm.ros.requests import requested_config, requested_order
 from pallet_fsm.ros.results import to_result
 
@@ -51,6 +54,7 @@ class PalletFsmNode(GoalNode):
         self._client = CellClient(self, self._on_spawned, self._on_failure)
         self._teller = StateTeller(self)
         self._result = self.advertise(contracts.RESULT)
+        self._goals = self.advertise(motion.GOAL_MARKERS)
         self._layout = self.create_client(contracts.PLAN_LAYOUT.type, contracts.PLAN_LAYOUT.name)
         self.take_goals(contracts.PALLETIZE, self._config.watched, self._config.fault_time)
 
@@ -93,6 +97,7 @@ class PalletFsmNode(GoalNode):
     async def _build(self, order: Order, plan: LayoutPlan, config: PalletizerConfig) -> Palletize.Result:
         seen = self._observer.newest
         assert seen is not None
+        self._goals.publish(goal_markers(places(plan)))
         session = Palletizer(order, plan, palletizing_cell(), config, seen.time)
         self._observer.spawned = ""  # the last order's last box may have had the name of this one's first
         self._run = run = OrderRun(self, session, self._client.apply, self._teller)

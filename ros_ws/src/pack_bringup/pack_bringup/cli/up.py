@@ -13,6 +13,7 @@ import typer
 
 from pack_bringup.bring_up import wait_until_ready
 from pack_bringup.cli.domain_option import Domain, domain_of, domain_words
+from pack_bringup.cli.foxglove_option import FOXGLOVE_ADDRESS, Foxglove, foxglove_command
 from pack_bringup.cli.network_option import Network, environment_of
 from pack_bringup.cli.page_options import HOST, PORT, Host, Live, Port, Token, page_process
 from pack_bringup.cli.terminal import notice
@@ -53,6 +54,7 @@ def up(
     port: Port = PORT,
     host: Host = HOST,
     token: Token = "",
+    foxglove: Foxglove = False,
 ) -> None:
     """Start the nodes of a cell, each a process of its own, until Ctrl-C.
 
@@ -67,6 +69,7 @@ def up(
     - `pack up packing --record never`
     - `pack up packing --only sim --only perception --domain 7`
     - `pack up packing --live`, to watch and operate the cell in the browser (docs/viewing.md)
+    - `pack up packing --foxglove`, for Foxglove and Lichtblick (docs/rviz_and_foxglove.md)
     - `pack up packing --network eth0`, for nodes on other machines
     """
     graph = load_graph(cell)
@@ -83,6 +86,9 @@ def up(
         commands |= page.commands()
         environment |= page.environment()
         typer.echo(page.announcement)
+    if foxglove:
+        commands |= foxglove_command(cell)
+        typer.echo(f"Foxglove: open the connection {FOXGLOVE_ADDRESS}, read only")
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _as_ctrl_c)
     next_step = f"ready: `pack goal {cell}{domain_words(domain)}` sends a goal, Ctrl-C ends the cell"

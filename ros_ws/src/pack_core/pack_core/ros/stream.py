@@ -53,7 +53,7 @@ class Stream:
             reliability=contract.qos.reliability,
             durability=contract.qos.durability,
         )
-        self._type, self._is_raw = contract.type, raw
+        self._node, self._type, self._is_raw = node, contract.type, raw
         self._subscription = node.create_subscription(
             contract.type, contract.name, lambda _: None, qos, callback_group=TakenByHand(), raw=raw
         )
@@ -62,6 +62,10 @@ class Stream:
     def handle(self) -> Any:
         """What a wait set of rclpy waits for."""
         return self._subscription.handle
+
+    def close(self) -> None:
+        """Listen no longer."""
+        self._node.destroy_subscription(self._subscription)
 
     def take_all(self) -> list[Any]:
         """All messages that wait, oldest first."""

@@ -11,8 +11,10 @@ from std_srvs.srv import Trigger
 
 from pack_core.blocks import fingers
 from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.frames import fixed_frames
 from pack_core.blocks.problem import Problem
 from pack_core.blocks.problem_file import load_problem, parse_problem
+from pack_core.blocks.robot_description import describe_robot
 from pack_core.errors import PackError
 from pack_core.paths import config_path
 from pack_core.robots.ur10e import LIMITS
@@ -47,6 +49,7 @@ class BlocksSimNode(MotionSimNode):
         self._camera = CameraPublisher(self, self._cell, self._config.timestep, shadows=self._config.shadows)
         path = self._config.problem or config_path("scenarios", "blocks", "example.yaml")
         self._simulator = self._build(load_problem(Path(path)), 0.0)
+        self.show(describe_robot(self._cell)).fix(fixed_frames(self._cell))
         services = (
             (contracts.JAW_COMMAND, self._command_fingers),
             (contracts.TRIGGER, self._trigger),

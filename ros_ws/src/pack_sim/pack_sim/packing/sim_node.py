@@ -11,6 +11,8 @@ from pydantic import Field
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
+from pack_core.packing.frames import fixed_frames
+from pack_core.packing.robot_description import describe_robot
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.ros.contracts import packing as contracts
@@ -41,6 +43,7 @@ class PackingSimNode(PhysicsNode):
         self._cell = read_packing_cell(self)
         self._sensors = SensorPublisher(self, self._config.timestep)
         self._description = self.advertise(contracts.DESCRIPTION)
+        self._shown = self.show(describe_robot(self._cell))
         self._simulator = self._build(self._first_scene(), self._config.seed, 0.0)
         services = ((contracts.RESET, self._reset), (contracts.GRIPPER_COMMAND, self._command_gripper))
         self.start(contracts.SETPOINTS, "mpc", services, self._config.real_time_factor)
@@ -79,6 +82,7 @@ class PackingSimNode(PhysicsNode):
     def _build(self, scene: Scene, seed: int, start: float) -> Simulator:
         simulator = Simulator(self._cell, scene, self._config, np.random.default_rng(seed), start)
         self._description.publish(String(data=simulator.description.to_yaml()))
+        self._shown.fix(fixed_frames(self._cell, scene.container))
         return simulator
 
     def _reset(self, request: ResetScene.Request, response: ResetScene.Response) -> ResetScene.Response:

@@ -11,6 +11,8 @@ from std_srvs.srv import Trigger
 from pack_core.errors import PackError
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.frames import fixed_frames
+from pack_core.palletizing.robot_description import describe_robot
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.params import read_parameters
@@ -43,6 +45,7 @@ class PalletSimNode(MotionSimNode):
         self._simulator = PalletSimulator(self._cell, self._config, self._config.seed)
         self._publisher.publish_boxes(self._simulator.boxes)
         self._camera = PalletCameraPublisher(self, self._cell, self._config.camera)
+        self.show(describe_robot(self._cell)).fix(fixed_frames(self._cell))
         services = (
             (contracts.GRIPPER_COMMAND, self._command_gripper),
             (contracts.SPAWN_BOX, self._spawn),

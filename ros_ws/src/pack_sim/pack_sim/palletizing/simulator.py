@@ -64,6 +64,16 @@ class PalletSimulator:
         return float(self._physics.data.time)
 
     @property
+    def model(self) -> mujoco.MjModel:
+        """The model of what is in the cell now; another one when a box has come or gone."""
+        return self._physics.model
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """The state; body poses are those before the last step."""
+        return self._physics.data
+
+    @property
     def boxes(self) -> tuple[BoxBody, ...]:
         """The boxes in the cell, in the order of their arrival."""
         return tuple(self._physics.boxes.values())

@@ -16,10 +16,10 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.joint_messages import from_trajectory
 from pack_core.ros.run import run_node
 from pack_sim.reference_follower import ReferenceFollower
-from pack_sim.ros.physics_node import PhysicsNode, Service, SimulatedArm
+from pack_sim.ros.physics_node import PhysicsNode, Service, SimulatedCell
 
 
-class FollowingSimulator(SimulatedArm, Protocol):
+class FollowingSimulator(SimulatedCell, Protocol):
     """A simulated cell whose driver follows joint references."""
 
     follower: ReferenceFollower

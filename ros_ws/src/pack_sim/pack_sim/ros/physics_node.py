@@ -8,6 +8,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Iterable
 from typing import Annotated, Any, Protocol
 
+import mujoco
 from pydantic import Field
 from rclpy.callback_groups import ReentrantCallbackGroup
 from std_msgs.msg import Float64
@@ -16,11 +17,13 @@ from trajectory_msgs.msg import JointTrajectory
 from pack_core.config import AT_ONCE, Config
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
+from pack_core.robots.described_robot import DescribedRobot
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_sim.pacing import Pacer
 from pack_sim.ros.arm_brake import ArmBrake
+from pack_sim.ros.frame_publisher import FramePublisher
 from pack_sim.ros.pause import Pause
 
 Service = Callable[[Any, Any], Any]
@@ -28,8 +31,18 @@ REPORT_PERIOD = 1.0
 """Time between two reports of the real-time factor [s of wall clock]."""
 
 
-class SimulatedArm(Protocol):
+class SimulatedCell(Protocol):
     """A simulated cell, as far as every cell's node needs it."""
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """Its model; another one when objects have come or gone."""
+        ...
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """Its state."""
+        ...
 
     def joints(self) -> JointSample:
         """What the joint sensors measure now."""
@@ -57,9 +70,17 @@ class PhysicsNode(CellNode):
         self._factor = self.advertise(shared.REAL_TIME_FACTOR)
         self._thread: threading.Thread | None = None
 
+    def show(self, robot: DescribedRobot) -> FramePublisher:
+        """Tell viewers of the robot, and of all that moves from the first tick on.
+
+        A subclass calls it before `start`, and sets the frames that are no bodies of its models.
+        """
+        self._frames = FramePublisher(self, robot)
+        return self._frames
+
     @property
     @abstractmethod
-    def simulator(self) -> SimulatedArm:
+    def simulator(self) -> SimulatedCell:
         """The simulated cell; a new object after every reset."""
 
     @abstractmethod
@@ -143,6 +164,7 @@ class PhysicsNode(CellNode):
     def _tick(self) -> float:
         simulated = self.advance()
         self._brake.watch()
+        self._frames.step(self.simulator.model, self.simulator.data)
         return simulated
 
     def _on_setpoints(self, message: JointTrajectory) -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pack_interfaces.msg import BoxObstacles, MotionStatus, MotionTarget
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import MarkerArray
 
 from pack_core.motion import topics
-from pack_core.ros.contracts.contract import EVENTS, LATEST, STREAM, Contract, contracts_in, hz
+from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, contracts_in, hz
 
 # fmt: off
 JOINT_STATES = Contract(
@@ -28,6 +29,10 @@ SETPOINTS = Contract(
     topics.SETPOINTS, JointTrajectory, ("motion",), ("sim", "recorder"),
     "joint positions, velocities and accelerations, stamped with their start, which has come",
     qos=LATEST, rate=hz(topics.JOINT_RATE), recorded=True)
+GOAL_MARKERS = Contract(
+    "/markers", MarkerArray, ("fsm",), ("recorder", "user"),
+    "where boxes or blocks are to stand at the end of the goal, for RViz and Foxglove", qos=LATCHED,
+    rate="each goal", recorded=True)
 # fmt: on
 
 MOTION = contracts_in(globals())

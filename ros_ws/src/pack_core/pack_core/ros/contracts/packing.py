@@ -36,7 +36,7 @@ SCENE = Contract(
     rate=hz(topics.MARKER_RATE), recorded=True)
 WRENCH = Contract(
     topics.WRENCH, WrenchStamped, ("sim",), ("mpc", "recorder", "user"),
-    "force and torque on the suction cup, less the held object's weight, in the cup's frame",
+    "force and torque on the suction cup, less the held object's weight, in the frame `tip`",
     qos=STREAM, rate=hz(topics.WRENCH_RATE), recorded=True)
 GRIPPER_STATE = Contract(
     topics.GRIPPER_STATE, GripperState, ("sim",), ("mpc", "recorder", "user"),

@@ -6,8 +6,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from pack_interfaces.msg import ArmState, NodeStatus, SimulationState
 from pack_interfaces.srv import GetSimulationState, SetSimulationState, StopArm
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Float64
+from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
 
 from pack_core import topics
 from pack_core.ros.contracts.contract import (
@@ -55,6 +57,20 @@ NODE_STATUS = Contract(
     "/node_status", NodeStatus, ("all",), ("user",),
     "how far every node has come since its start: starting, waiting for something, ready or busy",
     qos=LATCHED, rate="on change")
+TF = Contract(
+    "/tf", TFMessage, ("sim",), ("recorder", "user"),
+    "where links, tool and objects truly are; what rests comes once a second; for viewers only",
+    qos=EVENTS, rate="up to 30 Hz", recorded=True)
+TF_STATIC = Contract(
+    "/tf_static", TFMessage, ("sim",), ("recorder", "user"),
+    "where base, tool's mount, camera and furniture are", qos=LATCHED, rate="on change", recorded=True)
+ROBOT_DESCRIPTION = Contract(
+    "/robot_description", String, ("sim",), ("recorder", "user"),
+    "the robot as URDF, its links being frames of /tf", qos=LATCHED, rate="once", recorded=True)
+CELL_MARKERS = Contract(
+    "/cell/markers", MarkerArray, ("sim",), ("recorder", "user"),
+    "shapes of objects, container, pallet and tables, each fixed to its frame of /tf", qos=LATCHED,
+    rate="on change", recorded=True)
 # fmt: on
 
 SHARED = contracts_in(globals())
