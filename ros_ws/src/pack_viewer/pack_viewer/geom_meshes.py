@@ -151,7 +151,9 @@ def _rgba(model: mujoco.MjModel, geom: int) -> Array:
 
 
 def _material(rgba: Colour, picture: Image.Image | None) -> PBRMaterial:
+    # MuJoCo shows its colours as they are (sRGB); glTF wants them linear, by about the power of 2.2.
+    linear = [float(c) ** 2.2 for c in rgba[:3]]
     return PBRMaterial(
-        baseColorFactor=[float(c) for c in rgba], baseColorTexture=picture, metallicFactor=0.0,
+        baseColorFactor=[*linear, float(rgba[3])], baseColorTexture=picture, metallicFactor=0.0,
         roughnessFactor=ROUGH, alphaMode="BLEND" if rgba[3] < 1.0 else "OPAQUE", doubleSided=True,
     )  # fmt: skip

@@ -39,7 +39,7 @@ class BlocksPage(CellPage):
     )  # fmt: skip
     scene_type = BlocksScene
     presets = (
-        preset_from_angles("cell", (0.55, 0.0, 0.2), 2.2, 145.0, -28.0),
+        preset_from_angles("cell", (0.5, 0.0, 0.15), 1.5, 145.0, -30.0),
         preset_from_angles("blocks", (0.7, 0.0, 0.05), 1.1, 145.0, -45.0),
         preset_from_angles("top", (0.7, 0.0, 0.0), 1.2, 180.0, -89.0),
         preset_from_angles("side", (0.6, 0.0, 0.15), 1.8, 90.0, -10.0),
