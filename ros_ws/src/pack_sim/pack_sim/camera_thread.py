@@ -29,7 +29,7 @@ class SnapshotCamera(Protocol[Snapshot]):
 
 
 class CameraThread(Generic[Snapshot]):
-    """Takes one picture at a time.
+    """Takes one picture at a time; once made, it is ready to.
 
     A second thread of normal priority passes the pictures on. Copying megabytes holds the interpreter's
     lock, so that a thread of low priority that did it would make all others wait.
@@ -50,6 +50,7 @@ class CameraThread(Generic[Snapshot]):
         self._wake = threading.Condition()
         self._exposed: tuple[float, Snapshot] | None = None
         self._is_busy = self._is_ended = False
+        self._is_open = threading.Event()
         self._drawn: Queue[tuple[float, Picture] | None] = Queue()
         self._threads = (
             threading.Thread(target=self._draw, name="camera"),
@@ -57,6 +58,9 @@ class CameraThread(Generic[Snapshot]):
         )
         for thread in self._threads:
             thread.start()
+        # Making the graphics context holds the interpreter's lock for a second, on a busy machine for many.
+        # A node that does it before it says that it is alive is not taken for a silent one.
+        self._is_open.wait()
 
     def expose(self, time: float, snapshot: Snapshot) -> bool:
         """Start to draw a picture; False while the last one is still being drawn, or after an error."""
@@ -79,15 +83,18 @@ class CameraThread(Generic[Snapshot]):
             self._wake.notify()
 
     def _draw(self) -> None:
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICENESS)
         try:
             with self._camera as camera:
+                self._is_open.set()
+                # Only now: at low priority making the context would keep all other threads waiting.
+                os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICENESS)
                 while (exposed := self._next()) is not None:
                     self._drawn.put((exposed[0], camera.picture(exposed[1])))
         except PackError as error:
             self._end()
             self._on_error(str(error))
         finally:
+            self._is_open.set()
             self._drawn.put(None)
 
     def _hand_out(self) -> None:
