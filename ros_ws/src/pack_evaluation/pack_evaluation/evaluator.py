@@ -88,7 +88,7 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
         (output / PLOTS).mkdir(parents=True, exist_ok=True)
         video = output / VIDEO if with_video else None
         if video:
-            self.film(run, video, progress)
+            self._film_whole(run, video, progress)
         replay = output / REPLAY if write_replay else None
         if write_replay and replay:
             write_replay(path, replay)
@@ -97,6 +97,15 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
         found = Evaluation(run, measures, rows, record, plots, video, output / REPORT, replay)
         found.report.write_text(self.page(found))
         return found
+
+    def _film_whole(self, run: RunT, path: Path, progress: OnProgress) -> None:
+        """Render the run; a file of this name is there only once it is whole."""
+        part = path.with_stem(f"{path.stem}.part")
+        try:
+            self.film(run, part, progress)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
 
     @abstractmethod
     def load(self, path: Path, goal: int | None = None) -> RunT:

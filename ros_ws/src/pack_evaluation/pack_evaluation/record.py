@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,17 @@ def load_record(recording: Path) -> dict[str, Any]:
         if (folder / RECORD).is_file():
             return _read(folder / RECORD)
     return {}
+
+
+def about_the_run(record: Mapping[str, Any]) -> dict[str, str]:
+    """What a report says of how a run was made, in words: run.yaml without its configuration files."""
+    return {name: _in_words(value) for name, value in record.items() if name != "configuration"}
+
+
+def _in_words(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {part}" for name, part in value.items())
+    return "none" if value is None or value == "" else str(value)
 
 
 def _read(path: Path) -> dict[str, Any]:

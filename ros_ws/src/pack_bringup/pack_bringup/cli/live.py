@@ -53,7 +53,12 @@ def run_live(
         raise typer.Exit(130) from None
     reason = getattr(result, "exit_reason", "success" if result.success else "failure")
     typer.echo(f"goal ended: {reason}" + (f", {result.message}" if result.message else ""))
-    show(run_evaluation(evaluator_of(job.folder), job.folder, job.folder, with_video=video))
+    try:
+        found = run_evaluation(evaluator_of(job.folder), job.folder, job.folder, with_video=video)
+    except KeyboardInterrupt:
+        typer.echo(f"stopped before the report was written: `pack evaluate {job.folder}` writes it")
+        raise typer.Exit(130) from None
+    show(found)
     typer.echo(f"log:    {job.folder / LOG}")
     if pace.warning:
         notice(pace.warning, typer.colors.YELLOW)

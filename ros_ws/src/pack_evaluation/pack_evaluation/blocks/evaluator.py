@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.problem import PlacedBlock
@@ -14,6 +13,7 @@ from pack_evaluation.blocks.plan_drawing import write_plan
 from pack_evaluation.blocks.video import write_strip, write_video
 from pack_evaluation.evaluator import Evaluation, Evaluator, OnProgress
 from pack_evaluation.html import embedded, render
+from pack_evaluation.record import about_the_run
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
@@ -52,7 +52,7 @@ class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
             measures=found.measures, rows=found.rows, plots=[embedded(plot) for plot in found.plots],
             video=embedded(found.video) if found.video else "",
             replay=found.replay.name if found.replay else "",
-            record={key: _in_words(value) for key, value in found.record.items() if key != "configuration"},
+            record=about_the_run(found.record),
         )  # fmt: skip
 
     def still(self, run: BlocksRun, path: Path) -> None:
@@ -61,9 +61,3 @@ class BlocksEvaluator(Evaluator[BlocksRun, BlocksMeasures]):
 
 
 EVALUATOR = BlocksEvaluator()
-
-
-def _in_words(value: Any) -> str:
-    return (
-        ", ".join(f"{name} {part}" for name, part in value.items()) if isinstance(value, dict) else str(value)
-    )

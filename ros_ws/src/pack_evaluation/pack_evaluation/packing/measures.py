@@ -35,7 +35,9 @@ CYCLE_MS = 48.0
 class PackingMeasures:
     """What is measured of a run, most important first; NaN where there is nothing to measure."""
 
-    success: Annotated[bool, MeasureText("packed", yes_or_no, "stage FINE-TUNE was reached")]
+    success: Annotated[
+        bool, MeasureText("packed", yes_or_no, "lowered onto its place: in FINE-TUNE, or by INSERT")
+    ]
     exit_reason: Annotated[PackingExitReason, MeasureText("exit", lambda e: e.value, "how the goal ended")]
     execution_time: Annotated[
         float, MeasureText("execution time", number("s"), "simulated, from the goal to its end")

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from pack_evaluation.packing.criteria import Criteria
 from pack_evaluation.packing.overlay import OTHER_COLOUR, STAGE_COLOURS, STAGE_TITLES
@@ -100,30 +101,49 @@ def _tracks(run: Run, tracks: dict[str, Track]) -> Iterator[tuple[str, Track]]:
 
 
 def _save(run: Run, draw: Draw, path: Path) -> Path:
+    plot_of(run, draw).savefig(path, dpi=130)
+    return path
+
+
+def plot_of(run: Run, draw: Draw) -> Figure:
+    """A plot over the time of the goal, with the stages behind it."""
     figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.add_subplot()
     draw(axes, run)
-    _shade_stages(axes, run)
+    names = _shade_stages(axes, run)
     axes.set(xlabel="time since the goal [s]", xlim=(0.0, run.end - run.start))
     axes.grid(alpha=0.25)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=130)
-    return path
+    _drop_names_without_room(figure, names)
+    return figure
 
 
-def _shade_stages(axes: Axes, run: Run) -> None:
-    """Colour the background by stage, and name every stage long enough for its name."""
+def _shade_stages(axes: Axes, run: Run) -> list[tuple[Text, float, float]]:
+    """Colour the background by stage; returns every stage's name, and from when to when [s] it lasts."""
     stages, elapsed = run.iterations.stages, run.iterations.elapsed
     changes = [i for i in range(len(stages)) if i == 0 or stages[i] != stages[i - 1]]
     duration = run.end - run.start
+    names = []
     bounds = [*(float(elapsed[i]) for i in changes), duration]
     for i, (start, end) in zip(changes, pairwise(bounds), strict=True):
         colour = STAGE_COLOURS.get(stages[i], OTHER_COLOUR)
         axes.axvspan(start, end, color=colour, alpha=0.10, lw=0)
-        if end - start > 0.08 * duration:
-            axes.text(
-                0.5 * (start + end), 0.97, STAGE_TITLES.get(stages[i], stages[i]), color=colour, fontsize=8,
-                transform=axes.get_xaxis_transform(), ha="center", va="top", fontweight="bold",
-            )  # fmt: skip
+        name = axes.text(
+            0.5 * (start + end), 0.97, STAGE_TITLES.get(stages[i], stages[i]), color=colour, fontsize=8,
+            transform=axes.get_xaxis_transform(), ha="center", va="top", fontweight="bold",
+        )  # fmt: skip
+        names.append((name, start, end))
+    return names
+
+
+def _drop_names_without_room(figure: Figure, names: list[tuple[Text, float, float]]) -> None:
+    """Remove names that are wider than their stage, which others would hide or the edge would cut."""
+    figure.draw_without_rendering()  # only now the layout has given the axes their width
+    for name, start, end in names:
+        axes = name.axes
+        assert axes is not None
+        left, right = axes.transData.transform([(start, 0.0), (end, 0.0)])[:, 0]
+        if name.get_window_extent().width > right - left:
+            name.remove()

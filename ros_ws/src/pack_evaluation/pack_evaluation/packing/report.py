@@ -12,6 +12,7 @@ from pack_evaluation.evaluator import Evaluation
 from pack_evaluation.html import embedded, render
 from pack_evaluation.packing.measures import PackingMeasures, object_displacements
 from pack_evaluation.packing.run import Run
+from pack_evaluation.record import about_the_run
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 SETTLED_SAMPLES = "settled_samples.png"
@@ -32,8 +33,6 @@ class ObjectRow:
 def packing_page(found: Evaluation[Run, PackingMeasures]) -> str:
     """The report of an evaluated goal."""
     run, record = found.run, found.record
-    about = {key: value for key, value in record.items() if key != "configuration"}
-    about["versions"] = ", ".join(f"{name} {number}" for name, number in record.get("versions", {}).items())
     files = {name: _yaml(content) for name, content in record.get("configuration", {}).items()}
     return render(
         TEMPLATE, title=f"Packing run {found.report.parent.name}", measures=found.measures, rows=found.rows,
@@ -41,7 +40,7 @@ def packing_page(found: Evaluation[Run, PackingMeasures]) -> str:
         plots=[(plot.stem, embedded(plot)) for plot in found.plots if plot.name != SETTLED_SAMPLES],
         samples=[embedded(plot) for plot in found.plots if plot.name == SETTLED_SAMPLES],
         video=embedded(found.video) if found.video else "", replay=found.replay.name if found.replay else "",
-        objects=_object_rows(run), record=about if record else {}, files=files,
+        objects=_object_rows(run), record=about_the_run(record), files=files,
     )  # fmt: skip
 
 

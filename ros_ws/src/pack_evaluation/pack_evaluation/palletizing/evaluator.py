@@ -11,6 +11,7 @@ from pack_evaluation.palletizing.measures import OrderMeasures, measure_order
 from pack_evaluation.palletizing.plots import write_plots
 from pack_evaluation.palletizing.run import PalletRun
 from pack_evaluation.palletizing.video import write_video
+from pack_evaluation.record import about_the_run
 
 TEMPLATE = Path(__file__).with_name("report.html.j2")
 
@@ -39,7 +40,7 @@ class PalletEvaluator(Evaluator[PalletRun, OrderMeasures]):
         return render(
             TEMPLATE, title=f"Order {found.run.order}", run=found.run, measures=found.measures,
             rows=found.rows, number=lambda value: "-" if value is None else f"{value:.2f}",
-            record={key: value for key, value in found.record.items() if key != "configuration"},
+            record=about_the_run(found.record),
             plots=[(plot.stem, embedded(plot)) for plot in found.plots],
             video=embedded(found.video) if found.video else "",
             replay=found.replay.name if found.replay else "",

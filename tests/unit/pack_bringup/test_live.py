@@ -1,0 +1,33 @@
+"""What `pack demo` says at its end."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import typer
+
+from pack_bringup.cli import live
+from pack_bringup.pace import Pace
+from pack_bringup.packing.job import PackingJob
+
+
+@pytest.fixture
+def ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A goal that has ended well, without a message."""
+    result = SimpleNamespace(success=True, message="")
+    monkeypatch.setattr(live, "run_demo", lambda *_: (result, Pace(1.0)))
+
+
+def test_a_report_that_was_interrupted_is_said_to_be_made_by_pack_evaluate(
+    ended: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(live, "run_evaluation", stop)
+    with pytest.raises(typer.Exit) as left:
+        live.run_live(PackingJob(folder=tmp_path / "run"), video=True)
+    assert left.value.exit_code == 130
+    said = capsys.readouterr().out
+    assert f"pack evaluate {tmp_path / 'run'}" in said
+    assert "goal ended: success\n" in said
