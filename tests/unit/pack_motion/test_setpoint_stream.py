@@ -136,6 +136,22 @@ def test_of_a_move_that_is_stopped_while_it_is_held_nothing_is_left(
     np.testing.assert_allclose(driver.q, stood, atol=1e-6)
 
 
+def test_a_move_that_is_abandoned_is_never_taken_up_again(arm: MotionArm, stream: SetpointStream) -> None:
+    driver, controller = Driver(stream, 1.0, arm.home), stream.controller
+    controller.command(MotionTarget(5, MOVE))
+    while np.abs(driver.v).max() < 0.5:
+        driver.tick()
+    stream.abandon("the arm was stopped")
+    assert controller.status().reason == "the arm was stopped; the driver holds the arm"
+    driver.until(MotionState.IDLE)
+    assert stream.left is None
+    stood = driver.q.copy()
+    stream.abandon("the arm was stopped again")  # a standing arm stands on
+    for _ in range(100):
+        driver.tick()
+    np.testing.assert_allclose(driver.q, stood, atol=1e-6)
+
+
 def test_an_arm_that_is_moved_by_force_is_followed_and_moves_nowhere_by_itself(
     arm: MotionArm, stream: SetpointStream
 ) -> None:

@@ -69,3 +69,13 @@ def test_another_factor_counts_from_the_next_block_on_and_nothing_is_made_up_for
     assert pacer.delay(0.004) == pytest.approx(0.008)
     pacer.change_factor(0.0)
     assert pacer.delay(0.004) == 0.0
+
+
+def test_a_pause_is_neither_made_up_for_nor_counted(clock) -> None:
+    pacer = Pacer(1.0)
+    pacer.delay(0.004)
+    clock[0] += 60.0
+    pacer.skip()
+    assert pacer.delay(0.004) == pytest.approx(0.004)
+    clock[0] += 0.004
+    assert pacer.achieved() == pytest.approx(1.0)
