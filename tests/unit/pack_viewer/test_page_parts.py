@@ -113,7 +113,7 @@ def test_a_boxs_time_runs_from_its_first_state_to_that_of_the_next_box() -> None
     enter(progress, "a", (State.SPAWN, 1.0), (State.DEPOSIT, 9.0), (State.RETREAT, 10.0))
     enter(progress, "b", (State.SPAWN, 12.0), (State.RETREAT, 20.0), (State.RETURN, 21.0))
     assert progress.placed == ["a", "b"]
-    assert progress.placed_text == "2, 10.0 s a box"  # 11 s and 9 s
+    assert progress.placed_text(5) == "2 of 5, 10.0 s a box"  # 11 s and 9 s
 
 
 def test_another_order_begins_with_nothing_placed() -> None:

@@ -61,12 +61,12 @@ class OrderProgress:
         doing = self._reason or WHAT.get(self._state, "")
         return f"{doing}, box {self._box}" if doing and self._box else doing
 
-    @property
-    def placed_text(self) -> str:
-        """How many boxes are placed, and how long they took on average."""
+    def placed_text(self, count: int = 0) -> str:
+        """How many of `count` boxes (0: not known) are placed, and how long one took on average."""
+        text = f"{len(self.placed)} of {count}" if count else str(len(self.placed))
         if not self._took:
-            return str(len(self.placed))
-        return f"{len(self.placed)}, {sum(self._took.values()) / len(self._took):.1f} s a box"
+            return text
+        return f"{text}, {sum(self._took.values()) / len(self._took):.1f} s a box"
 
     def states_html(self) -> str:
         """The machine's states: the current one lit, those of this box ticked, faults with their reason."""

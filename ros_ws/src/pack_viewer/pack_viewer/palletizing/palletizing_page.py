@@ -19,6 +19,7 @@ from pack_viewer.fragments import facts, put
 from pack_viewer.news import News, Topics, seconds
 from pack_viewer.palletizing.order_progress import OrderProgress
 from pack_viewer.palletizing.pallet_scene import PalletScene
+from pack_viewer.palletizing.places import OrderPlaces
 from pack_viewer.rolling_plot import RollingPlot
 
 DETECTED = 1
@@ -33,6 +34,7 @@ class PalletizingPage(CellPage):
     topics = Topics(
         states=(
             *PalletScene.topics.all, motion.MOTION_STATUS, topics.GRIPPER_STATE, topics.VISION_OVERLAY,
+            motion.GOAL_MARKERS,
         ),
         events=(topics.PALLET_STATE, topics.BOX_DETECTION, topics.CONTACTS, topics.RESULT),
     )  # fmt: skip
@@ -47,6 +49,7 @@ class PalletizingPage(CellPage):
     def __init__(self, server: ViserServer, log: EventLog) -> None:
         super().__init__(server, log)
         self.scene = PalletScene(server.scene)
+        self._places = OrderPlaces(server.scene)
         self._progress = OrderProgress()
         self._grip: Any = None
         self._motion: Any = None
@@ -61,8 +64,11 @@ class PalletizingPage(CellPage):
         self.scene.update(news)
         self._grip = news.newest(topics.GRIPPER_STATE) or self._grip
         self._motion = news.newest(motion.MOTION_STATUS) or self._motion
+        if markers := news.newest(motion.GOAL_MARKERS):
+            self._places.set(markers.markers)
         for state in news.all(topics.PALLET_STATE):
             self._take_state(state)
+        self._places.take(self._progress.placed)
         for detection in news.all(topics.BOX_DETECTION):
             if detection.status != DETECTED:
                 self.log.add(f"camera: {detection.reason}", "warning", seconds(detection))
@@ -79,7 +85,7 @@ class PalletizingPage(CellPage):
     def show(self) -> None:
         """Bring states, values and plots up to date."""
         put(self._states, self._progress.states_html())
-        rows = [("placed", self._progress.placed_text), ("contacts", str(self._contacts))]
+        rows = [("placed", self._progress.placed_text(self._places.count)), ("contacts", str(self._contacts))]
         if self._grip is not None:
             rows.insert(0, ("gripper", _grip_text(self._grip)))
         if self._motion is not None:
@@ -94,6 +100,7 @@ class PalletizingPage(CellPage):
     def forget(self) -> None:
         """Begin anew with no box placed."""
         self._progress = OrderProgress()
+        self._places.clear()
         self._contacts, self._plotted = 0, -np.inf
         self.headline = IDLE
         for plot in (self._error, self._load):

@@ -30,7 +30,7 @@ SETPOINTS = Contract(
     "joint positions, velocities and accelerations, stamped with their start, which has come",
     qos=LATEST, rate=hz(topics.JOINT_RATE), recorded=True)
 GOAL_MARKERS = Contract(
-    "/markers", MarkerArray, ("fsm",), ("recorder", "user"),
+    topics.GOAL_MARKERS, MarkerArray, ("fsm",), ("recorder", "user"),
     "where boxes or blocks are to stand at the end of the goal, for RViz and Foxglove", qos=LATCHED,
     rate="each goal", recorded=True)
 # fmt: on
