@@ -92,8 +92,8 @@ def test_measures_are_legible_and_say_that_the_recording_has_other_goals(
 
 
 def test_an_error_has_a_colour_on_a_terminal_unless_that_is_not_wanted() -> None:
-    assert COLOUR in on_terminal("evaluate", "/nowhere")
-    assert COLOUR not in on_terminal("evaluate", "/nowhere", NO_COLOR="1")
+    assert COLOUR in on_terminal("up", "juggling")
+    assert COLOUR not in on_terminal("up", "juggling", NO_COLOR="1")
 
 
 def test_the_line_of_progress_fits_at_its_longest() -> None:
