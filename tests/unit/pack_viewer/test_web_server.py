@@ -2,6 +2,7 @@
 
 import socket
 from collections.abc import Iterator
+from http.client import HTTPConnection
 
 import pytest
 import viser
@@ -13,7 +14,7 @@ from websockets.sync.client import connect
 from pack_core.errors import ConfigError
 from pack_viewer.web_server import ConnectionGuard, open_server
 
-TOKEN = "a token of many letters"
+TOKEN = "a-token-of-many-letters"
 PROTOCOL = f"viser-v{viser.__version__}"
 
 
@@ -56,7 +57,7 @@ def test_a_name_that_was_made_to_point_here_is_refused(host: str) -> None:
 
 def test_with_a_token_everybody_needs_it() -> None:
     guard = ConnectionGuard(8000, TOKEN)
-    assert guard.refusal(request("/?token=a+token+of+many+letters")) == ""
+    assert guard.refusal(request("/?token=a-token-of-many-letters")) == ""
     assert guard.refusal(request(Cookie=f"x=1; packcell_token={TOKEN}")) == ""
     for path in ("/", "/?token=", "/?token=a+token", f"/?other={TOKEN}"):
         assert "token" in guard.refusal(request(path))
@@ -77,6 +78,32 @@ def test_a_socket_opened_by_a_foreign_page_gets_403(server: viser.ViserServer) -
         assert socket_.recv(timeout=10)
 
 
+def test_with_a_token_a_browser_keeps_it_in_a_cookie_and_no_other_gets_in() -> None:
+    opened = open_server(free_port(), "a page", token=TOKEN)
+    try:
+        port = opened.get_port()
+        assert got(port, "/")[0] == 403
+        status, cookie = got(port, "/?token=a-token-of-many-letters")
+        assert status == 200
+        assert "HttpOnly" in cookie
+        assert "SameSite=Strict" in cookie
+        with pytest.raises(InvalidStatus):
+            connect(f"ws://127.0.0.1:{port}", subprotocols=[PROTOCOL])
+        kept = {"Cookie": cookie.split(";")[0]}
+        with connect(f"ws://127.0.0.1:{port}", subprotocols=[PROTOCOL], additional_headers=kept) as socket_:
+            assert socket_.recv(timeout=10)
+    finally:
+        opened.stop()
+
+
+def got(port: int, path: str) -> tuple[int, str]:
+    """Status of a page, and the cookie that comes with it."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=10)
+    connection.request("GET", path)
+    answer = connection.getresponse()
+    return answer.status, answer.getheader("Set-Cookie") or ""
+
+
 def test_only_this_machine_is_listened_to(server: viser.ViserServer) -> None:
     assert server.get_host() == "127.0.0.1"
 
@@ -94,5 +121,6 @@ def test_no_browser_can_ask_for_a_public_address(server: viser.ViserServer) -> N
 def test_other_machines_are_let_in_only_with_a_token(host: str) -> None:
     with pytest.raises(ConfigError, match="token"):
         open_server(free_port(), "a page", host=host)
-    with pytest.raises(ConfigError, match="at least 16"):
-        open_server(free_port(), "a page", host=host, token="short")
+    for token in ("short", "a token with spaces in it", "a-token;of-two-cookies"):
+        with pytest.raises(ConfigError, match="16 or more"):
+            open_server(free_port(), "a page", host=host, token=token)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hmac
 import http
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
@@ -28,7 +29,6 @@ DEFAULT_PORT = 8210
 LOCAL_NAMES = (LOOPBACK, "localhost")
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Largest message that a browser may send [bytes]: a picture of the scene, or a piece of an uploaded file."""
-SHORTEST_TOKEN = 16
 COOKIE = "packcell_token"
 
 
@@ -112,10 +112,11 @@ def _check(host: str, token: str) -> None:
     if host not in LOCAL_NAMES and not token:
         raise ConfigError(
             f"host '{host}' shows the page, with its buttons, to everybody who can reach this machine; "
-            f"give a token of at least {SHORTEST_TOKEN} characters, too, or leave the host out"
+            "give a token, too, or leave the host out"
         )
-    if token and len(token) < SHORTEST_TOKEN:
-        raise ConfigError(f"the token has {len(token)} characters; at least {SHORTEST_TOKEN} are needed")
+    # The token stands in addresses and in a cookie.
+    if token and not re.fullmatch(r"[A-Za-z0-9_.~-]{16,}", token):
+        raise ConfigError("the token is not one; allowed: 16 or more letters, digits and -_.~")
 
 
 @contextmanager
