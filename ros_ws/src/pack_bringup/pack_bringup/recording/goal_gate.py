@@ -45,12 +45,10 @@ class GoalGate:
 
     Attributes:
         is_goal: whether a goal is in progress.
-        goals: how many goals have begun.
     """
 
     def __init__(self, latched: Collection[str]) -> None:
         self.is_goal = False
-        self.goals = 0
         self._latched = frozenset(latched)
         self._newest: dict[str, Sent] = {}
         self._written: dict[str, Sent] = {}
@@ -62,7 +60,6 @@ class GoalGate:
         if is_goal == self.is_goal:
             return []
         was_open, self.is_goal = self._is_open(now_ns), is_goal
-        self.goals += is_goal
         if not is_goal:
             self._closes_ns = now_ns + AFTER
         return [] if was_open else self._begin()

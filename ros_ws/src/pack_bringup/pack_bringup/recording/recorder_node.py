@@ -151,7 +151,8 @@ class RecorderNode(CellNode):
         if gate is None or gate.is_goal is bool(self._goals):
             return []
         wanted = gate.set_goal(bool(self._goals), now_ns)
-        self.get_logger().info(f"recording goal {gate.goals}" if gate.is_goal else f"goal {gate.goals} ended")
+        what = "recording: a goal has begun" if gate.is_goal else "a goal has ended: recording 2 s more"
+        self.get_logger().info(what)
         return wanted
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
