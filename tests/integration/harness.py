@@ -22,7 +22,7 @@ from rclpy.publisher import Publisher
 from pack_bringup.graph.domains import DOMAINS, is_free
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.goal_node import REFUSED
+from pack_core.ros.goal_refusal import REFUSED
 from pack_core.ros.node_status import LISTENING
 
 N = TypeVar("N", bound=Node)

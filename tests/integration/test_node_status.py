@@ -5,13 +5,11 @@ from __future__ import annotations
 import time
 from typing import Any
 
-import pytest
 from pack_interfaces.msg import NodeStatus
 
 from integration.harness import Graph
 from integration.test_goal_node import Waiter, send
 from pack_bringup.ros.status_listener import StatusListener
-from pack_core.ros import cell_node
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.node_status import LISTENING
@@ -69,21 +67,6 @@ def test_a_node_is_busy_while_it_pursues_a_goal(graph: Graph) -> None:
     graph.wait_until(lambda: heard[-1][0] == NodeStatus.BUSY)
     waiter.end(True, "")
     graph.wait_until(lambda: heard[-1][0] == NodeStatus.READY)
-
-
-def test_a_silence_is_logged_only_when_it_lasts(
-    graph: Graph, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(cell_node, "LASTING", 0.5)
-    waiter = graph.start(Waiter)
-    said: list[str] = []
-    monkeypatch.setattr(waiter.get_logger(), "error", said.append)
-    waiter._on_peer_change(None, "sim", False)
-    assert "sim" in waiter.health.faults
-    waiter._on_peer_change(None, "sim", True)
-    waiter._on_peer_change(None, "other", False)
-    graph.wait_until(lambda: said)
-    assert said == ["node 'other' is silent: restart it (pack run, or pack up)"]
 
 
 def test_a_peer_that_has_not_been_heard_yet_is_not_called_silent(graph: Graph) -> None:

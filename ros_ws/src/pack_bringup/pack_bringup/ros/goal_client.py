@@ -15,7 +15,7 @@ from pack_core.errors import PackError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.goal_node import REFUSED
+from pack_core.ros.goal_refusal import REFUSED
 from pack_core.ros.node_status import LISTENING
 from pack_core.ros.peer_watch import alive_topic
 

@@ -25,6 +25,7 @@ from pack_core.ros.node_status import StatusTeller
 from pack_core.ros.parameter_node import ParameterNode
 from pack_core.ros.params import unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
+from pack_core.ros.silence_log import SilenceLog
 from pack_core.ros.stream import TakenByHand
 from pack_core.ros.watch_connection import WatchSocket
 
@@ -32,9 +33,6 @@ ASSERTION_PERIOD = 0.05
 """How often a node says that it is alive [s of wall clock]: ten times within the lease, as some come late."""
 READINESS_PERIOD = 0.1
 """How often a node that has just started looks whether it is ready [s of wall clock]."""
-LASTING = 3.0
-"""Silence of a peer that is written to the log [s of wall clock]. It is acted upon and reported at once; but
-a busy machine keeps nodes waiting while a cell starts, and nodes end one after the other when it ends."""
 
 
 class CellNode(ParameterNode):
@@ -53,7 +51,7 @@ class CellNode(ParameterNode):
         self._diagnostics = self.advertise(shared.DIAGNOSTICS)
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._status_teller = StatusTeller(self)
-        self._silences: dict[str, float] = {}
+        self._silences = SilenceLog(self.get_logger())
         self.create_timer(1.0, self._look_around, clock=self.wall)
         self._ended = threading.Event()
         self._watch_socket: WatchSocket | None = None
@@ -112,7 +110,7 @@ class CellNode(ParameterNode):
 
     def _look_around(self) -> None:
         self.tell_status()
-        self._log_lasting_silences()
+        self._silences.write(self._watches, time.monotonic())
         self.report()
 
     def _beat(self) -> None:
@@ -182,16 +180,8 @@ class CellNode(ParameterNode):
             self.health.faults.pop(peer, None)
         else:
             self.health.faults[peer] = f"node '{peer}' is silent: restart it (pack run, or pack up)"
-            self._silences[peer] = time.monotonic()
+            self._silences.note(peer, time.monotonic())
             self.report()
-
-    def _log_lasting_silences(self) -> None:
-        for peer, since in list(self._silences.items()):
-            fault = self.health.faults.get(peer)
-            if fault is None or time.monotonic() - since > LASTING:
-                self._silences.pop(peer, None)
-                if fault is not None:
-                    self.get_logger().error(fault)
 
     def report(self) -> None:
         """Publish this node's health on /diagnostics."""

@@ -16,12 +16,11 @@ from pack_core.errors import PackError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.goal_refusal import refused_result
 from pack_core.ros.silent_peers import SilentPeers
 
 CHECK_PERIOD = 0.1
 """Time between two looks at how long peers have been silent [s of wall clock]."""
-REFUSED = "refused: "
-"""How the message of a goal's result begins when the goal was not taken; the reason follows."""
 
 
 class GoalNode(CellNode, ABC):
@@ -31,8 +30,7 @@ class GoalNode(CellNode, ABC):
 
     1. It is refused while another goal is in progress or a watched peer is silent, or with the reason
        that the subclass gives (`refusal`). The reason is logged, counted in /diagnostics, and sent to the
-       client: ROS 2 has no words for a goal that is rejected, so the goal is accepted and ends at once,
-       aborted, with a result whose message is `refused: ` and the reason.
+       client: the goal ends at once, aborted, with a result whose message is `refused: ` and the reason.
     2. `pursue` works on it, usually until `end_goal` is called, and returns the action's result. The
        result must have the fields `success` and `message`. A PackError raised there becomes the message
        of a result without success.
@@ -153,10 +151,7 @@ class GoalNode(CellNode, ABC):
         self.health.count("refused goal", reason)
         self.get_logger().warning(f"refused goal: {reason}")
         goal.abort()
-        result = self._result_type(success=False, message=REFUSED + reason)
-        if hasattr(result, "exit_reason"):
-            result.exit_reason = "refused"
-        return result
+        return refused_result(self._result_type, reason)
 
     async def _execute(self, goal: ServerGoalHandle) -> Any:
         # The executor runs this up to its first `await` without a break, so that of two goals one is taken.

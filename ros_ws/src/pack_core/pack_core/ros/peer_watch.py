@@ -63,6 +63,12 @@ class PeerWatch:
         """Whether the peer has been heard of, and not fallen silent since."""
         return self._is_alive is True
 
+    @property
+    def has_ended(self) -> bool:
+        """Whether no process of the peer is known on this machine; one that lives but is silent may hang."""
+        connection = self._connection
+        return connection is None or not connection.is_open
+
     def begin(self) -> None:
         """Watch from now on."""
         self._thread.start()
