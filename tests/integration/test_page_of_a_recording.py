@@ -36,15 +36,18 @@ def test_a_recording_is_shown_to_its_end_and_held_and_set_back(shown: BagPage) -
     with open_page(f"http://127.0.0.1:{shown.server.get_port()}") as browser:
         browser.wait_for_headline("placed")
         browser.wait_for_text("nothing may be pushed aside now")
-        browser.press("go on")  # at its end it is held; going on begins anew
-        browser.wait_for_headline("INSERT")
-        browser.press("pause")
+        # At its end it is held: it can be set to any time, and its slider be moved by the keyboard.
+        shown.news.seek(4.0)
         browser.wait_for_headline("INSERT")
         robot = shown.page.cell.scene.drawn.body("panda_link4")
         before = picture(shown.server)
         assert changed_share(before, picture(shown.server)) == 0.0
         robot.visible = False
         assert changed_share(before, picture(shown.server)) > 0.002  # it was really drawn
+        browser.page.get_by_role("slider").press("Home")
+        browser.wait_for_headline("ready")
+        browser.press("go on")
+        browser.wait_for_headline("placed")
         assert browser.foreign_requests == []
 
 
