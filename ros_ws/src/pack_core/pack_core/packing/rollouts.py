@@ -33,15 +33,24 @@ class SleepingRollouts:
 
     def run(self, x0s: Array, controls: Array) -> tuple[Array, Array]:
         """States `(B, T, nx)` and outputs `(B, T, ny)` after each control `(B, T, nu)`, from `(B, nx)`."""
-        parts = list(self._pool.map(self._roll_out, x0s, controls))
-        return np.concatenate([xs for xs, _ in parts]), np.concatenate([ys for _, ys in parts])
+        batch, steps, _ = controls.shape
+        x0s, controls = np.ascontiguousarray(x0s), np.ascontiguousarray(controls)
+        xs = np.empty((batch, steps, x0s.shape[1]))
+        ys = np.empty((batch, steps, self._model.nsensordata))
+        rows = [slice(i, i + 1) for i in range(batch)]
+        for _ in self._pool.map(lambda i: self._roll_out(x0s[i], controls[i], xs[i], ys[i]), rows):
+            pass  # the results are in xs and ys; iterating hands on what a thread raised
+        return xs, ys
 
     def _prepare(self) -> None:
         # data and rollout of this pool thread alone; with nthread=0 the rollout runs in the thread itself
         self._own.data, self._own.rollout = mujoco.MjData(self._model), Rollout(nthread=0)
 
-    def _roll_out(self, x0: Array, sequence: Array) -> tuple[Array, Array]:
+    def _roll_out(self, x0: Array, controls: Array, xs: Array, ys: Array) -> None:
         # wakes everything that slept at the end of the last rollout
         mujoco.mj_resetData(self._model, self._own.data)
-        xs, ys = self._own.rollout.rollout(self._model, [self._own.data], x0[None], sequence[None])
-        return xs, ys
+        # The checks of the arguments hold the interpreter's lock, so that the other threads wait for them.
+        self._own.rollout.rollout(
+            [self._model], [self._own.data], x0, controls, nstep=controls.shape[1], state=xs, sensordata=ys,
+            skip_checks=True,
+        )  # fmt: skip
