@@ -29,4 +29,4 @@ def wiring(
     if markdown:
         typer.echo(wiring_page(wiring_tables()), nl=False)
         return
-    show_table(COLUMNS, wiring_rows(wiring_of(cell)))
+    show_table(COLUMNS, list(wiring_rows(wiring_of(cell))))
