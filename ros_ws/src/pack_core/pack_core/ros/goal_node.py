@@ -7,14 +7,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from typing import Any
 
-from pack_interfaces.msg import ArmState
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
 from pack_core.errors import PackError
+from pack_core.ros.arm_stops import ArmStops
 from pack_core.ros.cell_node import CellNode
-from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_refusal import refused_result
 from pack_core.ros.silent_peers import SilentPeers
@@ -51,8 +50,6 @@ class GoalNode(CellNode, ABC):
         self._action: ActionServer | None = None
         self._goal: ServerGoalHandle | None = None
         self._goal_ended: Future | None = None
-        self._arm = ArmState()
-        self._stops_known = 0
 
     def take_goals(self, contract: Contract, watched: Iterable[str], fault_time: float) -> None:
         """Open the action; the last thing that a subclass's constructor does.
@@ -67,8 +64,7 @@ class GoalNode(CellNode, ABC):
             self, contract.type, contract.name, self._execute,
             goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
         )  # fmt: skip
-        self._resume = self.create_client(shared.RESUME_ARM.type, shared.RESUME_ARM.name)
-        self.listen(shared.ARM_STATE, self._on_arm_state)
+        self._arm_stops = ArmStops(self, self.on_arm_stop)
         self.watch(watched, self.on_peer)
         self.create_timer(CHECK_PERIOD, self._check_peers, clock=self.wall)
 
@@ -134,7 +130,7 @@ class GoalNode(CellNode, ABC):
 
     def _on_goal(self, _: Any) -> GoalResponse:
         # Every goal is accepted, and told the reason in its result if it is refused.
-        self._stops_known = self._arm.stops
+        self._arm_stops.expect_goal()
         return GoalResponse.ACCEPT
 
     def _reason_to_refuse(self, request: Any) -> str:
@@ -160,7 +156,7 @@ class GoalNode(CellNode, ABC):
         self._goal, self._goal_ended = goal, Future(executor=self.executor)
         self.tell_status()
         try:
-            await self._release_arm()
+            await self._arm_stops.release()
             result = await self.pursue(goal.request)
         except PackError as error:
             result = self._result_type(success=False, message=str(error))
@@ -176,35 +172,8 @@ class GoalNode(CellNode, ABC):
             goal.abort()
         return result
 
-    async def _release_arm(self) -> None:
-        """Have the driver follow setpoints again, if it was stopped before this goal came.
-
-        Raises:
-            PackError: it was stopped since, which the goal must not undo.
-        """
-        if not self._arm.is_stopped:
-            return
-        known = self._stops_known  # when the goal came
-        if self._arm.stops == known:
-            await self._resume.call_async(shared.RESUME_ARM.type.Request())
-        if self._arm.stops != known:
-            raise PackError(_stopped(self._arm.reason))
-
-    def _on_arm_state(self, message: ArmState) -> None:
-        self._arm = message
-        # Counted, because of a stop and its release only the second message may come.
-        is_new = message.stops > self._stops_known
-        if self._goal is not None or message.stops < self._stops_known:  # fewer: the driver began anew
-            self._stops_known = message.stops
-        if self._goal is not None and is_new:
-            self.on_arm_stop(_stopped(message.reason))
-
     def _check_peers(self) -> None:
         if self._goal is None:
             return
         if lost := self.silent_peers.lasting(self._fault_time, time.monotonic()):
             self.on_lost_peers(lost)
-
-
-def _stopped(reason: str) -> str:
-    return f"the arm was stopped: {reason or 'and released at once'}"
