@@ -26,7 +26,10 @@ NOT_OURS = re.compile(
     r"\bthing|\bmy[_.]|<run>|^bags/(?!samples|README)"  # the reader's own files and recordings
     r"|^\.venv/|^ros_ws/(build|install|log)/"  # what set-up makes
     r"|^example_data/|^3d_rectangular/"  # files of the projects that the orders come from
+    r"|^std_srvs/"  # types of ROS 2
 )
+INTERFACE_TYPE = re.compile(r"\w+/(msg|srv|action)/\w+")
+"""The type of a message, service or action: the path of its file, without the file's ending."""
 MADE_BY_A_RUN = ("bag/", "plots/", "pictures/", "runs/", "scenes/", "failures/")
 """Folders inside a run's or a benchmark's results."""
 OTHER_PROGRAMS = {"--symlink-install", "--ros-args", "--params-file", "-p", "-m", "-s", "-n", "-k", "-x"}
@@ -134,6 +137,8 @@ def test_paths_exist(page: Page, names: set[str]) -> None:
         if NOT_OURS.search(path) or path.startswith(MADE_BY_A_RUN):
             continue
         pattern = re.sub(r"<\w+>", "*", path.removeprefix("./")).rstrip("/")
+        if INTERFACE_TYPE.fullmatch(path):
+            pattern += ".*"
         beside = [place for base in (page.path.parent, ROOT) for place in base.glob(pattern)]
         assert beside or matching(names, pattern), f"{path}: neither beside the page nor in the project"
 
