@@ -241,14 +241,14 @@ def test_a_stop_that_was_released_before_it_was_heard_of_ends_the_goal_all_the_s
 def test_a_goal_that_was_accepted_before_the_stop_does_not_release_the_arm(
     graph: Graph, waiter: Waiter, driver: Driver, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    release = waiter._release_arm
+    release = waiter._arm_stops.release
 
     async def stopped_in_between() -> None:
         driver.stop()
-        waiter._arm = ArmState(is_stopped=True, reason="a button", stops=1)
+        waiter._arm_stops._arm = ArmState(is_stopped=True, reason="a button", stops=1)
         await release()
 
-    monkeypatch.setattr(waiter, "_release_arm", stopped_in_between)
+    monkeypatch.setattr(waiter._arm_stops, "release", stopped_in_between)
     status, message = ended(graph, send(graph))
     assert (status, message) == (GoalStatus.STATUS_ABORTED, "the arm was stopped: a button")
     assert driver.is_stopped
