@@ -11,6 +11,7 @@ IN_ENV := source tools/env.sh &&
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
 	@echo '  e.g. make demo SEED=3 ARGS="--no-video"   ("pack demo --help" in .venv/bin lists what ARGS may hold)'
+	@echo '       make demo takes about 3 minutes the first time, about 1 afterwards'
 	@echo '       make demo ARGS="--live" shows the run in the browser while it goes on'
 
 setup: ## make .venv, install what is locked, build the workspace; does only what has changed
