@@ -10,17 +10,17 @@ IN_ENV := source tools/env.sh &&
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
-	@echo '  e.g. make demo SEED=3 ARGS="--no-video"   ("pack demo --help" in .venv/bin lists what ARGS may hold)'
+	@echo '  e.g. make demo SEED=3 ARGS="--no-video"; .venv/bin/pack demo --help lists them'
 	@echo '       make demo takes about 3 minutes the first time, about 1 afterwards'
 	@echo '       make demo ARGS="--live" shows the run in the browser while it goes on'
 
-setup: ## make .venv, install what is locked, build the workspace; does only what has changed
+setup: ## make .venv, install and build; does only what has changed
 	@PYTHON="$(PYTHON)" tools/setup.sh
 
-demo: setup ## run a cell's main job, all nodes, recording, report (CELL=packing, palletizing or blocks; SEED, ARGS)
+demo: setup ## one run with report (CELL=packing, palletizing, blocks; SEED, ARGS)
 	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
 
-test: setup ## all tests but the benchmarks (ARGS goes to pytest; WORKERS=0 runs them in one process)
+test: setup ## all tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
 	@$(IN_ENV) pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --benchmark-disable \
 		-m "not benchmark" $(ARGS)
 
