@@ -17,10 +17,10 @@ help: ## list the targets
 setup: ## make .venv, install and build; does only what has changed
 	@PYTHON="$(PYTHON)" tools/setup.sh
 
-demo: setup ## one run with report (CELL=packing, palletizing, blocks; SEED, ARGS)
+demo: setup ## a run with report (CELL=packing, palletizing, blocks; SEED, ARGS)
 	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
 
-test: setup ## all tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
+test: setup ## tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
 	@$(IN_ENV) pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --benchmark-disable \
 		-m "not benchmark" $(ARGS)
 
