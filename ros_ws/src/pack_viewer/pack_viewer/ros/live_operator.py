@@ -50,10 +50,8 @@ class LiveOperator:
         self._stop = self._client(shared.STOP_ARM)
         self._resume = self._client(shared.RESUME_ARM)
         self._reset: Any = None
-        self._condition, self._lock = (
-            CellCondition(waits_for=f"waiting for node {self._server}"),
-            threading.Lock(),
-        )
+        self._condition = CellCondition(waits_for=f"waiting for node {self._server}")
+        self._lock = threading.Lock()
         node.create_subscription(NodeStatus, shared.NODE_STATUS.name, self._on_node, LISTENING)
         node.listen(shared.SIMULATION_STATE, self._on_simulation)
         node.listen(shared.ARM_STATE, self._on_arm)
