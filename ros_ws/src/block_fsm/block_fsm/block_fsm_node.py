@@ -91,7 +91,8 @@ class BlockFsmNode(GoalNode):
             self._executor = None
         assert executor.outcome is not None
         result = to_result(executor.outcome, self._state.time - self._start)
-        self._result.publish(String(data=json.dumps(_plain(result))))
+        # With the problem, a recording of the goal can be evaluated without any file beside it.
+        self._result.publish(String(data=json.dumps({**_plain(result), "problem": request.problem})))
         return result
 
     def describe(self, result: Rearrange.Result) -> str:

@@ -14,7 +14,7 @@ from pack_core import stamps
 from pack_core.blocks.plan import Action, PickPlace, Plan, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
-from pack_core.blocks.problem_file import load_problem
+from pack_core.blocks.problem_file import load_problem, parse_problem
 from pack_core.blocks.topics import BLOCK_POSES, JAW_STATE, RESULT, STATUS, TRUTH
 from pack_core.errors import BagError
 from pack_core.motion.topics import JOINT_STATES
@@ -98,10 +98,10 @@ def load_blocks_run(path: Path, goal: int | None = None) -> BlocksRun:
     if missing := [topic for topic in (TRUTH, JOINT_STATES, JAW_STATE, STATUS, RESULT) if not bag.of(topic)]:
         lacks = f"no message on {', '.join(missing)}"
         raise BagError(f"{bag.path}: goal {number} has {lacks}; did it run to its end?")
-    folder = path if (path / PROBLEM_FILE).is_file() else path.parent
+    result = read_result(bag.of(RESULT)[-1].data, bag.path)
     truth, joints, jaw = bag.of(TRUTH), bag.of(JOINT_STATES), bag.of(JAW_STATE)
     return BlocksRun(
-        problem=load_problem(folder / PROBLEM_FILE), result=read_result(bag.of(RESULT)[-1].data, bag.path),
+        problem=problem_of(result, path), result=result,
         plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(BLOCK_POSES)),
         times=_times(truth), truth=_tracks(truth), joint_times=_times(joints),
         joints=np.array([message.position for message in joints]), jaw_times=_times(jaw),
@@ -124,6 +124,18 @@ def read_result(text: str, path: Path) -> dict[str, Any]:
     if missing := [name for name in FIELDS if name not in result]:
         raise BagError(f"{path}: the result lacks {', '.join(missing)}; another version recorded it")
     return result
+
+
+def problem_of(result: Mapping[str, Any], path: Path) -> Problem:
+    """The problem that a goal was given: in its result, or of older recordings in a file beside the bag.
+
+    Raises:
+        ConfigError: it is in neither, or not as a problem should be.
+    """
+    if text := result.get("problem"):
+        return parse_problem(text, str(path))
+    folder = path if (path / PROBLEM_FILE).is_file() else path.parent
+    return load_problem(folder / PROBLEM_FILE)
 
 
 def planar(row: Array) -> PlanarPose:

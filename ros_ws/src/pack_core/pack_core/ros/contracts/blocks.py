@@ -37,8 +37,8 @@ STATUS = Contract(
     "phase, plan and what was done so far", qos=STREAM, rate="on change", recorded=True)
 RESULT = Contract(
     topics.RESULT, String, ("fsm",), ("recorder", "user"),
-    "how the last goal ended, as JSON with the fields of the action's result", qos=LATCHED,
-    rate="each goal", recorded=True)
+    "how the last goal ended, as JSON with the fields of the action's result and the goal's problem",
+    qos=LATCHED, rate="each goal", recorded=True)
 REARRANGE = Contract(
     "/rearrange", Rearrange, ("user",), ("fsm",), "bring every block to its goal", kind=Kind.ACTION)
 TRUTH = Contract(
