@@ -17,7 +17,7 @@ INSTALL = "sudo apt-get install -y chromium libgl1-mesa-dri"
 FLAGS = ("--no-sandbox", "--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist")
 """Mesa's llvmpipe by way of EGL: twice as fast as SwiftShader, which chromium would take by itself."""
 SIZE = {"width": 1280, "height": 720}
-PATIENCE = 60_000
+PATIENCE = 90_000
 """Longest wait for the page to change [ms]: software drawing on a busy machine."""
 CHANGED = 24
 """A pixel counts as another one if a channel differs by more than this, of 255."""

@@ -119,7 +119,7 @@ def test_a_packing_goal_is_started_stopped_and_run_again_and_a_dead_node_is_seen
 @pytest.mark.e2e
 @pytest.mark.alone
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize(("cell_name", "moving"), [("palletizing", "above box"), ("blocks", "PICK")])
+@pytest.mark.parametrize(("cell_name", "moving"), [("palletizing", "detect"), ("blocks", "PICK")])
 def test_a_goal_is_started_and_stopped(graph: Graph, tmp_path: Path, cell_name: str, moving: str) -> None:
     with shown(cell_name, graph, tmp_path) as cell, open_page(cell.address) as browser:
         browser.press("start")
