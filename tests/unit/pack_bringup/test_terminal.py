@@ -13,6 +13,7 @@ from rich.cells import cell_len
 from pack_bringup.blocks.goal import BlocksGoal
 from pack_bringup.cli.evaluate import show
 from pack_bringup.cli.terminal import show_table
+from pack_bringup.cli.wiring import wiring
 from pack_bringup.pace import Pace
 from pack_bringup.packing.goal import PackingGoal
 from pack_bringup.palletizing.goal import PalletizingGoal
@@ -70,9 +71,9 @@ def test_no_name_ends_in_dots(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_the_wiring_of_a_cell_is_legible(cell: str) -> None:
-    outcome = subprocess.run([sys.executable, "-c", MAIN, "wiring", cell], capture_output=True, text=True)
-    text = legible(outcome.stdout)
+def test_the_wiring_of_a_cell_is_legible(cell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    wiring(cell, markdown=False)
+    text = legible(capsys.readouterr().out)
     assert all(contract.name in text for contract in cell_part(cell, "contracts"))
 
 
