@@ -34,11 +34,13 @@ class SgnConfig(Config):
     knots: PositiveInt = Field(default=3, description="knots of the twist spline")
     step_linear: PositiveFloat = Field(default=0.05, description="step of the finite differences [m/s]")
     step_angular: PositiveFloat = Field(default=0.25, description="step of the finite differences [rad/s]")
-    explorers: NonNegativeInt = Field(default=4, description="random splines in each iteration")
+    explorers: NonNegativeInt = Field(
+        default=0, description="random splines in each iteration, where perturbations alone get stuck"
+    )
     spread_linear: PositiveFloat = Field(default=0.12, description="standard deviation of explorers [m/s]")
     spread_angular: PositiveFloat = Field(default=0.5, description="standard deviation of explorers [rad/s]")
     dampings: tuple[PositiveFloat, ...] = Field(
-        default=(0.001, 0.01, 0.1, 1.0, 10.0),
+        default=(0.01, 0.1, 1.0),
         description="dampings of the Gauss-Newton steps, one rollout each",
     )
     speed_linear: PositiveFloat = Field(default=0.4, description="largest linear twist [m/s]")
