@@ -13,13 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import Field
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
 from pack_bringup.recording.goal_gate import GoalGate, Sent
 from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.record import Record
 from pack_bringup.recording.recorder import Recorder
+from pack_bringup.recording.ros.bag_topics import is_latched, to_bag_topic
 from pack_bringup.recording.ros.goal_status import GoalsInProgress, status_contracts
 from pack_bringup.recording.run_record import BAG_FOLDER, default_folder, describe_run
 from pack_core import stamps
@@ -28,19 +27,16 @@ from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
-from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import nodes_of, recorded
 from pack_core.ros.conversions import stamp_in
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import NodeThread, Stream
-from pack_evaluation.raw_bag import Topic
 
 DEPTH = 1000
 """Messages a topic that may wait in the middleware, whatever depth it has for others."""
 DRAIN_PERIOD = 0.05
 """Wall clock between two looks at what has arrived [s]."""
-FOREVER = QosTime(9223372036, 854775807)
 
 
 class RecorderConfig(Config):
@@ -77,7 +73,7 @@ class RecorderNode(CellNode):
         now, topics = datetime.now(), recorded(config.cell)
         self.folder = Path(config.path) if config.path else default_folder(config.cell, config.seed, now)
         self.recorder = Recorder(
-            self.folder / BAG_FOLDER, map(_topic, topics), message_types(),
+            self.folder / BAG_FOLDER, map(to_bag_topic, topics), message_types(),
             split_size=config.split_mb * 1e6, limit=config.limit_gb * 1e9,
         )  # fmt: skip
         describe_run(config.cell, config.seed, config.command, now, config.preset).save(self.folder)
@@ -87,7 +83,7 @@ class RecorderNode(CellNode):
         by_goals = config.record == "goals"
         status = status_contracts(config.cell) if by_goals else ()
         self._goals = GoalsInProgress(status)
-        self._gate = GoalGate([topic.name for topic in topics if _is_latched(topic)]) if by_goals else None
+        self._gate = GoalGate([topic.name for topic in topics if is_latched(topic)]) if by_goals else None
         self._streams = [Stream(self, contract, depth=DEPTH, raw=True) for contract in (*topics, *status)]
         self._drain = NodeThread(self, self._wait_and_drain, "drain")
         self.watch(nodes_of(config.cell) - {self.get_name()}, self._on_peer)
@@ -182,26 +178,6 @@ def _plan(config: RecorderConfig) -> str:
         f"{what} in compressed files of {config.split_mb:g} MB, at most {config.limit_gb:g} GB together "
         "(limit_gb; then recording stops and the cell goes on)"
     )
-
-
-def _is_latched(contract: Contract) -> bool:
-    assert contract.qos is not None, f"{contract.name} is no topic"
-    return bool(contract.qos.durability == DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-def _topic(contract: Contract) -> Topic:
-    package = contract.type.__module__.split(".")[0]
-    return Topic(contract.name, f"{package}/msg/{contract.type.__name__}", (_offered(contract.qos),))
-
-
-def _offered(qos: QoSProfile) -> Qos:
-    return Qos(
-        history=QosHistory(qos.history), depth=qos.depth,
-        reliability=QosReliability(qos.reliability), durability=QosDurability(qos.durability),
-        deadline=FOREVER, lifespan=FOREVER,
-        liveliness=QosLiveliness(qos.liveliness), liveliness_lease_duration=FOREVER,
-        avoid_ros_namespace_conventions=False,
-    )  # fmt: skip
 
 
 def main() -> int:

@@ -34,17 +34,9 @@ from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
 from pack_evaluation.track import Track
 
 TOPICS = (
-    DESCRIPTION,
-    MPC_STATUS,
-    RESULT,
-    TRUTH,
-    SCENE,
-    JOINT_STATES,
-    WRENCH,
-    GRIPPER_STATE,
-    REAL_TIME_FACTOR,
+    DESCRIPTION, MPC_STATUS, RESULT, TRUTH, SCENE, JOINT_STATES, WRENCH, GRIPPER_STATE, REAL_TIME_FACTOR,
     SETTLED_SAMPLES,
-)
+)  # fmt: skip
 
 
 def load_run(path: Path, goal: int | None = None) -> Run:
