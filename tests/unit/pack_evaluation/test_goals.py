@@ -5,7 +5,7 @@ import pytest
 
 from pack_core.errors import BagError
 from pack_evaluation.bag import Bag, Recorded
-from pack_evaluation.goals import GoalNumber, goal_of
+from pack_evaluation.goals import GoalNumber, goal_of, without_earlier_gaps
 from pack_evaluation.packing.from_bag import load_run
 from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 
@@ -54,6 +54,14 @@ def test_a_recording_without_any_result_is_one_goal() -> None:
 def test_a_goal_that_is_not_there_is_refused_with_how_many_there_are(number: int) -> None:
     with pytest.raises(BagError, match=f"no goal {number}; it holds 2"):
         goal_of(TWO, number, result=RESULT)
+
+
+def test_what_lies_before_a_pause_of_the_recording_is_left_out_but_for_what_is_latched() -> None:
+    times = [0.0, 0.1, 9.8, 9.9, 10.0, 12.0]  # a pause before the goal, which begins at 10 s, and one in it
+    topics = [DESCRIPTION, STATE, STATE, STATE, STATE, RESULT]
+    messages = [Recorded(topic, round(1e9 * t), t) for topic, t in zip(topics, times, strict=True)]
+    found = without_earlier_gaps(Bag(Path("run"), tuple(messages), False), 10.0, latched=[DESCRIPTION])
+    assert [item.message for item in found.messages] == [0.0, 9.8, 9.9, 10.0, 12.0]
 
 
 def test_each_goal_of_a_packing_recording_is_measured_alone(tmp_path: Path) -> None:

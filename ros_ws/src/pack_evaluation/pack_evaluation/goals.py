@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
+from pack_core import stamps
 from pack_core.errors import BagError
 from pack_evaluation.bag import Bag, Recorded
 
@@ -25,6 +27,8 @@ class GoalNumber:
         return f"{self.number} of {self.count}"
 
 
+PAUSE = stamps.to_ns(0.5)
+"""Time without any message that is no lost message, but a pause of the recording [ns of simulated time]."""
 ONLY_GOAL = GoalNumber()
 """Of a run that is not one of several."""
 
@@ -60,6 +64,27 @@ def goal_of(
     earlier = {item.topic: item for item in bag.messages[:start] if item.topic in latched}
     messages = (*earlier.values(), *bag.messages[start:end])
     return replace(bag, messages=messages), GoalNumber(wanted, len(parts))
+
+
+def without_earlier_gaps(bag: Bag, start: float, *, latched: Collection[str] = ()) -> Bag:
+    """What was recorded without a pause until a goal began, and everything since then.
+
+    Where only goals are recorded, nothing is between two of them: time jumps from one message to the next.
+
+    Args:
+        bag: the recording.
+        start: when the goal began [s of simulated time].
+        latched: topics whose newest message from before the pause is kept, too.
+    """
+    begins = stamps.to_ns(start)
+    places = [
+        place
+        for place, (item, following) in enumerate(pairwise(bag.messages), 1)
+        if following.time_ns <= begins and following.time_ns - item.time_ns > PAUSE
+    ]
+    first = places[-1] if places else 0
+    earlier = {item.topic: item for item in bag.messages[:first] if item.topic in latched}
+    return replace(bag, messages=(*earlier.values(), *bag.messages[first:]))
 
 
 def _parts(

@@ -15,6 +15,7 @@ from pack_core.ros.joint_messages import from_joint_state
 from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.states import SceneState
 from pack_evaluation.bag import Bag
+from pack_evaluation.goals import without_earlier_gaps
 from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.track import Track, to_tracks
 from pack_lockstep.packing.presets import PackingPreset
@@ -38,12 +39,14 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
     """
+    run = to_run(bag)
+    bag = without_earlier_gaps(bag, run.start, latched=(DESCRIPTION,))
     joints = [from_stamp(message.header.stamp) for message in bag.of(JOINT_STATES)]
     frames = [from_markers(message).time for message in bag.of(MARKERS)]
     counts = {
         topic: check_frames(bag, topic, times) for topic, times in ((JOINT_STATES, joints), (MARKERS, frames))
     }
-    run, estimated = to_run(bag), estimate_again(bag, preset or PackingPreset())
+    estimated = estimate_again(bag, preset or PackingPreset())
     rows = tuple(
         _compare(name, track.between(run.start, run.end), estimated.get(name))
         for name, track in run.estimate.items()

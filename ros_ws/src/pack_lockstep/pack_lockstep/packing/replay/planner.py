@@ -14,6 +14,7 @@ from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_evaluation.bag import Bag
+from pack_evaluation.goals import without_earlier_gaps
 from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.packing.run import Run
 from pack_lockstep.node_parameters import parameters_of
@@ -68,6 +69,8 @@ def replay_planner(
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
     """
+    run = to_run(bag)
+    bag = without_earlier_gaps(bag, run.start, latched=(DESCRIPTION,))
     scenes = [from_scene(message) for message in bag.of(SCENE)]
     min_rate = float(parameters_of("packing/perception")[0]["min_rate"])
     count = check_frames(bag, SCENE, [scene.time for scene in scenes], min_rate)
@@ -77,8 +80,7 @@ def replay_planner(
     planner = PlacementPlanners(scene, given.packing_cell(), config).of(method.placement_variant)
     session = given.parameters("mpc", SessionConfig)
     rows = tuple(
-        _compare(planner, session, request, _near(scenes, request.sent), seed)
-        for request in requests(to_run(bag))
+        _compare(planner, session, request, _near(scenes, request.sent), seed) for request in requests(run)
     )
     return Replay("planner", {SCENE: count}, rows)
 
