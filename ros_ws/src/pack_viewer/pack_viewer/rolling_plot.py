@@ -60,5 +60,7 @@ class RollingPlot:
             self._changed, self._next_send = False, now + SEND_PERIOD
 
     def _data(self) -> tuple[np.ndarray, ...]:
-        rows = np.array(self._rows, dtype=float).reshape(-1, self._width)
+        # Without any point the browser gives the axis of time no range, and keeps it so.
+        nothing = [(moment, *([np.nan] * (self._width - 1))) for moment in (0.0, 1.0)]
+        rows = np.array(self._rows or nothing, dtype=float).reshape(-1, self._width)
         return tuple(np.ascontiguousarray(column) for column in rows.T)
