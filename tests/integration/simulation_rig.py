@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from pack_interfaces.msg import SimulationResult, SimulationState
 from pack_interfaces.srv import SetSimulationState, StopArm
 
 from integration.harness import Graph
+from pack_core.joints import JointSample
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import from_stamp
+from pack_core.rotations import Array
 
 WHO = "the test's button"
 
@@ -44,3 +49,18 @@ def braking_time(graph: Graph) -> float:
     stopped, standing = mail[known], mail[-1]
     assert (stopped.is_stopped, stopped.is_standing, stopped.reason) == (True, False, WHO)
     return from_stamp(standing.header.stamp) - from_stamp(stopped.header.stamp)
+
+
+def assert_no_jump(samples: Sequence[JointSample], stands: float, velocity: Array) -> None:
+    """Between joint states no joint moved faster than it can, and the first after a pause came at once.
+
+    Args:
+        samples: joint states before and after the pause; a busy machine may have lost some in between.
+        stands: simulated time at which the simulator was paused [s].
+        velocity: velocity limits of the joints `(n,)` [rad/s].
+    """
+    before = max(sample.time for sample in samples if sample.time <= stands + 1e-6)
+    after = min(sample.time for sample in samples if sample.time > stands + 1e-6)
+    assert after - before < 0.05
+    for early, late in pairwise(samples):
+        assert np.all(np.abs(late.q - early.q) <= velocity * (late.time - early.time) + 1e-4)
