@@ -105,7 +105,9 @@ def test_a_packing_goal_is_started_stopped_and_run_again_and_a_dead_node_is_seen
         browser.press("go on")
         browser.page.reload()
         browser.wait_for_text("a goal is in progress")
-        other = PageInBrowser(browser.page.context.new_page())
+        window = browser.page.context.browser
+        assert window is not None
+        other = PageInBrowser(window.new_page())
         other.page.goto(cell.address)
         other.wait_for_text("a goal is in progress")  # both are told the same
         other.page.close()
