@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from io import BytesIO
 from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
 import viser
+from PIL import Image
 from playwright.sync_api import Page, expect, sync_playwright
 
 INSTALL = "sudo apt-get install -y chromium libgl1-mesa-dri"
@@ -48,6 +51,18 @@ class PageInBrowser:
         """Wait until a text can be read somewhere on the page."""
         expect(self.page.get_by_text(text).first).to_be_visible(timeout=PATIENCE)
 
+    def wait_for_scene(self) -> None:
+        """Wait until a good part of the page is not of one colour."""
+        deadline = time.monotonic() + PATIENCE / 1000
+        while self._drawn_share() < 0.2:
+            assert time.monotonic() < deadline, "nothing was drawn"
+            self.page.wait_for_timeout(200)
+
+    def _drawn_share(self) -> float:
+        """Share of the page that is not of the colour of its corner."""
+        pixels = np.asarray(Image.open(BytesIO(self.page.screenshot(timeout=PATIENCE))).convert("RGB"))
+        return changed_share(pixels, np.broadcast_to(pixels[0, 0], pixels.shape))
+
     @property
     def foreign_requests(self) -> list[str]:
         """Requests that left this machine."""
@@ -82,6 +97,17 @@ def picture(server: viser.ViserServer) -> np.ndarray:
             if is_last:
                 raise
     raise AssertionError
+
+
+def steady_picture(server: viser.ViserServer) -> np.ndarray:
+    """What the first browser draws once everything has been loaded: two pictures that are the same."""
+    before = picture(server)
+    for _ in range(20):
+        now = picture(server)
+        if changed_share(before, now) == 0.0:
+            return now
+        before = now
+    raise AssertionError("the picture never came to rest")
 
 
 def changed_share(one: np.ndarray, other: np.ndarray) -> float:
