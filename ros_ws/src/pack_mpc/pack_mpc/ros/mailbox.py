@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -55,7 +56,8 @@ class Mailbox:
         self._observed: JointSample | None = None
         self._scene: SceneState | None = None
         self._is_held = True
-        self._forces: list[float] = []
+        # bounded, as nobody fetches them while no goal is pursued
+        self._forces: deque[float] = deque(maxlen=WRENCHES)
         joint_states = Stream(node, contracts.JOINT_STATES)
         self._new_joints = StreamWait(node, (joint_states,))
         self._streams: tuple[tuple[Stream, Callable[[Any], None]], ...] = (
@@ -127,7 +129,8 @@ class Mailbox:
         if age > SCENE_AGE:
             raise MessageError(f"the newest scene is {age:.3f} s old; allowed: {SCENE_AGE} s")
         with self._lock:
-            forces, self._forces = np.array(self._forces), []
+            forces = np.array(self._forces)
+            self._forces.clear()
         return PackingObservation(joints, scene, forces, self._is_held)
 
     def _on_joints(self, message: JointState) -> None:
