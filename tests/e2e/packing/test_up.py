@@ -9,12 +9,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from e2e.packing.cell import EASY_SCENE
 from e2e.packing.test_pack_demo import output_of, pack
 from integration.harness import own_domain
 from pack_core.paths import bags_path
+from pack_evaluation.packing.from_bag import load_run
+from pack_evaluation.packing.run import Run
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(400)]
 START_TIMEOUT = 200.0
@@ -73,9 +76,20 @@ def test_a_cell_says_that_it_is_ready_takes_a_goal_and_ends_without_an_alarm(up:
     rest = output_of(up.process)
     assert up.process.returncode == 0, rest
     assert rest.count("ended with exit code 0") == 5
+    _check_recording(load_run(tmp_path / "run"))
     (log,) = {line for line in (bags_path() / "logs").iterdir() if str(tmp_path) in line.read_text()}
     assert not re.search(r"ERROR|Traceback|Failed to|error:", log.read_text())
     log.unlink()
+
+
+def _check_recording(run: Run) -> None:
+    """The goal is in the bag from its start to its end, and the time before it, but for 2 s, is not."""
+    assert run.outcome["exit_reason"] == "placed"
+    goal = run.joint_times[(run.joint_times >= run.start) & (run.joint_times <= run.end)]
+    assert goal[0] - run.start < 0.01
+    assert run.end - goal[-1] < 0.01
+    assert np.diff(goal).max() < 0.02  # ten sensor periods: nothing of the goal is missing
+    assert run.start - run.joint_times[0] < 2.5  # at a real-time factor below 1
 
 
 def test_a_node_that_fails_at_start_ends_the_cell_with_its_reason_and_the_log() -> None:
