@@ -80,9 +80,7 @@ def test_a_bad_scene_file_is_named_with_its_key_and_what_is_allowed(tmp_path: Pa
 
 def test_an_unknown_parameter_is_refused_with_what_may_have_been_meant(graph: Graph) -> None:
     graph.start(PlannerNode, smaples=3)
-    with pytest.raises(
-        ConfigError, match="no parameter 'smaples'; did you mean 'samples'"
-    ):
+    with pytest.raises(ConfigError, match="no parameter 'smaples'; did you mean 'samples'"):
         graph.wait_until(lambda: False)
 
 
