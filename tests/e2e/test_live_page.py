@@ -87,6 +87,7 @@ def stop_in_the_middle(browser: PageInBrowser, cell: ShownCell) -> None:
 
 
 @pytest.mark.e2e
+@pytest.mark.long
 @pytest.mark.alone
 @pytest.mark.timeout(500)
 def test_a_packing_goal_is_started_stopped_and_run_again_and_a_dead_node_is_seen(
@@ -119,6 +120,7 @@ def test_a_packing_goal_is_started_stopped_and_run_again_and_a_dead_node_is_seen
 
 
 @pytest.mark.e2e
+@pytest.mark.long
 @pytest.mark.alone
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize(("cell_name", "moving"), [("palletizing", "detect"), ("blocks", "PICK")])

@@ -23,7 +23,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 def test_the_demo_puts_the_blocks_in_place_and_leaves_everything_behind(demo: tuple[Path, str]) -> None:
     folder, text = demo
     assert {path.name for path in folder.iterdir()} == {
-        "bag", "nodes.log", "plots", "problem.yaml", "report.html", "run.mp4", "run.yaml",
+        "bag", "nodes.log", "plots", "problem.yaml", "replay.html", "report.html", "run.mp4", "run.yaml",
     }  # fmt: skip
     assert (folder / "plots" / "plan_1.png").is_file()
     assert "goal ended: arranged" in text

@@ -1,6 +1,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import yaml
 
 from e2e.packing.cell import EASY_SCENE
 from pack_core.packing.scene_file import load_scene
+from pack_core.paths import ROOT_VARIABLE, project_root
 from pack_evaluation.packing.from_bag import load_run
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
@@ -59,7 +61,7 @@ def test_the_demo_packs_the_object_and_leaves_everything_behind(demo: tuple[Path
     folder, text = demo
     assert "placed" in text
     assert {path.name for path in folder.iterdir()} == {
-        "bag", "nodes.log", "plots", "report.html", "run.mp4", "run.yaml", "scene.yaml",
+        "bag", "nodes.log", "plots", "replay.html", "report.html", "run.mp4", "run.yaml", "scene.yaml",
     }  # fmt: skip
     assert yaml.safe_load((folder / "run.yaml").read_text())["seed"] == 4
     run = load_run(folder)
@@ -111,10 +113,15 @@ def test_a_bad_scene_file_is_named_before_anything_is_started(tmp_path: Path) ->
     assert not (tmp_path / "run").exists()
 
 
-def test_a_node_that_does_not_come_up_is_named_with_its_last_words(tmp_path: Path) -> None:
-    (tmp_path / "run" / "bag").mkdir(parents=True)
+def test_a_node_that_does_not_come_up_is_named_with_its_last_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(project_root() / "config", tmp_path / "config")
+    parameters = tmp_path / "config" / "nodes" / "packing" / "recorder.yaml"
+    parameters.write_text(parameters.read_text().replace("split_mb", "spilt_mb"))
+    monkeypatch.setenv(ROOT_VARIABLE, str(tmp_path))
     process = pack("demo", "packing", "--scene", EASY_SCENE, "--output", tmp_path / "run")
     text = output_of(process)
     assert process.returncode == 2
     assert "node 'recorder' ended with exit code 2" in text
-    assert "exists already" in text
+    assert "did you mean 'split_mb'" in text

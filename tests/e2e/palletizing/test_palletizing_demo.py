@@ -36,7 +36,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 def test_the_demo_builds_the_pallet_and_leaves_everything_behind(demo: tuple[Path, str]) -> None:
     folder, _ = demo
     assert {path.name for path in folder.iterdir()} == {
-        "bag", "nodes.log", "plots", "report.html", "run.mp4", "run.yaml",
+        "bag", "nodes.log", "plots", "replay.html", "report.html", "run.mp4", "run.yaml",
     }  # fmt: skip
     run = load_pallet_run(folder)
     assert [box.outcome for box in run.boxes] == ["placed"]
