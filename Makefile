@@ -6,10 +6,10 @@ ARGS ?=
 WORKERS ?= 2
 IN_ENV := source tools/env.sh &&
 
-.PHONY: help setup demo test test-long bench lint lock clean
+.PHONY: help setup demo test slow bench lint lock clean
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
 	@echo '  e.g. make demo SEED=3 ARGS="--no-video"; .venv/bin/pack demo --help lists them'
 	@echo '       make demo takes about 3 minutes the first time, about 1 afterwards'
 	@echo '       make demo ARGS="--live" shows the run in the browser while it goes on'
@@ -24,7 +24,7 @@ test: setup ## tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
 	@$(IN_ENV) pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --benchmark-disable \
 		-m "not benchmark and not long" $(ARGS)
 
-test-long: setup ## tests that take minutes, among them cells operated in a browser
+slow: setup ## tests that take minutes: cells operated in a browser
 	@$(IN_ENV) pytest -m long $(ARGS)
 
 bench: setup ## measure speed and success (ARGS goes to the command)
