@@ -24,7 +24,7 @@ test: setup ## tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
 	@$(IN_ENV) pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --benchmark-disable \
 		-m "not benchmark and not long" $(ARGS)
 
-slow: setup ## tests that take minutes: cells operated in a browser
+slow: setup ## tests that take minutes: cells in a browser, blocks demo
 	@$(IN_ENV) pytest -m long $(ARGS)
 
 bench: setup ## measure speed and success (ARGS goes to the command)

@@ -7,7 +7,8 @@ from e2e.packing.test_pack_demo import alarms, output_of, pack
 from pack_evaluation.blocks.from_bag import load_blocks_run
 from pack_evaluation.blocks.measures import measure
 
-pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
+# three minutes: two blocks at the default quarter of real time
+pytestmark = [pytest.mark.e2e, pytest.mark.long, pytest.mark.timeout(600)]
 
 
 @pytest.fixture(scope="module")
