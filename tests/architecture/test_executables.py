@@ -45,7 +45,7 @@ def test_every_node_of_a_graph_can_be_started(cell: str) -> None:
     graph = load_graph(cell)
     assert graph.nodes
     for node in graph.nodes:
-        assert Path(node.command()[len(node.prefix)]).is_file()
+        assert Path(node.command()[0]).is_file()
 
 
 @pytest.mark.parametrize("cell", CELLS)

@@ -12,9 +12,10 @@ from pack_interfaces.srv import SetSimulationState, StopArm
 
 from integration.harness import Graph
 from pack_core.joints import JointSample
-from pack_core.ros.contracts import shared
+from pack_core.ros.contracts import motion, shared
 from pack_core.ros.conversions import from_stamp
 from pack_core.rotations import Array
+from pack_motion.motion_node import MotionNode
 
 WHO = "the test's button"
 
@@ -49,6 +50,28 @@ def braking_time(graph: Graph) -> float:
     stopped, standing = mail[known], mail[-1]
     assert (stopped.is_stopped, stopped.is_standing, stopped.reason) == (True, False, WHO)
     return from_stamp(standing.header.stamp) - from_stamp(stopped.header.stamp)
+
+
+def assert_a_pause_loses_nothing(graph: Graph, sim: Any, motion_node: MotionNode) -> float:
+    """Pause a simulator in the middle of a move, and let it go on.
+
+    Time stands still, nobody takes it for a fault, and the move is then carried out to its end.
+
+    Returns:
+        The simulated time of the pause [s].
+    """
+    graph.probe.listen(shared.DIAGNOSTICS)
+    pause(graph)
+    stands, mail = sim.simulator.time, graph.probe.mail[shared.DIAGNOSTICS.name]
+    heard = len(mail)
+    graph.wait_until(lambda: len(mail) > heard + 4)  # each of two nodes reports once a second of wall clock
+    assert sim.simulator.time == stands
+    assert not sim.health.faults
+    assert not motion_node.health.faults
+    play(graph)
+    graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "REACHED", 60.0)
+    assert "no joint states" not in motion_node.health.last.get("interrupted", "")
+    return float(stands)
 
 
 def assert_no_jump(samples: Sequence[JointSample], stands: float, velocity: Array) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from integration.blocks.test_blocks_nodes import start_sim
 from integration.harness import Graph
-from integration.simulation_rig import braking_time, pause, play, set_state
+from integration.simulation_rig import assert_a_pause_loses_nothing, braking_time, pause, set_state
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.fingers import FingerCommand, FingerStatus
 from pack_core.blocks.model import block_name
@@ -95,17 +95,7 @@ def test_a_stopped_arm_keeps_its_block_and_takes_the_next_move(
 
 def test_a_pause_in_a_move_loses_nothing(graph: Graph, sim: BlocksSimNode, motion_node: MotionNode) -> None:
     begin(graph, 1, TURNED)
-    graph.probe.listen(shared.DIAGNOSTICS)
-    pause(graph)
-    stands, mail = sim.simulator.time, graph.probe.mail[shared.DIAGNOSTICS.name]
-    heard = len(mail)
-    graph.wait_until(lambda: len(mail) > heard + 4)  # each of two nodes reports once a second of wall clock
-    assert sim.simulator.time == stands
-    assert not sim.health.faults
-    assert not motion_node.health.faults
-    play(graph)
-    graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "REACHED", 60.0)
-    assert "no joint states" not in motion_node.health.last.get("interrupted", "")
+    assert_a_pause_loses_nothing(graph, sim, motion_node)
 
 
 @pytest.mark.parametrize(("state", "reason"), [(0, "/sim/reset"), (3, "Ctrl-C"), (9, "does not exist")])

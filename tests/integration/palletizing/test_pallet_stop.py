@@ -7,7 +7,12 @@ import pytest
 
 from integration.harness import Graph
 from integration.palletizing.pallet_rig import joint_samples, newest_joints, start_pallet_sim
-from integration.simulation_rig import WHO, assert_no_jump, braking_time, pause, play
+from integration.simulation_rig import (
+    WHO,
+    assert_a_pause_loses_nothing,
+    assert_no_jump,
+    braking_time,
+)
 from pack_core.motion.moves import Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.palletizing.box_body import BoxBody
@@ -83,15 +88,5 @@ def test_a_stopped_arm_keeps_its_box_stays_where_it_is_and_takes_the_next_move(
 
 def test_a_pause_in_a_move_loses_nothing(graph: Graph, sim: PalletSimNode, motion_node: MotionNode) -> None:
     begin(graph, 1)
-    graph.probe.listen(shared.DIAGNOSTICS)
-    pause(graph)
-    stands, mail = sim.simulator.time, graph.probe.mail[shared.DIAGNOSTICS.name]
-    heard = len(mail)
-    graph.wait_until(lambda: len(mail) > heard + 4)  # each of two nodes reports once a second of wall clock
-    assert sim.simulator.time == stands
-    assert not sim.health.faults
-    assert not motion_node.health.faults
-    play(graph)
-    graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "REACHED", 60.0)
-    assert "no joint states" not in motion_node.health.last.get("interrupted", "")
+    stands = assert_a_pause_loses_nothing(graph, sim, motion_node)
     assert_no_jump(joint_samples(graph, stands - 0.1), stands, LIMITS.velocity)

@@ -72,7 +72,6 @@ def start_nodes(cell: str, preset: str, settings: list[str]) -> list[Node]:
             executable=node.executable,
             name=node.name,
             parameters=[str(node.parameters_path), parameters[node.name]],
-            prefix=" ".join(node.prefix),
             output="screen",
         )
         for node in load_graph(cell).nodes

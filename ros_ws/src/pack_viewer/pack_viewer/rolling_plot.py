@@ -12,6 +12,8 @@ from viser import GuiApi, uplot
 from pack_viewer.fragments import BLUE, GREEN, GREY, ORANGE, PURPLE, RED
 
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE)
+PERIOD = 0.1
+"""Least simulated time between two points of a curve [s]."""
 KEPT = 600
 """Points of a curve; at ten a second they are a minute."""
 SEND_PERIOD = 0.5
@@ -26,11 +28,12 @@ class RollingPlot:
         gui: where it is added, within the container that is open.
         title: what is plotted, with its unit.
         curves: name of each curve.
+        period: points that come sooner after the last one are left out [s of simulated time].
     """
 
-    def __init__(self, gui: GuiApi, title: str, curves: Sequence[str]) -> None:
+    def __init__(self, gui: GuiApi, title: str, curves: Sequence[str], period: float = PERIOD) -> None:
         self._rows: deque[tuple[float, ...]] = deque(maxlen=KEPT)
-        self._width, self._changed = len(curves) + 1, False
+        self._width, self._changed, self._period = len(curves) + 1, False, period
         self._next_send = 0.0
         series: list[uplot.Series] = [uplot.Series(label="time [s]")]
         series += [
@@ -45,6 +48,8 @@ class RollingPlot:
 
     def add(self, at: float, *values: float) -> None:
         """Add a point to every curve at simulated time `at` [s]; NaN leaves a gap."""
+        if self._rows and at < self._rows[-1][0] + self._period:
+            return
         self._rows.append((at, *values))
         self._changed = True
 

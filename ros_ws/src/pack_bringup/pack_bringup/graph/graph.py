@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import yaml
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from pack_bringup.graph.executables import find_executable
 from pack_core.cells import cells_with, optional_cell_part
@@ -21,7 +21,6 @@ class NodeEntry(Config):
 
     Attributes:
         parameters: a file below config/ in the ROS 2 parameter format.
-        nice: from 0 to 19: how far the node stands back where the processor does not suffice for all.
     """
 
     name: str
@@ -29,12 +28,6 @@ class NodeEntry(Config):
     executable: str
     parameters: str
     use_sim_time: bool = True
-    nice: int = Field(default=0, ge=0, le=19)
-
-    @property
-    def prefix(self) -> list[str]:
-        """What goes before the executable."""
-        return ["nice", "-n", str(self.nice)] if self.nice else []
 
     @property
     def parameters_path(self) -> Path:
@@ -53,7 +46,7 @@ class NodeEntry(Config):
         if not self.parameters_path.is_file():
             raise ConfigError(f"node '{self.name}': no parameter file {self.parameters_path}")
         parameters = {"use_sim_time": str(self.use_sim_time).lower(), **(overrides or {})}
-        command = [*self.prefix, str(find_executable(self.package, self.executable)), "--ros-args"]
+        command = [str(find_executable(self.package, self.executable)), "--ros-args"]
         command += ["-r", f"__node:={self.name}", "--params-file", str(self.parameters_path)]
         for name, value in parameters.items():
             command += ["-p", f"{name}:={value}"]

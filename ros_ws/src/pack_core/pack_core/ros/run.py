@@ -12,7 +12,6 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from pack_core.errors import PackError
-from pack_core.niceness import share_niceness_with_session
 
 SWITCH_INTERVAL = 0.001
 """A thread that has to react waits this long for one that computes [s]; Python's default is 0.005."""
@@ -25,7 +24,6 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
         0 after a clean end, 2 when the configuration was refused.
     """
     sys.setswitchinterval(SWITCH_INTERVAL)
-    share_niceness_with_session()
     # An interrupt shuts the context down, which ends spinning. Raised as an exception besides, at whatever
     # line it meets, it could leave a lock held, and the end would wait for it.
     signal.signal(signal.SIGINT, lambda *_: None)

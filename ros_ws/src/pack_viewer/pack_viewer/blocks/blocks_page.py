@@ -6,7 +6,6 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from viser import ViserServer
 
 from pack_core.blocks import topics
@@ -23,8 +22,6 @@ JAWS = ("moving", "at the opening", "holding", "blocked")
 """JawState's constants in words."""
 PUSH = 2
 """BlockAction's kind of a push."""
-PLOT_PERIOD = 0.1
-"""Simulated time between two points of a plot [s]."""
 COUNTS = ("picks", "pushes", "plans", "failed_grasps", "refusals", "deviations", "disturbances")
 
 
@@ -52,7 +49,6 @@ class BlocksPage(CellPage):
         self._jaws: Any = None
         self._motion: Any = None
         self._unseen: tuple[str, ...] = ()
-        self._plotted = -np.inf
 
     def tabs(self) -> dict[str, Callable[[], None]]:
         """The plan as steps, and plots over time."""
@@ -99,7 +95,7 @@ class BlocksPage(CellPage):
 
     def forget(self) -> None:
         """Begin anew without a plan."""
-        self._status, self._unseen, self._plotted = None, (), -np.inf
+        self._status, self._unseen = None, ()
         self.headline = IDLE
         self.scene.set_goals(())
         for plot in (self._error, self._opening):
@@ -127,9 +123,8 @@ class BlocksPage(CellPage):
         self.headline = Headline(str(result.get("exit_reason", "ended")), message, is_fault=not is_success)
 
     def _plot(self, time: float | None) -> None:
-        if time is None or time < self._plotted + PLOT_PERIOD:
+        if time is None:
             return
-        self._plotted = time
         if self._motion is not None:
             self._error.add(time, 1000.0 * self._motion.path_error)
         if self._jaws is not None:

@@ -18,8 +18,6 @@ from pack_viewer.packing.ghosts import Ghosts
 from pack_viewer.packing.packing_scene import ESTIMATE, TRUTH, PackingScene
 from pack_viewer.rolling_plot import RollingPlot
 
-PLOT_PERIOD = 0.1
-"""Simulated time between two points of the force [s]."""
 STAGES = ("LOOK", "PRE_PACK", "INSERT", "FINE_TUNE")
 
 
@@ -47,7 +45,7 @@ class PackingPage(CellPage):
         self._stage, self._visited = "", list[str]()
         self._status: Any = None
         self._grip: Any = None
-        self._force, self._force_plotted = float("nan"), -np.inf
+        self._force = float("nan")
 
     def tabs(self) -> dict[str, Callable[[], None]]:
         """Stages and what may be pushed, and plots over time."""
@@ -72,9 +70,8 @@ class PackingPage(CellPage):
         if wrench := news.newest(topics.WRENCH):
             force = wrench.wrench.force
             self._force = float(np.linalg.norm([force.x, force.y, force.z]))
-            if (now := seconds(wrench)) >= self._force_plotted + PLOT_PERIOD and self._status is not None:
-                self._force_plotted = now
-                self._force_plot.add(now, self._force)
+            if self._status is not None:
+                self._force_plot.add(seconds(wrench), self._force)
         if samples := news.newest(topics.SETTLED_SAMPLES):
             self._ghosts.set_samples(samples.samples)
         for status in news.all(topics.MPC_STATUS):
@@ -126,7 +123,6 @@ class PackingPage(CellPage):
             plot.add(now, value)
 
     def _clear_plots(self) -> None:
-        self._force_plotted = -np.inf
         for plot in (self._force_plot, *self._iteration_plots):
             plot.clear()
 
@@ -147,9 +143,10 @@ class PackingPage(CellPage):
 
     def _add_plots(self) -> None:
         gui = self.server.gui
-        distance = RollingPlot(gui, "distance to the target [cm]", ("distance",))
+        # every iteration has its point, late ones above all
+        distance = RollingPlot(gui, "distance to the target [cm]", ("distance",), period=0.0)
         self._force_plot = RollingPlot(gui, "force on the cup [N]", ("force",))
-        iteration, cost = (RollingPlot(gui, title, (title,)) for title in ("iteration [ms]", "cost"))
+        iteration, cost = (RollingPlot(gui, title, (title,), 0.0) for title in ("iteration [ms]", "cost"))
         self._iteration_plots = (distance, iteration, cost)
 
 

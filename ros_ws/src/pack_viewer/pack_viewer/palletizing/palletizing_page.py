@@ -24,8 +24,6 @@ from pack_viewer.rolling_plot import RollingPlot
 
 DETECTED = 1
 """BoxDetection's status of a box that was found."""
-PLOT_PERIOD = 0.1
-"""Simulated time between two points of a plot [s]."""
 
 
 class PalletizingPage(CellPage):
@@ -53,7 +51,7 @@ class PalletizingPage(CellPage):
         self._progress = OrderProgress()
         self._grip: Any = None
         self._motion: Any = None
-        self._contacts, self._plotted = 0, -np.inf
+        self._contacts = 0
 
     def tabs(self) -> dict[str, Callable[[], None]]:
         """The machine's states, what the camera sees, and plots over time."""
@@ -101,7 +99,7 @@ class PalletizingPage(CellPage):
         """Begin anew with no box placed."""
         self._progress = OrderProgress()
         self._places.clear()
-        self._contacts, self._plotted = 0, -np.inf
+        self._contacts = 0
         self.headline = IDLE
         for plot in (self._error, self._load):
             plot.clear()
@@ -124,9 +122,8 @@ class PalletizingPage(CellPage):
         )
 
     def _plot(self, time: float | None) -> None:
-        if time is None or time < self._plotted + PLOT_PERIOD:
+        if time is None:
             return
-        self._plotted = time
         if self._motion is not None:
             self._error.add(time, 1000.0 * self._motion.path_error)
         if self._grip is not None:
