@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-import os
-import re
 import sys
 import time
 from pathlib import Path
@@ -14,6 +12,7 @@ from pathlib import Path
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
+from benchmarks.processor_time import processor_time
 from pack_bringup.graph.domains import choose_domain
 from pack_bringup.graph.graph import load_graph
 from pack_bringup.graph.processes import ProcessGroup
@@ -57,9 +56,3 @@ def idle_shares(cell: str, factor: float, folder: Path) -> dict[str, float]:
         return {
             name: 100.0 * (processor_time(group.pid(name)) - before[name]) / duration for name in commands
         }
-
-
-def processor_time(pid: int) -> float:
-    """User and system time of a process and all its threads [s]; proc(5) has the fields of this file."""
-    fields = re.sub(r"^.*\) ", "", Path(f"/proc/{pid}/stat").read_text()).split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -1,0 +1,79 @@
+"""Processor time of the page's node while a recording of each cell is played to it at real time.
+
+`pytest -m benchmark -s tests/benchmarks/test_page_cost.py` records a run of each cell, plays it with one
+browser open, and prints a line for each cell. The browser's own time is not counted.
+"""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+from rosbags.highlevel import AnyReader
+
+from benchmarks.processor_time import processor_time
+from pack_bringup.graph.domains import choose_domain
+from pack_bringup.graph.processes import ProcessGroup
+from pack_bringup.page import PageProcess
+from pack_core.paths import project_root
+from page_browser import open_page
+
+pytestmark = pytest.mark.benchmark
+BOUNDS = {"packing": 8.0, "palletizing": 10.0, "blocks": 8.0}
+"""Of the page's node [% of a core]."""
+DEMOS = {
+    "packing": [],
+    "palletizing": ["--order", str(project_root() / "config" / "orders" / "order_17.json")],
+    "blocks": [],
+}
+"""What `pack demo` is told, to have a short run of each cell."""
+
+
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize(("cell", "bound"), BOUNDS.items())
+def test_the_page_costs_little_at_real_time(
+    benchmark: BenchmarkFixture, cell: str, bound: float, tmp_path: Path
+) -> None:
+    folder = tmp_path / cell
+    subprocess.run(["pack", "demo", cell, *DEMOS[cell], "--no-video", "-o", str(folder)], check=True)
+    share, first_picture = benchmark.pedantic(lambda: played_share(cell, folder / "bag", tmp_path), rounds=1)
+    sys.stdout.write(f"\n{cell:12}{share:6.1f} % of a core, first picture after {first_picture:.1f} s\n")
+    assert share < bound
+
+
+def played_share(cell: str, bag: Path, folder: Path) -> tuple[float, float]:
+    """The share of a core of the page's node [%], and when a browser had drawn the scene [s]."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    domain = choose_domain({})
+    page = ProcessGroup(PageProcess(cell, port).commands(), environment={"ROS_DOMAIN_ID": str(domain)})
+    play = ["pack", "play", str(bag), "--clock", "--domain", str(domain), "--rate"]
+    with (folder / "play.log").open("w") as log, page:
+        wait_for_port(port)
+        subprocess.run([*play, "20"], stdout=log, check=True)  # so that there is something to draw
+        began = time.monotonic()
+        with open_page(f"http://127.0.0.1:{port}") as browser:
+            browser.wait_for_scene()
+            first_picture = time.monotonic() - began
+            before = processor_time(page.pid("live"))
+            subprocess.run([*play, "1"], stdout=log, check=True)
+            used = processor_time(page.pid("live")) - before
+    with AnyReader([bag]) as reader:
+        return 100.0 * used / (reader.duration * 1e-9), first_picture  # the player's start does not thin it
+
+
+def wait_for_port(port: int) -> None:
+    """Return once somebody listens on a port of this machine."""
+    deadline = time.monotonic() + 60.0
+    while time.monotonic() < deadline:
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.1)
+    raise AssertionError(f"nobody listens on port {port}")
