@@ -29,7 +29,7 @@ BOUNDS = {"packing": 8.0, "palletizing": 10.0, "blocks": 8.0}
 DEMOS = {
     "packing": [],
     "palletizing": ["--order", str(project_root() / "config" / "orders" / "order_17.json")],
-    "blocks": [],
+    "blocks": ["--blocks", "2"],
 }
 """What `pack demo` is told, to have a short run of each cell."""
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 from functools import cache
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config, load_values, merged, parse_values, validate_config
+from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Scene
 from pack_core.paths import config_path
 from pack_core.robots.arm_drive import ArmDrive
 from pack_core.robots.pump import Pump
+from pack_core.rotations import Pose, from_yaw
 
 Point = tuple[float, float, float]
 
@@ -58,6 +61,22 @@ class MocapCameras(Config):
     has_side_markers: bool
 
 
+class HandOver(Config):
+    """Where the next object of a list is presented, e.g. on a tray at the end of a conveyor.
+
+    Attributes:
+        centre: place of the object's centre on the table, x and y [m].
+        yaw_deg: heading of the object [deg].
+    """
+
+    centre: tuple[float, float] = (0.42, -0.36)
+    yaw_deg: float = 0.0
+
+    def pose_of(self, item: SceneItem) -> Pose:
+        """X_WN: the object as announced, standing upright."""
+        return Pose(np.array([*self.centre, item.half_extents[2]]), from_yaw(np.deg2rad(self.yaw_deg)))
+
+
 class PackingCell(Config):
     """All physical facts of the packing cell, as `config/cells/packing.yaml` gives them."""
 
@@ -67,6 +86,8 @@ class PackingCell(Config):
     tip: Tip | None
     """Compliance of the cup; None: the held object is rigidly fixed to it."""
     mocap: MocapCameras
+    hand_over: HandOver = HandOver()
+    """Where objects of a list are handed over."""
     scene: Scene
     """The container, the objects in it and the new object, without poses."""
 

@@ -15,7 +15,7 @@ from pack_core.packing.surroundings import add_surroundings
 from pack_core.packing.tip import add_tip
 from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
 from pack_core.robots.pump import add_pump
-from pack_core.rotations import Pose
+from pack_core.rotations import Array, Pose
 
 TIP_FORCE = "tip_force"
 TIP_TORQUE = "tip_torque"
@@ -101,8 +101,17 @@ def build_model(
 
 
 def held_pose(scene: Scene) -> Pose:
-    """X_TN: the held new object N, hanging upright from the cup T by the middle of its top."""
+    """X_TN: how the held new object N hangs from the cup T; upright, by the middle of its top, unless told."""
+    if scene.grip is not None:
+        return scene.grip.to_pose()
     return Pose(np.array([0.0, 0.0, scene.new_object.half_extents[2]]), np.array(UPSIDE_DOWN))
+
+
+def cup_point(scene: Scene) -> Array:
+    """p_NT `(3,)` [m]: where on the held object N the cup T is, the middle of its top unless told."""
+    if scene.grip is not None:
+        return scene.grip.to_pose().inverse().p
+    return np.array([0.0, 0.0, float(scene.new_object.half_extents[2])])
 
 
 def _add_arm(spec: mujoco.MjSpec, cell: PackingCell) -> mujoco.MjsBody:
@@ -157,8 +166,8 @@ def _add_new_object(
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)
         _add_object(body, item, scene, free=False)
         if not is_rigid:
-            add_tip(body, tip, item.half_extents[2])
-        body.add_site(name="tip", pos=(0, 0, item.half_extents[2]))
+            add_tip(body, tip, cup_point(scene))
+        body.add_site(name="tip", pos=cup_point(scene))
         _add_sensors(spec, item.name)
 
 

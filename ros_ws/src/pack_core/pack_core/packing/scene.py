@@ -46,6 +46,9 @@ class Scene(Config):
     friction: Friction
     objects: Annotated[list[ObjectModel], Field(max_length=40)]
     new_object: ObjectModel
+    """The object that is packed next: it hangs from the pump, or stands at its `pose` to be picked up."""
+    grip: PoseConfig | None = None
+    """X_TN: how the new object N hangs from the cup T; None: upright, by the middle of its top."""
 
     @model_validator(mode="after")
     def _names_differ(self) -> Scene:
@@ -55,6 +58,11 @@ class Scene(Config):
         if taken := sorted(name for name in names if name in RESERVED or name.startswith(RESERVED_PREFIXES)):
             raise ValueError(f"names that the cell itself uses: {', '.join(taken)}; allowed: others")
         return self
+
+    @property
+    def is_handed_over(self) -> bool:
+        """Whether the new object stands at a pose of its own, for the arm to pick it up."""
+        return self.new_object.pose is not None
 
     @property
     def names(self) -> list[str]:
@@ -96,6 +104,16 @@ class Scene(Config):
             item.model_copy(update={"pose": PoseConfig.from_pose(poses[item.name])}) for item in self.objects
         ]
         return self.model_copy(update={"objects": moved})
+
+    def gripped(self, X_TN: Pose) -> Scene:
+        """The same scene with the new object hanging from the cup at X_TN."""
+        held = self.new_object.model_copy(update={"pose": None})
+        return self.model_copy(update={"new_object": held, "grip": PoseConfig.from_pose(X_TN)})
+
+    def with_next(self, item: SceneItem, *, keep: bool) -> Scene:
+        """The scene in which another object is the new one; `keep`: the old one stays in the container."""
+        objects = [*self.objects, self.new_object] if keep else self.objects
+        return self.model_copy(update={"objects": objects, "new_object": item, "grip": None})
 
     def description(self) -> Scene:
         """The scene without poses, as every node may know it: shapes, sizes and masses alone."""

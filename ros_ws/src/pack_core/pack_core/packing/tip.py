@@ -16,13 +16,13 @@ TIP_JOINTS = (*SLIDES, *HINGES)
 """The joints in their order, in the held object's axes: it shifts first, then turns about x, y and z."""
 
 
-def add_tip(body: mujoco.MjsBody, tip: Tip | None, height: float) -> None:
+def add_tip(body: mujoco.MjsBody, tip: Tip | None, p_NP: Array) -> None:
     """Hang a held object on the springs of the cup.
 
     Args:
         body: the held object.
         tip: stiffness and damping of the springs.
-        height: height of the cup over the body's origin, along its z axis [m].
+        p_NP: the cup's point P `(3,)` in the body's frame [m].
 
     Raises:
         ConfigError: the cup has no springs.
@@ -33,17 +33,16 @@ def add_tip(body: mujoco.MjsBody, tip: Tip | None, height: float) -> None:
     stiffness = [tip.lateral, tip.lateral, tip.axial, tip.bending, tip.bending, tip.twist]
     for i, name in enumerate(TIP_JOINTS):
         body.add_joint(
-            name=name, type=kinds[i], axis=np.eye(3)[i % 3], pos=(0, 0, height), stiffness=stiffness[i],
+            name=name, type=kinds[i], axis=np.eye(3)[i % 3], pos=p_NP, stiffness=stiffness[i],
             damping=tip.damping_time * stiffness[i],
         )  # fmt: skip
 
 
-def tip_coordinates(X_TN0: Pose, X_TN: Pose, height: float) -> Array:
+def tip_coordinates(X_TN0: Pose, X_TN: Pose, p_NP: Array) -> Array:
     """Coordinates `(6,)` [m, rad] of the tip's joints that bring the held object from X_TN0 to X_TN.
 
-    `height` is that of the cup over the object's origin [m]: there, at point P, the joints are.
+    The joints are at the cup's point P, `p_NP` `(3,)` [m] in the object's frame.
     """
-    p_NP = np.array([0.0, 0.0, height])
     inverse = conjugate(X_TN0.q)
     shift = rotate(inverse, X_TN.apply(p_NP) - X_TN0.apply(p_NP))
     # intrinsic angles "XYZ", since the hinges turn about x, y and z one after the other
