@@ -108,6 +108,17 @@ def test_only_this_machine_is_listened_to(server: viser.ViserServer) -> None:
     assert server.get_host() == "127.0.0.1"
 
 
+def test_whoever_looks_for_open_ports_leaves_no_traceback(caplog: pytest.LogCaptureFixture) -> None:
+    server = open_server(free_port(), "a page")
+    with socket.create_connection(("127.0.0.1", server.get_port())) as connection:
+        connection.shutdown(socket.SHUT_WR)  # gone without a request
+        assert connection.recv(1) == b""  # the server has given it up
+    with pytest.raises(InvalidStatus):  # and been through its loop since
+        connect(f"ws://127.0.0.1:{server.get_port()}", origin="http://evil.example")
+    server.stop()
+    assert "handshake" not in caplog.text
+
+
 def test_a_port_that_is_taken_is_an_error_and_not_another_port(server: viser.ViserServer) -> None:
     with pytest.raises(ConfigError, match=rf"port {server.get_port()} is taken"):
         open_server(server.get_port(), "another page")
