@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from pack_core.errors import ConfigError
+from pack_core.text.explanation import explanation
+from pack_core.text.reader import read_text
+from pack_core.text.yaml_text import parse_yaml
 
 
 class Config(BaseModel):
@@ -48,27 +50,22 @@ def load_config(cls: type[C], path: Path) -> C:
     Raises:
         ConfigError: the file is missing, is not YAML, or has a key or value that is not allowed.
     """
-    return validate_config(cls, load_values(path), str(path))
+    return parse_config(cls, read_text(path), str(path))
 
 
 def parse_config(cls: type[C], text: str, source: str) -> C:
     """Read YAML text into a configuration class; `source` names it in errors."""
-    return validate_config(cls, parse_values(text, source), source)
+    return validate_config(cls, parse_values(text, source), source, text)
 
 
 def load_values(path: Path) -> dict[str, Any]:
     """Keys and values of a YAML file; raises ConfigError."""
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
-    return parse_values(path.read_text(), str(path))
+    return parse_values(read_text(path), str(path))
 
 
 def parse_values(text: str, source: str) -> dict[str, Any]:
     """Keys and values of YAML text; `source` names it in errors."""
-    try:
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ConfigError(f"{source}: not readable as YAML: {error}") from error
+    data = parse_yaml(text, source)
     if not isinstance(data, dict):
         raise ConfigError(f"{source}: expected keys and values, got {type(data).__name__}")
     return data
@@ -86,29 +83,16 @@ def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]
     return result
 
 
-def validate_config(cls: type[C], data: Mapping[str, Any], source: str) -> C:
-    """Turn keys and values into a configuration class; `source` names them in errors."""
+def validate_config(cls: type[C], data: Mapping[str, Any], source: str, text: str = "") -> C:
+    """Turn keys and values into a configuration class.
+
+    Args:
+        cls: the class.
+        data: keys and values.
+        source: names them in errors.
+        text: the text that `data` was read from, for the numbers of lines; empty: from no single one.
+    """
     try:
         return cls.model_validate(data)
     except ValidationError as error:
-        raise ConfigError("\n".join(_explain(item, source) for item in error.errors())) from error
-
-
-def _explain(item: Any, source: str) -> str:
-    # pydantic: `loc` is the path of keys to the value, `type` what is wrong, `ctx` what is allowed.
-    key = ".".join(str(part) for part in item["loc"])
-    if item["type"] == "extra_forbidden":
-        return f"{source}: key '{key}' is not known; remove it or correct its spelling"
-    if item["type"] == "missing":
-        return f"{source}: key '{key}' is missing"
-    # Sections of several kinds are told apart by one key, which pydantic names in quotes.
-    discriminator = item.get("ctx", {}).get("discriminator", "").strip("'")
-    if item["type"] == "union_tag_not_found":
-        return f"{source}: key '{key}.{discriminator}' is missing"
-    if item["type"] == "union_tag_invalid":
-        tag, allowed = item["ctx"]["tag"], item["ctx"]["expected_tags"]
-        return f"{source}: key '{key}.{discriminator}' is '{tag}'; allowed: {allowed}"
-    message = item["msg"].removeprefix("Value error, ")
-    if not key:
-        return f"{source}: {message}"
-    return f"{source}: key '{key}' is {item['input']!r}; allowed: {message}"
+        raise ConfigError(explanation(error, source, text)) from error

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from pack_core.cells import CELLS
-from pack_core.errors import BagError
+from pack_core.config import load_values
+from pack_core.errors import BagError, ConfigError
 
 RECORD = "run.yaml"
 
@@ -39,12 +38,9 @@ def _in_words(value: Any) -> str:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        found = yaml.safe_load(path.read_text())
-    except yaml.YAMLError:
-        found = None
-    if not isinstance(found, dict):
-        raise BagError(f"{path} is broken: it should be YAML, a key a line; was it cut off?")
-    return found
+        return load_values(path)
+    except ConfigError as error:
+        raise BagError(f"{path} is broken: it should be YAML, a key a line; was it cut off?\n{error}") from error
 
 
 def cell_of(recording: Path) -> str:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-import yaml
 from pydantic import BaseModel
 
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
+from pack_core.text.reader import load_yaml
 
 C = TypeVar("C", bound=BaseModel)
 
@@ -33,9 +33,9 @@ def parameters_of(node: str) -> tuple[dict[str, Any], str]:
         ConfigError: the file is missing, or is not of this node.
     """
     path, name = config_path("nodes", f"{node}.yaml"), node.rpartition("/")[2]
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
-    try:
-        return dict(yaml.safe_load(path.read_text())[name]["ros__parameters"]), str(path)
-    except (KeyError, TypeError) as error:
-        raise ConfigError(f"{path}: expected `{name}: ros__parameters:` at the top") from error
+    parameters: Any = load_yaml(path)
+    for key in (name, "ros__parameters"):
+        parameters = parameters.get(key) if isinstance(parameters, dict) else None
+    if not isinstance(parameters, dict):
+        raise ConfigError(f"{path}: expected `{name}: ros__parameters:` at the top, with keys and values")
+    return parameters, str(path)

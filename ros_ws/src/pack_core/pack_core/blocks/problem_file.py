@@ -16,7 +16,7 @@ from pydantic import Field, FiniteFloat, model_validator
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.config import Config, parse_config
-from pack_core.errors import ConfigError
+from pack_core.text.reader import read_text
 
 Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 """x [mm], y [mm], yaw [deg]."""
@@ -53,9 +53,7 @@ def load_problem(path: Path) -> Problem:
     Raises:
         ConfigError: there is none, or a key or value is missing or not allowed.
     """
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
-    return parse_problem(path.read_text(), str(path))
+    return parse_problem(read_text(path), str(path))
 
 
 def parse_problem(text: str, source: str) -> Problem:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from pack_core.errors import OrderError
+from pack_core.errors import ConfigError, OrderError
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.cell_check import misfits_of
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_check import problems_of
 from pack_core.palletizing.orders.support import SupportConfig
-
-MAX_BYTES = 5_000_000
+from pack_core.text.json_text import parse_json
+from pack_core.text.lines import Lines
+from pack_core.text.reader import read_text
+from pack_core.text.shown import listed, on_one_line, shown_value
 
 
 def load_order(path: Path, cell: PalletizingCell | None = None) -> Order:
@@ -29,13 +30,9 @@ def load_order(path: Path, cell: PalletizingCell | None = None) -> Order:
         OrderError: the order cannot be read or built; the text has a line for every problem.
     """
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise OrderError(f"{path}: larger than {MAX_BYTES / 1e6:g} MB; allowed: one order as JSON")
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise OrderError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise OrderError(f"{path}: is no text in UTF-8; allowed: one order as JSON") from error
+        text = read_text(path)
+    except ConfigError as error:
+        raise OrderError(str(error)) from error
     return parse_order(text, str(path), cell=cell)
 
 
@@ -54,9 +51,9 @@ def parse_order(
         OrderError: the order cannot be read or built; the text has a line for every problem.
     """
     try:
-        data = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise OrderError(f"{source}: is no JSON: {error}") from error
+        data = parse_json(text, source)
+    except ConfigError as error:
+        raise OrderError(str(error)) from error
     if not isinstance(data, dict):
         raise OrderError(
             f"{source}: holds a {type(data).__name__}; allowed: an object with order_id, pallet and boxes"
@@ -64,18 +61,21 @@ def parse_order(
     try:
         order = Order.model_validate(data)
     except ValidationError as error:
-        raise OrderError("\n".join(_explain(item, data, source) for item in error.errors())) from error
+        lines = Lines(text)
+        problems = [_explain(item, data, source, lines) for item in error.errors(include_url=False)]
+        raise OrderError(listed(problems)) from error
     misfits = [] if cell is None else misfits_of(order, cell)
     if problems := [*problems_of(order, config or SupportConfig()), *misfits]:
-        raise OrderError("\n".join(f"{source}: {problem}" for problem in problems))
+        raise OrderError(listed([f"{source}: {problem}" for problem in problems]))
     return order
 
 
-def _explain(item: Any, data: dict[str, Any], source: str) -> str:
-    place, keys = source, [str(part) for part in item["loc"]]
+def _explain(item: Any, data: dict[str, Any], source: str, lines: Lines) -> str:
+    line = lines.of(item["loc"])
+    place, keys = source if line is None else f"{source}, line {line}", [str(part) for part in item["loc"]]
     if keys[:1] == ["boxes"] and len(keys) > 1:
-        place, keys = f"{source}: {_name_of(data['boxes'], int(keys[1]))}", keys[2:]
-    key = ".".join(keys)
+        place, keys = f"{place}: {_name_of(data['boxes'], int(keys[1]))}", keys[2:]
+    key = on_one_line(".".join(keys))
     if item["type"] == "extra_forbidden":
         return f"{place}: key '{key}' is not known; remove it or correct its spelling"
     if item["type"] == "missing":
@@ -83,16 +83,11 @@ def _explain(item: Any, data: dict[str, Any], source: str) -> str:
     message = item["msg"].removeprefix("Value error, ")
     if not key:
         return f"{place}: {message}"
-    return f"{place}: key '{key}' is {_shown(item['input'])}; allowed: {message}"
+    return f"{place}: key '{key}' is {shown_value(item['input'])}; allowed: {message}"
 
 
 def _name_of(boxes: Any, index: int) -> str:
     entry = boxes[index]
     if isinstance(entry, dict) and isinstance(entry.get("id"), str):
-        return f"box '{entry['id']}'"
+        return f"box {shown_value(entry['id'])}"
     return f"box {index + 1} of the list"
-
-
-def _shown(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

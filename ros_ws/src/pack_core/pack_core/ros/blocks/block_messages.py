@@ -11,7 +11,7 @@ from std_msgs.msg import String
 
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.fingers import FingerState, FingerStatus
-from pack_core.config import Config, validate_config
+from pack_core.config import Config, parse_config
 from pack_core.errors import MessageError
 from pack_core.ros.blocks.rearrangement_messages import from_block_poses, to_block_poses
 from pack_core.ros.conversions import WORLD, finite, from_stamp, to_stamp
@@ -28,7 +28,7 @@ def to_tags(tags: Mapping[str, int]) -> String:
 
 def from_tags(message: String) -> dict[str, int]:
     """The number of every block's tag, by the block's id."""
-    return dict(validate_config(_Tags, yaml.safe_load(message.data), "tags").tags)
+    return dict(parse_config(_Tags, message.data, "tags").tags)
 
 
 def to_sighting(sighting: BlockSighting) -> BlockSightingMsg:
