@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import threading
+import time
 
-from pack_core.ros.watch_connection import WatchConnection, WatchSocket, nodes_on_this_machine
+import pytest
+
+from pack_core.ros import watch_connection
+from pack_core.ros.watch_connection import (
+    BACKLOG,
+    MOST_WATCHERS,
+    WatchConnection,
+    WatchSocket,
+    nodes_on_this_machine,
+)
 
 DOMAIN = os.getpid()
 CHILD = f"""
@@ -88,3 +99,53 @@ def test_nodes_of_this_machine_are_found_while_they_live() -> None:
     watched.close()
     connection.close()
     assert "found" not in nodes_on_this_machine().get(DOMAIN, set())
+
+
+def test_watchers_that_came_and_went_leave_room_for_the_next() -> None:
+    watched = WatchSocket(DOMAIN, "popular")
+    for _ in range(2 * MOST_WATCHERS):
+        WatchConnection(DOMAIN, "popular").close()
+    deadline = time.monotonic() + 5.0
+    connection = WatchConnection(DOMAIN, "popular")
+    while not connection.is_open and time.monotonic() < deadline:
+        connection = WatchConnection(DOMAIN, "popular")
+    assert connection.is_open
+    ended = end_of(connection)
+    watched.close()
+    assert ended.wait(2.0)
+
+
+def test_too_many_watchers_hold_up_nobody_and_take_the_node_for_no_dead_one() -> None:
+    watched = WatchSocket(DOMAIN, "crowded")
+    begin = time.monotonic()
+    crowd = [WatchConnection(DOMAIN, "crowded") for _ in range(MOST_WATCHERS + BACKLOG + 20)]
+    assert time.monotonic() - begin < 10.0
+    connected = [connection for connection in crowd if connection.is_open]
+    assert len(connected) >= BACKLOG
+    assert not any(end_of(connection).wait(0.0) for connection in connected)
+    watched.close()
+    assert all(end_of(connection).wait(2.0) for connection in connected)
+
+
+def test_a_frozen_process_holds_up_no_watcher() -> None:
+    child = subprocess.Popen(
+        [sys.executable, "-c", CHILD], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None
+    assert child.stdout.readline() == "up\n"
+    child.send_signal(signal.SIGSTOP)
+    begin = time.monotonic()
+    crowd = [WatchConnection(DOMAIN, "child") for _ in range(BACKLOG + 20)]
+    assert time.monotonic() - begin < 10.0
+    assert crowd[0].is_open
+    assert not crowd[-1].is_open
+    child.kill()
+    child.wait()
+
+
+def test_a_process_of_another_user_is_neither_watched_nor_let_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    watched = WatchSocket(DOMAIN, "guarded")
+    monkeypatch.setattr(watch_connection.os, "geteuid", lambda: os.getuid() + 1)
+    monkeypatch.setattr(watch_connection, "ROOT", os.getuid() + 2)
+    assert not WatchConnection(DOMAIN, "guarded").is_open
+    watched.close()

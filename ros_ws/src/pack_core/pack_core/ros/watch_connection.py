@@ -1,35 +1,98 @@
 """Tells at once that a node of this machine has ended, however it ended.
 
-A node listens on a local socket that it never serves, and its watchers connect to it. When the process ends,
-even by `kill -9`, the system closes the socket and every watcher's blocking read returns. The middleware's
-liveliness also sees nodes of other machines, but has to wait for a lease that must be longer than the time
-for which a busy processor may keep a healthy node waiting.
+A node listens on a local socket, and its watchers connect to it. When the process ends, even by `kill -9`,
+the system closes the socket and every watcher's blocking read returns. The middleware's liveliness also sees
+nodes of other machines, but has to wait for a lease that must be longer than the time for which a busy
+processor may keep a healthy node waiting.
+
+Nobody else can be in the way: connecting never waits, each side asks the system whose process is at the other
+end and talks to those of its own user only, and what watchers left behind is cleared away.
 """
 
 from __future__ import annotations
 
+import os
+import select
 import socket
+import struct
+import threading
 from contextlib import suppress
 from pathlib import Path
 
 SOCKETS = Path("/proc/net/unix")
 """Linux' list of local sockets. A line ends with the address, `@` standing for its leading zero byte."""
 BACKLOG = 64
-"""Watchers that the system queues: as nobody accepts them, one more could not connect."""
+"""Watchers that the system queues until they are accepted."""
+MOST_WATCHERS = 256
+"""Connections that a node keeps; more wait in the queue. Once it is full, watchers rely on the lease."""
+CREDENTIALS = struct.Struct("3i")
+"""What Linux tells of the process at the other end (SO_PEERCRED, unix(7)): its id, user and group."""
+ROOT = 0
+"""User id of root, who may do anyhow what every user may."""
+CONNECT_TIMEOUT = 0.1
+"""Longest time for which a watcher waits for the answer of a socket that nobody serves [s]."""
 
 
 class WatchSocket:
-    """The watched node's side: watchers connect to it, and learn of its end when it closes."""
+    """The watched node's side: watchers connect to it, and learn of its end when it closes.
+
+    Args:
+        domain: ROS domain id.
+        name: of the node.
+
+    Attributes:
+        is_first: whether no other process had the node's name in the domain; a second one has no address
+            and is watched by its lease.
+    """
 
     def __init__(self, domain: int, name: str) -> None:
         self._socket = socket.socket(socket.AF_UNIX)
-        with suppress(OSError):  # a second node of this name has no address and is watched by its lease
+        self._watchers: dict[int, socket.socket] = {}
+        # Closing a socket does not wake who waits for it; this pair does.
+        self._end, self._wake = socket.socketpair()
+        self._thread = threading.Thread(target=self._serve, name="watch socket", daemon=True)
+        self.is_first = False
+        with suppress(OSError):
             self._socket.bind(_address(domain, name))
             self._socket.listen(BACKLOG)
+            self._socket.setblocking(False)
+            self.is_first = True
+            self._thread.start()
 
     def close(self) -> None:
         """Let the watchers know that the node ends."""
-        self._socket.close()
+        self._wake.close()
+        if self._thread.ident is not None:
+            self._thread.join()
+        for part in (self._socket, self._end, *self._watchers.values()):
+            part.close()
+
+    def _serve(self) -> None:
+        """Accept watchers and clear away those that went, until the node ends."""
+        events = select.poll()
+        events.register(self._socket, select.POLLIN)
+        events.register(self._end, select.POLLIN)
+        while True:
+            for number, _ in events.poll():
+                if number == self._end.fileno():
+                    return
+                if number == self._socket.fileno():
+                    self._accept(events)
+                else:  # a watcher sends nothing: it has gone
+                    events.unregister(number)
+                    self._watchers.pop(number).close()
+                    events.register(self._socket, select.POLLIN)
+
+    def _accept(self, events: select.poll) -> None:
+        with suppress(OSError):
+            watcher, _ = self._socket.accept()
+            if not _is_of_this_user(watcher):
+                watcher.close()
+                return
+            self._watchers[watcher.fileno()] = watcher
+            events.register(watcher, select.POLLIN)
+            if len(self._watchers) >= MOST_WATCHERS:
+                events.unregister(self._socket)  # closing one more would tell its watcher that the node ended
 
 
 class WatchConnection:
@@ -47,13 +110,17 @@ class WatchConnection:
         self._socket = socket.socket(socket.AF_UNIX)
         self.is_open = False
         with suppress(OSError):
+            # Without the limit it would wait for ever where the queue of the other side is full.
+            self._socket.settimeout(CONNECT_TIMEOUT)
             self._socket.connect(_address(domain, name))
-            self.is_open = True
+            self._socket.settimeout(None)
+            self.is_open = _is_of_this_user(self._socket)
 
     def wait_for_end(self) -> None:
         """Return when the node has ended, or after `close`; at once if there is no connection."""
         with suppress(OSError):
-            self._socket.recv(1)  # nothing is ever sent: it returns when the other end is gone
+            if self.is_open:
+                self._socket.recv(1)  # nothing is ever sent: it returns when the other end is gone
         self.is_open = False
 
     def close(self) -> None:
@@ -72,6 +139,13 @@ def nodes_on_this_machine() -> dict[int, set[str]]:
         if folder == "@packcell" and domain.isdecimal() and name:
             found.setdefault(int(domain), set()).add(name)
     return found
+
+
+def _is_of_this_user(connection: socket.socket) -> bool:
+    """Whether the process at the other end runs as our user, or as root."""
+    packed = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, CREDENTIALS.size)
+    _, user, _ = CREDENTIALS.unpack(packed)
+    return user in (os.geteuid(), ROOT)
 
 
 def _address(domain: int, name: str) -> str:
