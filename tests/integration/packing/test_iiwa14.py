@@ -8,7 +8,8 @@ from pack_core.bodies import body_pose
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.rotations import rotate
-from pack_lockstep.packing.lockstep import Lockstep, lockstep_config
+from pack_lockstep.packing.lockstep import Lockstep
+from pack_lockstep.packing.lockstep_config import lockstep_config
 from pack_lockstep.packing.presets import load_preset
 from pack_sim.packing.scene_generator import generate_scene
 

@@ -19,7 +19,8 @@ from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose
 from pack_core.rotations import Array, Pose, angle_between
-from pack_lockstep.packing.lockstep import Lockstep, Step, lockstep_config
+from pack_lockstep.packing.lockstep import Lockstep, Step
+from pack_lockstep.packing.lockstep_config import lockstep_config
 from pack_mpc.outcome import PackingOutcome
 
 SEED = 0

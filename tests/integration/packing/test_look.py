@@ -12,7 +12,8 @@ from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
-from pack_lockstep.packing.lockstep import Lockstep, Step, lockstep_config
+from pack_lockstep.packing.lockstep import Lockstep, Step
+from pack_lockstep.packing.lockstep_config import lockstep_config
 
 FACTOR = 0.3
 

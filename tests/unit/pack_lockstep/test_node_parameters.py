@@ -5,7 +5,7 @@ import pytest
 from pack_core.errors import ConfigError
 from pack_lockstep import node_parameters
 from pack_lockstep.node_parameters import load_parameters
-from pack_lockstep.packing.lockstep import lockstep_config
+from pack_lockstep.packing.lockstep_config import lockstep_config
 from pack_mpc.session import SessionConfig
 from pack_sim.packing.simulator_config import SimulatorConfig
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pack_core.bodies import body_pose
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell, Tip, packing_cell
-from pack_core.packing.model import ArmRole, HeldRole, build_model, held_pose
+from pack_core.packing.model import ArmRole, HeldRole, build_model, cup_point, held_pose
 from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
 from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose, angle_between, exp
@@ -101,7 +101,7 @@ def test_coordinates_bring_the_object_where_they_are_told(shift: list[float], tu
     nominal = held_pose(cell.scene)
     wanted = nominal @ Pose(np.array(shift), exp(turn))
     model, data = HANGING
-    for name, value in zip(TIP_JOINTS, tip_coordinates(nominal, wanted, HELD.half_extents[2]), strict=True):
+    for name, value in zip(TIP_JOINTS, tip_coordinates(nominal, wanted, cup_point(cell.scene)), strict=True):
         data.joint(name).qpos[0] = value
     mujoco.mj_kinematics(model, data)
     X_TN = body_pose(data, "tool").inverse() @ body_pose(data, HELD.name)

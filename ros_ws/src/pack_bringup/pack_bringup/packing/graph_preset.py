@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from pack_lockstep.packing.lockstep import lockstep_config
+from pack_lockstep.packing.lockstep_config import lockstep_config
 from pack_lockstep.packing.presets import load_preset
 
 NODES = ("sim", "perception", "planner", "mpc")

@@ -79,6 +79,12 @@ def is_inside(outline: shapely.Polygon, container: Container, tolerance: float =
     return bool(shapely.box(*container.lower, *container.upper).buffer(tolerance).covers(outline))
 
 
+def is_packed(scene: Scene, X_WO: Pose) -> bool:
+    """Whether an object's centre is between the walls and below their rim (section II)."""
+    lower, upper = scene.container.lower, scene.container.upper
+    return bool(np.all((X_WO.p[:2] > lower) & (X_WO.p[:2] < upper)) and X_WO.p[2] < scene.container.height)
+
+
 def _minkowski_sums(taken: list[shapely.Polygon], outline: shapely.Polygon) -> list[shapely.Polygon]:
     """Places of the centre at which `outline` meets each of `taken`: Minkowski sums `other + (-outline)`."""
     corners = shapely.get_coordinates(outline)[None]

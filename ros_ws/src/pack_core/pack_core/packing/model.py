@@ -101,7 +101,7 @@ def build_model(
 
 
 def held_pose(scene: Scene) -> Pose:
-    """X_TN: how the held new object N hangs from the cup T; upright, by the middle of its top, unless told."""
+    """X_TN of the held new object N on the cup T; unless told, it hangs upright by the middle of its top."""
     if scene.grip is not None:
         return scene.grip.to_pose()
     return Pose(np.array([0.0, 0.0, scene.new_object.half_extents[2]]), np.array(UPSIDE_DOWN))

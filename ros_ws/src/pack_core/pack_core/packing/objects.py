@@ -17,11 +17,12 @@ from pydantic import Field
 from pack_core.config import Config
 from pack_core.pose_config import PoseConfig
 from pack_core.rotations import Array
+from pack_core.text.limits import Number, ObjectName, Share
 
-Mass = Annotated[float, Field(gt=0.0, le=20.0)]
-Size = Annotated[float, Field(gt=0.005, lt=2.0)]
-Friction = Annotated[float, Field(gt=0.0, le=2.0)]
-Colour = tuple[float, float, float]
+Mass = Annotated[Number, Field(ge=0.001, le=20.0)]
+Size = Annotated[Number, Field(gt=0.005, lt=2.0)]
+Friction = Annotated[Number, Field(ge=0.01, le=2.0)]
+Colour = tuple[Share, Share, Share]
 
 MARKER_HEIGHT = 0.004
 """How far a marker's centre stands off the surface it is glued to [m]."""
@@ -34,7 +35,7 @@ CORNERS = 64
 class SceneItem(Config):
     """An object of a scene: the origin is its centre, z the axis that stands upright."""
 
-    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", description="lower case letters, digits, _")
+    name: ObjectName
     mass: Mass
     friction: Friction | None = Field(default=None, description="None: the scene's")
     colour: Colour = (0.7, 0.7, 0.7)

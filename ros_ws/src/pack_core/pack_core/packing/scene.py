@@ -14,6 +14,7 @@ from pack_core.packing.objects import Friction, ObjectModel, SceneItem
 from pack_core.pose_config import PoseConfig
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.rotations import Array, Pose
+from pack_core.text.limits import MOST_OBJECTS, Coordinate, Number
 
 # names of bodies that the cell's own model uses, and how names of its other parts begin
 RESERVED = {"world", "table", "tool", "tip"}
@@ -23,10 +24,10 @@ RESERVED_PREFIXES = ("wall_", "pump_", "tip_", *(f"{name}_" for name in PACKING_
 class Container(Config):
     """An open box with its base on the table (z = 0), edges along the world axes."""
 
-    centre: tuple[float, float] = (0.5, 0.0)
-    size: tuple[Annotated[float, Field(gt=0.05, lt=0.8)], Annotated[float, Field(gt=0.05, lt=0.8)]]
-    height: Annotated[float, Field(gt=0.02, lt=0.5)]
-    wall: Annotated[float, Field(gt=0.001, lt=0.05)] = 0.008
+    centre: tuple[Coordinate, Coordinate] = (0.5, 0.0)
+    size: tuple[Annotated[Number, Field(gt=0.05, lt=0.8)], Annotated[Number, Field(gt=0.05, lt=0.8)]]
+    height: Annotated[Number, Field(gt=0.02, lt=0.5)]
+    wall: Annotated[Number, Field(gt=0.001, lt=0.05)] = 0.008
 
     @property
     def lower(self) -> Array:
@@ -44,7 +45,7 @@ class Scene(Config):
 
     container: Container
     friction: Friction
-    objects: Annotated[list[ObjectModel], Field(max_length=40)]
+    objects: Annotated[list[ObjectModel], Field(max_length=MOST_OBJECTS)]
     new_object: ObjectModel
     """The object that is packed next: it hangs from the pump, or stands at its `pose` to be picked up."""
     grip: PoseConfig | None = None

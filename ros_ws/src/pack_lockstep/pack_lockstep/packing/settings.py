@@ -13,7 +13,7 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
-from pack_lockstep.packing.lockstep import LockstepConfig, lockstep_config
+from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_config
 from pack_lockstep.packing.presets import load_preset
 from pack_mpc.controller import OptimizerName
 from pack_mpc.optimizers import OPTIMIZERS, optimizer_class

@@ -27,16 +27,16 @@ class GripTracker:
     Attributes:
         config: gain and bounds.
         nominal: X_TN at the time of gripping.
-        X_TN: the current estimate.
         is_held: False once measured poses were beyond the bounds around `nominal` for `config.patience` [s].
+        X_TN: the current estimate.
     """
 
     config: GripConfig
     nominal: Pose
+    is_held: bool = True
 
     def __post_init__(self) -> None:
         self.X_TN = self.nominal
-        self.is_held = True
         self._off_since: float | None = None
 
     def correct(self, seen: Pose, time: float) -> None:

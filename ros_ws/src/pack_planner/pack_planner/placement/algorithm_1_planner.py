@@ -13,13 +13,14 @@ that the paper leaves open are read as follows:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
+from pack_core.rotations import Array, Pose
 from pack_core.states import SceneState
 from pack_planner.placement.placement_config import PlacementConfig
 from pack_planner.placement.placement_evaluation import PlacementEvaluation
@@ -39,17 +40,26 @@ class Algorithm1Planner:
 
     def plan(
         self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
-        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02,
+        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02, near: Pose | None = None,
     ) -> PlannedPlacement:  # fmt: skip
         """The cheapest feasible sample away from `avoid`; `lean` has no influence here."""
         poses, now = self._evaluation.start(state)
-        samples, reason = self._evaluation.evaluate(now, self._evaluation.sample(poses, rng))
+        samples, reason = self._evaluation.evaluate(now, self._sampled(poses, rng, near, avoid))
         ranked = self._ranked(samples, avoid, avoid_radius)
         if not len(ranked):
             return PlannedPlacement.failure(reason, samples)
         best = int(ranked[0])
         candidate = self._evaluation.candidate(now, samples.settled[best], samples.costs[best])
         return PlannedPlacement.success(candidate, 0, samples)
+
+    def _sampled(
+        self, poses: Mapping[str, Pose], rng: np.random.Generator, near: Pose | None,
+        avoid: Sequence[npt.ArrayLike],
+    ) -> Array:  # fmt: skip
+        """Poses `(S, 7)` to evaluate: about `near` at first, anywhere after a placement has failed."""
+        if near is None or len(avoid):
+            return self._evaluation.sample(poses, rng)
+        return self._evaluation.sample_about(near, rng)
 
     def _ranked(
         self, samples: PlacementSamples, avoid: Sequence[npt.ArrayLike], radius: float

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_core.states import SceneState
 from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
 from pack_planner.placement.approach import ApproachPlanner
@@ -34,11 +34,11 @@ class LeastDisturbancePlanner(Algorithm1Planner):
 
     def plan(
         self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
-        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02,
+        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02, near: Pose | None = None,
     ) -> PlannedPlacement:  # fmt: skip
         """The cheapest feasible sample that can be entered (Eq. 6)."""
         poses, now = self._evaluation.start(state)
-        samples, reason = self._evaluation.evaluate(now, self._evaluation.sample(poses, rng))
+        samples, reason = self._evaluation.evaluate(now, self._sampled(poses, rng, near, avoid))
         ranked, approach = self._ranked(samples, avoid, avoid_radius), self._config.approach
         if not len(ranked):
             return PlannedPlacement.failure(reason, samples)

@@ -26,4 +26,8 @@ class PlacementConfig(Config):
         0.001, description="depth [m] up to which two objects touch; what is deeper has not resolved"
     )
     threads: NonNegativeInt = Field(0, description="threads of the physics; 0: all cores")
+    near_samples: PositiveInt = Field(40, description="poses that are tried about one that is wanted")
+    near_deviation: tuple[PositiveFloat, PositiveFloat] = Field(
+        (0.004, 0.03), description="standard deviation of these poses: position [m] and yaw [rad]"
+    )
     approach: ApproachConfig = ApproachConfig()

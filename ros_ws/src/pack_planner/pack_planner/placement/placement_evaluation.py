@@ -15,7 +15,7 @@ from pack_core.states import SceneState
 from pack_planner.placement.feasibility import judge
 from pack_planner.placement.placement_config import PlacementConfig
 from pack_planner.placement.placement_result import PlacementCandidate, PlacementSamples
-from pack_planner.placement.pose_sampling import sample_poses
+from pack_planner.placement.pose_sampling import sample_near, sample_poses
 from pack_planner.placement.settling import Settling
 
 
@@ -57,6 +57,12 @@ class PlacementEvaluation:
         new = self.scene.new_object
         yaw = yaw_of(poses[new.name].q)
         return sample_poses(new, self.scene.container, self._config.samples, yaw, rng)
+
+    def sample_about(self, X_WN: Pose, rng: np.random.Generator) -> Array:
+        """Poses `(S, 7)` of the new object scattered about X_WN; the first is X_WN itself."""
+        new, config = self.scene.new_object, self._config
+        near = sample_near(X_WN, new, self.scene.container, config.near_samples, config.near_deviation, rng)
+        return np.vstack([[*X_WN.p, *X_WN.q], near])
 
     def evaluate(self, now: Array, sampled: Array) -> tuple[PlacementSamples, str]:
         """Settle poses `(S, 7)` of the new object, and compute their costs and feasibility.

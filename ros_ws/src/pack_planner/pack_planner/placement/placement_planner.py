@@ -17,6 +17,7 @@ from pack_core.config import NEXT_REQUEST
 from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
+from pack_core.rotations import Pose
 from pack_core.states import SceneState
 from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
 from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
@@ -30,7 +31,7 @@ class PlacementPlanner(Protocol):
 
     def plan(
         self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
-        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02,
+        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02, near: Pose | None = None,
     ) -> PlannedPlacement:  # fmt: skip
         """Choose a placement.
 
@@ -41,6 +42,7 @@ class PlacementPlanner(Protocol):
             avoid: positions `(3,)` [m] of placements that were tried before. A sample within `avoid_radius`
                 of one, as seen from above, is chosen only if all samples are, and then the farthest.
             avoid_radius: horizontal distance to keep from them [m].
+            near: pose X_WN about which the first placement is sought; None: anywhere.
 
         Raises:
             PackError: `state` lacks an object, or has one that the scene does not know.

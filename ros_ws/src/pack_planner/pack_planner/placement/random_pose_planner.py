@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
+from pack_core.rotations import Pose
 from pack_core.states import SceneState
 from pack_planner.placement.approach import beside
 from pack_planner.placement.placement_config import PlacementConfig
@@ -32,9 +33,9 @@ class RandomPosePlanner:
 
     def plan(
         self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
-        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02,
+        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02, near: Pose | None = None,
     ) -> PlannedPlacement:  # fmt: skip
-        """A random pose, leaning towards the objects that it overlaps; `lean` has no influence here."""
+        """A random pose, leaning towards the objects that it overlaps; `lean`, `near` have no influence."""
         poses, now = self._evaluation.start(state)
         sampled = self._evaluation.sample(poses, rng)
         # at equal costs the order is that of the samples, so this is the first one away from `avoid`

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, NonNegativeFloat
 
 from pack_core.config import Config
-from pack_core.packing.objects import SceneItem
+from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 
@@ -48,14 +48,14 @@ def actual(scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator) -> 
     MuJoCo gives a contact the larger friction of both sides. So base and walls get the smallest possible
     friction, and an object on them slides with its own.
     """
-    items = [_actual_object(item, scene, mismatch, rng) for item in (*scene.objects, scene.new_object)]
+    items = [actual_object(item, scene, mismatch, rng) for item in (*scene.objects, scene.new_object)]
     friction = scene.friction * mismatch.friction[0]
     return scene.model_copy(update={"friction": friction, "objects": items[:-1], "new_object": items[-1]})
 
 
 def believed(scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator) -> Scene:
     """The description that the nodes get: sizes and container position with errors, and no poses."""
-    items = [_believed_object(item, mismatch.size, rng) for item in (*scene.objects, scene.new_object)]
+    items = [believed_object(item, mismatch, rng) for item in (*scene.objects, scene.new_object)]
     centre = np.array(scene.container.centre) + mismatch.container * rng.uniform(-1.0, 1.0, 2)
     container = scene.container.model_copy(update={"centre": tuple(centre.tolist())})
     update = {"container": container, "objects": items[:-1], "new_object": items[-1]}
@@ -67,14 +67,16 @@ def joint_friction(mismatch: MismatchConfig, joints: int, rng: np.random.Generat
     return rng.uniform(*mismatch.joint_friction, joints)
 
 
-def _actual_object(
-    item: SceneItem, scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator
-) -> SceneItem:
+def actual_object(
+    item: ObjectModel, scene: Scene, mismatch: MismatchConfig, rng: np.random.Generator
+) -> ObjectModel:
+    """One object as it truly is; `scene` is the one that is described."""
     described = scene.friction if item.friction is None else item.friction
     friction = described * rng.uniform(*mismatch.friction)
     mass = item.mass * (1.0 + mismatch.mass * rng.uniform(-1.0, 1.0))
     return item.model_copy(update={"friction": friction, "mass": mass})
 
 
-def _believed_object(item: SceneItem, most: float, rng: np.random.Generator) -> SceneItem:
-    return item.resized(most * rng.uniform(-1.0, 1.0, 3))
+def believed_object(item: ObjectModel, mismatch: MismatchConfig, rng: np.random.Generator) -> ObjectModel:
+    """One object as the nodes are told of it."""
+    return item.resized(mismatch.size * rng.uniform(-1.0, 1.0, 3))

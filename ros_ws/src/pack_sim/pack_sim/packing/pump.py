@@ -34,10 +34,10 @@ class PumpState:
 class PumpModel:
     """Filters the load on the cup and lets go when it exceeds what suction can hold."""
 
-    def __init__(self, suction: Suction, timestep: float) -> None:
+    def __init__(self, suction: Suction, timestep: float, *, is_closed: bool = True) -> None:
         self._suction = suction
         self._gain = timestep / (FILTER_TIME + timestep)
-        self.state = PumpState(is_closed=True)
+        self.state = PumpState(is_closed, release_reason="" if is_closed else "nothing was gripped yet")
 
     def update(self, force: Array, torque: Array) -> bool:
         """Update with the force [N] and torque [N m] on the cup, each `(3,)` in its frame, z along the pull.

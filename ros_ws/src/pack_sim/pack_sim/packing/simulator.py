@@ -10,15 +10,18 @@ import numpy as np
 from pack_core.bodies import body_pose, set_object_poses
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import ArmRole, HeldRole, build_model, held_pose
+from pack_core.packing.free_space import is_packed
+from pack_core.packing.model import ArmRole, HeldRole, build_model, cup_point, held_pose
+from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
 from pack_core.rotations import Array, Pose, angle_between, conjugate, rotate
 from pack_core.states import ObjectState, SceneState
 from pack_sim.packing.contacts import soften_contacts
 from pack_sim.packing.governor import ContactGovernor
+from pack_sim.packing.hand_over import presented_pose, seal_fault
 from pack_sim.packing.joint_controller import JointController
-from pack_sim.packing.mismatch import actual, believed, joint_friction
+from pack_sim.packing.mismatch import actual, actual_object, believed, believed_object, joint_friction
 from pack_sim.packing.mocap import MocapSystem
 from pack_sim.packing.payload import PayloadCompensation
 from pack_sim.packing.pump import PumpModel
@@ -56,22 +59,26 @@ class Simulator:
         time: float = 0.0,
     ) -> None:
         self.cell, self.config = cell, config
-        truth_rng, belief_rng, arm_rng, wrench_rng = rng.spawn(4)
-        self.scene = actual(scene, config.mismatch, truth_rng)
-        self.description = believed(scene, config.mismatch, belief_rng)
+        self._truth_rng, self._belief_rng, arm_rng, wrench_rng, self._hand_over_rng = rng.spawn(5)
+        self.scene = actual(scene, config.mismatch, self._truth_rng)
+        self.description = believed(scene, config.mismatch, self._belief_rng)
+        self._is_handed_over = scene.is_handed_over
         self._joint_friction = joint_friction(config.mismatch, len(cell.robot.arm.joints), arm_rng)
         governor = None if config.governor is None else ContactGovernor(config.governor, config.timestep)
         self.controller = JointController(cell.robot, config.watchdog, governor, config.friction_compensation)
-        self.pump = PumpModel(cell.suction, config.timestep)
+        self.pump = PumpModel(cell.suction, config.timestep, is_closed=not scene.is_handed_over)
+        self._rng = rng
         self.mocap = MocapSystem(self.scene, cell, config.mocap, rng)
         self._wrench_sensor = WrenchSensor(config.wrench_sensor, config.timestep, wrench_rng)
         self._held = HeldRole.RIGID if cell.tip is None else HeldRole.COMPLIANT
-        self.model = self._compile(self._held)
+        self.model = self._compile(HeldRole.FREE if scene.is_handed_over else self._held)
         self.data = mujoco.MjData(self.model)
         self.data.time = time
         self._index()
         self.data.qpos[self._q] = cell.robot.home
         set_object_poses(self.model, self.data, scene.poses())
+        if scene.is_handed_over:
+            set_object_poses(self.model, self.data, {scene.new_object.name: self._presented()})
         mujoco.mj_forward(self.model, self.data)
 
     @property
@@ -100,10 +107,11 @@ class Simulator:
         data = self.data
         q, v = data.qpos[self._q], data.qvel[self._v]
         if self.config.governor is not None:
-            R_WN = data.body(self.scene.new_object.name).xmat.reshape(3, 3)
             force, torque = self.external_wrench()
             bending = float(np.hypot(torque[0], torque[1]))
-            self.controller.update_contact(self.time, R_WN @ force, bending, v, self._cup_jacobian)
+            self.controller.update_contact(
+                self.time, self._tip_rotation() @ force, bending, v, self._cup_jacobian
+            )
         data.ctrl[:] = self.controller.torque(self.time, q, v, self._mass_matrix)
         if self.pump.state.is_closed:
             self._payload.apply(self.model, data)
@@ -124,12 +132,13 @@ class Simulator:
         """Measured external force `(3,)` [N] and torque `(3,)` [N m] on the held object.
 
         They are given in the frame of site `tip`, at the middle of the held object's top and with the axes of
-        the object N, without the object's described weight. If nothing is held, they are the sensor's errors.
+        the object N, without the object's described weight. If nothing is held, they are what presses on the
+        cup, in the axes of an object that would hang upright from it.
         """
         if not self.pump.state.is_closed:
-            return self._wrench_sensor.read(np.zeros(3), np.zeros(3))
+            return self._wrench_sensor.read(self._tip_rotation().T @ self._pressure(), np.zeros(3))
         force, torque = self._cup_load()
-        R_WN = self.data.body(self.scene.new_object.name).xmat.reshape(3, 3)
+        R_WN = self._tip_rotation()
         return self._wrench_sensor.read(R_WN.T @ self._weight - force, -torque)
 
     def truth(self) -> SceneState:
@@ -146,8 +155,36 @@ class Simulator:
             self.pump.open(reason)
             self._swap(HeldRole.FREE)
 
+    def present(self, item: ObjectModel) -> str:
+        """The next object arrives where its `pose` announces it, with an error, and may be gripped there.
+
+        The object before it stays in the cell if it was packed, that is, if it is inside the container;
+        from the hand-over place it is taken away.
+
+        Returns:
+            Why it cannot be presented; empty if it is there.
+        """
+        if item.pose is None:
+            return f"'{item.name}' has no pose; allowed: where it is handed over"
+        if self.pump.state.is_closed:
+            return f"the pump holds '{self.scene.new_object.name}'; pack or release it first"
+        if item.name in self.scene.names:
+            return f"'{item.name}' is in the container already; allowed: another name"
+        joints, truth, old = self.joints(), self.truth(), self.scene.new_object.name
+        keep = is_packed(self.scene, truth.objects[old].X_WO)
+        mismatch = self.config.mismatch
+        true = actual_object(item, self.description, mismatch, self._truth_rng)
+        told = believed_object(item, mismatch, self._belief_rng)
+        self.scene = self.scene.with_next(true, keep=keep)
+        self.description = self.description.with_next(told, keep=keep).description()
+        self._is_handed_over = True
+        self.mocap = MocapSystem(self.scene, self.cell, self.config.mocap, self._rng)
+        there = ObjectState(self._presented())
+        self._rebuild(HeldRole.FREE, joints, SceneState(truth.time, {**truth.objects, item.name: there}))
+        return ""
+
     def grip(self) -> str:
-        """Close the pump, if the object is where it would hang from the cup.
+        """Close the pump, if the cup seals on an object that was handed over, or holds it as described.
 
         Returns:
             Why it could not grip; empty if it holds the object.
@@ -155,6 +192,13 @@ class Simulator:
         if self.pump.state.is_closed:
             return ""
         X_TN = body_pose(self.data, "tool").inverse() @ body_pose(self.data, self.scene.new_object.name)
+        if self._is_handed_over:
+            if fault := seal_fault(X_TN, self.scene.new_object, self.cell.pump.cup_radius):
+                return fault
+            self.scene = self.scene.gripped(X_TN)
+            self.pump.close()
+            self._swap(self._held)
+            return ""
         nominal = held_pose(self.scene)
         distance = float(np.linalg.norm(X_TN.p - nominal.p))
         if distance > GRIP_DISTANCE or angle_between(X_TN.q, nominal.q) > GRIP_ANGLE:
@@ -174,8 +218,40 @@ class Simulator:
         for name, friction in zip(self.cell.robot.arm.joints, self._joint_friction, strict=True):
             dof = model.joint(name).dofadr[0]
             model.dof_frictionloss[dof], model.dof_solimp[dof, :2] = friction, STICTION
+        if self._is_handed_over and held is HeldRole.FREE:
+            # the lip touches what it shall grip; elsewhere it is for pictures only
+            cup = model.geom("pump_cup")
+            cup.contype, cup.conaffinity = 1, 1
         soften_contacts(model, self.config.contact_width)
         return model
+
+    def _presented(self) -> Pose:
+        """Where the new object truly stands at its hand-over."""
+        assert self.scene.new_object.pose is not None
+        announced = self.scene.new_object.pose.to_pose()
+        return presented_pose(announced, self.config.hand_over, self._hand_over_rng)
+
+    def _tip_rotation(self) -> Array:
+        """Rotation `(3, 3)` from the axes of `/wrench` into the world's: those of the object, if held."""
+        if self.pump.state.is_closed or not self._is_handed_over:
+            return np.asarray(self.data.body(self.scene.new_object.name).xmat.reshape(3, 3))
+        return np.asarray(self.data.body("tool").xmat.reshape(3, 3) * np.array([1.0, -1.0, -1.0]))
+
+    def _pressure(self) -> Array:
+        """Force `(3,)` [N] of all contacts on the empty cup and pump, in world axes."""
+        model, data, total, wrench = self.model, self.data, np.zeros(3), np.zeros(6)
+        if not self._is_handed_over:
+            return total
+        tool = model.body("tool").id
+        for i in range(data.ncon):
+            contact = data.contact[i]
+            bodies = model.geom_bodyid[contact.geom]
+            if tool in bodies:
+                mujoco.mj_contactForce(model, data, i, wrench)
+                # the contact's frame has its axes as rows, and the force acts on the second geom
+                sign = 1.0 if bodies[1] == tool else -1.0
+                total += sign * contact.frame.reshape(3, 3).T @ wrench[:3]
+        return total
 
     def _index(self) -> None:
         joints = [self.model.joint(name) for name in self.cell.robot.arm.joints]
@@ -198,7 +274,10 @@ class Simulator:
 
     def _swap(self, held: HeldRole) -> None:
         """Continue with a model in which the new object is held or free, everything else unchanged."""
-        joints, truth = self.joints(), self.truth()
+        self._rebuild(held, self.joints(), self.truth())
+
+    def _rebuild(self, held: HeldRole, joints: JointSample, truth: SceneState) -> None:
+        """Compile the model anew, and go on from these joints and objects."""
         self.model = self._compile(held)
         self.data = mujoco.MjData(self.model)
         self.data.time = joints.time
@@ -221,7 +300,7 @@ class Simulator:
         """Set the cup's springs so that the held object is where it was gripped."""
         mujoco.mj_kinematics(self.model, self.data)
         X_TN = body_pose(self.data, "tool").inverse() @ X_WN
-        coordinates = tip_coordinates(held_pose(self.scene), X_TN, self.scene.new_object.half_extents[2])
+        coordinates = tip_coordinates(held_pose(self.scene), X_TN, cup_point(self.scene))
         for name, value in zip(TIP_JOINTS, coordinates, strict=True):
             self.data.joint(name).qpos[0] = value
 

@@ -8,6 +8,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import AT_ONCE, Config
 from pack_sim.packing.governor_config import GovernorConfig
+from pack_sim.packing.hand_over import HandOverConfig
 from pack_sim.packing.mismatch import MismatchConfig
 from pack_sim.packing.mocap import MocapConfig
 from pack_sim.packing.wrench_sensor import WrenchSensorConfig
@@ -31,3 +32,4 @@ class SimulatorConfig(Config):
     mocap: MocapConfig = MocapConfig()
     wrench_sensor: Annotated[WrenchSensorConfig, AT_ONCE] = WrenchSensorConfig()
     mismatch: MismatchConfig = MismatchConfig()
+    hand_over: HandOverConfig = HandOverConfig()

@@ -1,0 +1,102 @@
+"""Lists of objects that fill a container: `config/packing_lists/*.yaml`, or drawn from a catalogue."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from pack_core.config import Config, load_config, parse_config
+from pack_core.errors import ConfigError
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.objects import ObjectModel
+from pack_core.packing.scene import Container, Scene
+from pack_core.pose_config import PoseConfig
+
+
+class PackingOrder(Enum):
+    """Which object of a list comes next."""
+
+    LIST = "list"
+    """As the list has them."""
+    PLANNED = "planned"
+    """As they fit best."""
+
+
+class PackingList(Config):
+    """Objects to be packed one after the other, with the keys of a scene file.
+
+    Attributes:
+        objects: shapes, sizes and masses; without poses, as each is handed over when it is due.
+        container: what is filled; None: the cell's.
+        order: whether the list's order binds.
+    """
+
+    objects: Annotated[list[ObjectModel], Field(min_length=1, max_length=40)]
+    container: Container | None = None
+    order: PackingOrder = PackingOrder.PLANNED
+
+    @model_validator(mode="after")
+    def _can_be_handed_over(self) -> Self:
+        if posed := [item.name for item in self.objects if item.pose is not None]:
+            raise ValueError(f"'pose' of {', '.join(posed)}; allowed: none, objects are handed over")
+        names = [item.name for item in self.objects]
+        if doubled := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"objects share a name: {', '.join(doubled)}; allowed: every object its own")
+        return self
+
+    def start(self, cell: PackingCell) -> Scene:
+        """The scene in which a job begins: an empty container, and the first object handed over.
+
+        Raises:
+            ConfigError: an object has a name that the cell uses itself.
+        """
+        given = cell.scene
+        return Scene(
+            container=self.container or given.container, friction=given.friction, objects=[],
+            new_object=handed_over(self.objects[0], cell),
+        )  # fmt: skip
+
+    def check(self, cell: PackingCell, source: str) -> None:
+        """Refuse objects that the arm cannot carry or the cup cannot grip.
+
+        Raises:
+            ConfigError: an object is too heavy, or its top narrower than the cup.
+        """
+        limit, width = cell.robot.arm.payload - cell.pump.mass, 2.0 * cell.pump.cup_radius
+        for item in self.objects:
+            if item.mass > limit:
+                raise ConfigError(
+                    f"{source}: mass of '{item.name}' is {item.mass} kg; allowed: up to {limit:.1f} kg, the "
+                    "arm's payload less the pump"
+                )
+            if 2.0 * min(item.half_extents[:2]) < width:
+                raise ConfigError(
+                    f"{source}: the top of '{item.name}' is {2e3 * min(item.half_extents[:2]):.0f} mm wide; "
+                    f"allowed: from {1e3 * width:.0f} mm on, the width of the cup"
+                )
+
+
+def handed_over(item: ObjectModel, cell: PackingCell) -> ObjectModel:
+    """The object where the cell hands it over, as announced."""
+    return item.model_copy(update={"pose": PoseConfig.from_pose(cell.hand_over.pose_of(item))})
+
+
+def load_list(path: Path, cell: PackingCell) -> PackingList:
+    """Read a list file.
+
+    Raises:
+        ConfigError: a key or value is missing or not allowed.
+    """
+    found = load_config(PackingList, path)
+    found.check(cell, str(path))
+    return found
+
+
+def parse_list(text: str, source: str, cell: PackingCell) -> PackingList:
+    """Read a list file's text, as `load_list` does; `source` names it in errors."""
+    found = parse_config(PackingList, text, source)
+    found.check(cell, source)
+    return found

@@ -1,0 +1,49 @@
+"""Parameters of a fill job: how the arm picks up, sets down and lets go."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import Field, PositiveFloat
+
+from pack_core.config import NEXT_GOAL, Changeable, Config
+
+
+class FillConfig(Config):
+    """Speeds, heights and forces of the motions between two packing goals."""
+
+    changeable: ClassVar[Changeable] = NEXT_GOAL
+
+    speed: PositiveFloat = Field(default=0.7, description="largest speed of the empty cup [m/s]")
+    carry_speed: PositiveFloat = Field(
+        default=0.4, description="largest speed when an object is put aside [m/s]"
+    )
+    touch_speed: PositiveFloat = Field(
+        default=0.06, description="speed towards an object's top, or of an object towards the base [m/s]"
+    )
+    clearance: PositiveFloat = Field(default=0.03, description="gap over what the arm passes [m]")
+    approach: PositiveFloat = Field(
+        default=0.02, description="height over an object's top from which the cup comes down slowly [m]"
+    )
+    overshoot: PositiveFloat = Field(
+        default=0.012, description="way beyond the expected contact before it counts as missed [m]"
+    )
+    touch_force: PositiveFloat = Field(default=4.0, description="change of force that tells a contact [N]")
+    lift: PositiveFloat = Field(default=0.02, description="first way up with a gripped object [m]")
+    grip_tries: int = Field(default=2, ge=1, description="how often a grip is tried")
+    sight_time: PositiveFloat = Field(
+        default=2.0, description="longest wait until the cameras have seen an object [s]"
+    )
+    standing: PositiveFloat = Field(
+        default=0.002, description="height of an object's lower end that counts as standing [m]"
+    )
+    release_height: PositiveFloat = Field(
+        default=0.012, description="largest height of the lower end from which an object is let go [m]"
+    )
+    release_tilt_deg: PositiveFloat = Field(
+        default=12.0, description="largest tilt at which an object is let go: it leans safely [deg]"
+    )
+    retreat_force: PositiveFloat = Field(
+        default=15.0, description="change of force that tells that the cup drags something [N]"
+    )
+    rest_speed: PositiveFloat = Field(default=0.02, description="speed below which an object rests [m/s]")

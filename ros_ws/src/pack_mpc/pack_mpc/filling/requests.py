@@ -1,0 +1,71 @@
+"""What a fill job asks of the cell, and what it is answered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from pack_core.packing.objects import ObjectModel
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Pose
+
+
+@dataclass(frozen=True)
+class Arrange:
+    """Where the remaining objects shall stand, and which comes next; answered by an `Arrangement`."""
+
+    items: tuple[ObjectModel, ...]
+
+
+@dataclass(frozen=True)
+class Present:
+    """The object is to be handed over; answered by `Presented`."""
+
+    item: ObjectModel
+
+
+@dataclass(frozen=True)
+class Grip:
+    """Close the pump, or open it; answered by the reason why not, empty if it is done."""
+
+    close: bool
+
+
+@dataclass(frozen=True)
+class Pack:
+    """Pack the held object; answered by its `PackingOutcome`.
+
+    Attributes:
+        X_WN: where it is wanted; None: wherever it disturbs least.
+        grip: X_TN, how it hangs from the cup.
+    """
+
+    X_WN: Pose | None
+    grip: Pose
+
+
+FillRequest: TypeAlias = Arrange | Present | Grip | Pack
+
+
+@dataclass(frozen=True)
+class Presented:
+    """The cell's description with the object handed over, or the reason why it is not."""
+
+    scene: Scene | None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Where objects shall stand.
+
+    Attributes:
+        order: names in the order in which they are to be packed.
+        poses: X_WO of those that have a place of their own; others go wherever there is one.
+        refused: objects for which there is none, with the reason.
+    """
+
+    order: tuple[str, ...]
+    poses: Mapping[str, Pose]
+    refused: Mapping[str, str]

@@ -1,0 +1,52 @@
+"""The hand-over place: where the next object truly stands, and whether the cup seals on it."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from pydantic import Field, NonNegativeFloat
+
+from pack_core.config import Config
+from pack_core.packing.free_space import footprint
+from pack_core.packing.objects import SceneItem
+from pack_core.rotations import Pose, angle_between, exp, from_yaw, multiply
+
+SEAL_GAP = 0.003
+"""Largest distance between the cup's lip and the object's top at which suction draws them together [m]."""
+SEAL_TILT = np.deg2rad(5.0)
+"""Largest angle between the cup's axis and the normal of the top: a bellows adapts to so much [rad]."""
+LIP = 0.9
+"""Share of the cup's radius that must be on the top; the lip's outer tenth may stand over an edge."""
+
+
+class HandOverConfig(Config):
+    """Errors of where an object is handed over, uniformly distributed about what is announced."""
+
+    position: NonNegativeFloat = Field(default=0.004, description="most along x and along y [m]")
+    yaw_deg: NonNegativeFloat = Field(default=3.0, description="most that its heading is off [deg]")
+
+
+def presented_pose(X_WN: Pose, config: HandOverConfig, rng: np.random.Generator) -> Pose:
+    """Where an object announced at X_WN truly stands."""
+    dx, dy, turn = rng.uniform(-1.0, 1.0, 3)
+    shift = config.position * np.array([dx, dy, 0.0])
+    return Pose(X_WN.p + shift, multiply(from_yaw(turn * np.deg2rad(config.yaw_deg)), X_WN.q))
+
+
+def seal_fault(X_TN: Pose, item: SceneItem, cup_radius: float) -> str:
+    """Why a cup T does not seal on the top of an object N at X_TN; empty if it does."""
+    X_NT = X_TN.inverse()
+    gap = float(X_NT.p[2] - item.half_extents[2])
+    if abs(gap) > SEAL_GAP:
+        return f"the cup is {1e3 * gap:.1f} mm over the object's top; allowed: {1e3 * SEAL_GAP:.0f} mm"
+    upright = multiply(X_NT.q, exp([np.pi, 0.0, 0.0]))
+    # the heading does not matter: what is left of the rotation without it is the tilt
+    heading = np.array([upright[0], 0.0, 0.0, upright[3]])
+    tilt = float(angle_between(heading / np.linalg.norm(heading), upright))
+    if tilt > SEAL_TILT:
+        return f"the cup is tilted by {np.rad2deg(tilt):.1f} degrees; allowed: {np.rad2deg(SEAL_TILT):.0f}"
+    lip = shapely.Point(X_NT.p[:2]).buffer(LIP * cup_radius)
+    if not footprint(item, Pose(np.zeros(3))).covers(lip):
+        x, y = 1e3 * X_NT.p[:2]
+        return f"the lip is not on the object's top, its middle at x {x:.0f}, y {y:.0f} mm of it"
+    return ""
