@@ -70,7 +70,7 @@ def test_a_box_is_found_in_a_picture_where_it_stands() -> None:
     simulator = PalletSimulator(cell, PalletSimulatorConfig(), seed=3)
     X_WB = simulator.spawn(BoxBody("a", (0.4, 0.3, 0.2), 5.0))
     config = BoxFinderConfig(by="vision", camera=PalletCameraConfig(width=1920))
-    with open_box_finder(cell, config, np.random.default_rng(0)) as sight:
+    with open_box_finder(cell, config, simulator, np.random.default_rng(0)) as sight:
         found = sight.detect(ExpectedBox("a", (0.4, 0.3, 0.2), 0.0), simulator)
     assert found.status is DetectionStatus.DETECTED
     assert found.X_WB is not None

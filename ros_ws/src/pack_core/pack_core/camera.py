@@ -4,14 +4,35 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.config import Config
 from pack_core.rotations import Array, Pose
 
 LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """R_WC of a camera that looks along -z of the world, with x to the right and y up in its picture: half a turn
 about x."""
+
+
+class LensDistortion(Config):
+    """Radial and tangential distortion of a lens, as OpenCV has it (Brown, Conrady)."""
+
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+
+    @property
+    def coefficients(self) -> Array:
+        """`(4,)`, in OpenCV's sequence."""
+        return np.array([self.k1, self.k2, self.p1, self.p2])
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether straight lines stay straight."""
+        return not np.any(self.coefficients)
 
 
 @dataclass(frozen=True)
@@ -65,6 +86,13 @@ class PinholeCamera:
         rays_W = self.X_WC.apply(rays_C) - self.X_WC.p  # rotated only; from the camera to depth 1
         scale = (np.asarray(z, dtype=float) - self.X_WC.p[2]) / rays_W[..., 2]
         return np.asarray(self.X_WC.p + scale[..., None] * rays_W)
+
+
+def seen_pixels(camera: PinholeCamera, lens: LensDistortion, p_W: npt.ArrayLike) -> Array:
+    """Pixels `(n, 2)` at which a camera with a lens shows points `(n, 3)` [m]."""
+    p_C = camera.X_WC.inverse().apply(p_W)
+    pixels, _ = cv2.projectPoints(p_C, np.zeros(3), np.zeros(3), camera.K, lens.coefficients)
+    return np.asarray(pixels, dtype=float)[:, 0]
 
 
 def focal_length(fovy_deg: float, height: int) -> float:

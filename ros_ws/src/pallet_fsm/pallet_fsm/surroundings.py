@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.cell import BoxTable, PalletizingCell
+from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
 from pack_core.palletizing.orders.order import OrderBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Pose
 from pallet_fsm.states import Place
 
 PICKING_TABLE = "picking_table"
@@ -24,12 +24,10 @@ BESIDE = 0.02
 
 def furniture(cell: PalletizingCell) -> tuple[Obstacle, ...]:
     """Tables and pallet, each as a block down to the floor."""
-    pallet = cell.pallet
-    centre = (pallet.corner[0] + pallet.size[0] / 2.0, pallet.corner[1] + pallet.size[1] / 2.0)
     return (
-        _table(PICKING_TABLE, cell.picking_table),
-        _table(REORIENTATION_TABLE, cell.reorientation_table),
-        _block(PALLET, centre, pallet.size, pallet.deck_height),
+        _block(PICKING_TABLE, cell.picking_table),
+        _block(REORIENTATION_TABLE, cell.reorientation_table),
+        _block(PALLET, cell.pallet),
     )
 
 
@@ -44,11 +42,7 @@ def neighbours(placed: PlacedBox, others: Mapping[str, PlacedBox]) -> frozenset[
     return frozenset(near - {placed.id}) | {PALLET}
 
 
-def _table(name: str, table: BoxTable) -> Obstacle:
-    return _block(name, table.centre, table.size, table.height)
-
-
-def _block(
-    name: str, centre: tuple[float, float], size: tuple[float, float] | Array, height: float
-) -> Obstacle:
-    return Obstacle(name, Pose(np.array([*centre, height / 2.0])), np.array([*size, height]))
+def _block(name: str, place: BoxTable | PalletPlace) -> Obstacle:
+    x, y, height = place.middle
+    X_WO = place.displaced(Pose(np.array([x, y, height / 2.0])))
+    return Obstacle(name, X_WO, np.array([*place.size, height]))

@@ -76,7 +76,8 @@ def stands(box: OrderBox, X_TB: Pose, cell: PalletizingCell, config: ToolPoseCon
     for q_WB in box_orientations(box.dims, [None, None, height]):
         for axis in (0, 1):
             approach = _away_from_arm(cell, axis)
-            X_WB = Pose(_standing_place(box, q_WB, axis, cell, config), q_WB)
+            level = Pose(_standing_place(box, q_WB, axis, cell, config), q_WB)
+            X_WB = cell.reorientation_table.displaced(level)
             X_WT = X_WB @ X_TB.inverse()
             if points_along(X_WT, approach):
                 found.append(Stand(X_WB, X_WT, approach))

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, SerializeAsAny, model_validator
 
-from pack_core.camera import PinholeCamera, focal_length
+from pack_core.camera import LensDistortion, PinholeCamera, focal_length
 from pack_core.config import Config, load_values, validate_config
+from pack_core.palletizing.displacement import NOWHERE, Displacement
 from pack_core.palletizing.grip import GripLimits
+from pack_core.palletizing.imperfections import ArmPreset
 from pack_core.paths import config_path
-from pack_core.robots.gears import Gears
 from pack_core.robots.servo import JointServoGains
 from pack_core.robots.surface_gripper import GripperTool, gripper_tool
-from pack_core.rotations import Pose
+from pack_core.rotations import Array, Pose
 
 Joints = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
 Point = tuple[float, float, float]
@@ -43,6 +45,17 @@ class BoxTable(Config):
     centre: Pair
     size: Size
     height: PositiveFloat
+    displacement: Displacement = NOWHERE
+    """From there; centre and height stay the nominal ones."""
+
+    @property
+    def middle(self) -> Array:
+        """Nominal middle of the top `(3,)` [m]."""
+        return np.array([*self.centre, self.height])
+
+    def displaced(self, X_WF: Pose) -> Pose:
+        """Where a frame F is that stands at X_WF on the table as it nominally is."""
+        return self.displacement.applied(X_WF, self.middle)
 
 
 class PalletPlace(Config):
@@ -51,11 +64,23 @@ class PalletPlace(Config):
     corner: Pair
     size: Size
     deck_height: PositiveFloat
+    displacement: Displacement = NOWHERE
+    """From there; corner and height stay the nominal ones."""
+
+    @property
+    def middle(self) -> Array:
+        """Nominal middle of the deck `(3,)` [m]."""
+        x, y = np.array(self.corner) + 0.5 * np.array(self.size)
+        return np.array([x, y, self.deck_height])
+
+    def displaced(self, X_WF: Pose) -> Pose:
+        """Where a frame F is that stands at X_WF on the pallet as it nominally is."""
+        return self.displacement.applied(X_WF, self.middle)
 
     @property
     def X_WP(self) -> Pose:
         """The pallet's frame in the world."""
-        return Pose(np.array([*self.corner, self.deck_height]))
+        return self.displaced(Pose(np.array([*self.corner, self.deck_height])))
 
 
 class OverheadCameraMount(Config):
@@ -66,6 +91,13 @@ class OverheadCameraMount(Config):
     fovy_deg: Annotated[float, Field(gt=0, lt=120)]
     width: PositiveInt
     rows: PositiveInt
+    displacement: Displacement = NOWHERE
+    """From there, about the camera itself."""
+    focal_scale: PositiveFloat = 1.0
+    """Focal length, as a share of that which `fovy_deg` says."""
+    centre_shift: Pair = (0.0, 0.0)
+    """Where the optical axis meets the picture, from its middle [pixel]."""
+    lens: LensDistortion = LensDistortion()
 
 
 class Spawn(Config):
@@ -90,23 +122,6 @@ class BoxContact(Config):
     """Speed above which a carried box that comes down on something counts as a collision [m/s]."""
 
 
-class Calibration(Config):
-    """Size of the error of the arm's nominal base pose; its direction is drawn from the seed."""
-
-    position: NonNegativeFloat
-    """Displacement of the base [m]."""
-    orientation_deg: NonNegativeFloat
-    """Rotation of the base about the middle between tables and pallet [deg]."""
-
-
-class ArmPreset(Config):
-    """How the real arm differs from the ideal one."""
-
-    gears: Gears | None
-    """Elastic gears; None: rigid ones."""
-    calibration: Calibration
-
-
 class PalletizingCell(Config):
     """The palletizing cell."""
 
@@ -123,7 +138,7 @@ class PalletizingCell(Config):
     contact: BoxContact
     presets: dict[str, ArmPreset]
     preset: str = "rigid"
-    """Name of the preset that describes the arm."""
+    """Name of the preset that describes how the real cell differs from this one."""
 
     @model_validator(mode="after")
     def _parts_fit(self) -> Self:
@@ -139,16 +154,18 @@ class PalletizingCell(Config):
 
     @property
     def imperfections(self) -> ArmPreset:
-        """How the real arm differs from the ideal one."""
+        """How the real cell differs from the ideal one."""
         return self.presets[self.preset]
 
     @property
     def overhead_camera(self) -> PinholeCamera:
-        """The overhead camera; image up is +y of the world."""
-        x, y = self.picking_table.centre
-        p_WC = np.array([x, y, self.picking_table.height + self.camera.height])
-        f = focal_length(self.camera.fovy_deg, self.camera.rows)
-        return PinholeCamera.looking_down(p_WC, f, self.camera.width, self.camera.rows)
+        """The overhead camera without its distortion; image up is +y of the world."""
+        mount, (x, y) = self.camera, self.picking_table.centre
+        p_WC = np.array([x, y, self.picking_table.height + mount.height])
+        f = focal_length(mount.fovy_deg, mount.rows) * mount.focal_scale
+        level = PinholeCamera.looking_down(p_WC, f, mount.width, mount.rows)
+        u, v = (c + shift for c, shift in zip(level.c, mount.centre_shift, strict=True))
+        return replace(level, X_WC=mount.displacement.applied(level.X_WC, p_WC), c=(u, v))
 
 
 @cache

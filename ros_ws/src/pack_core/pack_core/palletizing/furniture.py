@@ -7,6 +7,7 @@ import numpy as np
 
 from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
 from pack_core.robots.kr210 import ARM_BITS
+from pack_core.rotations import Pose
 
 BOX = mujoco.mjtGeom.mjGEOM_BOX
 SOLID = {"contype": 1, "conaffinity": 1 | ARM_BITS, "condim": 3}
@@ -34,7 +35,8 @@ def add_furniture(spec: mujoco.MjSpec, cell: PalletizingCell, *, look: bool) -> 
 
 
 def _add_table(spec: mujoco.MjSpec, name: str, table: BoxTable, *, look: bool) -> None:
-    body = spec.worldbody.add_body(name=name, pos=(*table.centre, table.height))
+    X_WT = table.displaced(Pose(table.middle))
+    body = spec.worldbody.add_body(name=name, pos=X_WT.p, quat=X_WT.q)
     x, y = 0.5 * np.array(table.size)
     body.add_geom(name=name, type=BOX, pos=(0, 0, -TOP / 2), size=(x, y, TOP / 2), rgba=RUBBER, **SOLID)
     if not look:
@@ -52,7 +54,8 @@ def _add_pallet(spec: mujoco.MjSpec, pallet: PalletPlace, *, look: bool) -> None
     """A solid block for contacts; boards and blocks that are only drawn."""
     (l, w), h = 0.5 * np.array(pallet.size), pallet.deck_height
     x, y = pallet.corner
-    body = spec.worldbody.add_body(name="pallet", pos=(x + l, y + w, 0.0))
+    X_WD = pallet.displaced(Pose(np.array([x + l, y + w, 0.0])))
+    body = spec.worldbody.add_body(name="pallet", pos=X_WD.p, quat=X_WD.q)
     body.add_geom(name="pallet", type=BOX, pos=(0, 0, h / 2), size=(l, w, h / 2),
                   rgba=(*WOOD, float(not look)), **SOLID)  # fmt: skip
     if not look:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from pack_core.palletizing.calibration_board import CALIBRATION_BOARD, board_faces
 from pack_core.palletizing.cardboard import FACE_PIXELS, cardboard_faces
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.wood import wood_picture
@@ -12,6 +13,7 @@ from pack_core.room import Light, add_lights, add_sky, add_tiles
 
 CARDBOARDS = 8
 """Number of different cardboard materials."""
+BOARD = "calibration_board"
 RGB = mujoco.mjtTextureRole.mjTEXROLE_RGB
 
 
@@ -42,6 +44,19 @@ def _add_materials(spec: mujoco.MjSpec) -> None:
     _add_picture(spec, "wood", wood_picture(np.random.default_rng(1)))
     for i in range(CARDBOARDS):
         _add_cardboard(spec, f"cardboard_{i}", np.random.default_rng(i))
+    _add_board(spec)
+
+
+def _add_board(spec: mujoco.MjSpec) -> None:
+    """The calibration board's material: the pattern on its upper face, cardboard brown elsewhere."""
+    faces = board_faces(CALIBRATION_BOARD)
+    texture = spec.add_texture(
+        name=BOARD, type=mujoco.mjtTexture.mjTEXTURE_CUBE, width=faces.shape[1], height=faces.shape[0],
+        nchannel=3,
+    )  # fmt: skip
+    texture.data = faces.tobytes()
+    material = spec.add_material(name=BOARD, specular=0.0, shininess=0.0)
+    material.textures[RGB] = BOARD
 
 
 def _add_picture(spec: mujoco.MjSpec, name: str, picture: np.ndarray) -> None:

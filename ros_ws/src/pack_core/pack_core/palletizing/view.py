@@ -14,8 +14,9 @@ import numpy.typing as npt
 from pack_core.camera import PinholeCamera
 from pack_core.errors import PackError
 from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.look import CARDBOARDS
+from pack_core.palletizing.look import BOARD, CARDBOARDS
 from pack_core.palletizing.model import build_model
 from pack_core.rotations import Array, Pose, to_matrix
 
@@ -34,17 +35,27 @@ class CellView:
         width: of the pictures [pixel].
         height: of the pictures [pixel].
         shadows: whether lights cast shadows, at about three times the cost.
+        X_WB: pose of the arm's base; by default the nominal one.
 
     Raises:
         PackError: there is no OpenGL to draw with.
     """
 
-    def __init__(self, cell: PalletizingCell, width: int, height: int, *, shadows: bool = True) -> None:
-        self._model = build_model(cell, look=True)
+    def __init__(
+        self,
+        cell: PalletizingCell,
+        width: int,
+        height: int,
+        *,
+        shadows: bool = True,
+        X_WB: Pose | None = None,
+    ) -> None:
+        self._model = build_model(cell, look=True, X_WB=X_WB)
         self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
         self._data = mujoco.MjData(self._model)
         self._shadows = shadows
         self._materials = [self._model.material(f"cardboard_{i}").id for i in range(CARDBOARDS)]
+        self._board = self._model.material(BOARD).id
         self._renderer = self._open(height, width)
 
     def __enter__(self) -> Self:
@@ -81,7 +92,8 @@ class CellView:
             geom, mujoco.mjtGeom.mjGEOM_BOX, box.half_extents, X_WB.p, to_matrix(X_WB.q).ravel(),
             np.ones(4, dtype=np.float32),
         )  # fmt: skip
-        geom.matid = self._materials[box.look % CARDBOARDS]
+        is_board = box.name == CALIBRATION_BOARD.name
+        geom.matid = self._board if is_board else self._materials[box.look % CARDBOARDS]
         geom.category = mujoco.mjtCatBit.mjCAT_DYNAMIC  # decoration would cast no shadow
         scene.ngeom += 1
 

@@ -24,3 +24,24 @@ class Gears(Config):
     """Full play of each gear, seen at the joint [deg]."""
     stiffness_error: Annotated[float, Field(gt=-1.0)]
     """Relative error of the stiffness that the controller assumes when it compensates the deflection."""
+    reports_links: bool = False
+    """Whether the controller subtracts the deflection that it assumes from the motors' angles that it reports."""
+
+    @property
+    def assumed(self) -> GearCompensation:
+        """What the controller assumes when nobody has measured the gears."""
+        stiffness = 1.0 + self.stiffness_error
+        k_1, k_2, k_3, k_4, k_5, k_6 = (stiffness * k for k in self.stiffness)
+        return GearCompensation(stiffness=(k_1, k_2, k_3, k_4, k_5, k_6))
+
+
+class GearCompensation(Config):
+    """What an arm's controller assumes of its gears."""
+
+    stiffness: Six
+    """Of each gear [N m/rad]."""
+    backlash_deg: NonNegativeFloat = 0.0
+    """Full play that is compensated in the direction of the load [deg]."""
+    full_load: PositiveFloat = 0.02
+    """Load above which a gear is taken to lie at one side of its play, as a share of the published effort; the
+    compensation fades in up to there."""

@@ -113,6 +113,14 @@ class OrderMeasures:
         MeasureText("faults", lambda found: str(len(found)), lambda m: "; ".join(m.faults) or "none"),
     ]
     duration_s: Annotated[float, MeasureText("duration", number("s", 1), "simulated")]
+    true_position_mm: Annotated[
+        tuple[float, float] | None,
+        MeasureText(
+            "path of the true tool",
+            lambda m: "-" if m is None else mean_and_max("mm")(m),
+            "mean, largest; commanded to true tool, in the frame of the arm's base",
+        ),
+    ] = None
 
 
 def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> OrderMeasures:
@@ -129,6 +137,7 @@ def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> 
         interruptions=run.interruptions,
         faults=tuple(f"{visit.state}: {visit.reason}" for visit in run.visits if visit.reason),
         duration_s=float(run.tool.times[-1] - run.tool.times[0]),
+        true_position_mm=_true_errors(run.tool),
     )  # fmt: skip
 
 
@@ -136,6 +145,12 @@ def tracking_errors(tool: ToolTrack) -> tuple[Array, Array]:
     """Distance [mm] and angle [deg] between commanded and measured tool at every step, each `(n,)`."""
     position_mm = 1e3 * np.linalg.norm(tool.p - tool.p_ref, axis=1)
     return position_mm, np.degrees(angle_between(tool.q_ref, tool.q))
+
+
+def _true_errors(tool: ToolTrack) -> tuple[float, float] | None:
+    if tool.p_true is None:
+        return None
+    return _mean_max(1e3 * np.linalg.norm(tool.p_true - tool.p_ref, axis=1))
 
 
 def shifts_mm(run: PalletRun) -> tuple[float, ...]:

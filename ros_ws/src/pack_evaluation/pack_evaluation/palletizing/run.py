@@ -20,6 +20,8 @@ class ToolTrack:
         q_ref: commanded orientations wxyz `(n, 4)`.
         p: positions by the measured joints `(n, 3)` [m].
         q: orientations by the measured joints, wxyz `(n, 4)`.
+        p_true: positions by the true angles of the links `(n, 3)` [m], the arm's base being where it is taken
+            to be; None where they are not known, as in a recording.
     """
 
     times: Array
@@ -28,6 +30,7 @@ class ToolTrack:
     q_ref: Array
     p: Array
     q: Array
+    p_true: Array | None = None
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,17 @@ from pack_core.rotations import Array
 from pack_evaluation.palletizing.run import ToolTrack
 
 
-def tool_track(times: Array, q_ref: Array, q: Array) -> ToolTrack:
-    """The commanded and the measured tool poses at `times` `(n,)` from joint positions `(n, 6)` [rad]."""
-    return ToolTrack(times, q, *_poses(q_ref), *_poses(q))
+def tool_track(times: Array, q_ref: Array, q: Array, q_true: Array | None = None) -> ToolTrack:
+    """The commanded and the measured tool poses at `times` `(n,)` from joint positions `(n, 6)` [rad].
+
+    Args:
+        times: the moments [s].
+        q_ref: commanded.
+        q: measured.
+        q_true: true angles of the links, where they are known.
+    """
+    p_true = None if q_true is None else _poses(q_true)[0]
+    return ToolTrack(times, q, *_poses(q_ref), *_poses(q), p_true)
 
 
 @cache

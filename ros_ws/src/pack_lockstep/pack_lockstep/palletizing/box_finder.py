@@ -14,6 +14,7 @@ from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, E
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Pose, from_yaw, multiply
 from pack_perception.boxes.box_vision import BoxVision, VisionConfig
+from pack_perception.boxes.table_camera import TableCamera
 from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
 from pack_sim.palletizing.simulator import PalletSimulator
 
@@ -67,25 +68,30 @@ class CameraBoxFinder:
     """Takes a picture and detects the box in it.
 
     Args:
-        cell: the cell's facts, with the height of the table.
         camera: draws the pictures.
-        vision: detects boxes in pictures.
+        table: detects boxes in pictures.
     """
 
-    def __init__(self, cell: PalletizingCell, camera: PalletCamera, vision: BoxVision) -> None:
-        self._cell, self._camera, self._vision = cell, camera, vision
+    def __init__(self, camera: PalletCamera, table: TableCamera) -> None:
+        self._camera, self._table = camera, table
 
     def detect(self, expected: ExpectedBox, simulator: PalletSimulator) -> BoxDetection:
         """The detection of box vision in a picture of the present state."""
-        picture, height = self._camera.picture(simulator.snapshot()), self._cell.picking_table.height
-        return self._vision.detect(picture, self._camera.camera, expected, height, simulator.time).detection
+        picture = self._camera.picture(simulator.snapshot())
+        return self._table.detect(picture, expected, simulator.time).detection
 
 
 @contextmanager
 def open_box_finder(
-    cell: PalletizingCell, config: BoxFinderConfig, rng: np.random.Generator
+    cell: PalletizingCell, config: BoxFinderConfig, simulator: PalletSimulator, rng: np.random.Generator
 ) -> Iterator[BoxFinder]:
-    """Open the configured box finder; `rng` generates its noise.
+    """Open the configured box finder.
+
+    Args:
+        cell: the cell as it is known.
+        config: how boxes are detected.
+        simulator: has the cell as it truly is, which the camera sees.
+        rng: generates the noise where there are no pictures.
 
     Raises:
         PackError: pictures are wanted and there is no OpenGL to draw with.
@@ -93,5 +99,6 @@ def open_box_finder(
     if config.by == "noise":
         yield NoisyBoxFinder(config.noise, rng)
         return
-    with PalletCamera(cell, config.camera) as camera:
-        yield CameraBoxFinder(cell, camera, BoxVision(config.vision))
+    with simulator.open_camera(config.camera) as camera:
+        known = cell.overhead_camera.scaled(config.camera.width)
+        yield CameraBoxFinder(camera, TableCamera(cell, BoxVision(config.vision), known))

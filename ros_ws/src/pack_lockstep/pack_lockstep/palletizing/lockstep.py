@@ -17,6 +17,7 @@ from pack_core.config import Config
 from pack_core.motion.target import MotionStatus
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.box_detection import BoxDetection
+from pack_core.palletizing.calibration import CellCalibration
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
@@ -83,14 +84,17 @@ class PalletLockstep:
         plan: LayoutPlan,
         config: PalletLockstepConfig,
         seed: int,
+        calibration: CellCalibration | None = None,
     ) -> None:
-        self._cell, self._config = cell, config
-        self.simulator = PalletSimulator(cell, config.simulator, seed)
+        known = cell if calibration is None else calibration.applied(cell)
+        assumed = None if calibration is None else calibration.gears
+        self._cell, self._config = known, config
+        self.simulator = PalletSimulator(cell, config.simulator, seed, assumed=assumed)
         arm, q = load_arm("palletizing"), np.array(cell.arm.home)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
-        self.palletizer = Palletizer(order, plan, cell, config.palletizer, self.simulator.time)
+        self.palletizer = Palletizer(order, plan, known, config.palletizer, self.simulator.time)
         self._arm = DrivenArm(self.motion, self.simulator, q, config.period, self.palletizer.halt)
-        self._log = PalletRunLog(self.simulator, config.period)
+        self._log = PalletRunLog(self.simulator, config.period, known)
         self._seed = seed
         self._rng = np.random.default_rng([seed, zlib.crc32(order.order_id.encode())])
         self._spawned = ""
@@ -99,7 +103,7 @@ class PalletLockstep:
 
     def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
         """Run to the end; `on_tick` is called in every cycle."""
-        with open_box_finder(self._cell, self._config.sight, self._rng) as finder:
+        with open_box_finder(self._cell, self._config.sight, self.simulator, self._rng) as finder:
             while not self.palletizer.machine.is_over:
                 self._turn(finder, on_tick)
         for _ in range(round(self._config.settle / self._config.period)):
@@ -129,7 +133,7 @@ class PalletLockstep:
                 self.simulator.remove(name)
             case TakePicture(expected):
                 detection = finder.detect(expected, self.simulator)
-                self._pending = self.simulator.time + self._config.sight.latency, detection
+                self._pending = self.simulator.time + self._latency(), detection
             case PursueTarget(target):
                 self.motion.command(target)
             case StopArm():
@@ -138,6 +142,11 @@ class PalletLockstep:
                 self.simulator.gripper.close()
             case OpenGripper():
                 self.simulator.gripper.open()
+
+    def _latency(self) -> float:
+        """Time from a picture to its detection [s]."""
+        camera = self._cell.imperfections.camera
+        return self._config.sight.latency if camera is None else float(self._rng.uniform(*camera.latency))
 
     def _advance(self) -> None:
         self._log.note(self._arm.q_des)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import GripLoad
 from pack_core.palletizing.topics import TRUTH_RATE
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_core.topics import steps_between
 from pack_evaluation.palletizing.run import (
     BoxRecord,
@@ -27,12 +28,15 @@ class PalletRunLog:
     Args:
         simulator: the simulator that is recorded.
         period: time between two steps [s].
+        known: the cell as the machine knows it. Planned poses are relative to the pallet that it knows; they
+            are recorded relative to the true one.
     """
 
-    def __init__(self, simulator: PalletSimulator, period: float) -> None:
+    def __init__(self, simulator: PalletSimulator, period: float, known: PalletizingCell) -> None:
         self._simulator, self._box_steps = simulator, steps_between(TRUTH_RATE, period)
+        self._known = known
         self._times: list[float] = []
-        self._joints: list[tuple[Array, Array]] = []
+        self._joints: list[tuple[Array, Array, Array]] = []
         self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
         self._peaks: dict[str, GripLoad] = {}
 
@@ -40,7 +44,7 @@ class PalletRunLog:
         """Record the present state; `q_ref` `(n,)` [rad] are the joint positions of the present setpoint."""
         simulator = self._simulator
         self._times.append(simulator.time)
-        self._joints.append((q_ref, simulator.joints().q))
+        self._joints.append((q_ref, simulator.joints().q, simulator.link_angles()))
         if held := simulator.gripper.state.held:
             self._peaks[held] = simulator.gripper.state.peak.worst(self._peaks.get(held, GripLoad()))
         if len(self._times) % self._box_steps == 0:
@@ -53,7 +57,7 @@ class PalletRunLog:
         return PalletRun(
             report.order, seed, report.reason,
             tuple(
-                _record(box)
+                _record(box, self._planned(box.X_WB))
                 for box in report.boxes
             ),
             tuple(StateVisit(v.state.label, v.time, v.box, v.reason) for v in report.visits),
@@ -66,11 +70,15 @@ class PalletRunLog:
         )  # fmt: skip
 
     def _tool(self) -> ToolTrack:
-        wanted, measured = (np.array([pair[i] for pair in self._joints]) for i in (0, 1))
-        return tool_track(np.array(self._times), wanted, measured)
+        wanted, measured, true = (np.array([row[i] for row in self._joints]) for i in (0, 1, 2))
+        return tool_track(np.array(self._times), wanted, measured, true)
+
+    def _planned(self, X_WB: Pose) -> Pose:
+        true = self._simulator.cell.pallet
+        if true.displacement == self._known.pallet.displacement:
+            return X_WB
+        return true.X_WP @ self._known.pallet.X_WP.inverse() @ X_WB
 
 
-def _record(box: BoxReport) -> BoxRecord:
-    return BoxRecord(
-        box.name, box.dims, box.mass, box.handling, box.outcome, box.reason, box.direction, box.X_WB
-    )
+def _record(box: BoxReport, X_WB: Pose) -> BoxRecord:
+    return BoxRecord(box.name, box.dims, box.mass, box.handling, box.outcome, box.reason, box.direction, X_WB)

@@ -18,4 +18,5 @@ def arrival_pose(cell: PalletizingCell, box: BoxBody, seed: int) -> Pose:
     offset = rng.uniform(-cell.spawn.offset, cell.spawn.offset, 2)
     yaw = np.deg2rad(rng.uniform(-cell.spawn.yaw_deg, cell.spawn.yaw_deg))
     x, y = np.array(cell.picking_table.centre) + offset
-    return Pose(np.array([x, y, cell.picking_table.height + box.half_extents[2]]), from_yaw(yaw))
+    level = Pose(np.array([x, y, cell.picking_table.height + box.half_extents[2]]), from_yaw(yaw))
+    return cell.picking_table.displaced(level)

@@ -12,6 +12,8 @@ from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.view import CellView, Picture
+from pack_core.rotations import Pose
+from pack_sim.palletizing.lens import RealLens
 from pack_sim.palletizing.snapshot import Snapshot
 
 
@@ -26,19 +28,31 @@ class PalletCamera:
     """Draws what the camera sees; a context manager, bound to the thread that enters it.
 
     Args:
-        cell: the cell's facts, with the pose of the camera.
+        cell: the cell as it truly is, with the pose of the camera.
         config: size of the pictures.
+        seed: of the camera's noise, where the cell's preset has a real camera.
+        X_WB: true pose of the arm's base; by default the nominal one.
+
+    Attributes:
+        camera: the true camera without distortion; no part of a control loop may use it where the cell's
+            preset has a real camera.
     """
 
-    def __init__(self, cell: PalletizingCell, config: PalletCameraConfig) -> None:
-        self._cell, self._config = cell, config
+    def __init__(
+        self, cell: PalletizingCell, config: PalletCameraConfig, seed: int = 0, X_WB: Pose | None = None
+    ) -> None:
+        self._cell, self._config, self._X_WB = cell, config, X_WB
         self.camera = camera_of(cell, config)
+        errors = cell.imperfections.camera
+        self._lens = None if errors is None else RealLens(self.camera, cell.camera.lens, errors, seed)
         self._view: CellView | None = None
 
     def __enter__(self) -> Self:
         """Start drawing; raises PackError when there is no OpenGL to draw with."""
-        size = self.camera.width, self.camera.height
-        self._view = CellView(self._cell, *size, shadows=self._config.shadows)
+        drawn = self._drawn
+        self._view = CellView(
+            self._cell, drawn.width, drawn.height, shadows=self._config.shadows, X_WB=self._X_WB
+        )
         return self
 
     def __exit__(
@@ -52,7 +66,13 @@ class PalletCamera:
         """A picture `(height, width, 3)`, RGB; raises PackError outside a `with` statement."""
         if self._view is None:
             raise PackError("the overhead camera draws only inside a `with` statement")
-        return self._view.picture(snapshot.q, snapshot.boxes, self.camera)
+        picture = self._view.picture(snapshot.q, snapshot.boxes, self._drawn)
+        return picture if self._lens is None else self._lens.expose(picture, snapshot.time)
+
+    @property
+    def _drawn(self) -> PinholeCamera:
+        """The camera whose picture is drawn."""
+        return self.camera if self._lens is None else self._lens.drawn
 
 
 def camera_of(cell: PalletizingCell, config: PalletCameraConfig) -> PinholeCamera:

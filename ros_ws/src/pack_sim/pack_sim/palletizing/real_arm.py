@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.robots.gears import Gears
-from pack_core.robots.kr210 import ARMATURE
+from pack_core.palletizing.deflection import DeflectionModel
+from pack_core.robots.gears import GearCompensation, Gears
 from pack_core.rotations import Array, Pose, exp
 
 
@@ -33,13 +33,16 @@ class GearTrain:
     Args:
         gears: stiffness and play.
         load: the controller's model of the arm with its load.
+        assumed: what the controller assumes of the gears; by default what the preset says.
     """
 
-    def __init__(self, gears: Gears, load: mujoco.MjModel) -> None:
+    def __init__(self, gears: Gears, load: mujoco.MjModel, assumed: GearCompensation | None = None) -> None:
         self._k = np.array(gears.stiffness)
         self._play = 0.5 * np.deg2rad(gears.backlash_deg)
-        self._k_believed = self._k * (1.0 + gears.stiffness_error)
-        self._model, self._data = load, mujoco.MjData(load)
+        self._lead = DeflectionModel(load, assumed or gears.assumed)
+        self._reports_links = gears.reports_links
+        self.lead = np.zeros(6)
+        """By how much the motors lead the links, as the controller assumes `(6,)` [rad]."""
 
     def torque(self, deflection: Array) -> Array:
         """Torque `(6,)` [N m] of the springs at the links' deflection `(6,)` [rad]; none within the play."""
@@ -53,9 +56,10 @@ class GearTrain:
         its torque acts before the gears.
         """
         q, v, a = desired
-        self._data.qpos[:], self._data.qvel[:], self._data.qacc[:] = q, v, a
-        mujoco.mj_inverse(self._model, self._data)
-        return q + (self._data.qfrc_inverse - ARMATURE * a) / self._k_believed, v, a
+        lead = self._lead.lead(q, v, a)
+        if self._reports_links:
+            self.lead = lead
+        return q + lead, v, a
 
 
 def _direction(rng: np.random.Generator) -> Array:

@@ -11,6 +11,7 @@ from pack_core.joints import JointReference, JointSample
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.model import body_pose
+from pack_core.robots.gears import GearCompensation
 from pack_core.robots.kr210 import LIMITS
 from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Array, Pose
@@ -19,11 +20,16 @@ from pack_sim.joint_servo import JointServo
 from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.carried_load import CarriedLoad
 from pack_sim.palletizing.contact_watch import ContactWatch
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
 from pack_sim.palletizing.physics import Physics
 from pack_sim.palletizing.real_arm import GearTrain, true_base
 from pack_sim.palletizing.snapshot import Snapshot
 from pack_sim.palletizing.surface_gripper import SurfaceGripper
+from pack_sim.palletizing.true_cell import true_cell
 from pack_sim.reference_follower import ReferenceFollower
+
+TORQUE = 4
+"""Stream of random numbers of the noise of measured torques."""
 
 
 class PalletSimulatorConfig(Config):
@@ -39,18 +45,26 @@ class PalletSimulator:
     Args:
         cell: the cell's physical facts.
         config: time step of the physics and timeout of the setpoints.
-        seed: seed of the random poses at which boxes arrive, and of the arm's calibration error.
+        seed: seed of the random poses at which boxes arrive, and of all errors of a real cell.
         time: what the clock shows at the start [s].
+        assumed: what the driver assumes of the arm's gears; by default what the preset says.
+
+    Attributes:
+        cell: the cell as it truly is; no part of a control loop may use it.
     """
 
     def __init__(
-        self, cell: PalletizingCell, config: PalletSimulatorConfig, seed: int = 0, time: float = 0.0
-    ) -> None:
-        self.cell, self.config, self._seed = cell, config, seed
-        self._physics = Physics(cell, config.timestep, true_base(cell, seed), time)
+        self, cell: PalletizingCell, config: PalletSimulatorConfig, seed: int = 0, time: float = 0.0,
+        assumed: GearCompensation | None = None,
+    ) -> None:  # fmt: skip
+        self.cell, self.config, self._seed = true_cell(cell, seed), config, seed
+        self._X_WB = true_base(cell, seed)
+        self._physics = Physics(self.cell, config.timestep, self._X_WB, time)
         self._load = CarriedLoad(cell)
         gears = cell.imperfections.gears
-        self._gears = None if gears is None else GearTrain(gears, self._load.model)
+        self._gears = None if gears is None else GearTrain(gears, self._load.model, assumed)
+        self._torque_noise = cell.imperfections.torque_noise * LIMITS.effort
+        self._rng = np.random.default_rng([seed, TORQUE])
         self._servo = JointServo(self._load.model, LIMITS, cell.servo, config.timestep)
         self.follower = ReferenceFollower(LIMITS, config.watchdog, cell.servo.stop_deceleration)
         self.gripper = SurfaceGripper(cell.tool, cell.grip)
@@ -87,7 +101,7 @@ class PalletSimulator:
         model, data = self._physics.model, self._physics.data
         motors = self._physics.motors
         q, v = data.qpos[motors], data.qvel[motors]
-        desired = self.follower.at(self.time, q)
+        desired = self.follower.at(self.time, self._reported(q))
         if self._gears is not None:
             desired = self._gears.motors(desired)
             data.qfrc_applied[self._physics.gears] = self._gears.torque(data.qpos[self._physics.gears])
@@ -100,13 +114,25 @@ class PalletSimulator:
             self._tell_load(self.gripper.state.held)
 
     def joints(self) -> JointSample:
-        """What the joint sensors measure; they are at the motors, before the gears."""
+        """What the driver reports; the sensors are at the motors, before the gears."""
         data, motors = self._physics.data, self._physics.motors
-        return JointSample(self.time, data.qpos[motors].copy(), data.qvel[motors].copy(), data.ctrl.copy())
+        tau = data.ctrl.copy()
+        if self._torque_noise.any():
+            tau += self._torque_noise * self._rng.standard_normal(6)
+        return JointSample(self.time, self._reported(data.qpos[motors].copy()), data.qvel[motors].copy(), tau)
+
+    def link_angles(self) -> Array:
+        """True joint angles of the links `(6,)` [rad]; no part of a control loop may use them."""
+        return self._physics.link_angles()
 
     def reference(self) -> tuple[Array, Array, Array]:
         """What the joint controller pursues now: position, velocity and acceleration, each `(6,)`."""
-        return self.follower.at(self.time, self._physics.data.qpos[self._physics.motors])
+        return self.follower.at(self.time, self._reported(self._physics.data.qpos[self._physics.motors]))
+
+    def open_camera(self, config: PalletCameraConfig) -> PalletCamera:
+        """The overhead camera of the cell as it truly is; it draws inside a `with` statement."""
+        is_real = self.cell.imperfections.camera is not None
+        return PalletCamera(self.cell, config, self._seed, self._X_WB if is_real else None)
 
     def spawn(self, box: BoxBody, X_WB: Pose | None = None) -> Pose:
         """Put a box into the cell.
@@ -149,6 +175,10 @@ class PalletSimulator:
         data = self._kinematics()
         boxes = {box: body_pose(data, name) for name, box in self._physics.boxes.items()}
         return Snapshot(self.time, self._physics.link_angles(), boxes)
+
+    def _reported(self, q: Array) -> Array:
+        """Joint angles as the driver reports them, of motors that stand at `q` `(6,)` [rad]."""
+        return q if self._gears is None else q - self._gears.lead
 
     def _kinematics(self) -> mujoco.MjData:
         """The data with body poses that match qpos: a step of MuJoCo leaves those from before the step."""

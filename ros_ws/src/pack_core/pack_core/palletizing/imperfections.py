@@ -1,0 +1,69 @@
+"""How a real palletizing cell differs from the one that its configuration describes."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.camera import LensDistortion
+from pack_core.config import Config
+from pack_core.robots.gears import Gears
+
+Share = Annotated[float, Field(ge=0, lt=1)]
+Range = tuple[NonNegativeFloat, NonNegativeFloat]
+
+
+class PoseError(Config):
+    """Size of the error of a pose; its direction is drawn from the seed."""
+
+    position: NonNegativeFloat = 0.0
+    """Displacement [m]."""
+    orientation_deg: NonNegativeFloat = 0.0
+    """Rotation [deg]: of the arm's base about the middle of the cell, of other things about their own."""
+
+
+class CameraErrors(Config):
+    """What a real camera adds to the picture of a pinhole camera, and what of it nobody knows beforehand."""
+
+    pose: PoseError = PoseError()
+    """How far it hangs from where it should."""
+    focal: NonNegativeFloat = 0.0
+    """Largest relative error of the focal length."""
+    centre: NonNegativeFloat = 0.0
+    """Largest distance of the optical axis from the middle of the picture, in x and in y [pixel]."""
+    lens: LensDistortion = LensDistortion()
+    """Typical distortion; each coefficient is drawn within `lens_spread` of it."""
+    lens_spread: Share = 0.0
+    blur: NonNegativeFloat = 0.0
+    """Standard deviation of the blur of lens and focus [pixel]."""
+    vignetting: Share = 0.0
+    """Share of the light that is lost in the corners of the picture."""
+    unevenness: Share = 0.0
+    """Share by which the light falls from one side of the picture to the other; the side is drawn."""
+    full_well: PositiveFloat = 10000.0
+    """Electrons of a pixel at the brightest value."""
+    exposure: Annotated[float, Field(gt=0, le=1)] = 1.0
+    """Share of the full well that is used at the brightest value."""
+    read_noise: NonNegativeFloat = 0.0
+    """Standard deviation of a pixel in the dark [electrons]."""
+    latency: Range = (0.2, 0.2)
+    """Shortest and longest time from exposure to detection, evenly distributed [s]."""
+
+
+class ArmPreset(Config):
+    """How the real cell differs from the ideal one."""
+
+    gears: Gears | None
+    """Elastic gears; None: rigid ones."""
+    calibration: PoseError
+    """Of the arm's base."""
+    furniture: PoseError = PoseError()
+    """Of each table and of the pallet."""
+    camera: CameraErrors | None = None
+    """None: a pinhole camera that hangs where it should."""
+    torque_noise: NonNegativeFloat = 0.0
+    """White noise of the measured motor torques, as a share of the published effort."""
+    uncalibrated_gap: NonNegativeFloat = 0.0
+    """Without a calibration, orders are refused unless boxes are this far apart [m]; 0: no calibration is
+    asked for."""

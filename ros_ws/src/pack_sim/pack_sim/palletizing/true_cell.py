@@ -1,0 +1,53 @@
+"""Where things of a real cell truly are, and what its camera truly is: drawn from the seed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pack_core.camera import LensDistortion
+from pack_core.palletizing.cell import OverheadCameraMount, PalletizingCell
+from pack_core.palletizing.displacement import Displacement
+from pack_core.palletizing.imperfections import CameraErrors, PoseError
+
+FURNITURE, CAMERA = 2, 3
+"""Streams of random numbers beside that of the arm's base, so that each error is the same whatever else is off."""
+
+
+def true_cell(cell: PalletizingCell, seed: int) -> PalletizingCell:
+    """The cell with tables, pallet and camera where they truly are; the arm's base is that of `true_base`.
+
+    Sizes of the errors are those of the cell's preset. A preset without such errors gives the cell back.
+    """
+    faults = cell.imperfections
+    found: dict[str, object] = {}
+    if faults.furniture.position or faults.furniture.orientation_deg:
+        rng = np.random.default_rng([seed, FURNITURE])
+        for name in ("picking_table", "reorientation_table", "pallet"):
+            place = getattr(cell, name)
+            found[name] = place.model_copy(update={"displacement": _drawn(faults.furniture, rng)})
+    if faults.camera is not None:
+        found["camera"] = _true_camera(cell.camera, faults.camera, np.random.default_rng([seed, CAMERA]))
+    return cell.model_copy(update=found) if found else cell
+
+
+def _true_camera(
+    mount: OverheadCameraMount, errors: CameraErrors, rng: np.random.Generator
+) -> OverheadCameraMount:
+    typical, spread = errors.lens.coefficients, errors.lens_spread
+    k1, k2, p1, p2 = (float(k) for k in typical * (1.0 + rng.uniform(-spread, spread, 4)))
+    u, v = (float(x) for x in rng.uniform(-errors.centre, errors.centre, 2))
+    return mount.model_copy(
+        update={
+            "displacement": _drawn(errors.pose, rng),
+            "focal_scale": float(1.0 + rng.uniform(-errors.focal, errors.focal)),
+            "centre_shift": (u, v),
+            "lens": LensDistortion(k1=k1, k2=k2, p1=p1, p2=p2),
+        }
+    )
+
+
+def _drawn(error: PoseError, rng: np.random.Generator) -> Displacement:
+    """A displacement of the given size in a random direction, about a random axis."""
+    shift, axis = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
+    turn = np.deg2rad(error.orientation_deg) * axis
+    return Displacement.of([*(error.position * shift), *turn])
