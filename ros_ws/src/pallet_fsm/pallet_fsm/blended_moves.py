@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
+from pack_core.motion.moves import UP, Line, Mode, Path, PoseMove, Retreat, Transfer
 from pack_core.rotations import Array, Pose
 from pallet_fsm.goals import Goals, Leg, raised
 from pallet_fsm.states import Part, State
@@ -21,11 +21,15 @@ Range = tuple[PositiveFloat, PositiveFloat]
 class BlendedConfig(Config):
     """Speeds and distances of blended moves."""
 
-    lift: Range = Field(default=(0.06, 0.7), description="straight up from a stop, shortest and longest [m]")
-    hover: Range = Field(default=(0.07, 1.0), description="straight down to a stop, shortest and longest [m]")
+    lift: Range = Field(default=(0.1, 0.7), description="straight up from a stop, shortest and longest [m]")
+    hover: Range = Field(default=(0.1, 1.0), description="straight down to a stop, shortest and longest [m]")
     step_back: Range = Field(default=(0.13, 0.40), description="from a box on table B [m]")
     speed: PositiveFloat = Field(default=1.0, description="on these lines, at most [m/s]")
     acceleration: PositiveFloat = Field(default=1.5, description="on these lines [m/s^2]")
+    slow_length: NonNegativeFloat = Field(
+        default=0.1, description="from where the gripper acts, in which lines are slow [m]"
+    )
+    slow_speed: PositiveFloat = Field(default=0.24, description="of the tool on them there, at most [m/s]")
     pass_speed: PositiveFloat = Field(
         default=0.5, description="where lines are left for a joint move, or the other way round [m/s]"
     )
@@ -136,10 +140,16 @@ class BlendedMoves:
         safe = np.array(self._config.safe)
         goal = Pose(safe, X_WT.q)
         up = Pose(np.array([*X_WT.p[:2], safe[2]]), X_WT.q)
-        lift = Line(up, self._config.speed, self._config.acceleration, label=Part.DEPART.name)
         cross = PoseMove(goal, label=Part.CROSS.name)
-        is_low = X_WT.p[2] < safe[2] - self._config.lift[0]
-        return Leg(Path((lift, cross) if is_low else (cross,)), goal, State.RETURN)
+        if X_WT.p[2] >= safe[2] - self._config.lift[0]:
+            return Leg(Path((cross,)), goal, State.RETURN)
+        config = self._config
+        slow = Line(
+            raised(X_WT, config.slow_length * UP), min(config.speed, config.slow_speed), config.acceleration,
+            exit_speed=config.slow_speed, label=Part.DEPART.name,
+        )  # fmt: skip
+        lift = Line(up, config.speed, config.acceleration, label=Part.CROSS.name, mode=Mode.FAST)
+        return Leg(Path((slow, lift, cross)), goal, State.RETURN)
 
     def _lines(self, goal: Pose, offset: Array) -> tuple[Line, Line]:
         """The line to a point offset from the goal, and the last line to the goal itself."""
@@ -163,4 +173,7 @@ class BlendedMoves:
 
     def _retreat(self, direction: Array, lengths: Range) -> Retreat:
         config = self._config
-        return Retreat(direction, lengths, config.speed, config.acceleration, config.pass_speed)
+        return Retreat(
+            direction, lengths, config.speed, config.acceleration, config.pass_speed,
+            config.slow_length, config.slow_speed,
+        )  # fmt: skip

@@ -121,5 +121,10 @@ class Mover:
         return event
 
 
-PARTS = {"depart": Part.DEPART, "transit": Part.CROSS} | {part.name: part for part in Part}
+PARTS = {
+    "depart": Part.DEPART,
+    "rise": Part.CROSS,
+    "transit": Part.CROSS,
+    "descend": Part.CROSS,
+} | {part.name: part for part in Part}
 """The part of a blended move that each segment label of the motion stands for."""

@@ -99,6 +99,8 @@ class Retreat:
         speed: of the tool, at most [m/s].
         acceleration: of the tool, at most [m/s^2].
         pass_speed: at its far end, which is passed and no stop, at most [m/s].
+        slow_length: of the stretch at its near end, where the tool or its box touches something [m].
+        slow_speed: of the tool on that stretch, at most [m/s].
     """
 
     direction: Array
@@ -106,6 +108,8 @@ class Retreat:
     speed: float = 0.5
     acceleration: float = 2.5
     pass_speed: float = 0.25
+    slow_length: float = 0.0
+    slow_speed: float = 0.25
 
 
 @dataclass(frozen=True)

@@ -176,6 +176,7 @@ def _to_retreat(retreat: Retreat) -> MotionRetreat:
     return MotionRetreat(
         direction=to_vector(retreat.direction), shortest=retreat.lengths[0], longest=retreat.lengths[1],
         speed=retreat.speed, acceleration=retreat.acceleration, pass_speed=retreat.pass_speed,
+        slow_length=retreat.slow_length, slow_speed=retreat.slow_speed,
     )  # fmt: skip
 
 
@@ -186,5 +187,13 @@ def _from_retreat(message: MotionRetreat) -> Retreat:
         raise MessageError(
             f"a retreat along {direction.tolist()} by {lengths.tolist()} m; allowed: rising lengths"
         )
-    speeds = finite([message.speed, message.acceleration, message.pass_speed], "speed of a retreat")
+    speeds = finite(
+        [message.speed, message.acceleration, message.pass_speed, message.slow_length, message.slow_speed],
+        "speed of a retreat",
+    )
+    if speeds[3] < 0.0 or (speeds[3] > 0.0 and speeds[4] <= 0.0):
+        raise MessageError(
+            f"a retreat is slow for {speeds[3]:g} m, at {speeds[4]:g} m/s; "
+            "allowed: a length from 0, a speed above 0"
+        )
     return Retreat(direction, (float(lengths[0]), float(lengths[1])), *speeds.tolist())

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pack_core.motion.moves import Line, Path, PoseMove, Retreat, Segment, Transfer
+from pack_core.motion.moves import Line, Mode, Path, PoseMove, Retreat, Segment, Transfer
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
@@ -16,7 +16,8 @@ from pack_motion.reference.trajectory import JointState
 
 STEP = 0.08
 """Largest step between two lengths that are tried [m]."""
-DEPART, TRANSIT = "depart", "transit"
+DEPART, RISE, TRANSIT, DESCEND = "depart", "rise", "transit", "descend"
+"""Labels of a transfer's parts before its own lines; RISE and DESCEND are the fast ones of its lines."""
 
 
 class TransferPlanner:
@@ -63,14 +64,38 @@ class TransferPlanner:
         X_hover = _shifted(first.X_WT, transfer.hover, hover)
         segments: list[Segment] = []
         if transfer.depart is not None:
-            out = transfer.depart
-            X_away = _shifted(self._arm.chain.forward(start.q), out, depart)
-            segments.append(
-                Line(X_away, out.speed, out.acceleration, exit_speed=out.pass_speed, label=DEPART)
-            )
+            segments += _departing(self._arm.chain.forward(start.q), transfer.depart, depart)
         segments.append(PoseMove(X_hover, transfer.speed, transfer.acceleration, label=TRANSIT))
-        segments.append(replace(first, entry_speed=transfer.hover.pass_speed))
-        return Path((*segments, *transfer.lines[1:]))
+        return Path((*segments, *_approaching(first, transfer.hover, hover), *transfer.lines[1:]))
+
+
+def _departing(X_WT: Pose, out: Retreat, length: float) -> list[Line]:
+    """The line away from `X_WT`: its slow stretch first, where there is one, then the rest."""
+    rest = Line(
+        _shifted(X_WT, out, length), out.speed, out.acceleration, exit_speed=out.pass_speed, label=DEPART
+    )
+    if not out.slow_length:
+        return [rest]
+    slow = replace(rest, speed=min(out.speed, out.slow_speed))
+    if length <= out.slow_length:
+        return [slow]
+    near = replace(slow, X_WT=_shifted(X_WT, out, out.slow_length), exit_speed=slow.speed)
+    return [near, replace(rest, label=RISE, mode=Mode.FAST)]
+
+
+def _approaching(first: Line, hover: Retreat, length: float) -> list[Line]:
+    """The line in to a transfer's own first line: fast from the hover pose, then slow near its end."""
+    if not hover.slow_length:
+        return [replace(first, entry_speed=hover.pass_speed)]
+    slow = replace(first, speed=min(first.speed, hover.slow_speed), entry_speed=hover.pass_speed)
+    if length <= hover.slow_length:
+        return [slow]
+    X_near = _shifted(first.X_WT, hover, hover.slow_length)
+    fast = Line(
+        X_near, first.speed, first.acceleration, entry_speed=hover.pass_speed, exit_speed=slow.speed,
+        label=DESCEND, mode=Mode.FAST,
+    )  # fmt: skip
+    return [fast, slow]
 
 
 def _lengths(retreat: Retreat) -> Array:
