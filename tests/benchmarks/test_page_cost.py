@@ -10,8 +10,11 @@ import socket
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 
+import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 from rosbags.highlevel import AnyReader
@@ -41,13 +44,31 @@ def test_the_page_costs_little_at_real_time(
 ) -> None:
     folder = tmp_path / cell
     subprocess.run(["pack", "demo", cell, *DEMOS[cell], "--no-video", "-o", str(folder)], check=True)
-    share, first_picture = benchmark.pedantic(lambda: played_share(cell, folder / "bag", tmp_path), rounds=1)
-    sys.stdout.write(f"\n{cell:12}{share:6.1f} % of a core, first picture after {first_picture:.1f} s\n")
-    assert share < bound
+    cost = benchmark.pedantic(lambda: cost_of_playing(cell, folder / "bag", tmp_path), rounds=1)
+    sys.stdout.write(
+        f"\n{cell:12}{cost.share:6.1f} % of a core (median second), {cost.mean:.1f} % on average, "
+        f"with the scene's first drawing; first picture after {cost.first_picture:.1f} s\n"
+    )
+    assert cost.share < bound
 
 
-def played_share(cell: str, bag: Path, folder: Path) -> tuple[float, float]:
-    """The share of a core of the page's node [%], and when a browser had drawn the scene [s]."""
+@dataclass(frozen=True)
+class Cost:
+    """What the page's node took while a recording was played.
+
+    Attributes:
+        share: of a core, in the median second of the recording [%].
+        mean: of a core, over the whole recording, the building of its scene included [%].
+        first_picture: when a browser that opened the page had drawn the scene [s].
+    """
+
+    share: float
+    mean: float
+    first_picture: float
+
+
+def cost_of_playing(cell: str, bag: Path, folder: Path) -> Cost:
+    """Play a recording to a page that a browser shows."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -61,11 +82,14 @@ def played_share(cell: str, bag: Path, folder: Path) -> tuple[float, float]:
         with open_page(f"http://127.0.0.1:{port}") as browser:
             browser.wait_for_scene()
             first_picture = time.monotonic() - began
-            before = processor_time(page.pid("live"))
-            subprocess.run([*play, "1"], stdout=log, check=True)
-            used = processor_time(page.pid("live")) - before
+            with subprocess.Popen([*play, "1"], stdout=log) as player:
+                seconds = [processor_time(page.pid("live"))]
+                while player.poll() is None:
+                    time.sleep(1.0)
+                    seconds.append(processor_time(page.pid("live")))
     with AnyReader([bag]) as reader:
-        return 100.0 * used / (reader.duration * 1e-9), first_picture  # the player's start does not thin it
+        mean = (seconds[-1] - seconds[0]) / (reader.duration * 1e-9)  # the player's start does not thin it
+    return Cost(100.0 * median(np.diff(seconds)), 100.0 * mean, first_picture)
 
 
 def wait_for_port(port: int) -> None:
