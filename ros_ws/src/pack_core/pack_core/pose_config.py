@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import FiniteFloat, model_validator
+from pydantic import model_validator
 
 from pack_core.config import Config
 from pack_core.rotations import Pose, from_yaw
+from pack_core.text.limits import AngleDeg, Coordinate, Number
+
+ROUNDING = 1e-9
+"""By which the length of a quaternion may differ from 1 in a computer's arithmetic."""
 
 
 class PoseConfig(Config):
     """A pose as files have it: `position` of the object's centre [m], `quaternion` (wxyz) or `yaw_deg`."""
 
-    position: tuple[FiniteFloat, FiniteFloat, FiniteFloat]
-    yaw_deg: FiniteFloat = 0.0
-    quaternion: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+    position: tuple[Coordinate, Coordinate, Coordinate]
+    yaw_deg: AngleDeg = 0.0
+    quaternion: tuple[Number, Number, Number, Number] | None = None
 
     @model_validator(mode="after")
     def _is_one_rotation(self) -> PoseConfig:
@@ -27,7 +31,9 @@ class PoseConfig(Config):
     def to_pose(self) -> Pose:
         """X_WO."""
         q = np.array(self.quaternion) if self.quaternion else from_yaw(np.deg2rad(self.yaw_deg))
-        return Pose(np.array(self.position), q)
+        length = float(np.linalg.norm(q))
+        # One written with a few digits is brought to length 1; an exact one is left as it is, to the bit.
+        return Pose(np.array(self.position), q / length if abs(length - 1.0) > ROUNDING else q)
 
     @classmethod
     def from_pose(cls, X_WO: Pose) -> PoseConfig:

@@ -50,7 +50,7 @@ def refusal(changes: dict[str, Any]) -> str:
         ("objects.0.pose.position", [0.422, -0.027, 0.02], ["objects.soup_can.pose", "z -0.035", "z from 0"]),
         ("objects.0.pose.position", [0.45, -0.027, 0.055], ["soup_can", "cracker_box", "mm; allowed: up to"]),
         ("objects.4.size", [0.4, 0.07, 0.11], ["objects.sugar_box.pose", "y -0.110 to 0.110"]),
-        ("friction", 0, ["friction", "greater than 0"]),
+        ("friction", 0, ["friction", "greater than or equal to 0.01"]),
         ("container.height", None, ["container.height", "missing"]),
         ("container.size", [0.27, 2.0], ["container.size.1", "2.0", "less than 0.8"]),
         ("container.centre", [0.9, 0.0], ["container", "at most 0.75 m"]),

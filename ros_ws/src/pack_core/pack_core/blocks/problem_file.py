@@ -11,14 +11,16 @@ from typing import Annotated
 
 import numpy as np
 import yaml
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import Field, model_validator
 
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.config import Config, parse_config
+from pack_core.text.limits import MOST_BLOCKS, MOST_CORNERS, AngleDeg, BlockName, Number
 from pack_core.text.reader import read_text
 
-Place = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+Millimetres = Annotated[Number, Field(ge=-10_000.0, le=10_000.0)]
+Place = tuple[Millimetres, Millimetres, AngleDeg]
 """x [mm], y [mm], yaw [deg]."""
 DIGITS = 6
 
@@ -26,7 +28,7 @@ DIGITS = 6
 class BlockEntry(Config):
     """One block; its tag's number is its place in the file, from 0 on."""
 
-    id: str = Field(pattern=r"^[A-Za-z0-9_]+$")
+    id: BlockName
     start: Place
     goal: Place
 
@@ -34,10 +36,10 @@ class BlockEntry(Config):
 class ProblemFile(Config):
     """A problem file as written: lengths in mm, angles in degrees."""
 
-    workspace: Annotated[list[tuple[FiniteFloat, FiniteFloat]], Field(min_length=3)]
+    workspace: Annotated[list[tuple[Millimetres, Millimetres]], Field(min_length=3, max_length=MOST_CORNERS)]
     """Corners [mm] of the convex polygon in which blocks may be put down."""
     symmetry: Annotated[int, Field(ge=1, le=4)] = 1
-    blocks: Annotated[list[BlockEntry], Field(min_length=1, max_length=100)]
+    blocks: Annotated[list[BlockEntry], Field(min_length=1, max_length=MOST_BLOCKS)]
 
     @model_validator(mode="after")
     def _ids_differ(self) -> ProblemFile:

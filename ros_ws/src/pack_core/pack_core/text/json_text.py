@@ -13,6 +13,7 @@ from pack_core.text.limits import (
     MOST_CHARACTERS_OF_NUMBER,
     MOST_DEPTH,
     MOST_VALUES,
+    too_large,
 )
 from pack_core.text.shown import on_one_line
 
@@ -22,18 +23,20 @@ HALF_SIGN = re.compile(r"\\u[dD][89abAB]|\\u[dD][c-fC-F]")
 def parse_json(text: str, source: str) -> Any:
     """The values of JSON text; `source` names it in errors.
 
+    NaN and Infinity are read as numbers: whoever checks a value by its key refuses them by its name.
+
     Raises:
         ConfigError: the text is no JSON, or has what is not allowed.
     """
     if len(text) > MOST_BYTES:
-        raise ConfigError(f"{source}: {len(text) / 1e6:.1f} MB; allowed: up to {MOST_BYTES / 1e6:g} MB of text")
+        raise ConfigError(too_large(source, len(text)))
     try:
-        values = json.loads(text, object_pairs_hook=_mapping, parse_constant=_constant, parse_int=_integer)
+        values = json.loads(text, object_pairs_hook=_mapping, parse_int=_integer)
     except json.JSONDecodeError as error:
         raise ConfigError(f"{source}, line {error.lineno}: is no JSON: {error.msg}") from error
     except RecursionError as error:
         raise ConfigError(f"{source}: {_too_deep()}") from error
-    except ValueError as error:  # of the three functions below
+    except ValueError as error:  # of the two functions below
         raise ConfigError(f"{source}: {error}") from error
     if problem := _beyond_limits(values) or _half_signs(text, values):
         raise ConfigError(f"{source}: {problem}")
@@ -47,10 +50,6 @@ def _mapping(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         doubled = next(key for key in keys if keys.count(key) > 1)
         raise ValueError(f"key '{on_one_line(doubled)}' is given twice; allowed: once")
     return values
-
-
-def _constant(name: str) -> float:
-    raise ValueError(f"a number is {name}; allowed: finite numbers")
 
 
 def _integer(digits: str) -> int:

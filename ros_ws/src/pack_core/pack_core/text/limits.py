@@ -29,6 +29,11 @@ EXPONENT_ALONE = re.compile(r"[-+]?\d+[eE][-+]?\d+")
 """`1e-3`: YAML 1.1 calls a number without a point a text."""
 
 
+def too_large(source: str, size: int) -> str:
+    """The error about a text of `size` bytes or characters."""
+    return f"{source}: {size / 1e6:.1f} MB; allowed: up to {MOST_BYTES / 1e6:g} MB of text"
+
+
 def _no_other_type(value: Any) -> Any:
     """The number as written: `true` is none, nor is a text, which pydantic would convert silently."""
     if isinstance(value, str) and EXPONENT_ALONE.fullmatch(value) and len(value) < MOST_CHARACTERS_OF_NUMBER:

@@ -7,7 +7,7 @@ from typing import Any
 
 from pack_core.errors import ConfigError
 from pack_core.text.json_text import parse_json
-from pack_core.text.limits import MOST_BYTES
+from pack_core.text.limits import MOST_BYTES, too_large
 from pack_core.text.yaml_text import parse_yaml
 
 
@@ -19,7 +19,7 @@ def read_text(path: Path) -> str:
     """
     try:
         if path.is_file() and (size := path.stat().st_size) > MOST_BYTES:
-            raise ConfigError(_too_large(str(path), size))
+            raise ConfigError(too_large(str(path), size))
         return decoded(path.read_bytes(), str(path))
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
@@ -35,7 +35,7 @@ def decoded(content: bytes, source: str) -> str:
         ConfigError: there are too many, or they are not UTF-8.
     """
     if len(content) > MOST_BYTES:
-        raise ConfigError(_too_large(source, len(content)))
+        raise ConfigError(too_large(source, len(content)))
     try:
         return content.decode("utf-8-sig")  # with or without the mark that some editors put in front
     except UnicodeDecodeError as error:
@@ -54,7 +54,3 @@ def load_yaml(path: Path) -> Any:
 def load_json(path: Path) -> Any:
     """The values of a JSON file; raises ConfigError."""
     return parse_json(read_text(path), str(path))
-
-
-def _too_large(source: str, size: int) -> str:
-    return f"{source}: {size / 1e6:.1f} MB; allowed: up to {MOST_BYTES / 1e6:g} MB of text"

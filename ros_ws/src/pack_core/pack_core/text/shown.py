@@ -25,7 +25,7 @@ def shown_value(value: Any) -> str:
 
 
 def printable(text: str) -> str:
-    """Text whose control characters, terminal escapes and marks of direction are written as `\\x1b`.
+    r"""Text whose control characters, terminal escapes and marks of direction are written as `\\x1b`.
 
     Line breaks stay; a line longer than `LONGEST_LINE` is cut.
     """

@@ -1,8 +1,8 @@
 """YAML text to values, built from the parser's events, so that every limit is checked as the text is read.
 
-Allowed are mappings, lists, texts, numbers, `true`, `false` and nothing; a date is a text. Aliases are allowed
-as long as all that they stand for stays below the limits. Refused are all other tags, keys that are given
-twice, and several documents in one text.
+Allowed are mappings, lists, texts, numbers, `true`, `false` and nothing; a date is a text. Aliases are
+allowed as long as all that they stand for stays below the limits. Refused are all other tags, keys that are
+given twice, and several documents in one text.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from pack_core.text.limits import (
     MOST_CHARACTERS_OF_NUMBER,
     MOST_DEPTH,
     MOST_VALUES,
+    too_large,
 )
 from pack_core.text.shown import on_one_line, shown_value
 
@@ -38,7 +39,7 @@ def parse_yaml(text: str, source: str) -> Any:
         ConfigError: the text is no YAML, or has what is not allowed; with the line.
     """
     if len(text) > MOST_BYTES:
-        raise ConfigError(f"{source}: {len(text) / 1e6:.1f} MB; allowed: up to {MOST_BYTES / 1e6:g} MB of text")
+        raise ConfigError(too_large(source, len(text)))
     try:
         return _Builder(text, source).document()
     except yaml.MarkedYAMLError as error:
@@ -161,7 +162,7 @@ class _Builder:
     def _add(self, event: Any, count: int) -> None:
         self._count += count
         if self._count > MOST_VALUES:
-            raise self._refusal(event, f"more than {MOST_VALUES} values, aliases counted in full; allowed: fewer")
+            raise self._refusal(event, f"more than {MOST_VALUES} values, aliases in full; allowed: fewer")
 
     def _refusal(self, event: Any, problem: str) -> ConfigError:
         return ConfigError(f"{self._source}, line {event.start_mark.line + 1}: {problem}")

@@ -56,14 +56,14 @@ def change(key: str, value: object) -> Callable[[Any], None]:
     return lambda order: order["boxes"][1].__setitem__(key, value)
 
 
-BOX = "an.json: box '00101323-5': "
+BOX = "box '00101323-5': "
 REFUSALS: list[tuple[Callable[[Any], None], str]] = [
     (change("id", "00102400-4"), "an.json: box '00102400-4': key 'id' is given 2 times; allowed: once"),
     (change("dims", [0.585, -0.39, 0.22]), BOX + "key 'dims.1' is -0.39; allowed: Input should be greater"),
     (change("dims", [0.585, 0.39, float("nan")]), BOX + "key 'dims.2' is nan; allowed: Input should be"),
     (change("dims", [0.39, 0.585, 0.22]), BOX + "dims are [0.39, 0.585, 0.22]; allowed: d_x >= d_y >= d_z"),
     (change("dims", "large"), BOX + "key 'dims' is 'large'; allowed:"),
-    (change("weight", 0), BOX + "key 'weight' is 0; allowed: Input should be greater than 0"),
+    (change("weight", 0), BOX + "key 'weight' is 0; allowed: Input should be greater than or equal to 0.001"),
     (change("weight", True), BOX + "key 'weight' is True; allowed:"),
     (change("orient_id", 6), BOX + "key 'orient_id' is 6; allowed: Input should be 0, 1, 2, 3, 4 or 5"),
     (change("bundling_axis", "x"), BOX + "key 'bundling_axis' is 'x'; allowed: Input should be 'z' or 'y'"),
@@ -75,11 +75,11 @@ REFUSALS: list[tuple[Callable[[Any], None], str]] = [
     (change("position", [0.7, 0.0, 0.0]), BOX + "key 'position' is (0.700, 0.000, 0.000), it ends at (1.2"),
     (change("position", [0.325, 0.0, 0.3]), BOX + "0.0% of its base is carried; allowed: at least 70%"),
     (change("position", [0.1, 0.05, 0.195]), BOX + "31.6% of its base is carried"),
-    (lambda order: order["boxes"].__setitem__(1, 7), "an.json: box 2 of the list: Input should be a valid"),
-    (lambda order: order["boxes"][1].pop("id"), "an.json: box 2 of the list: key 'id' is missing"),
+    (lambda order: order["boxes"].__setitem__(1, 7), "an.json, line 1: box 2 of the list: Input should be"),
+    (lambda order: order["boxes"][1].pop("id"), "an.json, line 1: box 2 of the list: key 'id' is missing"),
     (lambda order: order["boxes"].clear(), "an.json: key 'boxes' is empty; allowed: one box or more"),
     (lambda order: order.pop("pallet"), "an.json: key 'pallet' is missing"),
-    (lambda order: order["units"].update(length="mm"), "an.json: key 'units.length' is 'mm'; allowed: Input"),
+    (lambda order: order["units"].update(length="mm"), "an.json, line 1: key 'units.length' is 'mm'; allowed:"),
     (lambda order: order.update(total_boxes=3), "an.json: key 'total_boxes' is 3; its boxes give 2"),
     (lambda order: order.update(total_weight=17.0), "an.json: key 'total_weight' is 17; its boxes give 16"),
 ]  # fmt: skip
@@ -106,14 +106,14 @@ def test_every_problem_is_told_at_once() -> None:
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "3", '"order"', "[" * 100_000, "\x00", "NaN"])
 def test_text_that_is_no_order_is_refused(text: str) -> None:
-    with pytest.raises(OrderError, match=r"^an\.json: "):
+    with pytest.raises(OrderError, match=r"^an\.json[:,] "):
         parse_order(text, "an.json")
 
 
 def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
     (tmp_path / "binary.json").write_bytes(b"\xff\xfe{}")
     for name, words in [
-        ("none.json", "No such file"),
+        ("none.json", "no such file"),
         ("", "Is a directory"),
         ("binary.json", "no text in UTF-8"),
     ]:

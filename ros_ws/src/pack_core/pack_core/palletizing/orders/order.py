@@ -11,13 +11,14 @@ from pydantic import Field, model_validator
 from pack_core.config import Config
 from pack_core.palletizing.orders.handling import BundlingAxis, Handling, OrientId, Turn, turn_of
 from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.text.limits import MOST_BOXES, ArticleName, Coordinate, Number
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.001, le=10.0)]
-Mass = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=1000.0)]
+Length = Annotated[Number, Field(ge=0.001, le=10.0)]
+Edge = Annotated[Number, Field(ge=0.01, le=3.0)]
+"""Of a box: thinner is a sheet, larger no arm turns [m]."""
+Mass = Annotated[Number, Field(ge=0.001, le=1000.0)]
 Count = Annotated[int, Field(strict=True)]
-Name = Annotated[str, Field(min_length=1, max_length=200)]
-Triple = tuple[Length, Length, Length]
+Dims = tuple[Edge, Edge, Edge]
 
 
 class Units(Config):
@@ -40,13 +41,13 @@ class OrderPallet(Config):
 class OrderBox(Config):
     """A box of an order."""
 
-    id: Name
-    dims: Triple = Field(description="d_x >= d_y >= d_z as it arrives, d_z upright [m]")
+    id: ArticleName
+    dims: Dims = Field(description="d_x >= d_y >= d_z as it arrives, d_z upright [m]")
     weight: Mass = Field(description="[kg]")
     orient_id: OrientId
     bundling_axis: BundlingAxis
-    position: tuple[Number, Number, Number] = Field(description="lower corner in P [m]")
-    placed_dims: Triple | None = Field(None, description="extents on the pallet [m], as a check")
+    position: tuple[Coordinate, Coordinate, Coordinate] = Field(description="lower corner in P [m]")
+    placed_dims: Dims | None = Field(None, description="extents on the pallet [m], as a check")
     handling: Handling | None = Field(None, description="what the turn takes, as a check")
     seq: Count | None = None
     article: str = ""
@@ -77,9 +78,9 @@ class OrderBox(Config):
 class Order(Config):
     """An order; the fields that are given as a check may be left out."""
 
-    order_id: Name
+    order_id: ArticleName
     pallet: OrderPallet
-    boxes: tuple[OrderBox, ...]
+    boxes: Annotated[tuple[OrderBox, ...], Field(max_length=MOST_BOXES)]
     units: Units | None = None
     source: dict[str, Any] = Field(default_factory=dict, description="where the data come from")
     placement_planner: str = ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from pydantic import Field, NonNegativeFloat
 from shapely import MultiPolygon, Point, Polygon, box
 
@@ -66,7 +67,12 @@ def support_of(item: PlacedBox, others: Sequence[PlacedBox]) -> Support:
 
 def unstable_boxes(boxes: Sequence[PlacedBox], config: SupportConfig) -> dict[str, str]:
     """The names of the boxes that would not stay at their place, and the reason for each."""
-    problems = {item.id: support_of(item, boxes).problem(config) for item in boxes}
+    tops = np.array([other.upper[2] for other in boxes])
+    problems = {}
+    for item in boxes:
+        # only boxes whose tops are at its base can carry it; `support_of` looks at the rest
+        level = np.flatnonzero(np.abs(tops - item.lower[2]) < 2 * TOUCH)
+        problems[item.id] = support_of(item, [boxes[k] for k in level]).problem(config)
     return {name: problem for name, problem in problems.items() if problem is not None}
 
 
