@@ -11,18 +11,30 @@ from typing import Any
 import yaml
 
 NUMBERS = (
-    float("nan"), float("inf"), -float("inf"), 0, -0.0, -1, 1e-300, 1e-16, 1e18, 1e300, 2**63, 10**400, 1.009, 255,
+    float("nan"), float("inf"), -float("inf"), 0, -0.0, -1, 1e-300, 1e-16, 1e18, 1e300, 2**63, 10**400, 1.009,
 )  # fmt: skip
 TEXTS = (
     "", "a" * 200_000, "../../etc/passwd", "\x1b[2J\x1b[31mred", "a\nb", "<script>alert(1)</script>",
     "[bold red]x[/]", "$\\frac{", "ünï", "\u202edrowssap", "0.4", "nan", "{cell}", "%s%n", "world", "\x00",
 )  # fmt: skip
-VALUES: tuple[Any, ...] = (*NUMBERS, *TEXTS, None, True, False, [], {}, [[[[[]]]]], {"a": {"b": 1}}, list(range(2000)))
+VALUES: tuple[Any, ...] = (
+    *NUMBERS,
+    *TEXTS,
+    None,
+    True,
+    False,
+    [],
+    {},
+    [[[[[]]]]],
+    {"a": {"b": 1}},
+    list(range(2000)),
+)
 LINES = (
     "x: !!python/object/apply:os.system ['true']", "x: !!int spam", "x: 2001-99-99", "x: 0x_", 'x: "\\ud800"',
     "x: !!binary abc", "x: !!timestamp 99999-01-01", "x: &a [*a]", "<<: 5", "? [a, b]\n: 1", "? {a: 1}\n: 2",
     "x: !!float _", "\tx: 1", "x: *none", "--- \n--- \n", "%YAML 9.9", "x: !!set {a, b}", "x: !!omap [a: 1]",
-    "x: 1:60:60.5", "x: .inf", "x: !!null spam", "x: !!bool spam", "x: '\\U0011FFFF'", "=: 1", "x: !unknown 3",
+    "x: 1:60:60.5", "x: .inf", "x: !!null spam", "x: !!bool spam", "x: '\\U0011FFFF'", "=: 1",
+    "x: !unknown 3",
 )  # fmt: skip
 BOMB = "\n".join(
     ["a0: &a0 [x, x, x, x, x, x, x, x, x]"]
@@ -148,7 +160,9 @@ def _token_replaced(text: str, rng: random.Random) -> bytes:
     """One number or word of the text replaced by another spelling that readers may not expect."""
     tokens = text.split(" ")
     k = rng.randrange(len(tokens))
-    tokens[k] = rng.choice(("NaN", ".nan", "1e999", "-", "0o7", "1_000", "!!str", "yes", "~", "'", '"', "9" * 400, "{"))
+    tokens[k] = rng.choice(
+        ("NaN", ".nan", "1e999", "-", "0o7", "1_000", "!!str", "yes", "~", "'", '"', "9" * 400, "{")
+    )
     return " ".join(tokens).encode()
 
 
@@ -161,7 +175,9 @@ def _bytes(data: bytes, rng: random.Random) -> bytes:
     if action == 0:
         return bytes(changed[:start])
     if action == 1:  # eight bytes that may be a length
-        changed[start : start + 8] = rng.choice((b"\xff" * 8, b"\x00" * 8, b"\x00\x00\x00\x7f\x00\x00\x00\x00"))
+        changed[start : start + 8] = rng.choice(
+            (b"\xff" * 8, b"\x00" * 8, b"\x00\x00\x00\x7f\x00\x00\x00\x00")
+        )
     elif action == 2:
         del changed[start : start + rng.randrange(1, 50)]
     elif action == 3:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
@@ -58,7 +57,10 @@ def _scenes(folder: Path) -> list[Sample]:
     from pack_sim.packing.scene_generator import generate_scene
 
     generated = [generate_scene(seed, packing_cell()).to_yaml().encode() for seed in range(3)]
-    return [*_shipped("scenarios/packing/*.yaml")(folder), *(Sample(text, "scene.yaml") for text in generated)]
+    return [
+        *_shipped("scenarios/packing/*.yaml")(folder),
+        *(Sample(text, "scene.yaml") for text in generated),
+    ]
 
 
 def _scene(path: Path) -> None:
@@ -78,7 +80,10 @@ def _problems(folder: Path) -> list[Sample]:
     from pack_bringup.blocks.goal_command import problem_of
 
     generated = [problem_of(None, 9, 0.2, seed).encode() for seed in range(3)]
-    return [*_shipped("scenarios/blocks/*.yaml")(folder), *(Sample(text, "problem.yaml") for text in generated)]
+    return [
+        *_shipped("scenarios/blocks/*.yaml")(folder),
+        *(Sample(text, "problem.yaml") for text in generated),
+    ]
 
 
 def _problem(path: Path) -> None:
@@ -96,7 +101,7 @@ def _records(_: Path) -> list[Sample]:
     folder = Path(os.environ["PACKCELL_ROOT"]) / "made"
     folder.mkdir()
     record.save(folder)
-    short = b"cell: packing\nstarted: '2026-01-01T00:00:00'\nseed: 3\ncommand: pack demo\ncommit: abc\nversions: {numpy: '2'}\n"
+    short = b"cell: packing\nstarted: '2026-01-01T00:00:00'\nseed: 3\ncommand: x\ncommit: abc\nversions: {a: '2'}\n"
     return [Sample((folder / "run.yaml").read_bytes(), "run/run.yaml"), Sample(short, "run/run.yaml")]
 
 
@@ -198,7 +203,9 @@ def _bags(_: Path) -> list[Sample]:
 
 def _bag_folders(_: Path) -> list[Sample]:
     folder, root = _packing_bag() / "bag", Path(os.environ["PACKCELL_ROOT"])
-    return [Sample(folder.joinpath("metadata.yaml").read_bytes(), str(folder.relative_to(root) / "metadata.yaml"))]
+    return [
+        Sample(folder.joinpath("metadata.yaml").read_bytes(), str(folder.relative_to(root) / "metadata.yaml"))
+    ]
 
 
 def _bag(path: Path) -> None:
@@ -223,20 +230,16 @@ def _saved_run(path: Path) -> None:
 
 
 def _upload(path: Path) -> None:
-    from pack_core.errors import PackError
     from pack_core.packing.scene_file import parse_scene
-    from pack_viewer.ros.run_form import checked_text
+    from pack_core.text.reader import decoded
 
-    parse_scene(checked_text(path.name, path.read_bytes()), path.name)
-    _ = PackError
+    parse_scene(decoded(path.read_bytes(), path.name), path.name)
 
 
 def _tags(path: Path) -> None:
-    from std_msgs.msg import String
+    from pack_core.blocks.tags_text import parse_tags
 
-    from pack_core.ros.blocks.block_messages import from_tags
-
-    from_tags(SimpleNamespace(data=_received(path)) or String())
+    parse_tags(_received(path))
 
 
 def _described(path: Path) -> None:
@@ -261,7 +264,7 @@ def _one(text: str, name: str) -> Callable[[Path], list[Sample]]:
 
 
 TAGS = "tags: {red: 0, blue_block: 1, c: 2}\n"
-BOXES = "a-1: {size: [0.3, 0.2, 0.2], mass: 4.0}\nb-2: {size: [0.3, 0.2, 0.2], mass: 2.5}\n"
+BOXES = "- {name: a-1, size: [0.3, 0.2, 0.2], mass: 4.0}\n- {name: b-2, size: [0.3, 0.2, 0.2], mass: 2.5}\n"
 
 TARGETS = (
     Target("scene", "yaml", _scenes, _scene),

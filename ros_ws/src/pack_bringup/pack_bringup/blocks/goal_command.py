@@ -58,14 +58,14 @@ def problem_of(file: Path | None, blocks: int, density: float, seed: int) -> str
 
 
 def _text_of(path: Path) -> str:
+    from pack_core.blocks.cell import blocks_cell
     from pack_core.blocks.problem_file import parse_problem
+    from pack_core.text.reader import read_text
     from pack_planner.rearrangement.validation import find_fault
 
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
-    text = path.read_text()
+    text = read_text(path)
     # Now, because the planner would find it only after all nodes have started.
-    if contradiction := find_fault(parse_problem(text, str(path))):
+    if contradiction := find_fault(parse_problem(text, str(path), blocks_cell())):
         raise ConfigError(f"{path}: {contradiction.text}")
     return text
 

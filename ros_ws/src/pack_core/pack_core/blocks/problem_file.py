@@ -13,11 +13,15 @@ import numpy as np
 import yaml
 from pydantic import Field, model_validator
 
+from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
+from pack_core.blocks.problem_check import problems_of
 from pack_core.config import Config, parse_config
+from pack_core.errors import ConfigError
 from pack_core.text.limits import MOST_BLOCKS, MOST_CORNERS, AngleDeg, BlockName, Number
 from pack_core.text.reader import read_text
+from pack_core.text.shown import listed
 
 Millimetres = Annotated[Number, Field(ge=-10_000.0, le=10_000.0)]
 Place = tuple[Millimetres, Millimetres, AngleDeg]
@@ -49,24 +53,31 @@ class ProblemFile(Config):
         return self
 
 
-def load_problem(path: Path) -> Problem:
+def load_problem(path: Path, cell: BlocksCell | None = None) -> Problem:
     """Read a problem file.
 
+    Args:
+        path: the file.
+        cell: the cell that shall solve it; None: any.
+
     Raises:
-        ConfigError: there is none, or a key or value is missing or not allowed.
+        ConfigError: there is none, a key or value is not allowed, or the problem contradicts itself.
     """
-    return parse_problem(read_text(path), str(path))
+    return parse_problem(read_text(path), str(path), cell)
 
 
-def parse_problem(text: str, source: str) -> Problem:
-    """Read a problem file's text; `source` names it in errors."""
+def parse_problem(text: str, source: str, cell: BlocksCell | None = None) -> Problem:
+    """Read a problem file's text, as `load_problem` does; `source` names it in errors."""
     file = parse_config(ProblemFile, text, source)
-    return Problem(
+    problem = Problem(
         blocks=tuple(PlacedBlock(block.id, _pose(block.start)) for block in file.blocks),
         goals={block.id: _pose(block.goal) for block in file.blocks},
         workspace=tuple((x / 1000, y / 1000) for x, y in file.workspace),
         symmetry=file.symmetry, starts_may_be_outside=True,
     )  # fmt: skip
+    if found := problems_of(problem, cell):
+        raise ConfigError(listed([f"{source}: {one}" for one in found]))
+    return problem
 
 
 def problem_text(problem: Problem) -> str:

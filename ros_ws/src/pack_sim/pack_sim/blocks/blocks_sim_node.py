@@ -48,7 +48,7 @@ class BlocksSimNode(MotionSimNode):
         self._tags = self.advertise(contracts.TAGS)
         self._camera = CameraPublisher(self, self._cell, self._config.timestep, shadows=self._config.shadows)
         path = self._config.problem or config_path("scenarios", "blocks", "example.yaml")
-        self._simulator = self._build(load_problem(Path(path)), 0.0)
+        self._simulator = self._build(load_problem(Path(path), self._cell), 0.0)
         self.show(describe_robot(self._cell)).fix(fixed_frames(self._cell))
         services = (
             (contracts.JAW_COMMAND, self._command_fingers),
@@ -93,7 +93,7 @@ class BlocksSimNode(MotionSimNode):
 
     def _reset(self, request: ResetScene.Request, response: ResetScene.Response) -> ResetScene.Response:
         try:
-            problem = parse_problem(request.scene, "request")
+            problem = parse_problem(request.scene, "request", self._cell)
             with self.lock:
                 self._simulator = self._build(problem, self._simulator.time)
                 self.release()

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import yaml
 from viser import GlbHandle, SceneApi
 
 from pack_core.blocks import topics
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import block_name, build_model
+from pack_core.blocks.tags_text import parse_tags
 from pack_core.motion import topics as motion
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS
@@ -79,7 +79,7 @@ class BlocksScene(CellScene):
 
     def _rebuild(self, text: str) -> None:
         self._tags = text
-        tags = {str(block): int(tag) for block, tag in yaml.safe_load(text)["tags"].items()}
+        tags = parse_tags(text)
         self._names = set(tags)
         self._drawn.remove()
         self._drawn = ModelScene(self._scene, build_model(self._cell, tags, timestep=0.001, look=True))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Annotated
 
 import numpy as np
-import yaml
+from pydantic import Field, PositiveFloat
 from viser import GlbHandle, SceneApi
 
+from pack_core.config import Config, validate_config
 from pack_core.motion import topics as motion
 from pack_core.palletizing import topics
 from pack_core.palletizing.box_body import BoxBody
@@ -16,6 +18,8 @@ from pack_core.palletizing.look import CARDBOARDS
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import JOINTS
 from pack_core.rotations import Array
+from pack_core.text.limits import MOST_BOXES
+from pack_core.text.yaml_text import parse_yaml
 from pack_viewer.cell_scene import CellScene
 from pack_viewer.geom_meshes import box_glb
 from pack_viewer.model_scene import STILL, ModelScene, scene_name
@@ -72,10 +76,24 @@ class PalletScene(CellScene):
         self._sent[name] = pose
 
 
+class _BoxRow(Config):
+    name: str
+    size: tuple[PositiveFloat, PositiveFloat, PositiveFloat]
+    mass: PositiveFloat
+
+
+class _Boxes(Config):
+    boxes: Annotated[list[_BoxRow], Field(max_length=MOST_BOXES)]
+
+
 def boxes_in(text: str) -> dict[str, BoxBody]:
-    """The boxes that the simulator's YAML text lists, by name."""
-    rows = yaml.safe_load(text) or {}
-    items = rows.items() if isinstance(rows, dict) else ((row["name"], row) for row in rows)
-    return {
-        str(name): BoxBody(str(name), tuple(row["size"]), float(row["mass"])) for name, row in items
-    }  # fmt: skip
+    """The boxes that the simulator's YAML text lists, by name.
+
+    Raises:
+        ConfigError: the text is no such list.
+    """
+    rows = parse_yaml(text, topics.BOXES) or []
+    if isinstance(rows, dict):  # as recordings of earlier versions have it
+        rows = [{"name": name, **row} for name, row in rows.items() if isinstance(row, dict)]
+    boxes = validate_config(_Boxes, {"boxes": rows}, topics.BOXES).boxes
+    return {row.name: BoxBody(row.name, row.size, row.mass) for row in boxes}

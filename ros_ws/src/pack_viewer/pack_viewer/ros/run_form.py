@@ -11,10 +11,9 @@ from viser import GuiApi, UploadedFile
 
 from pack_core.errors import PackError
 from pack_core.ros.contracts.contract import Contract
+from pack_core.text.reader import decoded, read_text
+from pack_core.text.shown import on_one_line
 from pack_viewer.event_log import EventLog
-
-LARGEST_UPLOAD = 1_000_000
-"""Largest file that a browser may upload [bytes]."""
 
 
 class RunForm(ABC):
@@ -71,13 +70,13 @@ class FileChoice:
         if self.name in self._uploaded:
             return self._uploaded[self.name]
         path = self._files[self.name]
-        return path.read_text() if path else ""
+        return read_text(path) if path else ""
 
     def take(self, file: UploadedFile) -> None:
         """Choose a file that a browser has uploaded, unless it must not be used."""
-        name = file.name
+        name = on_one_line(file.name)
         try:
-            text = checked_text(name, file.content)
+            text = decoded(file.content, name)
             self._check(text, name)
         except PackError as error:
             self._log.add(f"upload refused: {error}", "error")
@@ -87,17 +86,3 @@ class FileChoice:
         self._list.options = tuple(dict.fromkeys([*self._list.options, shown]))
         self._list.value = shown
         self._log.add(f"uploaded {name}", "person")
-
-
-def checked_text(name: str, content: bytes) -> str:
-    """The text of an uploaded file.
-
-    Raises:
-        PackError: it is too large, or no text.
-    """
-    if len(content) > LARGEST_UPLOAD:
-        raise PackError(f"{name} has {len(content)} bytes; allowed: up to {LARGEST_UPLOAD}")
-    try:
-        return content.decode()
-    except UnicodeDecodeError as error:
-        raise PackError(f"{name} is no text in UTF-8") from error

@@ -4,31 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import yaml
 from pack_interfaces.msg import BlockSighting as BlockSightingMsg
 from pack_interfaces.msg import JawState as JawStateMsg
 from std_msgs.msg import String
 
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.fingers import FingerState, FingerStatus
-from pack_core.config import Config, parse_config
+from pack_core.blocks.tags_text import parse_tags, tags_text
 from pack_core.errors import MessageError
 from pack_core.ros.blocks.rearrangement_messages import from_block_poses, to_block_poses
 from pack_core.ros.conversions import WORLD, finite, from_stamp, to_stamp
 
 
-class _Tags(Config):
-    tags: dict[str, int]
-
-
 def to_tags(tags: Mapping[str, int]) -> String:
     """The number of every block's tag."""
-    return String(data=yaml.safe_dump({"tags": dict(tags)}))
+    return String(data=tags_text(tags))
 
 
 def from_tags(message: String) -> dict[str, int]:
     """The number of every block's tag, by the block's id."""
-    return dict(parse_config(_Tags, message.data, "tags").tags)
+    return parse_tags(message.data)
 
 
 def to_sighting(sighting: BlockSighting) -> BlockSightingMsg:

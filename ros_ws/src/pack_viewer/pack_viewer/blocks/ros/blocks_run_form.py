@@ -28,8 +28,9 @@ class BlocksRunForm(RunForm):
         """Add the widgets."""
         files = sorted(config_path("scenarios", "blocks").glob("*.yaml"))
         self._problem = FileChoice(
-            self, "problem", {**{file.stem: file for file in files}, GENERATED: None}, parse_problem
-        )
+            self, "problem", {**{file.stem: file for file in files}, GENERATED: None},
+            lambda text, name: parse_problem(text, name, blocks_cell()),
+        )  # fmt: skip
         self._blocks = self.gui.add_number("blocks", 4, min=1, max=25, step=1)
         self._seed = self.gui.add_number("seed", 0, min=0, max=2**31 - 1, step=1)
         self._method = self.gui.add_dropdown("planner", METHODS)
