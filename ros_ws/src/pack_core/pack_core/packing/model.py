@@ -61,6 +61,7 @@ def build_model(
     arm: ArmRole,
     held: HeldRole,
     surroundings: bool = False,
+    lip_touches: bool = False,
 ) -> mujoco.MjModel:
     """Compile a model of the cell.
 
@@ -71,6 +72,7 @@ def build_model(
         arm: how the arm takes part; an object that is held needs one.
         held: how the new object takes part; `HeldRole.COMPLIANT` needs a cell with a `tip`.
         surroundings: whether to add floor, table, lights and materials, for pictures.
+        lip_touches: whether the empty cup collides with objects, as when it comes down on one to grip it.
 
     Returns:
         The model. Bodies and free joints carry the objects' names, and the cup is the body `tool`. The
@@ -88,6 +90,9 @@ def build_model(
     for item in scene.objects:
         _add_object(spec.worldbody.add_body(name=item.name), item, scene, free=True)
     tool = None if arm is ArmRole.ABSENT else _add_arm(spec, cell)
+    if lip_touches:
+        cup = spec.geom("pump_cup")
+        cup.contype = cup.conaffinity = 1
     _add_new_object(spec, tool, scene, held, cell.tip)
     if arm is ArmRole.DRIVEN:
         add_motors(spec, cell.robot.arm)

@@ -15,6 +15,7 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 
 from pack_core.joints import JointSample, Setpoints
+from pack_core.packing.arrangement import Arrangement
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.free_space import base_height, is_packed
@@ -26,7 +27,7 @@ from pack_core.rotations import Array, Pose, from_yaw, multiply, rotate, yaw_of
 from pack_core.states import SceneState
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.fill_report import FilledObject, FillReport, fill_of
-from pack_mpc.filling.requests import Arrange, Arrangement, FillRequest, Grip, Pack, Present, Presented
+from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Pack, Present, Presented
 from pack_mpc.filling.tool_motion import Leg, ToolArm, legs
 from pack_mpc.outcome import PackingOutcome
 from pack_mpc.stages import UP, nearest_heading

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -54,18 +53,3 @@ class Presented:
 
     scene: Scene | None
     reason: str = ""
-
-
-@dataclass(frozen=True)
-class Arrangement:
-    """Where objects shall stand.
-
-    Attributes:
-        order: names in the order in which they are to be packed.
-        poses: X_WO of those that have a place of their own; others go wherever there is one.
-        refused: objects for which there is none, with the reason.
-    """
-
-    order: tuple[str, ...]
-    poses: Mapping[str, Pose]
-    refused: Mapping[str, str]

@@ -213,15 +213,12 @@ class Simulator:
 
     def _compile(self, held: HeldRole) -> mujoco.MjModel:
         model = build_model(
-            self.scene, self.cell, timestep=self.config.timestep, arm=ArmRole.DRIVEN, held=held
-        )
+            self.scene, self.cell, timestep=self.config.timestep, arm=ArmRole.DRIVEN, held=held,
+            lip_touches=self._is_handed_over and held is HeldRole.FREE,
+        )  # fmt: skip
         for name, friction in zip(self.cell.robot.arm.joints, self._joint_friction, strict=True):
             dof = model.joint(name).dofadr[0]
             model.dof_frictionloss[dof], model.dof_solimp[dof, :2] = friction, STICTION
-        if self._is_handed_over and held is HeldRole.FREE:
-            # the lip touches what it shall grip; elsewhere it is for pictures only
-            cup = model.geom("pump_cup")
-            cup.contype, cup.conaffinity = 1, 1
         soften_contacts(model, self.config.contact_width)
         return model
 

@@ -1,0 +1,25 @@
+"""Parameters of the arrangement of a list's objects in a container."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from pydantic import Field, NonNegativeFloat, PositiveInt
+
+from pack_core.config import NEXT_REQUEST, Changeable, Config
+
+
+class ArrangementConfig(Config):
+    """How many arrangements are tried, and how close objects may stand."""
+
+    changeable: ClassVar[Changeable] = NEXT_REQUEST
+
+    tries: PositiveInt = Field(default=40, description="arrangements that are tried")
+    gap: NonNegativeFloat = Field(default=0.002, description="gap between objects [m]")
+    wall_gap: NonNegativeFloat = Field(default=0.003, description="gap to the walls [m]")
+    free_gap: NonNegativeFloat = Field(
+        default=0.012, description="gap to everything where contact is to be avoided [m]"
+    )
+    shuffle: NonNegativeFloat = Field(
+        default=0.25, description="how far tries depart from the largest-first order, as share of an area"
+    )

@@ -1,0 +1,66 @@
+"""Which object of a list comes next and where it shall stand: one plan for each method of filling."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pack_core.packing.arrangement import Arrangement, FillMethod
+from pack_core.packing.free_space import is_packed
+from pack_core.packing.objects import ObjectModel
+from pack_core.packing.packing_list import PackingOrder
+from pack_core.packing.scene import Scene
+from pack_core.states import SceneState
+from pack_planner.filling.arrangement_config import ArrangementConfig
+from pack_planner.filling.arrangement_planner import NO_ROOM, ArrangementPlanner
+from pack_planner.filling.outline import standing_outline
+
+
+class FillPlanner:
+    """Plans the next object of a list.
+
+    Args:
+        config: parameters.
+        method: how places are chosen.
+        order: whether the list's order binds.
+    """
+
+    def __init__(self, config: ArrangementConfig, method: FillMethod, order: PackingOrder) -> None:
+        self._method, self._order = method, order
+        is_close = method is FillMethod.CONTACT
+        gap, wall_gap = (config.gap, config.wall_gap) if is_close else (config.free_gap,) * 2
+        self._arrangements = ArrangementPlanner(config, gap, wall_gap)
+
+    def plan(
+        self, scene: Scene, state: SceneState, items: Sequence[ObjectModel], rng: np.random.Generator
+    ) -> Arrangement:
+        """Arrange the objects that are still to come.
+
+        Args:
+            scene: the container and what has been packed; the new object counts if it is in the container.
+            state: where these objects are.
+            items: the remaining objects, in the list's order.
+            rng: source of the variations.
+        """
+        names = tuple(item.name for item in items)
+        if self._method is FillMethod.RANDOM:
+            return Arrangement(names)
+        poses = state.poses()
+        known = [item for item in (*scene.objects, scene.new_object) if item.name in poses]
+        inside = [item for item in known if is_packed(scene, poses[item.name])]
+        taken = [standing_outline(item, poses[item.name]) for item in inside if item.name not in names]
+        placed = self._arrangements.plan(scene.container, taken, items, rng)
+        by_height = sorted(placed, key=lambda name: float(placed[name].p[2]))
+        others = [name for name in names if name not in placed]
+        if self._order is PackingOrder.LIST:
+            order = [name for name in names if name in placed] if self._leaves_none else list(names)
+        else:
+            order = by_height if self._leaves_none else [*by_height, *others]
+        refused = dict.fromkeys(others, NO_ROOM) if self._leaves_none else {}
+        return Arrangement(tuple(order), placed, refused)
+
+    @property
+    def _leaves_none(self) -> bool:
+        """Whether an object without a place of its own is put aside; with contact one may still be made."""
+        return self._method is FillMethod.NO_CONTACT
