@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pack_evaluation.raw_bag import read_raw_bag
+from pack_evaluation.raw_bag import RawBag, RawMessage, read_raw_bag
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,13 @@ class Bag:
         path: the bag's folder or file.
         messages: messages of the requested topics, in order of time.
         is_cut: whether the recording ended without finishing the bag.
+        damaged: number of pieces and messages that could not be read.
     """
 
     path: Path
     messages: tuple[Recorded, ...]
     is_cut: bool
+    damaged: int = 0
 
     def of(self, topic: str) -> list[Any]:
         """The messages of one topic, in order."""
@@ -54,8 +56,14 @@ def read_bag(path: Path, topics: Collection[str] | None = None) -> Bag:
         BagError: the bag is missing, or nothing in it is readable.
     """
     raw = read_raw_bag(path, topics)
-    messages = tuple(
-        Recorded(item.topic, item.time_ns, raw.types.deserialize_cdr(item.data, raw.topics[item.topic].type))
-        for item in raw.messages
-    )
-    return Bag(raw.path, messages, raw.is_cut)
+    messages = [decoded for item in raw.messages if (decoded := _decoded(item, raw)) is not None]
+    return Bag(raw.path, tuple(messages), raw.is_cut, raw.damaged + len(raw.messages) - len(messages))
+
+
+def _decoded(item: RawMessage, raw: RawBag) -> Recorded | None:
+    """A message as an object; None where its bytes are damaged."""
+    try:
+        message = raw.types.deserialize_cdr(item.data, raw.topics[item.topic].type)
+    except Exception:  # rosbags raises whatever its generated code meets: struct, index, Unicode errors
+        return None
+    return Recorded(item.topic, item.time_ns, message)

@@ -5,29 +5,20 @@ Message types come from the schemas in the bag, so a bag can be read without the
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
-from mcap.exceptions import McapError
-from mcap.records import Channel, Footer, Message, Schema
-from mcap.stream_reader import StreamReader
-from mcap.writer import MCAP0_MAGIC
-from rosbags.highlevel import AnyReader, AnyReaderError
+from mcap.records import Channel, Schema
+from rosbags.highlevel import AnyReader
 from rosbags.interfaces import ConnectionExtRosbag2, Qos
 from rosbags.rosbag2.metadata import parse_qos
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 from pack_core.errors import BagError
-
-UNREADABLE = (AnyReaderError, OSError, TypeError, ValueError, struct.error)
-"""Errors that rosbags raises on a bag that was not finished, or on something else."""
-HEAD = 9
-"""Bytes before the content of an MCAP record: its kind (1), and the length of its content (8)."""
+from pack_evaluation.mcap_file import McapContent, read_mcap
 
 
 @dataclass(frozen=True)
@@ -50,13 +41,23 @@ class RawMessage:
 
 @dataclass(frozen=True)
 class RawBag:
-    """Content of a bag; `is_cut` is True if the recording ended without finishing the bag."""
+    """Content of a bag.
+
+    Attributes:
+        path: the bag's folder or file.
+        topics: those that were read, by name.
+        messages: in order of time.
+        types: definitions of their messages.
+        is_cut: whether the recording ended without finishing the bag.
+        damaged: number of chunks, records and messages of unknown topics that could not be read.
+    """
 
     path: Path
     topics: dict[str, Topic]
     messages: tuple[RawMessage, ...]
     types: Typestore
     is_cut: bool
+    damaged: int = 0
 
 
 def find_bag(path: Path) -> Path:
@@ -83,42 +84,8 @@ def read_raw_bag(path: Path, topics: Collection[str] | None = None) -> RawBag:
         BagError: the bag is missing, or nothing in it is readable.
     """
     bag = find_bag(path)
-    try:
-        return _read_finished(bag, topics)
-    except UNREADABLE as error:
-        return _read_cut(bag, _storage_files(bag, error), topics)
-
-
-def _read_finished(bag: Path, topics: Collection[str] | None) -> RawBag:
-    if bag.is_dir() and _are_files_missing_in_metadata(bag):
-        raise ValueError("metadata.yaml does not name every .mcap file")
-    with AnyReader([bag]) as reader:
-        wanted = [item for item in reader.connections if topics is None or item.topic in topics]
-        found = {
-            item.topic: Topic(
-                item.topic, item.msgtype, tuple(cast(ConnectionExtRosbag2, item.ext).offered_qos_profiles)
-            )
-            for item in wanted
-        }
-        records = reader.messages(wanted) if wanted else ()
-        messages = tuple(RawMessage(item.topic, time_ns, bytes(data)) for item, time_ns, data in records)
-        return RawBag(bag, found, messages, reader.typestore, is_cut=False)
-
-
-def _are_files_missing_in_metadata(bag: Path) -> bool:
-    """Whether the folder holds more files than its metadata.yaml names, as while a split bag is written."""
-    if not (metadata := bag / "metadata.yaml").is_file():
-        return False  # rosbags says so itself
-    text = metadata.read_text()
-    return any(file.name not in text for file in bag.glob("*.mcap"))
-
-
-def _storage_files(bag: Path, reason: Exception) -> list[Path]:
-    """The files of a bag in the order in which they were written: <bag>_0, <bag>_1, ..., then <bag>."""
     files = [bag] if bag.is_file() else sorted(bag.glob("*.mcap"), key=_number)
-    if not files:
-        raise BagError(f"{bag} is not readable as a bag: {reason}") from reason
-    return files
+    return _read_mcap_files(bag, files, topics) if files else _read_other(bag, topics)
 
 
 def _number(file: Path) -> float:
@@ -127,52 +94,75 @@ def _number(file: Path) -> float:
     return int(number) if number.isdecimal() else float("inf")
 
 
-def _read_cut(bag: Path, files: Sequence[Path], topics: Collection[str] | None) -> RawBag:
-    """All messages of MCAP files before the first broken record of each."""
+def _read_mcap_files(bag: Path, files: list[Path], topics: Collection[str] | None) -> RawBag:
     types = get_typestore(Stores.EMPTY)
-    topics_of: dict[str, Topic] = {}
+    found: dict[str, Topic] = {}
     messages: list[RawMessage] = []
-    is_cut = False
+    is_cut, damaged = False, 0
     for file in files:
-        found, sent, is_whole = _read_file(file, types)
-        topics_of |= {topic.name: topic for topic in found}
-        messages += sent
-        is_cut = is_cut or not is_whole
-    if not topics_of:
+        try:
+            content = read_mcap(file.read_bytes())
+        except OSError as error:
+            raise BagError(f"{file}: cannot be read: {error.strerror}") from error
+        channels = _topics_of(content, types)
+        found |= {topic.name: topic for topic in channels.values()}
+        unknown = 0
+        for item in content.messages:
+            if item.channel_id in channels:
+                messages.append(RawMessage(channels[item.channel_id].name, item.log_time, item.data))
+            else:
+                unknown += 1
+        is_cut, damaged = is_cut or not content.is_whole, damaged + content.damaged + unknown
+    if not found:
         raise BagError(
             f"{files[0]} holds no readable recording: not an MCAP file, or cut off at its very start"
         )
-    wanted = {name: topic for name, topic in topics_of.items() if topics is None or name in topics}
+    wanted = {name: topic for name, topic in found.items() if topics is None or name in topics}
     kept = (item for item in messages if item.topic in wanted)
-    return RawBag(bag, wanted, tuple(sorted(kept, key=lambda item: item.time_ns)), types, is_cut)
+    return RawBag(bag, wanted, tuple(sorted(kept, key=lambda item: item.time_ns)), types, is_cut, damaged)
 
 
-def _read_file(file: Path, types: Typestore) -> tuple[list[Topic], list[RawMessage], bool]:
-    """Topics, messages, and whether the file ends as a finished one does; its types are registered."""
-    names: dict[int, str] = {}
-    channels: dict[int, Topic] = {}
-    messages: list[RawMessage] = []
-    is_whole = False
-    for record in _whole_records(file.read_bytes()):
-        if isinstance(record, Schema):
-            names[record.id] = record.name
-            types.register(get_types_from_msg(record.data.decode(), record.name))
-        elif isinstance(record, Channel):
-            qos = parse_qos(record.metadata.get("offered_qos_profiles", ""))
-            channels[record.id] = Topic(record.topic, names[record.schema_id], tuple(qos))
-        elif isinstance(record, Message):
-            messages.append(RawMessage(channels[record.channel_id].name, record.log_time, record.data))
-        elif isinstance(record, Footer):
-            is_whole = True
-    return list(channels.values()), messages, is_whole
+def _topics_of(content: McapContent, types: Typestore) -> dict[int, Topic]:
+    """The topics by their channels' numbers, as far as their types can be read, which are registered."""
+    for schema in content.schemas.values():
+        try:
+            _register(schema, types)
+        except Exception:  # rosbags raises whatever its parser meets in a damaged definition
+            content.damaged += 1
+    topics = {}
+    for number, channel in content.channels.items():
+        schema = content.schemas.get(channel.schema_id)
+        if schema is not None and schema.name in types.fielddefs:
+            topics[number] = Topic(channel.topic, schema.name, _qos(channel))
+    return topics
 
 
-def _whole_records(data: bytes) -> Iterator[Any]:
-    end = len(MCAP0_MAGIC)
-    # records follow each other, each with its length: stop at the first that the file does not hold whole
-    while (follows := end + HEAD + int.from_bytes(data[end + 1 : end + HEAD], "little")) <= len(data):
-        end = follows
+def _register(schema: Schema, types: Typestore) -> None:
+    text = schema.data.decode()
+    is_idl = schema.encoding == "ros2idl"
+    types.register(get_types_from_idl(text) if is_idl else get_types_from_msg(text, schema.name))
+
+
+def _qos(channel: Channel) -> tuple[Qos, ...]:
     try:
-        yield from StreamReader(BytesIO(data[:end])).records
-    except (McapError, struct.error):
-        return
+        return tuple(parse_qos(channel.metadata.get("offered_qos_profiles", "")))
+    except Exception:  # as above: a damaged profile is as good as none
+        return ()
+
+
+def _read_other(bag: Path, topics: Collection[str] | None) -> RawBag:
+    """A bag of another storage, such as SQLite or a compressed file, by rosbags alone."""
+    try:
+        with AnyReader([bag]) as reader:
+            wanted = [item for item in reader.connections if topics is None or item.topic in topics]
+            found = {
+                item.topic: Topic(
+                    item.topic, item.msgtype, tuple(cast(ConnectionExtRosbag2, item.ext).offered_qos_profiles)
+                )
+                for item in wanted
+            }
+            records = reader.messages(wanted) if wanted else ()
+            messages = tuple(RawMessage(item.topic, time_ns, bytes(data)) for item, time_ns, data in records)
+            return RawBag(bag, found, messages, reader.typestore, is_cut=False)
+    except Exception as error:  # its own errors, and those of every codec and parser below it
+        raise BagError(f"{bag} is not readable as a bag: {error}") from error

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, cast
 
 import yaml
+import zstandard
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
@@ -44,6 +45,7 @@ class BagWriter:
         self._writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
         self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         self._writer.open()
+        self._storage.compressor = _compressor()
         self._connections = self._connect()
 
     @property
@@ -111,9 +113,16 @@ class BagWriter:
         writer = self._writer
         # The same writer with a new file; a new writer would refuse the folder, because it exists.
         writer.storage = McapWriter(self.path, CompressionMode.STORAGE)
+        self._storage.compressor = _compressor()
         writer.connections, writer.counts, writer.added_types = [], {}, set()
         writer.min_timestamp, writer.max_timestamp = 2**63 - 1, 0
         self._connections = self._connect()
+
+
+def _compressor() -> Callable[[bytes], bytes]:
+    """Zstandard with a checksum, which rosbags leaves out: without it a flipped bit becomes a wrong value."""
+    compress: Callable[[bytes], bytes] = zstandard.ZstdCompressor(write_checksum=True).compress
+    return compress
 
 
 def merged_metadata(parts: list[dict[str, Any]]) -> dict[str, Any]:
