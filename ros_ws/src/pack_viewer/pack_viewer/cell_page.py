@@ -90,7 +90,7 @@ class CellPage(ABC):
 
     @abstractmethod
     def update(self, news: News) -> None:
-        """Take in what has come; called 30 times a second, within one frame of the page."""
+        """Take in what has come; called once for every frame of the page."""
 
     @abstractmethod
     def show(self) -> None:

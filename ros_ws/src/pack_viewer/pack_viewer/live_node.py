@@ -40,7 +40,7 @@ class LiveNodeConfig(Config):
         description="address to listen on; others than 127.0.0.1 need a token, which is "
         "read from the environment variable PACKCELL_PAGE_TOKEN",
     )
-    frame_rate: float = Field(default=30.0, gt=0.0, le=60.0, description="frames a second of wall clock")
+    frame_rate: float = Field(default=24.0, gt=0.0, le=60.0, description="frames a second of wall clock")
 
 
 class LiveNode(CellNode):

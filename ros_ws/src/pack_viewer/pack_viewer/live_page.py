@@ -59,7 +59,7 @@ class LivePage:
         self._next_show = 0.0
 
     def turn(self) -> None:
-        """Take in the news and show it; to be called about 30 times a second."""
+        """Take in the news and show it; to be called for every frame."""
         news = self._source.take()
         with self._server.atomic():  # a frame of the scene is never half old
             if news.restarted:
