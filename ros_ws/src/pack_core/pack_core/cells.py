@@ -45,6 +45,10 @@ PARTS = {
     "studies": CellPart(
         "pack_evaluation.{cell}.studies", "STUDIES", "many recordings and benchmarks side by side"
     ),
+    "fill_studies": CellPart(
+        "pack_evaluation.{cell}.fill.studies", "STUDIES", "benchmarks of filled containers side by side",
+        is_optional=True,
+    ),
     "demo": CellPart("pack_bringup.{cell}.demo_command", "demo", "the command `pack demo CELL`"),
     "goal": CellPart("pack_bringup.{cell}.goal_command", "goal", "the command `pack goal CELL`"),
     "benchmark": CellPart(

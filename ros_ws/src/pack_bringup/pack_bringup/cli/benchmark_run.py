@@ -69,7 +69,7 @@ def run(benchmark: Benchmark[Any, Any], options: RunOptions) -> None:
     ):
         for trial in run_benchmark(benchmark, folder, pool, origin):
             bar.add(trial)
-    evaluator = cell_part(benchmark.cell, "studies")
+    evaluator = cell_part(benchmark.cell, benchmark.studies)
     studies = evaluator.of_benchmark(folder.kept(names))
     cells = (CellStudies(benchmark.cell, evaluator, tuple(studies)),)
     found = report_studies(

@@ -35,7 +35,7 @@ def report_studies(
 
     console, sections = Console(), []
     for item in cells:
-        below = folder if len(cells) == 1 else folder / item.cell
+        below = folder if len(cells) == 1 else folder / item.evaluator.title.lower().replace(" ", "_")
         section = study_section(
             item.evaluator, item.studies, below, pictures=pictures, videos=videos, warn=_warn
         )
@@ -44,7 +44,10 @@ def report_studies(
         sections.append(section)
     report = write_study_report(sections, folder, title)
     console.print(f"report: {report}", soft_wrap=True, highlight=False)
-    return {item.cell: summaries(item.evaluator, item.studies) for item in cells}
+    found: dict[str, dict[str, Any]] = {}
+    for item in cells:
+        found.setdefault(item.cell, {}).update(summaries(item.evaluator, item.studies))
+    return found
 
 
 def _warn(text: str) -> None:

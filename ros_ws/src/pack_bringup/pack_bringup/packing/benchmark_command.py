@@ -9,6 +9,7 @@ import typer
 
 from pack_bringup.cli.benchmark_options import Fresh, Jobs, JsonFile, Output, Ray
 from pack_bringup.cli.benchmark_run import RunOptions, run
+from pack_core.packing.arrangement import FillMethod
 from pack_mpc.optimizers import OPTIMIZERS
 
 
@@ -49,6 +50,16 @@ def benchmark(
         Path | None,
         typer.Option(metavar="DIR", help="Run the scene files of this folder instead of generated scenes."),
     ] = None,
+    fill: Annotated[
+        bool,
+        typer.Option(
+            "--fill", help="Fill empty containers from lists of 8 supermarket objects, one list a seed."
+        ),
+    ] = False,
+    places: Annotated[
+        FillMethod,
+        typer.Option(help="With --fill: how places are chosen. no_contact and random are for comparison."),
+    ] = FillMethod.CONTACT,
     jobs: Jobs = 1,
     threads: Annotated[
         int, typer.Option(min=0, help="Cores that a scene may use; 0: all, shared among the jobs.")
@@ -74,6 +85,7 @@ def benchmark(
     - `pack benchmark packing --method uninformed_pose --optimizer sgn --weights table_1`
     - `pack benchmark packing --scenes 50 --seed 1000 --container 0.24x0.19`
     - `pack benchmark packing --scenes 20 --seed 1000 --preset objects_20 --no-blocked`
+    - `pack benchmark packing --fill --scenes 50 --seed 3000 --json fill.json`
     - `pack evaluate bags/benchmarks/*` puts the results of several benchmarks side by side
     """
     from pack_core.config import validate_config
@@ -81,14 +93,19 @@ def benchmark(
     from pack_lockstep.packing.benchmark import PackingBenchmark
     from pack_lockstep.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
 
+    options = RunOptions(jobs, ray, output, fresh, json_file, pictures, video_failures)
+    cores_each = threads or max(1, cores() // jobs)
+    if fill:
+        from pack_lockstep.packing.fill_benchmark import PackingFillBenchmark, fill_setup, list_jobs
+
+        filling = fill_setup(places, preset, cores_each)
+        run(PackingFillBenchmark(filling, list_jobs(seed, scenes, filling.cell)), options)
+        return
     given = {
         "method": method, "optimizer": optimizer, "weights": weights, "preset": preset,
         "container": parse_size(container) if container else None, "blocked": blocked,
         "scene_dir": scene_dir,
     }  # fmt: skip
     settings = validate_config(BenchmarkSettings, given, "pack benchmark packing")
-    setup = set_up(settings, threads or max(1, cores() // jobs))
-    run(
-        PackingBenchmark(setup, tuple(scene_jobs(settings, seed, scenes))),
-        RunOptions(jobs, ray, output, fresh, json_file, pictures, video_failures),
-    )
+    setup = set_up(settings, cores_each)
+    run(PackingBenchmark(setup, tuple(scene_jobs(settings, seed, scenes))), options)

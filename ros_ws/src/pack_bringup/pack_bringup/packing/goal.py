@@ -41,8 +41,9 @@ class PackingGoal:
         from pack_interfaces.srv import ResetScene
 
         from pack_core.ros.contracts.packing import RESET
+        from pack_core.text.reader import read_text
 
-        text = "" if self.scene is None else self.scene.read_text()
+        text = "" if self.scene is None else read_text(self.scene)
         return RESET, ResetScene.Request(scene=text, seed=self.seed)
 
     def progress(self, feedback: Any, real_time_factor: float) -> Progress:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from pack_core.config import Config, load_config, parse_config
@@ -77,6 +79,23 @@ class PackingList(Config):
                     f"{source}: the top of '{item.name}' is {2e3 * min(item.half_extents[:2]):.0f} mm wide; "
                     f"allowed: from {1e3 * width:.0f} mm on, the width of the cup"
                 )
+
+
+def draw_list(seed: int, count: int, catalogue: PackingList) -> PackingList:
+    """A random list: `count` objects of a catalogue, each drawn from all of them.
+
+    The same seed gives the same list. An object that is drawn again has its number behind its name.
+    """
+    rng = np.random.default_rng([seed, count])
+    drawn = [catalogue.objects[i] for i in rng.integers(len(catalogue.objects), size=count)]
+    times: Counter[str] = Counter()
+    objects = []
+    for item in drawn:
+        times[item.name] += 1
+        number = times[item.name]
+        name = item.name if number == 1 else f"{item.name}_{number}"
+        objects.append(item.model_copy(update={"name": name}))
+    return catalogue.model_copy(update={"objects": objects})
 
 
 def handed_over(item: ObjectModel, cell: PackingCell) -> ObjectModel:

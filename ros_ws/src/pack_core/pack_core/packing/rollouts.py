@@ -29,7 +29,9 @@ class SleepingRollouts:
         self._model = copy.copy(model)
         self._model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
         self._own = threading.local()
-        self._pool = ThreadPoolExecutor(threads, "rollout", self._prepare)
+        # The pool's threads end when nobody holds the pool any more. They hold what they begin with, so that
+        # must not be a method of this object, which holds the pool.
+        self._pool = ThreadPoolExecutor(threads, "rollout", _prepare, (self._own, self._model))
 
     def run(self, x0s: Array, controls: Array) -> tuple[Array, Array]:
         """States `(B, T, nx)` and outputs `(B, T, ny)` after each control `(B, T, nu)`, from `(B, nx)`."""
@@ -42,10 +44,6 @@ class SleepingRollouts:
             pass  # the results are in xs and ys; iterating hands on what a thread raised
         return xs, ys
 
-    def _prepare(self) -> None:
-        # data and rollout of this pool thread alone; with nthread=0 the rollout runs in the thread itself
-        self._own.data, self._own.rollout = mujoco.MjData(self._model), Rollout(nthread=0)
-
     def _roll_out(self, x0: Array, controls: Array, xs: Array, ys: Array) -> None:
         # wakes everything that slept at the end of the last rollout
         mujoco.mj_resetData(self._model, self._own.data)
@@ -54,3 +52,8 @@ class SleepingRollouts:
             [self._model], [self._own.data], x0, controls, nstep=controls.shape[1], state=xs, sensordata=ys,
             skip_checks=True,
         )  # fmt: skip
+
+
+def _prepare(own: threading.local, model: mujoco.MjModel) -> None:
+    # data and rollout of this pool thread alone; with nthread=0 the rollout runs in the thread itself
+    own.data, own.rollout = mujoco.MjData(model), Rollout(nthread=0)

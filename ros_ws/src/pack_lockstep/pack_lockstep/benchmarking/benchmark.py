@@ -37,12 +37,14 @@ class Benchmark(ABC, Generic[JobT, ResultT]):
     """What a cell's benchmark consists of.
 
     Attributes:
-        cell: name of the cell, whose `studies` part reports the results.
+        cell: name of the cell.
+        studies: the cell's part that reports the results; also kept with them, for `pack evaluate`.
         files: patterns of the files that `keep` writes beside the trials, for `--fresh` to remove.
         jobs: the trials to run, in the order in which reports show them.
     """
 
     cell: ClassVar[str]
+    studies: ClassVar[str] = "studies"
     files: ClassVar[tuple[str, ...]] = ()
     jobs: Sequence[JobT]
 

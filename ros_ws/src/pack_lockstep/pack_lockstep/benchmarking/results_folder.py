@@ -58,6 +58,11 @@ class ResultsFolder:
         return read_trials(self.path / TRIALS).cell
 
     @property
+    def studies(self) -> str:
+        """The cell's part that reports the results."""
+        return str(read_trials(self.path / TRIALS).settings.get("studies", "studies"))
+
+    @property
     def commit(self) -> str:
         """The commit that the results were begun with; empty where there are none, or it was not kept."""
         if not self.is_at(self.path):

@@ -17,7 +17,7 @@ from pack_lockstep.benchmarking.results_folder import ResultsFolder
 
 @dataclass(frozen=True)
 class CellStudies:
-    """All studies of one cell, of different names, and how to show them."""
+    """Studies of one cell that are shown in the same way, of different names."""
 
     cell: str
     evaluator: StudyEvaluator[Any, Any]
@@ -39,15 +39,16 @@ def gather(paths: Sequence[Path], on_read: Callable[[Path], None] = lambda _: No
         paths: benchmarks' folders, and recordings.
         on_read: is told each path once it has been read.
     """
-    studies: dict[str, list[Study]] = {}
+    studies: dict[tuple[str, str], list[Study]] = {}
     recordings: dict[str, list[Any]] = {}
     left_out: dict[Path, str] = {}
     for path in paths:
         try:
             if ResultsFolder.is_at(path):
                 folder = ResultsFolder(path)
-                found = cell_part(folder.cell, "studies").of_benchmark(folder.kept())
-                studies.setdefault(folder.cell, []).extend(found)
+                kind = (folder.cell, folder.studies)
+                found = cell_part(*kind).of_benchmark(folder.kept())
+                studies.setdefault(kind, []).extend(found)
             else:
                 cell = cell_of(path)
                 recordings.setdefault(cell, []).append(cell_part(cell, "studies").read_recording(path))
@@ -55,11 +56,11 @@ def gather(paths: Sequence[Path], on_read: Callable[[Path], None] = lambda _: No
             left_out[path] = str(error)
         on_read(path)
     for cell, found in recordings.items():
-        studies.setdefault(cell, []).append(cell_part(cell, "studies").of_recordings(found))
+        of_all = cell_part(cell, "studies").of_recordings(found)
+        studies.setdefault((cell, "studies"), []).append(of_all)
     cells = [
-        CellStudies(cell, cell_part(cell, "studies"), tuple(with_names_that_differ(studies[cell])))
-        for cell in CELLS
-        if cell in studies
+        CellStudies(kind[0], cell_part(*kind), tuple(with_names_that_differ(studies[kind])))
+        for kind in sorted(studies, key=lambda kind: (CELLS.index(kind[0]), kind[1] != "studies", kind[1]))
     ]
     return Gathered(tuple(cells), left_out)
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from pack_core.cells import CELLS
 from pack_core.errors import ConfigError
+from pack_core.text.json_text import parse_json
 
 SHOWN = 6
 """Differences that an error names."""
@@ -92,15 +93,15 @@ def read_trials(path: Path) -> TrialLines:
         ConfigError: this is no file of trials.
     """
     try:
-        text = path.read_text()
+        text = path.read_text(encoding="utf-8")
         whole = text[: text.rfind("\n") + 1]
         if whole != text:
             os.truncate(path, len(whole.encode()))
-        header, *lines = [json.loads(line) for line in whole.splitlines()]
+        header, *lines = [parse_json(line, str(path)) for line in whole.splitlines()]
         # Files without a cell are from before other cells than the first had folders of results.
         cell, origin = header.get("cell", CELLS[0]), header.get("origin", {})
         return TrialLines(cell, header["settings"], origin, {line["name"]: line for line in lines})
-    except (OSError, ValueError, KeyError, AttributeError, TypeError) as error:
+    except (OSError, ValueError, KeyError, AttributeError, TypeError, ConfigError) as error:
         raise ConfigError(
             f"{path} is no file of trials: {error!r}; delete it or give another --output"
         ) from error

@@ -3,25 +3,68 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from pack_core.packing.arrangement import Arrangement, FillMethod
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.free_space import is_packed
 from pack_core.packing.method import PackingMethod
+from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingList
 from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements, Sense
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_mpc.filling.fill_job import FillJob, FillObservation
-from pack_mpc.filling.fill_report import FillReport
-from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Pack, Present, Presented
-from pack_mpc.outcome import PackingOutcome
-from pack_mpc.session import PackingSession, hold
+from pack_mpc.filling.fill_report import Fill, FillReport, fill_of
+from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Judge, Pack, Packed, Present, Presented
+from pack_mpc.force_record import ForceRecord
+from pack_mpc.look import unseen_of
+from pack_mpc.session import PackingObservation, PackingSession, hold
 from pack_planner.filling.fill_planner import FillPlanner
 from pack_planner.placement.placement_planner import PlacementPlanners
 
+NEAR_HAND_OVER = 0.1
+"""An object this near to the hand-over place was put aside there, or never left it [m]."""
 PERIOD = 0.02
 """Time between two steps of the job while no goal is in progress [s]."""
+
+
+@dataclass(frozen=True)
+class FillResult:
+    """A job's report, beside what is true at its end.
+
+    Attributes:
+        report: what the job itself saw.
+        fill: how full the container truly is.
+        inside: names of the objects that truly are in it.
+        outside: names of objects that are neither in it nor where they were handed over.
+        force_peak: largest external force of the whole job, behind a low-pass of 5 ms [N].
+    """
+
+    report: FillReport
+    fill: Fill
+    inside: tuple[str, ...]
+    outside: tuple[str, ...]
+    force_peak: float
+
+    @property
+    def faults(self) -> list[str]:
+        """What went wrong, in words."""
+        rows = [f"{row.name}: {row.reason}" for row in self.report.objects if row.has_fault]
+        return rows + [f"{name} ends outside" for name in self.outside]
+
+    def measures(self) -> dict[str, Any]:
+        """Plain values for the file of results; times in [s], the force in [N], shares from 0 to 1."""
+        rows = self.report.objects
+        return {
+            "without_fault": not self.faults, "faults": self.faults, "objects": len(self.inside),
+            "given": len(rows), "base_area": self.fill.base_area, "volume": self.fill.volume,
+            "durations": [row.duration for row in rows if row.name in self.inside],
+            "force": self.force_peak,
+            "fills": [[time, fill.base_area, fill.volume] for time, fill in self.report.fills],
+        }  # fmt: skip
 
 
 class FillLockstep:
@@ -44,6 +87,7 @@ class FillLockstep:
         self.cell = LockstepCell(cell, given.start(cell), config, seed, sense or (lambda *_: None))
         self.simulator = self.cell.simulator
         self._planner = FillPlanner(config.arrangement, method, given.order)
+        self._forces, self._force_peak = ForceRecord(), 0.0
         self._rng = np.random.default_rng([seed, 1])
         self.job = FillJob(given, cell, config.fill, self.simulator.description)
         self.cell.settle()
@@ -62,15 +106,37 @@ class FillLockstep:
                 on_step(self)
         return self.job.report
 
+    def result(self) -> FillResult:
+        """The job's report, and what is true."""
+        scene, truth = self.simulator.scene, self.simulator.truth()
+        poses = {name: truth.objects[name].X_WO for name in (*scene.names, scene.new_object.name)}
+        inside = tuple(name for name, X_WO in poses.items() if is_packed(scene, X_WO))
+        place = np.array(self._physical.hand_over.centre)
+        outside = tuple(
+            name
+            for name, X_WO in poses.items()
+            if name not in inside and np.linalg.norm(X_WO.p[:2] - place) > NEAR_HAND_OVER
+        )
+        fill = fill_of(scene.container, [(scene.model_of(name), poses[name]) for name in inside])
+        return FillResult(self.job.report, fill, inside, outside, self._force_peak)
+
     def _observe(self, answer: object | None) -> FillObservation:
-        seen = self.cell.observe()
+        seen = self._look()
         force, _ = self.simulator.external_wrench()
         return FillObservation(seen.joints, seen.scene, force, seen.is_held, answer)
 
+    def _look(self) -> PackingObservation:
+        """What is known now; the forces count for the peak of the whole job."""
+        seen = self.cell.observe()
+        self._force_peak = max(self._force_peak, self._forces.note(seen.forces))
+        return seen
+
     def _serve(self, request: FillRequest, on_step: Callable[[FillLockstep], None] | None) -> object:
         match request:
-            case Arrange(items):
-                return self._arrange(items)
+            case Arrange():
+                return self._arrange(request)
+            case Judge():
+                return self._judge()
             case Present(item):
                 reason = self.simulator.present(item)
                 self.cell.estimator.change_scene(self.simulator.description)
@@ -80,11 +146,22 @@ class FillLockstep:
             case Pack():
                 return self._pack(request, on_step)
 
-    def _arrange(self, items: tuple) -> Arrangement:
+    def _arrange(self, request: Arrange) -> Arrangement:
         state = self.cell.estimator.state(self.simulator.time)
-        found = self._planner.plan(self.simulator.description, state, items, self._rng)
+        scene = self.simulator.description
+        found = self._planner.plan(scene, state, request.items, self._rng, request.planned)
         self.cell.advance(self._config.placement_latency)
         return found
+
+    def _judge(self) -> str:
+        """Why the object that was handed over has no feasible placement; empty if it has one."""
+        self.cell.advance(self._config.settle)  # the cameras have to see it
+        scene = self.simulator.description
+        state = self.cell.estimator.state(self.simulator.time)
+        if unseen_of(scene, state) or scene.new_object.name not in state.objects:
+            return ""  # it will be looked for
+        planner = PlacementPlanners(scene, self._physical, self._config.planner).of("algorithm_1")
+        return planner.plan(state, self._rng).reason
 
     def _grip(self, *, close: bool) -> str:
         if not close:
@@ -95,7 +172,7 @@ class FillLockstep:
             self.cell.estimator.take_hold()
         return reason
 
-    def _pack(self, request: Pack, on_step: Callable[[FillLockstep], None] | None) -> PackingOutcome:
+    def _pack(self, request: Pack, on_step: Callable[[FillLockstep], None] | None) -> Packed:
         """Run a packing goal to its outcome, as `Lockstep.run` does."""
         scene, config = self.simulator.description.gripped(request.grip), self._config
         planner = PlacementPlanners(scene, self._physical, config.planner).of(self._method.placement_variant)
@@ -105,7 +182,7 @@ class FillLockstep:
             scene, self._physical, config.session, PackingMethod.PACK_IT_IN, self.simulator.time
         )
         while session.task.outcome is None:
-            seen = self.cell.observe()
+            seen = self._look()
             placements.serve(session, seen)
             plan = session.step(seen, config.latency)
             self.cell.advance(config.latency)
@@ -114,4 +191,5 @@ class FillLockstep:
             if on_step is not None:
                 on_step(self)
         self.simulator.accept(hold(self.simulator.joints()))
-        return session.task.outcome
+        tried = session.task.tried
+        return Packed(session.task.outcome, tried[-1] if tried else None)

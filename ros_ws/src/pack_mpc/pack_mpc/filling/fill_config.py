@@ -34,6 +34,15 @@ class FillConfig(Config):
     sight_time: PositiveFloat = Field(
         default=2.0, description="longest wait until the cameras have seen an object [s]"
     )
+    calm_time: PositiveFloat = Field(
+        default=0.15, description="wait after a goal until the arm is at rest and forces are steady [s]"
+    )
+    shift: PositiveFloat = Field(
+        default=0.015, description="longest way aside with which an object is brought to its place [m]"
+    )
+    press_force: PositiveFloat = Field(
+        default=12.0, description="change of force at which this ends: it stands, or something resists [N]"
+    )
     standing: PositiveFloat = Field(
         default=0.002, description="height of an object's lower end that counts as standing [m]"
     )

@@ -7,7 +7,7 @@ time, while the arm follows a motion, or the answer to a request that the caller
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias, TypeVar
@@ -27,7 +27,7 @@ from pack_core.rotations import Array, Pose, from_yaw, multiply, rotate, yaw_of
 from pack_core.states import SceneState
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.fill_report import FilledObject, FillReport, fill_of
-from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Pack, Present, Presented
+from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Judge, Pack, Packed, Present, Presented
 from pack_mpc.filling.tool_motion import Leg, ToolArm, legs
 from pack_mpc.outcome import PackingOutcome
 from pack_mpc.stages import UP, nearest_heading
@@ -102,6 +102,7 @@ class FillJob:
         self._cell, self._config, self.scene = cell, config, scene
         self._remaining: list[ObjectModel] = list(given.objects)
         self._arm = ToolArm(cell)
+        self._planned: Mapping[str, Pose] = {}
         self._steps: Steps[None] | None = None
         self.stage, self.current = FillStage.ARRANGE, ""
         self.report = FillReport()
@@ -124,7 +125,8 @@ class FillJob:
         self._note_fill(seen)
         while self._remaining:
             self.stage, self.current = FillStage.ARRANGE, ""
-            arrangement, seen = yield from self._ask(seen, Arrange(tuple(self._remaining)), Arrangement)
+            arrangement, seen = yield from self._ask(seen, self._arrange, Arrangement)
+            self._planned = arrangement.poses
             for name, reason in arrangement.refused.items():
                 self._leave(name, reason, seen.joints.time)
             if not arrangement.order:
@@ -136,6 +138,10 @@ class FillJob:
         packed, given = len(self.report.packed), len(self.report.objects)
         self.report.message = f"{packed} of {given} objects packed"
 
+    @property
+    def _arrange(self) -> Arrange:
+        return Arrange(tuple(self._remaining), self._planned)
+
     def _handle(self, seen: FillObservation, item: ObjectModel, X_WN: Pose | None) -> Steps[FillObservation]:
         """Take one object from its hand-over to its rest."""
         self.stage, self.current, start = FillStage.PRESENT, item.name, seen.joints.time
@@ -144,6 +150,11 @@ class FillJob:
             self._leave(item.name, presented.reason, start)
             return seen
         self.scene = presented.scene
+        if X_WN is None:
+            reason, seen = yield from self._ask(seen, Judge(), str)
+            if reason:
+                self._leave(item.name, reason, start)
+                return seen
         self.stage = FillStage.PICK
         reason, seen = yield from self._pick(seen)
         if reason:
@@ -151,7 +162,8 @@ class FillJob:
             return (yield from self._rise(seen, self._config.clearance))
         grip = self._arm.cup(seen.joints.q).inverse() @ seen.scene.objects[item.name].X_WO
         self.stage = FillStage.PACK
-        outcome, seen = yield from self._ask(seen, Pack(X_WN, grip), PackingOutcome)
+        packed, seen = yield from self._ask(seen, Pack(X_WN, grip), Packed)
+        outcome = packed.outcome
         if not seen.is_gripped:
             self._note(item.name, start, seen, outcome.message, outcome, has_fault=True)
             return (yield from self._rise(seen, self._config.clearance))
@@ -159,7 +171,7 @@ class FillJob:
         reason = "" if outcome.success else f"{outcome.exit_reason.value}: {outcome.message}"
         if not reason:
             self.stage = FillStage.SET_DOWN
-            reason, seen = yield from self._set_down(seen)
+            reason, seen = yield from self._set_down(seen, packed.X_WN)
         if reason:
             self.stage = FillStage.PUT_ASIDE
             seen = yield from self._put_aside(seen)
@@ -201,17 +213,26 @@ class FillJob:
             refusal = "" if found else "no vacuum was seen"
         return refusal, seen
 
-    def _set_down(self, seen: FillObservation) -> Steps[tuple[str, FillObservation]]:
-        """Lower the packed object to the base; returns why it must not be let go there, if so."""
+    def _set_down(
+        self, seen: FillObservation, goal: Pose | None
+    ) -> Steps[tuple[str, FillObservation]]:
+        """Bring the packed object the last millimetres to its place and down to the base.
+
+        Returns:
+            Why it must not be let go there; empty if it stands or leans safely.
+        """
         item, config = self.scene.new_object, self._config
-        touches = self._contact(seen)
-        height = _height(seen, item)
-        if height > config.standing:
-            seen = yield from self._down(
-                seen,
-                height + config.overshoot / 2,
-                lambda s: touches(s) or _height(s, item) < config.standing,
-            )
+        _, seen = yield from self._wait(seen, _never, config.calm_time)
+        aside = np.zeros(3)
+        if goal is not None:
+            aside[:2] = goal.p[:2] - seen.scene.objects[item.name].X_WO.p[:2]
+            aside *= min(1.0, config.shift / max(float(np.linalg.norm(aside)), 1e-9))
+        resists = self._contact(seen, config.press_force)
+        way = aside - np.array([0.0, 0.0, max(_height(seen, item), 0.0) + config.overshoot / 2])
+        seen = yield from self._move(
+            seen, legs([way], config.touch_speed),
+            until=resists,
+        )  # fmt: skip
         X_WN = seen.scene.objects[item.name].X_WO
         tilt = float(np.rad2deg(np.arccos(np.clip(rotate(X_WN.q, UP)[2], -1.0, 1.0))))
         if not is_packed(self.scene, X_WN):
@@ -269,8 +290,8 @@ class FillJob:
     def _go_over(self, seen: FillObservation, item: SceneItem, X_WN: Pose) -> Steps[FillObservation]:
         """Bring the empty cup over an object at X_WN, upright above everything on the way."""
         X_WT, config = self._arm.cup(seen.joints.q), self._config
-        heading = yaw_of(multiply(X_WT.q, np.array(UPSIDE_DOWN)))
-        yaw = nearest_heading(item, yaw_of(X_WN.q), heading)
+        # near the home heading, so that the last joint can turn either way afterwards
+        yaw = nearest_heading(item, yaw_of(X_WN.q), self._arm.home_heading)
         q_WT = multiply(from_yaw(yaw), np.array(UPSIDE_DOWN))
         top = float(X_WN.p[2] + item.half_extents[2])
         goal = np.array([*X_WN.p[:2], top + config.approach])
@@ -363,6 +384,10 @@ class FillJob:
         items = [item for item in (*self.scene.objects, self.scene.new_object) if item.name in poses]
         standing = [(item, poses[item.name]) for item in items if is_packed(self.scene, poses[item.name])]
         self.report.fills.append((seen.joints.time, fill_of(self.scene.container, standing)))
+
+
+def _never(_: FillObservation) -> bool:
+    return False
 
 
 def _height(seen: FillObservation, item: SceneItem) -> float:

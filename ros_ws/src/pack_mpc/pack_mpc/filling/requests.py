@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
+from pack_mpc.outcome import PackingOutcome
 
 
 @dataclass(frozen=True)
 class Arrange:
-    """Where the remaining objects shall stand, and which comes next; answered by an `Arrangement`."""
+    """Where the remaining objects shall stand, and which comes next; answered by an `Arrangement`.
+
+    Attributes:
+        items: the remaining objects, in the list's order.
+        planned: where the last arrangement had them, X_WO.
+    """
 
     items: tuple[ObjectModel, ...]
+    planned: Mapping[str, Pose]
 
 
 @dataclass(frozen=True)
@@ -22,6 +30,11 @@ class Present:
     """The object is to be handed over; answered by `Presented`."""
 
     item: ObjectModel
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Whether the object that was handed over has a feasible placement; answered by why not, or empty."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +46,7 @@ class Grip:
 
 @dataclass(frozen=True)
 class Pack:
-    """Pack the held object; answered by its `PackingOutcome`.
+    """Pack the held object; answered by `Packed`.
 
     Attributes:
         X_WN: where it is wanted; None: wherever it disturbs least.
@@ -44,7 +57,7 @@ class Pack:
     grip: Pose
 
 
-FillRequest: TypeAlias = Arrange | Present | Grip | Pack
+FillRequest: TypeAlias = Arrange | Present | Judge | Grip | Pack
 
 
 @dataclass(frozen=True)
@@ -53,3 +66,11 @@ class Presented:
 
     scene: Scene | None
     reason: str = ""
+
+
+@dataclass(frozen=True)
+class Packed:
+    """How a packing goal ended, and the packing pose X_WN that it pursued last; None if it had none."""
+
+    outcome: PackingOutcome
+    X_WN: Pose | None

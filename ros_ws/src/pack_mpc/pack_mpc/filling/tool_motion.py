@@ -16,8 +16,9 @@ from pack_core.joints import Setpoints
 from pack_core.kinematics import screws
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.robots.pump import add_pump
-from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply
+from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, yaw_of
 
 PERIOD = 0.02
 """Time between two rows of a motion [s]."""
@@ -117,6 +118,11 @@ class ToolArm:
         """X_WT of the cup at joint positions `(7,)`."""
         return self._chain.forward(q)
 
+    @property
+    def home_heading(self) -> float:
+        """Heading of the cup, turned upright, at the arm's home pose [rad]."""
+        return yaw_of(multiply(self.cup(self._home).q, np.array(UPSIDE_DOWN)))
+
     def plan(self, q: Array, start: float, path: Sequence[Leg], q_WT: Array | None = None) -> ToolMotion:
         """The motion along a path.
 
@@ -126,10 +132,11 @@ class ToolArm:
             path: legs, in the world's axes.
             q_WT: orientation of the cup at the end; None: as it is.
         """
+        q = np.clip(q, self._limits.lower, self._limits.upper)
         X_WT = self.cup(q)
         end = max(leg.start + leg.duration for leg in path)
         turn = np.zeros(3) if q_WT is None else log(multiply(q_WT, conjugate(X_WT.q)))
-        rows = [np.asarray(q, dtype=float)]
+        rows = [q]
         for t in PERIOD * np.arange(1, int(np.ceil(end / PERIOD)) + 1):
             shift = sum((_profile((t - leg.start) / leg.duration) * leg.way for leg in path), np.zeros(3))
             wanted = Pose(X_WT.p + shift, multiply(exp(_profile(t / end) * turn), X_WT.q))

@@ -20,6 +20,9 @@ class ArrangementConfig(Config):
     free_gap: NonNegativeFloat = Field(
         default=0.012, description="gap to everything where contact is to be avoided [m]"
     )
+    yielding: NonNegativeFloat = Field(
+        default=0.006, description="overlap with what stands there by now at which a place is kept [m]"
+    )
     shuffle: NonNegativeFloat = Field(
         default=0.25, description="how far tries depart from the largest-first order, as share of an area"
     )

@@ -14,12 +14,15 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
+from pack_core.packing.free_space import footprint
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Container
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_planner.filling.arrangement_config import ArrangementConfig
 from pack_planner.filling.outline import Outline
 
+GAIN = 0.02
+"""Share of the base by which another arrangement must cover more than the one that is kept."""
 NO_ROOM = "no room for it is left on the base"
 
 
@@ -45,7 +48,7 @@ class ArrangementPlanner:
 
     def plan(
         self, container: Container, taken: Sequence[Array], items: Sequence[ObjectModel],
-        rng: np.random.Generator,
+        rng: np.random.Generator, planned: Mapping[str, Pose],
     ) -> Mapping[str, Pose]:  # fmt: skip
         """Upright poses X_WO of those objects that find a place.
 
@@ -54,17 +57,34 @@ class ArrangementPlanner:
             taken: corners `(n, 2)` of the outlines of what stands there already [m].
             items: the objects, without poses.
             rng: source of the variations.
+            planned: poses X_WO of an earlier arrangement, which is kept unless another covers more.
         """
         outlines = {item.name: _outlines(item) for item in items}
         wanted = sum(sides[0].area for sides in outlines.values())
-        best = _Try()
+        best = self._kept(container, taken, items, planned)
         for k in range(self._config.tries):
             found = self._try(container, list(taken), items, outlines, rng, is_first=k == 0)
-            if found.area > best.area + 1e-9:
+            if found.area > best.area + GAIN * np.prod(container.size):
                 best = found
             if best.area > wanted - 1e-9:
                 break
         return best.poses
+
+    def _kept(
+        self, container: Container, taken: Sequence[Array], items: Sequence[ObjectModel],
+        planned: Mapping[str, Pose],
+    ) -> _Try:  # fmt: skip
+        """What is left of an earlier arrangement, without objects whose places are taken by now."""
+        found = _Try()
+        standing = shapely.union_all([shapely.Polygon(corners) for corners in taken])
+        for item in items:
+            if (X_WO := planned.get(item.name)) is None:
+                continue
+            outline = footprint(item, X_WO)
+            if not outline.buffer(-self._config.yielding).intersects(standing):
+                found.area += float(outline.area)
+                found.poses[item.name] = X_WO
+        return found
 
     def _try(
         self, container: Container, taken: list[Array], items: Sequence[ObjectModel],

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from pack_core.packing.free_space import is_packed
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingOrder
 from pack_core.packing.scene import Scene
+from pack_core.rotations import Pose
 from pack_core.states import SceneState
 from pack_planner.filling.arrangement_config import ArrangementConfig
 from pack_planner.filling.arrangement_planner import NO_ROOM, ArrangementPlanner
@@ -33,8 +35,9 @@ class FillPlanner:
         self._arrangements = ArrangementPlanner(config, gap, wall_gap)
 
     def plan(
-        self, scene: Scene, state: SceneState, items: Sequence[ObjectModel], rng: np.random.Generator
-    ) -> Arrangement:
+        self, scene: Scene, state: SceneState, items: Sequence[ObjectModel], rng: np.random.Generator,
+        planned: Mapping[str, Pose] = MappingProxyType({}),
+    ) -> Arrangement:  # fmt: skip
         """Arrange the objects that are still to come.
 
         Args:
@@ -42,6 +45,7 @@ class FillPlanner:
             state: where these objects are.
             items: the remaining objects, in the list's order.
             rng: source of the variations.
+            planned: where the last arrangement had them, X_WO.
         """
         names = tuple(item.name for item in items)
         if self._method is FillMethod.RANDOM:
@@ -50,7 +54,7 @@ class FillPlanner:
         known = [item for item in (*scene.objects, scene.new_object) if item.name in poses]
         inside = [item for item in known if is_packed(scene, poses[item.name])]
         taken = [standing_outline(item, poses[item.name]) for item in inside if item.name not in names]
-        placed = self._arrangements.plan(scene.container, taken, items, rng)
+        placed = self._arrangements.plan(scene.container, taken, items, rng, planned)
         by_height = sorted(placed, key=lambda name: float(placed[name].p[2]))
         others = [name for name in names if name not in placed]
         if self._order is PackingOrder.LIST:

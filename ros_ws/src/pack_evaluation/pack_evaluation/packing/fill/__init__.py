@@ -1,0 +1,1 @@
+"""How full containers were filled: measures of fill jobs, side by side."""
