@@ -27,6 +27,7 @@ class Found:
 @dataclass(frozen=True)
 class Run:
     is_cut: bool = True
+    damaged: int = 4
     goal: GoalNumber = GoalNumber(2, 3)  # noqa: RUF009
 
 
@@ -35,7 +36,7 @@ def test_measures_become_json_with_null_for_what_there_is_not() -> None:
     found = Evaluation(Run(), measures, (), {}, [], None, Path("report.html"))
     expected = {
         "end": "placed", "errors": [None, 1.0], "by_name": {"a": None, "b": 2.0},
-        "is_cut": True, "goal": 2, "goals": 3,
+        "is_cut": True, "damaged": 4, "goal": 2, "goals": 3,
     }  # fmt: skip
     assert json.loads(json.dumps(found.to_json(), allow_nan=False)) == expected
 

@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-import yaml
-
 from pack_bringup.bring_up import check_alive
 from pack_bringup.cell_goal import CellGoal, Progress
 from pack_bringup.graph.domains import choose_domain
@@ -23,6 +21,7 @@ from pack_bringup.graph.running import check_domain_is_free
 from pack_bringup.pace import Pace
 from pack_bringup.page import PageProcess
 from pack_core.errors import PackError
+from pack_core.text.reader import load_yaml
 
 if TYPE_CHECKING:
     from pack_bringup.ros.goal_client import GoalClient
@@ -108,7 +107,7 @@ def _wanted_factor(graph: Graph, job: Job) -> float:
     given = job.overrides().get(SIM, {}).get(FACTOR)
     if given is None:
         (sim,) = graph.only((SIM,)).nodes
-        given = yaml.safe_load(sim.parameters_path.read_text())[SIM]["ros__parameters"][FACTOR]
+        given = load_yaml(sim.parameters_path)[SIM]["ros__parameters"][FACTOR]
     return float(given)
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pack_core.errors import BagError, ConfigError
+from pack_core.text.json_text import parse_json
 from pack_evaluation.raw_bag import RawBag, RawMessage, read_raw_bag
 
 
@@ -58,6 +61,34 @@ def read_bag(path: Path, topics: Collection[str] | None = None) -> Bag:
     raw = read_raw_bag(path, topics)
     messages = [decoded for item in raw.messages if (decoded := _decoded(item, raw)) is not None]
     return Bag(raw.path, tuple(messages), raw.is_cut, raw.damaged + len(raw.messages) - len(messages))
+
+
+def result_in(text: str, path: Path) -> dict[str, Any]:
+    """The fields of a goal's result, which a node published as JSON.
+
+    Raises:
+        BagError: the text is no JSON object.
+    """
+    try:
+        result = parse_json(text, str(path))
+    except ConfigError as error:
+        raise BagError(f"the goal's result is broken: {error}") from error
+    if not isinstance(result, dict):
+        raise BagError(f"{path}: the goal's result is a {type(result).__name__}; allowed: keys and values")
+    return result
+
+
+@contextmanager
+def fitting(path: Path) -> Iterator[None]:
+    """Raise a BagError where recorded messages cannot be put together.
+
+    Messages of a damaged recording may be readable, each for itself, and still hold lists of different
+    lengths, names that no other message knows, or results without the fields that are read.
+    """
+    try:
+        yield
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise BagError(f"{path}: what was recorded does not fit together: {error!r}") from error
 
 
 def _decoded(item: RawMessage, raw: RawBag) -> Recorded | None:

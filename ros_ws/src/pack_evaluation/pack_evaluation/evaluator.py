@@ -31,6 +31,10 @@ class RecordedRun(Protocol):
         """Whether the recording was cut off."""
 
     @property
+    def damaged(self) -> int:
+        """Number of pieces of the recording that could not be read."""
+
+    @property
     def goal(self) -> GoalNumber:
         """Which goal of the recording it is."""
 
@@ -59,7 +63,8 @@ class Evaluation(Generic[RunT, MeasuresT]):
     def to_json(self) -> dict[str, Any]:
         """The measures as plain values, NaN as None."""
         which = {"goal": self.run.goal.number, "goals": self.run.goal.count}
-        return {**_plain(asdict(self.measures)), "is_cut": self.run.is_cut, **which}
+        state = {"is_cut": self.run.is_cut, "damaged": self.run.damaged}
+        return {**_plain(asdict(self.measures)), **state, **which}
 
 
 class Evaluator(ABC, Generic[RunT, MeasuresT]):

@@ -34,6 +34,8 @@ def info(bag: BagPath) -> None:
     typer.echo(f"{stamps.to_seconds(max(times, default=0)):.3f} s of simulated time, {len(times)} messages")
     if found.is_cut:
         typer.echo("the recording was cut off; all in front of the cut was read")
+    if found.damaged:
+        typer.echo(f"{found.damaged} pieces of the recording could not be read; the rest was")
 
 
 @bag_app.command()
@@ -54,4 +56,6 @@ def copy(
 
     copied = copy_bag(bag, target, start=start, end=end, topics=topics)
     note = " of a recording that was cut off" if copied.was_cut else ""
+    if copied.damaged:
+        note += f", without {copied.damaged} pieces that could not be read,"
     typer.echo(f"{copied.messages} messages{note} in {target}")

@@ -143,8 +143,11 @@ def show(found: Evaluation[Any, Any]) -> None:
         notice(f"{others}: --goal 1 to {which.count} chooses", typer.colors.YELLOW)
     if found.run.is_cut:
         notice("the recording was cut off; all in front of the cut was evaluated", typer.colors.YELLOW)
-    console.print(f"report: {found.report}", soft_wrap=True)
+    if found.run.damaged:
+        what = f"{found.run.damaged} pieces of the recording could not be read; the rest was evaluated"
+        notice(what, typer.colors.YELLOW)
+    console.print(f"report: {found.report}", soft_wrap=True, markup=False)
     if found.video:
-        console.print(f"video:  {found.video}", soft_wrap=True)
+        console.print(f"video:  {found.video}", soft_wrap=True, markup=False)
     if found.replay:
-        console.print(f"replay: {found.replay}", soft_wrap=True)
+        console.print(f"replay: {found.replay}", soft_wrap=True, markup=False)

@@ -11,6 +11,8 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from pack_core.text.shown import printable
+
 SHORT = 24
 """A cell of up to so many characters is never broken into lines."""
 LEAST = 20
@@ -27,8 +29,11 @@ def no_colours() -> bool:
 
 
 def notice(text: str, colour: str, *, is_error: bool = False) -> None:
-    """Print a line in a colour, where colours are wanted and the output is a terminal."""
-    typer.secho(text, fg=colour, err=is_error, color=False if no_colours() else None)
+    r"""Print a line in a colour, where colours are wanted and the output is a terminal.
+
+    Control characters, which could steer the terminal, are printed as `\x1b` and the like.
+    """
+    typer.secho(printable(text), fg=colour, err=is_error, color=False if no_colours() else None)
 
 
 def show_table(
@@ -36,7 +41,7 @@ def show_table(
 ) -> None:
     """Print a table; where the terminal is too narrow for its columns, each row as a list of its cells."""
     console = Console()
-    texts = [[cell if isinstance(cell, Text) else Text(cell) for cell in row] for row in rows]
+    texts = [[cell if isinstance(cell, Text) else Text(printable(cell)) for cell in row] for row in rows]
     columns = [[row[k] for row in texts] for k in range(len(head))]
     needed = [_width(name, column) for name, column in zip(head, columns, strict=True)]
     if sum(needed) + BORDERS * len(needed) + 1 <= console.width:

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Self
 
-import yaml
 from pydantic import model_validator
 
 from pack_bringup.graph.executables import find_executable
@@ -14,6 +13,7 @@ from pack_core.cells import cells_with, optional_cell_part
 from pack_core.config import Config, load_config, merged
 from pack_core.errors import ConfigError, PackError
 from pack_core.paths import config_path
+from pack_core.text.yaml_text import parse_yaml
 
 
 class NodeEntry(Config):
@@ -149,7 +149,10 @@ def launch_parameters(cell: str, preset: str, settings: Iterable[str]) -> dict[s
     return {
         node.name: {
             "use_sim_time": node.use_sim_time,
-            **{name: yaml.safe_load(text) for name, text in given.get(node.name, {}).items()},
+            **{
+                name: parse_yaml(text, f"{node.name}.{name}")
+                for name, text in given.get(node.name, {}).items()
+            },
         }
         for node in graph.nodes
     }

@@ -33,8 +33,9 @@ class PalletizingGoal:
         from pack_interfaces.action import Palletize
 
         from pack_core.ros.contracts.palletizing import PALLETIZE
+        from pack_core.text.reader import read_text
 
-        return PALLETIZE, Palletize.Goal(order=self.order.read_text(), profile=self.profile)
+        return PALLETIZE, Palletize.Goal(order=read_text(self.order), profile=self.profile)
 
     def reset(self) -> tuple[Contract, Any]:
         """The service that empties the cell, and its request."""

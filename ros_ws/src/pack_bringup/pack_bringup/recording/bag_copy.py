@@ -17,10 +17,11 @@ from pack_evaluation.raw_bag import Topic, read_raw_bag
 
 @dataclass(frozen=True)
 class Copied:
-    """How many messages were copied, and whether the source was cut off."""
+    """How many messages were copied, whether the source was cut off, and how much of it was not readable."""
 
     messages: int
     was_cut: bool
+    damaged: int
 
 
 def copy_bag(
@@ -56,7 +57,7 @@ def copy_bag(
                 writer.write(connections[item.topic], item.time_ns, item.data)
     except (OSError, WriterError) as error:
         raise BagError(f"cannot write {target}: {error}; give a folder that does not exist yet") from error
-    return Copied(len(wanted), raw.is_cut)
+    return Copied(len(wanted), raw.is_cut, raw.damaged)
 
 
 def _is_latched(topic: Topic) -> bool:

@@ -11,6 +11,7 @@ import yaml
 from pack_bringup.graph.graph import load_graph
 from pack_core.config import Config
 from pack_core.paths import bags_path, config_path
+from pack_core.text.reader import load_yaml
 from pack_evaluation.provenance import checked_out_commit, installed_versions
 from pack_evaluation.record import RECORD
 
@@ -40,7 +41,7 @@ def describe_run(cell: str, seed: int | None, command: str, now: datetime, prese
     return RunRecord(
         cell=cell, started=now, seed=seed, preset=preset, command=command, commit=checked_out_commit(),
         versions=installed_versions(),
-        configuration={str(path.relative_to(config_path())): _load(path) for path in _config_files(cell)},
+        configuration={str(path.relative_to(config_path())): load_yaml(path) for path in _config_files(cell)},
     )  # fmt: skip
 
 
@@ -54,7 +55,3 @@ def _config_files(cell: str) -> list[Path]:
     own = [config_path(folder, f"{cell}.yaml") for folder in ("cells", "graphs")]
     nodes = [node.parameters_path for node in load_graph(cell).nodes]
     return [path for path in (*own, *nodes) if path.is_file()]
-
-
-def _load(path: Path) -> Any:
-    return yaml.safe_load(path.read_text())

@@ -6,7 +6,7 @@ from reprlib import Repr
 from typing import Any
 
 LONGEST_VALUE = 60
-LONGEST_LINE = 400
+LONGEST_LINE = 2000
 MOST_LINES = 20
 """Problems that an error lists."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +18,7 @@ from pack_core.blocks.topics import BLOCK_POSES, JAW_STATE, RESULT, STATUS, TRUT
 from pack_core.errors import BagError
 from pack_core.motion.topics import JOINT_STATES
 from pack_core.rotations import Array
-from pack_evaluation.bag import read_bag
+from pack_evaluation.bag import fitting, read_bag, result_in
 from pack_evaluation.goals import ONLY_GOAL, GoalNumber, goal_of
 
 TOPICS = (TRUTH, JOINT_STATES, JAW_STATE, BLOCK_POSES, STATUS, RESULT)
@@ -58,6 +57,7 @@ class BlocksRun:
         jaw_times: times of the openings `(G,)` [s].
         openings: distances between the gripper's pads `(G,)` [m].
         is_cut: whether the recording was cut off.
+        damaged: number of pieces of the recording that could not be read.
         goal: which rearrangement of its recording it is.
     """
 
@@ -73,6 +73,7 @@ class BlocksRun:
     openings: Array
     is_cut: bool
     goal: GoalNumber = ONLY_GOAL
+    damaged: int = 0
 
     def poses_at(self, time: float) -> dict[str, PlanarPose]:
         """True X_WB by id at `time` [s], or at the nearest time that was recorded."""
@@ -91,6 +92,11 @@ def load_blocks_run(path: Path, goal: int | None = None) -> BlocksRun:
         BagError: the recording is missing, broken, of another version, or holds no rearrangement.
         ConfigError: there is no problem file beside it.
     """
+    with fitting(path):
+        return _blocks_run(path, goal)
+
+
+def _blocks_run(path: Path, goal: int | None) -> BlocksRun:
     bag, number = goal_of(
         read_bag(path, TOPICS), goal, result=RESULT,
         has_begun=lambda rest: any(item.topic == STATUS for item in rest),
@@ -105,7 +111,7 @@ def load_blocks_run(path: Path, goal: int | None = None) -> BlocksRun:
         plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(BLOCK_POSES)),
         times=_times(truth), truth=_tracks(truth), joint_times=_times(joints),
         joints=np.array([message.position for message in joints]), jaw_times=_times(jaw),
-        openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut,
+        openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut, damaged=bag.damaged,
         goal=number,
     )  # fmt: skip
 
@@ -120,7 +126,7 @@ def read_result(text: str, path: Path) -> dict[str, Any]:
     Raises:
         BagError: a field is missing.
     """
-    result: dict[str, Any] = json.loads(text)
+    result = result_in(text, path)
     if missing := [name for name in FIELDS if name not in result]:
         raise BagError(f"{path}: the result lacks {', '.join(missing)}; another version recorded it")
     return result

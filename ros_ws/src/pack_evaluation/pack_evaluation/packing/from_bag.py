@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -27,7 +26,7 @@ from pack_core.packing.topics import (
 from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array, Pose
 from pack_core.topics import REAL_TIME_FACTOR
-from pack_evaluation.bag import Bag, Recorded, read_bag
+from pack_evaluation.bag import Bag, Recorded, fitting, read_bag, result_in
 from pack_evaluation.goals import goal_of
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
@@ -49,7 +48,10 @@ def load_run(path: Path, goal: int | None = None) -> Run:
     Raises:
         BagError: the recording is missing, broken, or holds no goal.
     """
-    return load_saved_run(path) if path.suffix == SUFFIX else to_run(read_bag(path, TOPICS), goal)
+    if path.suffix == SUFFIX:
+        return load_saved_run(path)
+    with fitting(path):
+        return to_run(read_bag(path, TOPICS), goal)
 
 
 def to_run(bag: Bag, goal: int | None = None) -> Run:
@@ -72,8 +74,8 @@ def to_run(bag: Bag, goal: int | None = None) -> Run:
         force_times=_times(wrenches), force=_magnitudes(wrenches),
         release_reason=_release(bag, start),
         real_time_factors=_real_time_factors(bag, start, end),
-        outcome=outcome, is_cut=bag.is_cut, arm=_arm(bag, joints[0]), samples=_samples(bag, start),
-        goal=number,
+        outcome=outcome, is_cut=bag.is_cut, damaged=bag.damaged, arm=_arm(bag, joints[0]),
+        samples=_samples(bag, start),        goal=number,
     )  # fmt: skip
 
 
@@ -125,7 +127,7 @@ def _last_goal(bag: Bag) -> tuple[Iterations, dict[str, Any]]:
     restarts = np.flatnonzero(np.diff(elapsed) < 0.0)
     last = status[restarts[-1] + 1 :] if restarts.size else status
     is_newer = bool(results) and (not last or results[-1].time_ns >= last[-1].time_ns)
-    outcome = json.loads(results[-1].message.data) if is_newer else {}
+    outcome = result_in(results[-1].message.data, bag.path) if is_newer else {}
     return _iterations([item.message for item in last]), outcome
 
 

@@ -62,6 +62,7 @@ class Run:
         real_time_factors: achieved real-time factors, one for each second of wall clock time.
         outcome: fields of the action's result; empty when none was recorded.
         is_cut: whether the recording was cut off.
+        damaged: number of pieces of the recording that could not be read.
         arm: name of the arm, one of `pack_core.robots.packing_arms`.
         samples: some settled samples of the first placement, the cheapest first; empty if none were recorded.
         goal: which goal of its recording it is.
@@ -81,6 +82,7 @@ class Run:
     real_time_factors: Array = field(default_factory=lambda: np.empty(0))
     outcome: dict[str, Any] = field(default_factory=dict)
     is_cut: bool = False
+    damaged: int = 0
     arm: str = "panda"
     samples: tuple[SettledSample, ...] = ()
     goal: GoalNumber = ONLY_GOAL

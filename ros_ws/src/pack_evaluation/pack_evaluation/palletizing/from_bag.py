@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +15,7 @@ from pack_core.errors import BagError
 from pack_core.motion.topics import JOINT_STATES, MOTION_STATUS, SETPOINTS
 from pack_core.palletizing.topics import CONTACTS, GRIPPER_STATE, PALLET_STATE, RESULT, TRUTH
 from pack_core.rotations import Array, Pose
-from pack_evaluation.bag import Bag, read_bag
+from pack_evaluation.bag import Bag, fitting, read_bag, result_in
 from pack_evaluation.goals import goal_of
 from pack_evaluation.palletizing.run import (
     BoxRecord,
@@ -43,6 +42,11 @@ def load_pallet_run(path: Path, goal: int | None = None) -> PalletRun:
     Raises:
         BagError: the recording is missing, broken, or holds no order.
     """
+    with fitting(path):
+        return _pallet_run(path, goal)
+
+
+def _pallet_run(path: Path, goal: int | None) -> PalletRun:
     bag, number = goal_of(
         read_bag(path, TOPICS), goal, result=RESULT,
         has_begun=lambda rest: any(item.topic == PALLET_STATE for item in rest),
@@ -51,7 +55,7 @@ def load_pallet_run(path: Path, goal: int | None = None) -> PalletRun:
     if missing:
         lacks = f"no message on {', '.join(missing)}"
         raise BagError(f"{bag.path}: order {number} has {lacks}; did it run to its end?")
-    result = json.loads(bag.of(RESULT)[-1].data)
+    result = result_in(bag.of(RESULT)[-1].data, bag.path)
     visits = tuple(
         StateVisit(message.state, _seconds(message.header.stamp), message.box, message.reason)
         for message in bag.of(PALLET_STATE)
@@ -66,7 +70,7 @@ def load_pallet_run(path: Path, goal: int | None = None) -> PalletRun:
         ),
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
-        is_cut=bag.is_cut, goal=number,
+        is_cut=bag.is_cut, damaged=bag.damaged, goal=number,
     )  # fmt: skip
 
 

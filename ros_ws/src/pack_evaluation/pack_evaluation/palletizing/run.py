@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from pack_core.rotations import Array, Pose
 from pack_evaluation.goals import ONLY_GOAL, GoalNumber
@@ -45,6 +45,21 @@ class BoxTrack:
         """The last pose until `time` [s]; the first one if there is none."""
         i = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
         return Pose(self.p[i], self.q[i])
+
+
+@dataclass(frozen=True)
+class VisitorTrack:
+    """A visitor at n moments.
+
+    Attributes:
+        times: the moments `(n,)` [s].
+        distance: true distance from the arm and what it carries `(n,)` [m].
+        speed: of the visitor `(n,)` [m/s].
+    """
+
+    times: Array
+    distance: Array
+    speed: Array
 
 
 @dataclass(frozen=True)
@@ -108,7 +123,9 @@ class PalletRun:
         grip_peaks: largest coaxial force, shear force [N] and moment [N m] of each box's grips, by name.
         interruptions: how often setpoints came too late and the driver held the arm in a move.
         is_cut: whether the recording ended before the run did.
+        damaged: number of pieces of the recording that could not be read.
         goal: which order of its recording it is.
+        visitors: who came near the arm, by name; empty where nobody did or it was not recorded.
     """
 
     order: str
@@ -123,4 +140,6 @@ class PalletRun:
     grip_peaks: Mapping[str, tuple[float, float, float]]
     interruptions: int = 0
     is_cut: bool = False
+    damaged: int = 0
     goal: GoalNumber = ONLY_GOAL
+    visitors: Mapping[str, VisitorTrack] = field(default_factory=dict)

@@ -12,6 +12,7 @@ from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.problem import Problem
 from pack_core.blocks.problem_file import parse_problem
 from pack_core.errors import ConfigError
+from pack_core.text.reader import read_text
 from pack_planner.rearrangement.instances import make_instance
 
 WARM_UP_SEED = 10**6
@@ -92,7 +93,7 @@ class FileInstance:
         """
         if not path.is_file():
             raise ConfigError(f"{path}: no such file; config/scenarios/blocks/example.yaml is an example")
-        text = path.read_text()
+        text = read_text(path)
         parse_problem(text, str(path))
         return cls(path.stem, text, seed)
 

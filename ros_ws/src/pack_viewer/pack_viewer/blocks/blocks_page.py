@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +9,7 @@ from viser import ViserServer
 
 from pack_core.blocks import topics
 from pack_core.motion import topics as motion
+from pack_core.text.json_text import parse_json
 from pack_viewer.blocks.blocks_scene import BlocksScene
 from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
@@ -69,7 +69,7 @@ class BlocksPage(CellPage):
         for status in news.all(topics.STATUS):
             self._take_status(status)
         for result in news.all(topics.RESULT):
-            self._take_result(json.loads(result.data), news.time)
+            self._take_result(parse_json(result.data, topics.RESULT), news.time)
         self._plot(news.time)
 
     def show(self) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from viser import ViserServer
 
 from pack_core.packing import topics
+from pack_core.text.json_text import parse_json
 from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import GREY, ORANGE, boxed, chips, facts, put, signed_list
@@ -77,7 +77,7 @@ class PackingPage(CellPage):
         for status in news.all(topics.MPC_STATUS):
             self._take_status(status)
         for result in news.all(topics.RESULT):
-            self._take_result(json.loads(result.data), news.time)
+            self._take_result(parse_json(result.data, topics.RESULT), news.time)
 
     def show(self) -> None:
         """Bring the task and the plots up to date."""

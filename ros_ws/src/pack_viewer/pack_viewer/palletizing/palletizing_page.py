@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from io import BytesIO
 from typing import Any
@@ -13,6 +12,7 @@ from viser import ViserServer
 
 from pack_core.motion import topics as motion
 from pack_core.palletizing import topics
+from pack_core.text.json_text import parse_json
 from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import facts, put
@@ -75,7 +75,7 @@ class PalletizingPage(CellPage):
             touching = " and ".join(str(body) for body in contact.bodies)
             self.log.add(f"{touching} touched with {contact.force:.0f} N", "warning", seconds(contact))
         for result in news.all(topics.RESULT):
-            self._take_result(json.loads(result.data), news.time)
+            self._take_result(parse_json(result.data, topics.RESULT), news.time)
         if overlay := news.newest(topics.VISION_OVERLAY):
             self._picture.image = np.asarray(Image.open(BytesIO(bytes(overlay.data))).convert("RGB"))
         self._plot(news.time)
