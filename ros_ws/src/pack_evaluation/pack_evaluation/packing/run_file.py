@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.errors import BagError, ConfigError
+from pack_core.errors import BagError
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Pose
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.track import Track
 
-UNREADABLE = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, ConfigError)
-"""Errors of reading a file that is not a saved run."""
+LARGEST = 500e6
+"""Of all arrays of a run, unpacked; a run of a minute has some megabytes [byte]."""
 SUFFIX = ".npz"
 TRACKS = ("truth", "estimate")
 TEXTS = ("stages", "collisions")
@@ -51,11 +51,16 @@ def load_saved_run(path: Path) -> Run:
         BagError: the file is missing, broken, or something else.
     """
     try:
+        with zipfile.ZipFile(path) as packed:
+            if (size := sum(item.file_size for item in packed.infolist())) > LARGEST:
+                raise ValueError(f"it unpacks to {size / 1e6:.0f} MB; allowed: {LARGEST / 1e6:.0f} MB")
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         about = json.loads(str(arrays.pop(ABOUT)))
         return _run(about, arrays)
-    except UNREADABLE as error:
+    except (
+        Exception
+    ) as error:  # damaged bytes: errors of zip, zlib, NumPy's header parser, JSON and the scene
         raise BagError(f"{path} is no run as `pack benchmark` saves it: {error}") from error
 
 
