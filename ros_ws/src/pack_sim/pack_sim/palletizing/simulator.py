@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 from pydantic import Field, PositiveFloat
@@ -11,6 +13,7 @@ from pack_core.joints import JointReference, JointSample
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.model import body_pose
+from pack_core.palletizing.visitors import Visitor
 from pack_core.robots.gears import GearCompensation
 from pack_core.robots.kr210 import LIMITS
 from pack_core.robots.surface_gripper import TOOL
@@ -26,6 +29,7 @@ from pack_sim.palletizing.real_arm import GearTrain, true_base
 from pack_sim.palletizing.snapshot import Snapshot
 from pack_sim.palletizing.surface_gripper import SurfaceGripper
 from pack_sim.palletizing.true_cell import true_cell
+from pack_sim.palletizing.visitor_watch import visitor_distances
 from pack_sim.reference_follower import ReferenceFollower
 
 TORQUE = 4
@@ -48,6 +52,7 @@ class PalletSimulator:
         seed: seed of the random poses at which boxes arrive, and of all errors of a real cell.
         time: what the clock shows at the start [s].
         assumed: what the driver assumes of the arm's gears; by default what the preset says.
+        visitors: who comes near the arm.
 
     Attributes:
         cell: the cell as it truly is; no part of a control loop may use it.
@@ -55,11 +60,11 @@ class PalletSimulator:
 
     def __init__(
         self, cell: PalletizingCell, config: PalletSimulatorConfig, seed: int = 0, time: float = 0.0,
-        assumed: GearCompensation | None = None,
+        assumed: GearCompensation | None = None, visitors: Sequence[Visitor] = (),
     ) -> None:  # fmt: skip
         self.cell, self.config, self._seed = true_cell(cell, seed), config, seed
         self._X_WB = true_base(cell, seed)
-        self._physics = Physics(self.cell, config.timestep, self._X_WB, time)
+        self._physics = Physics(self.cell, config.timestep, self._X_WB, time, visitors)
         self._load = CarriedLoad(cell)
         gears = cell.imperfections.gears
         self._gears = None if gears is None else GearTrain(gears, self._load.model, assumed)
@@ -106,6 +111,7 @@ class PalletSimulator:
             desired = self._gears.motors(desired)
             data.qfrc_applied[self._physics.gears] = self._gears.torque(data.qpos[self._physics.gears])
         data.ctrl[:] = self._servo.torque(q, v, desired)
+        self._physics.move_visitors()
         mujoco.mj_step(model, data)
         held = self.gripper.state.held
         self.contacts.update(model, data, held)
@@ -152,6 +158,18 @@ class PalletSimulator:
         self.contacts.index(self._physics.model)
         return where
 
+    def lay(self, box: BoxBody, X_NB: Pose) -> None:
+        """Lay something on the picking table, as an operator does.
+
+        Args:
+            box: what is laid there.
+            X_NB: where it would be if the table stood where it should; it is laid on the true table.
+
+        Raises:
+            PackError: a box of this name is in the cell, or something is in its place.
+        """
+        self.spawn(box, self.cell.picking_table.displaced(X_NB))
+
     def remove(self, name: str) -> None:
         """Take a box out of the cell, also if it is gripped; raises PackError when there is no such box."""
         if self.gripper.state.held == name:
@@ -169,6 +187,16 @@ class PalletSimulator:
         """True poses and twists of all boxes."""
         data = self._kinematics()
         return SceneState(self.time, {name: self._box_state(data, name) for name in self._physics.boxes})
+
+    def visitor_distances(self) -> dict[str, tuple[float, float]]:
+        """By name, each visitor's true distance from the arm and what it carries [m], and its speed [m/s]."""
+        visitors, held = self._physics.visitors, self.gripper.state.held
+        if not visitors:
+            return {}
+        names = [visitor.name for visitor in visitors]
+        apart = visitor_distances(self._physics.model, self._kinematics(), names, held)
+        speeds = {item.name: float(np.linalg.norm(item.at(self.time).v_WV_W)) for item in visitors}
+        return {name: (apart[name], speeds[name]) for name in names}
 
     def snapshot(self) -> Snapshot:
         """What a camera would see now, to be drawn by another thread."""

@@ -1,0 +1,113 @@
+"""A whole calibration: measure, estimate, judge, predict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.palletizing.calibration import CellCalibration
+from pack_core.palletizing.calibration import Estimate as NamedEstimate
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.displacement import Displacement
+from pack_lockstep.palletizing.calibration.estimate import Estimate, estimate
+from pack_lockstep.palletizing.calibration.model import (
+    PARAMETERS,
+    PLACE,
+    PLACES,
+    CellModel,
+    camera_of,
+    gears_of,
+)
+from pack_lockstep.palletizing.calibration.prediction import predict
+from pack_lockstep.palletizing.calibration.procedure import Measurements, Say, measure
+from pack_lockstep.palletizing.calibration.rig import CalibrationFailed, CalibrationRig
+from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
+from pack_motion.arm.arms import load_arm
+from pack_sim.palletizing.simulator import PalletSimulator
+
+WORST_RATIO = 2.0
+"""Residuals above this multiple of what is expected say that something is wrong: a thing that moved, a wrong
+board, a gripper that slipped."""
+FARTHEST = 4.0
+"""So many standard deviations of what is known beforehand a thing may be from its nominal place."""
+
+
+@dataclass(frozen=True)
+class CalibrationRun:
+    """What a calibration leaves: the file's content, and what it was found from."""
+
+    calibration: CellCalibration
+    found: Estimate
+    measured: Measurements
+
+
+def calibrate(
+    cell: PalletizingCell, config: PalletLockstepConfig, seed: int, say: Say = lambda _: None
+) -> CalibrationRun:
+    """Calibrate the cell of a seed.
+
+    Args:
+        cell: the cell as its installer left it on paper.
+        config: parameters of the run.
+        seed: which cell it truly is.
+        say: told what is being done.
+
+    Raises:
+        CalibrationFailed: something could not be measured, or the residuals say that something is wrong.
+        ConfigError: the cell's preset has no gears to calibrate.
+    """
+    simulator = PalletSimulator(cell, config.simulator, seed)
+    with simulator.open_camera(config.sight.camera) as camera:
+        rig = CalibrationRig(simulator, camera, cell, config)
+        measured = measure(rig, say)
+        seconds = rig.seconds
+    return conclude(cell, measured, seconds)
+
+
+def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> CalibrationRun:
+    """Estimate, judge and predict from what was measured within simulated `seconds`; raises CalibrationFailed."""
+    model = model_of(cell, measured)
+    found = estimate(model, measured)
+    if reasons := doubts(found):
+        raise CalibrationFailed(
+            "the calibration is not to be trusted: " + "; ".join(reasons) + ". Look for what moved or slipped, "
+            "and calibrate again"
+        )
+    predicted = predict(model, found, np.random.default_rng(0))
+    places = {name: Displacement.of(found.x[PLACE[name]]) for name in PLACES}
+    sigmas = np.sqrt(np.diag(found.covariance))
+    calibration = CellCalibration(
+        preset=cell.preset, camera=camera_of(found.x), **places, gears=gears_of(found.x, model.assumed),
+        predicted=predicted, simulated_s=seconds,
+        estimates=tuple(
+            NamedEstimate(name=p.name, value=float(value), sigma=float(sigma), unit=p.unit)
+            for p, value, sigma in zip(PARAMETERS, found.x, sigmas, strict=True)
+        ),
+        covariance=tuple(tuple(float(c) for c in row) for row in found.covariance),
+        residuals=found.residuals(),
+    )  # fmt: skip
+    return CalibrationRun(calibration, found, measured)
+
+
+def model_of(cell: PalletizingCell, measured: Measurements) -> CellModel:
+    """The model of what was measured; raises CalibrationFailed for a preset with rigid gears."""
+    gears = cell.imperfections.gears
+    if gears is None or not gears.reports_links or cell.imperfections.camera is None:
+        raise CalibrationFailed(
+            f"preset '{cell.preset}' has no errors of arm and camera to calibrate; `real` has them"
+        )
+    return CellModel(cell, load_arm("palletizing").chain, gears.assumed, measured.X_TB)
+
+
+def doubts(found: Estimate) -> list[str]:
+    """Why the estimate should not be used; empty when nothing speaks against it."""
+    reasons = [
+        f"{line.name}: rms {line.rms:.3g} {line.unit}, expected {line.expected:.3g}"
+        for line in found.residuals()
+        if line.ratio > WORST_RATIO
+    ]
+    for parameter, value in zip(PARAMETERS, found.x, strict=True):
+        if abs(value - parameter.value) > FARTHEST * parameter.sigma:
+            reasons.append(f"{parameter.name} is {value:.4g} {parameter.unit}, far from {parameter.value:.4g}")
+    return reasons

@@ -1,0 +1,132 @@
+"""Touching a surface with a corner of the pad and feeling the torque."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.joints import JointSample
+from pack_core.robots.kr210 import LIMITS
+from pack_core.rotations import Array, Pose
+from pack_lockstep.palletizing.calibration.rig import CalibrationRig
+
+FAST, SLOW = 0.010, 0.001
+"""Speeds at which a surface is first sought, and then touched [m/s]."""
+BACK = 0.0025
+"""How far before the surface that was found the slow approach begins [m]."""
+FOUND, PRESS = 80.0, 250.0
+"""Forces at which it counts as found, and up to which is then pressed [N]; the gripper bears 350 N along its
+axis, and 250 N across."""
+BASELINE = 0.4
+"""Time at even speed before which nothing may be touched [s]."""
+MOVING = 0.12
+"""Joints that turn faster than this a metre of the tool count [rad/m]: at rest, friction hides what they bear."""
+SIGMA = 0.002 * LIMITS.effort
+"""Noise of a measured torque `(6,)` [N m]; stated by the driver."""
+SMOOTH = 8
+"""Samples over which the felt force is averaged."""
+
+
+@dataclass(frozen=True)
+class Touch:
+    """What was recorded of a touch.
+
+    Attributes:
+        what: name of the surface.
+        axis: which coordinate of the surface's own frame is felt: 0, 1 or 2.
+        at: value of that coordinate where the surface nominally ends [m], in the nominal world.
+        normal: direction of the approach in the world `(3,)`.
+        p_TC: touching corner in the tool's frame `(3,)` [m].
+        q: reported joint angles on the way `(n, 6)` [rad].
+        tau: measured torques on the way `(n, 6)` [N m].
+    """
+
+    what: str
+    axis: int
+    at: float
+    normal: Array
+    p_TC: Array
+    q: Array
+    tau: Array
+
+
+def touch(
+    rig: CalibrationRig,
+    X_WT: Pose,
+    normal: Array,
+    travel: float,
+    surface: tuple[str, int, float],
+    p_TC: Array,
+) -> Touch:
+    """Approach a surface from a pose and press on it.
+
+    Args:
+        rig: the cell.
+        X_WT: pose of the tool from which it approaches.
+        normal: direction of the approach `(3,)`.
+        travel: length after which there is certainly something [m].
+        surface: its name, the axis that is felt, and its nominal coordinate [m].
+        p_TC: the corner of the pad that touches `(3,)` [m].
+
+    Raises:
+        CalibrationFailed: nothing was felt.
+    """
+    rig.go(X_WT)
+    rig.wait(0.3)
+    end = Pose(X_WT.p + travel * normal, X_WT.q)
+    rig.press(end, FAST, Feeler(rig, normal, p_TC, FAST, FOUND).feels)
+    near = Pose(rig.tool().p - BACK * normal, X_WT.q)
+    rig.line(near, 0.02)
+    rig.wait(0.2)
+    samples = rig.press(end, SLOW, Feeler(rig, normal, p_TC, SLOW, PRESS).feels)
+    rig.line(X_WT, 0.1)
+    q, tau = np.array([s.q for s in samples]), np.array([s.tau for s in samples])
+    return Touch(*surface, normal, p_TC, q, tau)
+
+
+class Feeler:
+    """Watches the torques during an approach.
+
+    Args:
+        rig: the cell, for its kinematics.
+        normal: direction of the approach `(3,)`.
+        p_TC: the corner that touches `(3,)` [m].
+        speed: of the approach [m/s].
+        enough: force at which it says so [N].
+    """
+
+    def __init__(self, rig: CalibrationRig, normal: Array, p_TC: Array, speed: float, enough: float) -> None:
+        self._chain = rig.arm.chain.with_tool(Pose(p_TC))
+        self._normal = normal
+        self._skip = round(speed / 0.1 / rig.period) + 25  # the acceleration, and the servo's settling
+        self._speed, self._enough = speed, enough
+        self._length = round(BASELINE / rig.period)
+        self._seen: list[JointSample] = []
+        self._last: deque[float] = deque(maxlen=SMOOTH)
+
+    def feels(self, sample: JointSample) -> bool:
+        """Whether the force along the approach is that up to which is pressed."""
+        self._seen.append(sample)
+        if len(self._seen) <= self._skip + self._length:
+            return False
+        quiet = self._seen[self._skip : self._skip + self._length]
+        resting = np.mean([s.tau for s in quiet], axis=0)
+        rate = (quiet[-1].q - quiet[0].q) / (quiet[-1].time - quiet[0].time)
+        J = self._chain.jacobian(sample.q)[:3]
+        self._last.append(float(push_vector(J, sample.tau - resting, rate / self._speed) @ self._normal))
+        return len(self._last) == SMOOTH and float(np.mean(self._last)) > self._enough
+
+
+def push_vector(J: Array, change: Array, rate: Array) -> Array:
+    """Force of the tool on what it touches `(3,)` [N], from the change of the torques `(6,)` [N m].
+
+    Only joints that turn are used, at a rate `(6,)` [rad/m] along the approach; forces that they do not feel
+    are taken for small.
+    """
+    moving = np.abs(rate) > MOVING
+    A = (J[:, moving] / SIGMA[moving]).T  # tau = J^T f
+    b = change[moving] / SIGMA[moving]
+    ridge = np.eye(3) / 300.0**2
+    return np.asarray(np.linalg.solve(A.T @ A + ridge, A.T @ b))
