@@ -153,6 +153,25 @@ def _motion(path: Path) -> None:
     getattr(motion_set, "__wrapped__", motion_set)(path.stem)
 
 
+def _packing_list(path: Path) -> None:
+    from pack_core.packing.cell import packing_cell
+    from pack_core.packing.packing_list import load_list
+
+    load_list(path, packing_cell())
+
+
+def _visitors(path: Path) -> None:
+    from pack_core.palletizing.visitors import load_visitors
+
+    getattr(load_visitors, "__wrapped__", load_visitors)(path.stem)
+
+
+def _items(path: Path) -> None:
+    from pack_core.palletizing.orders.item_list import load_items
+
+    load_items(path)
+
+
 def _presets(path: Path) -> None:
     from pack_bringup.packing.graph_preset import preset_overrides
     from pack_core.packing.cell import packing_cell
@@ -263,6 +282,7 @@ def _one(text: str, name: str) -> Callable[[Path], list[Sample]]:
     return lambda _: [Sample(text.encode(), name)]
 
 
+ITEMS = "article,length,width,height,weight,quantity\na,0.4,0.3,0.2,5,3\nb,0.3,0.2,0.15,2.5,2\n"
 TAGS = "tags: {red: 0, blue_block: 1, c: 2}\n"
 BOXES = "- {name: a-1, size: [0.3, 0.2, 0.2], mass: 4.0}\n- {name: b-2, size: [0.3, 0.2, 0.2], mass: 2.5}\n"
 
@@ -275,6 +295,9 @@ TARGETS = (
     Target("cells", "yaml", _shipped("cells/*.yaml"), _cells),
     Target("weights", "yaml", _shipped("weights/*.yaml"), _weights),
     Target("motion", "yaml", _shipped("motion/*.yaml"), _motion),
+    Target("packing list", "yaml", _shipped("packing_lists/*.yaml"), _packing_list),
+    Target("visitors", "yaml", _shipped("visitors/*.yaml"), _visitors),
+    Target("list of boxes", "binary", _one(ITEMS, "items.csv"), _items),
     Target("presets", "yaml", _shipped("presets/*.yaml"), _presets),
     Target("graphs", "yaml", _shipped("graphs/*.yaml"), _graphs),
     Target("trials", "binary", _trials, _trial),
