@@ -203,6 +203,22 @@ def test_it_stops_when_the_sender_dies_and_follows_the_next_one(rig: DriverRig) 
     rig.set_going()
 
 
+def test_joints_in_another_order_are_put_in_order(rig: DriverRig) -> None:
+    rig.set_going()
+    rig.wait_until(lambda: rig.speed < SLOW)
+    begun, held = rig.time, rig.joints.q
+    message = to_setpoints(rig.move()(), rig.arm.joints)
+    message.joint_names = message.joint_names[::-1]
+    for point in message.points:
+        for column in COLUMNS:
+            setattr(point, column, getattr(point, column)[::-1])
+    rig.send_message(message)
+    rig.wait(STOP)
+    moved = np.max([np.abs(sample.q - held) for sample in rig.samples(begun)], axis=0)
+    assert np.argmax(moved) == MOVED, f"the joints moved by {moved} rad; expected: joint {MOVED + 1} alone"
+    assert moved[MOVED] > STILL
+
+
 # What it refuses
 
 
@@ -219,8 +235,8 @@ def rename(message: JointTrajectory) -> None:
     message.joint_names = [f"other_{name}" for name in message.joint_names]
 
 
-def reorder(message: JointTrajectory) -> None:
-    message.joint_names = message.joint_names[::-1]
+def repeat(message: JointTrajectory) -> None:
+    message.joint_names = [message.joint_names[0], message.joint_names[0], *message.joint_names[2:]]
 
 
 def shorten(message: JointTrajectory) -> None:
@@ -246,7 +262,7 @@ BAD = {
         "an infinite torque": with_row("effort", math.inf),
     },
     "beyond-limits": {column: with_row(column, 500.0) for column in COLUMNS},
-    "other-joints": {"other names": rename, "another order": reorder, "six positions": shorten},
+    "other-joints": {"other names": rename, "a joint twice": repeat, "six positions": shorten},
     "times": {
         "no points": empty,
         "times that do not rise": stand_still_in_time,

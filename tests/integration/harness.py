@@ -23,6 +23,7 @@ from pack_bringup.graph.domains import DOMAINS, is_free
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_refusal import REFUSED
+from pack_core.ros.guarded_node import GuardedNode
 from pack_core.ros.node_status import LISTENING
 
 N = TypeVar("N", bound=Node)
@@ -88,6 +89,9 @@ class Graph:
 
     Args:
         domain: where processes run that the test talks to; None: one that nobody is on.
+
+    Attributes:
+        failures_allowed: whether callbacks of the nodes may fail in a way that nobody foresaw.
     """
 
     def __init__(self, domain: int | None = None) -> None:
@@ -96,6 +100,7 @@ class Graph:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.probe = Probe(self.context)
         self._nodes: list[Node] = []
+        self.failures_allowed = False
         self._add(self.probe)
 
     def start(self, make: Callable[..., N], **parameters: Any) -> N:
@@ -115,12 +120,14 @@ class Graph:
         """Spin until the condition holds.
 
         Raises:
-            AssertionError: it did not within `timeout` [s].
+            AssertionError: it did not within `timeout` [s], or a callback of a node failed, which the node
+                itself survives.
         """
         deadline = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, f"waited {timeout} s in vain"
             self.executor.spin_once(timeout_sec=0.01)
+            self._check_failures()
 
     def connect(self, *contracts: Contract, subscribers: int = 1) -> None:
         """Wait until what the probe sends on these topics has at least so many listeners."""
@@ -173,6 +180,11 @@ class Graph:
         for node in reversed(self._nodes):
             node.destroy_node()
         rclpy.try_shutdown(context=self.context)
+
+    def _check_failures(self) -> None:
+        nodes = [node for node in self._nodes if isinstance(node, GuardedNode)]
+        failed = {node.get_name(): node.health.last for node in nodes if node.failures.total}
+        assert self.failures_allowed or not failed, f"callbacks have failed: {failed}"
 
     def _add(self, node: Node) -> None:
         self._nodes.append(node)

@@ -29,7 +29,8 @@ class Waiter(GoalNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("waiter", **kwargs)
         self.result = Palletize.Result(success=True)
-        self.started = 0
+        self.started = self.gave_up = 0
+        self.is_broken = False
         self.create_timer(0.01, self._turn, clock=self.wall)
         self.take_goals(ACTION, ["sim"], FAULT_TIME)
 
@@ -42,6 +43,8 @@ class Waiter(GoalNode):
         self.started += 1
         if request.order == "raise":
             raise PackError("it cannot be built")
+        if request.order == "fail":
+            raise ZeroDivisionError
         self.publish_feedback(Palletize.Feedback(state="started"))
         await self.until_goal_ends()
         return self.result
@@ -52,11 +55,16 @@ class Waiter(GoalNode):
     def on_arm_stop(self, reason: str) -> None:
         self.end(False, reason)
 
+    def give_up(self) -> None:
+        self.gave_up += 1
+
     def end(self, success: bool, message: str) -> None:
         self.result = Palletize.Result(success=success, message=message)
         self.end_goal()
 
     def _turn(self) -> None:
+        if self.is_broken:
+            raise ValueError("broken")
         if self.is_cancel_requested:
             self.end(False, "stopped on request")
 
@@ -253,3 +261,30 @@ def test_a_goal_that_was_accepted_before_the_stop_does_not_release_the_arm(
     assert (status, message) == (GoalStatus.STATUS_ABORTED, "the arm was stopped: a button")
     assert driver.is_stopped
     assert waiter.started == 0
+
+
+def test_a_goal_ends_with_the_reason_when_a_callback_fails_and_the_next_is_taken(
+    graph: Graph, waiter: Waiter
+) -> None:
+    graph.failures_allowed = True
+    handle = send(graph)
+    graph.wait_until(lambda: waiter.started)
+    waiter.is_broken = True
+    status, message = ended(graph, handle)
+    assert status == GoalStatus.STATUS_ABORTED
+    assert "timer _turn failed: ValueError('broken')" in message
+    assert waiter.gave_up == 1
+    waiter.is_broken = False
+    send(graph)
+    graph.wait_until(lambda: waiter.started == 2)
+
+
+def test_a_pursuit_that_fails_in_a_way_that_nobody_foresaw_ends_the_goal_and_not_the_node(
+    graph: Graph, waiter: Waiter
+) -> None:
+    graph.failures_allowed = True
+    status, message = ended(graph, send(graph, "fail"))
+    assert status == GoalStatus.STATUS_ABORTED
+    assert "ZeroDivisionError" in message
+    send(graph)
+    graph.wait_until(lambda: waiter.started == 2)

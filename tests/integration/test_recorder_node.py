@@ -120,6 +120,9 @@ class Packer(GoalNode):
     def on_arm_stop(self, reason: str) -> None:
         """There is no arm."""
 
+    def give_up(self) -> None:
+        """There is no arm."""
+
 
 @pytest.fixture
 def by_goals(graph: Graph, tmp_path: Path) -> RecorderNode:

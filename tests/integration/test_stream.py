@@ -6,6 +6,7 @@ import threading
 import time
 
 import pytest
+import rclpy
 from builtin_interfaces.msg import Time
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
@@ -14,6 +15,7 @@ from std_msgs.msg import Float64
 from integration.harness import Graph
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
+from pack_core.ros.failures import IN_A_ROW
 from pack_core.ros.stream import NodeThread, Stream, StreamReader, StreamWait
 
 NUMBERS = shared.REAL_TIME_FACTOR
@@ -78,14 +80,25 @@ def test_a_reader_reads_while_the_executor_does_nothing(graph: Graph, node: List
     assert [message.data for message in read] == [float(k) for k in range(10)]
 
 
-def test_what_a_thread_raises_ends_the_node_as_a_callback_would(graph: Graph, node: ListeningNode) -> None:
-    def fail() -> None:
-        raise ValueError("the turn went wrong")
+def test_what_a_thread_raises_is_counted_and_named_and_the_thread_goes_on(
+    graph: Graph, node: ListeningNode
+) -> None:
+    graph.failures_allowed = True
+    turns = 0
 
-    thread = NodeThread(node, fail, "failing")
-    with pytest.raises(ValueError, match="the turn went wrong"):
-        graph.wait_until(lambda: False, timeout=5.0)
+    def fail_at_first() -> None:
+        nonlocal turns
+        turns += 1
+        if turns <= IN_A_ROW:
+            raise ValueError("the turn went wrong")
+        time.sleep(0.01)
+
+    thread = NodeThread(node, fail_at_first, "failing")
+    graph.wait_until(lambda: "in a row" in node.health.faults.get("failed failing", ""))
+    graph.wait_until(lambda: turns > IN_A_ROW and not node.health.faults)
     thread.end()
+    assert node.health.counts["failed failing"] == IN_A_ROW
+    assert "the turn went wrong" in node.health.last["failed failing"]
 
 
 def test_simulated_time_is_that_of_the_last_tick_when_it_is_asked_for(graph: Graph) -> None:
@@ -102,3 +115,30 @@ def test_a_node_can_be_taken_off_simulated_time(graph: Graph) -> None:
     assert node.get_clock().now().nanoseconds == 0
     node.set_parameters([Parameter("use_sim_time", value=False)])
     assert abs(node.get_clock().now().nanoseconds * 1e-9 - time.time()) < 5.0
+
+
+def test_time_that_runs_backwards_is_named_and_followed_and_negative_time_is_refused(graph: Graph) -> None:
+    node = graph.start(ListeningNode, use_sim_time=True)
+    graph.connect(shared.CLOCK)
+    for sec, shown, refused in ((5, 5, 0), (-3, 5, 1), (2, 2, 2)):
+        graph.probe.send(shared.CLOCK, Clock(clock=Time(sec=sec)))
+        graph.wait_until(
+            lambda shown=shown, refused=refused: (
+                node.get_clock().now().nanoseconds == shown * 1_000_000_000
+                and node.health.counts["refused /clock"] == refused
+            )
+        )
+    assert "time went back from 5.000 s to 2.000 s" in node.health.last["refused /clock"]
+
+
+def test_a_second_simulator_is_noticed_at_once_and_named(graph: Graph) -> None:
+    node = graph.start(ListeningNode, use_sim_time=True)
+    graph.connect(shared.CLOCK)
+    second = rclpy.create_node("impostor", context=graph.context)
+    clock = second.create_publisher(shared.CLOCK.type, shared.CLOCK.name, shared.CLOCK.qos)
+    graph.wait_until(lambda: "/clock" in node.health.faults)
+    assert "a second simulator: /clock is published by 'impostor'" in node.health.faults["/clock"]
+    assert "'probe'" in node.health.faults["/clock"]
+    second.destroy_publisher(clock)
+    graph.wait_until(lambda: "/clock" not in node.health.faults)
+    second.destroy_node()

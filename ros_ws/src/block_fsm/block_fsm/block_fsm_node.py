@@ -39,7 +39,7 @@ class BlockFsmNodeConfig(ExecutorConfig):
 
     patience: RequestTimeouts = RequestTimeouts()
     watched: tuple[str, ...] = Field(
-        default=("sim", "tags", "rearrangement", "motion"),
+        default=("sim", "tags", "rearrangement", "motion", "recorder"),
         description="a goal ends when one of them stays silent",
     )
     fault_time: float = Field(default=2.0, gt=0, description="silence that ends a goal [s of wall clock]")

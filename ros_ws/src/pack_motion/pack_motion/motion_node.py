@@ -33,6 +33,8 @@ from pack_motion.target_planner import PreparedTarget
 from pack_motion.tracking.config import motion_set
 from pack_motion.warm_up import warm_up
 
+COMMANDER = "fsm"
+"""The node whose moves are given up when its process ends: a new one knows nothing of them."""
 READ_PERIOD = 0.05
 """Longest time for which the reader waits for a joint state [s of wall clock]."""
 
@@ -44,6 +46,9 @@ class MotionNodeConfig(Config):
     parameters: str = Field(default="shipped", description="named set of config/motion")
     period: float = Field(default=0.004, gt=0, le=0.01, description="between setpoints [s]")
     horizon: float = Field(default=0.024, gt=0, le=0.2, description="of setpoints beyond the measurement [s]")
+    watched: tuple[str, ...] = Field(
+        default=("sim",), description="the arm brakes and waits while one of them is silent"
+    )
 
 
 class MotionNode(CellNode):
@@ -59,6 +64,7 @@ class MotionNode(CellNode):
         self._planned: MotionTarget | None = None
         self._stepping = threading.Lock()
         self._arm_state = ArmState()
+        self._silent: set[str] = set()
         self._planning = PlanningThread(self._prepare, self._on_error)
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._status = self.advertise(contracts.MOTION_STATUS)
@@ -68,7 +74,7 @@ class MotionNode(CellNode):
         # Only the newest joint state: setpoints made for an older one would be late.
         self._joints = Stream(self, replace(contracts.JOINT_STATES, qos=NEWEST))
         self._reader = StreamReader(self, (self._joints,), self._read, READ_PERIOD)
-        self.watch(("sim",))
+        self.watch(self._config.watched, self._on_peer)
 
     @property
     def waits_for(self) -> str:
@@ -103,17 +109,45 @@ class MotionNode(CellNode):
     def _on_arm_state(self, message: ArmState) -> None:
         """Give up the move when the arm is stopped; a target that comes later waits until it is released."""
         with self._stepping:
-            if message.stops > self._arm_state.stops and self._stream is not None:
-                self._waiting = self._planned = None
-                self._stream.abandon(f"the arm was stopped: {message.reason}")
+            if message.stops > self._arm_state.stops:
+                self._give_up(f"the arm was stopped: {message.reason}")
             self._arm_state = message
+
+    def _give_up(self, reason: str) -> None:
+        self._waiting = self._planned = None
+        if self._stream is not None:
+            self._stream.abandon(reason)
+
+    def _on_peer(self, peer: str, is_alive: bool) -> None:
+        """Have the arm brake while a node is silent; the move goes on when all are heard again."""
+        with self._stepping:
+            self._silent.discard(peer) if is_alive else self._silent.add(peer)
+            self._bar()
+
+    def _bar(self) -> None:
+        if self._stream is None:
+            return
+        if self._silent:
+            self._stream.bar(f"silent: {', '.join(sorted(self._silent))}")
+        else:
+            self._stream.is_barred = False
+
+    def on_peer_end(self, peer: str) -> None:
+        if peer == COMMANDER:
+            with self._stepping:
+                self._give_up(f"node '{peer}' has ended")
+
+    def on_failure(self, reason: str) -> None:
+        with self._stepping:
+            self._give_up(reason)
 
     def _on_joints(self, message: JointState) -> None:
         sample = from_joint_state(message, self._arm.limits.names)
         stream = self._stream
         if stream is None or stream.has_begun_anew(sample):
             stream = self._stream = self._start(sample)
-        if not self._arm_state.is_stopped:
+            self._bar()
+        if not self._arm_state.is_stopped and not self._silent:
             self._take_up(stream.controller)
         reference = stream.advance(sample)
         if reference is not None and not self._arm_state.is_stopped:

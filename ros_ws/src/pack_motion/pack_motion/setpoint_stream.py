@@ -41,6 +41,8 @@ class SetpointStream:
         """The rest of an interrupted move; set in the step in which the arm has come to rest."""
         self.interruption = ""
         """Why the stream pauses; set in the step in which the pause begins."""
+        self.is_barred = False
+        """Whether a held arm must not move on yet, even if it stands."""
         self._restart()
 
     def has_begun_anew(self, sample: JointSample) -> bool:
@@ -54,7 +56,7 @@ class SetpointStream:
         gap = sample.time - self._rows[-1].time
         if controller.is_held:
             controller.see(sample)
-            if not self._has_rested(sample):
+            if not self._has_rested(sample) or self.is_barred:
                 return None
             self.left = controller.resume(sample.time, sample.q)
             self._restart()
@@ -71,8 +73,14 @@ class SetpointStream:
             return None
         return reference
 
+    def bar(self, reason: str) -> None:
+        """Have the driver brake a moving arm; the move goes on once `is_barred` is false again."""
+        self.is_barred = True
+        if not self.controller.is_held and not self.controller.is_standing:
+            self._pause(reason)
+
     def abandon(self, reason: str) -> None:
-        """Give up the move, since the driver brakes the arm on request; stand where it comes to rest."""
+        """Give up the move and have the driver brake the arm; stand where it comes to rest."""
         if not self.controller.is_held:
             self._pause(reason)
         self.controller.stop()

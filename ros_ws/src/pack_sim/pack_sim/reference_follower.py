@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from pack_core.errors import MessageError
 from pack_core.joints import JointReference
 from pack_core.robots.joint_limits import JointLimits
 from pack_core.rotations import Array
 from pack_sim.gentle_stop import Desired, GentleStop
 from pack_sim.reference_check import ReferenceCheck
 from pack_sim.rejoining import Rejoining
+
+LEAD = 0.1
+"""How far ahead of the driver's clock a reference may begin [s]. It begins at a time that has come, by the
+sender's last joint state; one that begins later would have the arm stand at its first row until then."""
 
 
 class ReferenceFollower:
@@ -40,9 +45,14 @@ class ReferenceFollower:
 
         Raises:
             MessageError: wrong size, not finite, out of order, or beyond a joint's limits; or it does not
-                begin where the arm was held.
+                begin where the arm was held, or begins later than now, as by another clock.
         """
         self._check.check(reference)
+        if reference.time > time + LEAD:
+            raise MessageError(
+                f"the reference begins {reference.time - time:.3f} s ahead of the driver's {time:.3f} s; "
+                f"allowed: {LEAD} s. Its stamp must be of the clock that stamps the joint states"
+            )
         if self._rejoining is not None and self._last is not None:
             self._rejoining.check(reference, *self._last)
         self._newest, self._received = reference, time

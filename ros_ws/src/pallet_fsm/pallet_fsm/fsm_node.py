@@ -23,6 +23,7 @@ from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.ports import StopArm
 from pallet_fsm.profile import profile_of
 from pallet_fsm.ros.cell_client import CellClient
 from pallet_fsm.ros.observer import Observer
@@ -127,6 +128,10 @@ class PalletFsmNode(GoalNode):
 
     def on_arm_stop(self, reason: str) -> None:
         self._halt(reason)
+
+    def give_up(self) -> None:
+        self._run = None
+        self._client.apply(StopArm())
 
     def _halt(self, reason: str) -> None:
         if self._run is not None:

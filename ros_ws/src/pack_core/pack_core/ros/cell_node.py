@@ -1,4 +1,4 @@
-"""Base of every node: endpoints from the wiring table, health, and watch over its peers."""
+"""Base of every node: simulated time, sign of life, health, and watch over its peers."""
 
 from __future__ import annotations
 
@@ -12,20 +12,18 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
-from rclpy.publisher import Publisher
-from rclpy.subscription import Subscription
 from rclpy.time_source import TimeSource
 from std_msgs.msg import Empty
 
-from pack_core.errors import ConfigError, PackError
+from pack_core.errors import ConfigError
 from pack_core.ros.contracts import shared
-from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.health import Health
+from pack_core.ros.guarded_node import GuardedNode
 from pack_core.ros.node_status import StatusTeller
-from pack_core.ros.parameter_node import ParameterNode
 from pack_core.ros.params import unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
 from pack_core.ros.silence_log import SilenceLog
+from pack_core.ros.simulated_time import SimulatedTime
+from pack_core.ros.sole_publisher import SolePublisher
 from pack_core.ros.stream import TakenByHand
 from pack_core.ros.watch_connection import WatchSocket
 
@@ -35,19 +33,18 @@ READINESS_PERIOD = 0.1
 """How often a node that has just started looks whether it is ready [s of wall clock]."""
 
 
-class CellNode(ParameterNode):
-    """A node whose endpoints come from the wiring table and that no bad message can stop.
+class CellNode(GuardedNode):
+    """A node of a cell, or one that talks to a cell. Its health is published on /diagnostics once a second.
 
     Attributes:
-        health: what was refused and what is wrong, published on /diagnostics once a second.
         wall: a clock of wall time that never jumps, for timers that must not wait for simulated time.
     """
 
-    _simulated_time: Subscription | None = None
+    _simulated_time: SimulatedTime | None = None
+    _sole_clock: SolePublisher | None = None
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
-        self.health = Health(name)
         self._diagnostics = self.advertise(shared.DIAGNOSTICS)
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._status_teller = StatusTeller(self)
@@ -58,8 +55,14 @@ class CellNode(ParameterNode):
         self._watches: list[PeerWatch] = []
         self._is_up = False
         self._heart: threading.Thread | None = None
-        self._birth = self.create_timer(0.001, self._come_alive, clock=self.wall)
+        # Not guarded: a node that was configured wrongly ends here.
+        self._birth = super(GuardedNode, self).create_timer(0.001, self._come_alive, clock=self.wall)
         self._readiness = self.create_timer(READINESS_PERIOD, self._look_whether_ready, clock=self.wall)
+
+    @property
+    def is_up(self) -> bool:
+        """Whether the node has said that it is alive: its configuration was in order."""
+        return self._is_up
 
     @property
     def waits_for(self) -> str:
@@ -121,13 +124,13 @@ class CellNode(ParameterNode):
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **kwargs: Any) -> Any:
         """As of every node, but that of rclpy to /clock costs nothing until somebody asks for the time."""
-        # Under `use_sim_time` rclpy would have the executor call back for every tick, 250 times a second.
         is_clock = isinstance(getattr(callback, "__self__", None), TimeSource)
         if is_clock:
             kwargs["callback_group"] = TakenByHand()
         subscription = super().create_subscription(msg_type, topic, callback, *args, **kwargs)
         if is_clock:
-            self._simulated_time = subscription
+            self._simulated_time = SimulatedTime(self, subscription)
+            self._sole_clock = SolePublisher(self, subscription, self._on_clocks)
         return subscription
 
     def get_clock(self) -> Any:
@@ -135,34 +138,26 @@ class CellNode(ParameterNode):
 
         A timer must not use it, as nobody sets it in between: `wall` is for timers.
         """
-        ticks = self._simulated_time
-        if ticks is not None:
-            with suppress(InvalidHandle), ticks.handle:  # it ends when `use_sim_time` is set to false
-                while (item := ticks.handle.take_message(ticks.msg_type, False)) is not None:
-                    ticks.callback(item[0])
+        if self._simulated_time is not None:
+            self._simulated_time.update()
         return super().get_clock()
 
-    def advertise(self, contract: Contract) -> Publisher:
-        """A publisher of the contract's topic."""
-        return self.create_publisher(contract.type, contract.name, contract.qos)
-
-    def listen(self, contract: Contract, callback: Callable[[Any], None], **kwargs: Any) -> Subscription:
-        """A subscription that drops, counts and reports a message its callback refuses."""
-        guarded = partial(self.guard, contract, callback)
-        return self.create_subscription(contract.type, contract.name, guarded, contract.qos, **kwargs)
-
-    def guard(self, contract: Contract, callback: Callable[[Any], None], message: Any) -> None:
-        """Pass a message on; drop, count and report it if `callback` refuses it by a PackError."""
-        try:
-            callback(message)
-        except PackError as error:
-            self.health.count(f"refused {contract.name}", str(error))
-            self.get_logger().warning(f"refused {contract.name}: {error}", throttle_duration_sec=1.0)
+    def _on_clocks(self, publishers: str) -> None:
+        """While there are two clocks no stamp can be trusted: whoever commands the arm stops."""
+        if not publishers:
+            self.health.faults.pop(shared.CLOCK.name, None)
+            return
+        trouble = f"a second simulator: {publishers}; end one of them"
+        self.health.faults[shared.CLOCK.name] = trouble
+        self.get_logger().error(trouble)
+        self.react_to_failure(trouble)
 
     def watch(self, peers: Iterable[str], on_change: Callable[[str, bool], None] | None = None) -> None:
         """Report peers that die; `on_change(peer, is_alive)` is called when one dies or comes (back)."""
         for peer in peers:
-            watch = PeerWatch(self, peer, partial(self._on_peer_change, on_change))
+            watch = PeerWatch(self, peer, partial(self._on_peer_change, on_change), self._on_peer_end)
+            if self._sole_clock is not None:
+                self._sole_clock.track(peer)
             self._watches.append(watch)
             if self._is_up:
                 watch.begin()
@@ -171,11 +166,25 @@ class CellNode(ParameterNode):
         """Whether a watched peer has been heard of, and not fallen silent since."""
         return any(watch.is_alive for watch in self._watches if watch.peer == peer)
 
+    def on_peer_end(self, peer: str) -> None:
+        """A process of a watched peer has ended, and what it knew is lost; called from another thread."""
+
+    def _on_peer_end(self, peer: str) -> None:
+        try:
+            if self._sole_clock is not None:
+                self._sole_clock.forget(peer)
+            self.on_peer_end(peer)
+        except Exception as error:
+            self.fail(f"watch over {peer}", error)
+
     def _on_peer_change(
         self, on_change: Callable[[str, bool], None] | None, peer: str, is_alive: bool
     ) -> None:
         if on_change:
-            on_change(peer, is_alive)
+            try:
+                on_change(peer, is_alive)
+            except Exception as error:  # also in the thread that watches, which must go on
+                self.fail(f"watch over {peer}", error)
         if is_alive:
             self.health.faults.pop(peer, None)
         else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -15,6 +16,7 @@ from pack_core.errors import PackError
 from pack_core.ros.arm_stops import ArmStops
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.contracts.shared import CLOCK
 from pack_core.ros.goal_refusal import refused_result
 from pack_core.ros.silent_peers import SilentPeers
 
@@ -37,8 +39,9 @@ class GoalNode(CellNode, ABC):
        turn of its work: it alone knows how to stop safely.
     4. When a watched peer has been silent for longer than `fault_time`, `on_lost_peers` is called until
        the goal has ended.
-    5. When the arm is stopped (`/arm/stop`), `on_arm_stop` is called once. A goal that is sent after a
-       stop releases the arm before it begins.
+    5. When the arm is stopped (`/arm/stop`), `on_arm_stop` is called once. The next goal releases the arm.
+    6. When a callback fails in a way that nobody foresaw, or a second simulator comes, the goal ends with
+       the reason, whatever its core believes (`give_up`).
 
     Args:
         name: of the node.
@@ -47,31 +50,39 @@ class GoalNode(CellNode, ABC):
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
         self.silent_peers = SilentPeers()
-        self._action: ActionServer | None = None
+        self._actions: list[ActionServer] = []
         self._goal: ServerGoalHandle | None = None
         self._goal_ended: Future | None = None
+        self._failure = ""
 
-    def take_goals(self, contract: Contract, watched: Iterable[str], fault_time: float) -> None:
+    def take_goals(
+        self, contract: Contract, watched: Iterable[str], fault_time: float, *others: Contract
+    ) -> None:
         """Open the action; the last thing that a subclass's constructor does.
 
         Args:
             contract: the action.
             watched: nodes that a goal needs.
             fault_time: silence of one of them that ends a goal [s of wall clock].
+            others: further actions; of all of them, one goal at a time is taken, and `refusal` and `pursue`
+                tell them apart by the type of the request.
         """
-        self._fault_time, self._result_type = fault_time, contract.type.Result
-        self._action = ActionServer(
-            self, contract.type, contract.name, self._execute,
-            goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
-        )  # fmt: skip
+        self._fault_time = fault_time
+        self._actions = [
+            ActionServer(
+                self, action.type, action.name, partial(self._execute, action.type.Result),
+                goal_callback=self._on_goal, cancel_callback=lambda _: CancelResponse.ACCEPT,
+            )
+            for action in (contract, *others)
+        ]  # fmt: skip
         self._arm_stops = ArmStops(self, self.on_arm_stop)
         self.watch(watched, self.on_peer)
         self.create_timer(CHECK_PERIOD, self._check_peers, clock=self.wall)
 
     def destroy_node(self) -> None:
         """Take no more goals, then end."""
-        if self._action is not None:
-            self._action.destroy()
+        for action in self._actions:
+            action.destroy()
         super().destroy_node()
 
     @property
@@ -94,6 +105,8 @@ class GoalNode(CellNode, ABC):
         """Wait, within `pursue`, until `end_goal` is called."""
         assert self._goal_ended is not None, "only for `pursue`"
         await self._goal_ended
+        if self._failure:
+            raise PackError(self._failure)
 
     def end_goal(self) -> None:
         """Let `until_goal_ends` return; may be called from any thread, and more than once."""
@@ -120,6 +133,18 @@ class GoalNode(CellNode, ABC):
     def on_arm_stop(self, reason: str) -> None:
         """End the goal in progress: the arm was stopped, and its driver refuses setpoints."""
 
+    @abstractmethod
+    def give_up(self) -> None:
+        """Forget the goal in progress and have the arm brake; the core is not asked, as it may be broken."""
+
+    def on_failure(self, reason: str) -> None:
+        """End the goal in progress with the reason."""
+        if self._goal is None or self._failure:
+            return
+        self._failure = reason
+        self.end_goal()
+        self.give_up()
+
     def on_peer(self, peer: str, is_alive: bool) -> None:
         """A watched peer fell silent or was heard of again; called from the executor or another thread."""
         self.silent_peers.note(peer, is_alive, time.monotonic())
@@ -129,9 +154,8 @@ class GoalNode(CellNode, ABC):
         return str(result.message)
 
     def _on_goal(self, _: Any) -> GoalResponse:
-        # Every goal is accepted, and told the reason in its result if it is refused.
         self._arm_stops.expect_goal()
-        return GoalResponse.ACCEPT
+        return GoalResponse.ACCEPT  # every goal: a refused one is told the reason in its result
 
     def _reason_to_refuse(self, request: Any) -> str:
         if self._goal is not None:
@@ -139,27 +163,32 @@ class GoalNode(CellNode, ABC):
         if self.silent_peers:
             return f"silent: {self.silent_peers}"
         try:
-            return self.refusal(request)
+            return self.health.faults.get(CLOCK.name) or self.refusal(request)
         except PackError as error:
             return str(error)
 
-    def _refuse(self, goal: ServerGoalHandle, reason: str) -> Any:
+    def _refuse(self, result_type: type[Any], goal: ServerGoalHandle, reason: str) -> Any:
         self.health.count("refused goal", reason)
         self.get_logger().warning(f"refused goal: {reason}")
         goal.abort()
-        return refused_result(self._result_type, reason)
+        return refused_result(result_type, reason)
 
-    async def _execute(self, goal: ServerGoalHandle) -> Any:
+    async def _execute(self, result_type: type[Any], goal: ServerGoalHandle) -> Any:
         # The executor runs this up to its first `await` without a break, so that of two goals one is taken.
         if reason := self._reason_to_refuse(goal.request):
-            return self._refuse(goal, reason)
-        self._goal, self._goal_ended = goal, Future(executor=self.executor)
+            return self._refuse(result_type, goal, reason)
+        self._goal, self._goal_ended, self._failure = goal, Future(executor=self.executor), ""
         self.tell_status()
         try:
             await self._arm_stops.release()
             result = await self.pursue(goal.request)
         except PackError as error:
-            result = self._result_type(success=False, message=str(error))
+            result = result_type(success=False, message=str(error))
+        except Exception as error:
+            self.fail("goal", error)
+            result = self._result_type(
+                success=False, message=f"the node failed: {error!r}; its log says more"
+            )
         finally:
             self._goal = None
         self.tell_status()

@@ -23,7 +23,7 @@ def to_trajectory(reference: JointReference, names: Sequence[str]) -> JointTraje
 
 
 def from_trajectory(message: JointTrajectory, names: Sequence[str]) -> JointReference:
-    """A reference as it came, for the joints `names`; the driver judges its size and limits.
+    """A reference with its columns in the order of `names`; the driver judges its size and limits.
 
     Raises:
         MessageError: other joints, no points, or rows of different length.
@@ -38,7 +38,7 @@ def to_setpoints(setpoints: Setpoints, names: Sequence[str]) -> JointTrajectory:
 
 
 def from_setpoints(message: JointTrajectory, names: Sequence[str]) -> Setpoints:
-    """Setpoints as they came, for the joints `names`; the driver judges their size and limits.
+    """Setpoints with their columns in the order of `names`; the driver judges their size and limits.
 
     Raises:
         MessageError: other joints, no points, or rows of different length.
@@ -56,9 +56,9 @@ def to_joint_state(sample: JointSample, names: Sequence[str]) -> JointState:
 
 
 def from_joint_state(message: JointState, names: Sequence[str]) -> JointSample:
-    """The measured joints in a message; MessageError unless they are exactly `names`, in this order."""
-    _check_names(message.name, names)
-    columns = [finite(values, f"joint {what}") for what, values in _joint_columns(message)]
+    """The measured joints in a message, in the order of `names`; MessageError unless it has exactly these."""
+    order = _order_of(message.name, names)
+    columns = [finite(values, f"joint {what}")[order] for what, values in _joint_columns(message)]
     return JointSample(from_stamp(message.header.stamp), *columns)
 
 
@@ -89,7 +89,7 @@ def _from_points(
     message: JointTrajectory, names: Sequence[str], third: str
 ) -> tuple[float, Array, Array, Array, Array]:
     """Time and offsets of a trajectory [s], with its positions, velocities and the field `third`."""
-    _check_names(message.joint_names, names)
+    order = _order_of(message.joint_names, names)
     rows = [
         (from_stamp(p.time_from_start), p.positions, p.velocities, getattr(p, third)) for p in message.points
     ]
@@ -100,10 +100,12 @@ def _from_points(
             f"a trajectory without points, or points of different length in positions, velocities or "
             f"{third}: {error}"
         ) from error
-    return from_stamp(message.header.stamp), offsets, q, v, x
+    columns = [column[:, order] if column.shape[1:] == (len(names),) else column for column in (q, v, x)]
+    return from_stamp(message.header.stamp), offsets, columns[0], columns[1], columns[2]
 
 
-def _check_names(given: Sequence[str], names: Sequence[str]) -> None:
-    # In any other order each value would go to another joint, so only the exact list will do.
-    if list(given) != list(names):
-        raise MessageError(f"joint names are {list(given)}; expected {list(names)}, in this order")
+def _order_of(given: Sequence[str], names: Sequence[str]) -> list[int]:
+    """Where each of `names` stands among the joints of a message, which may have any order."""
+    if sorted(given) != sorted(names):
+        raise MessageError(f"joint names are {list(given)}; expected each of {list(names)} once")
+    return [list(given).index(name) for name in names]

@@ -39,14 +39,22 @@ class PeerWatch:
         peer: name of the node that is watched.
         on_change: `on_change(peer, is_alive)`, called from the executor or another thread, and only when
             `is_alive` has changed; not before `begin`.
+        on_end: `on_end(peer)`, called from another thread, before `on_change`, whenever a process of the peer
+            on this machine has ended.
 
     Attributes:
         peer: who is watched.
     """
 
-    def __init__(self, node: Node, peer: str, on_change: Callable[[str, bool], None]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        peer: str,
+        on_change: Callable[[str, bool], None],
+        on_end: Callable[[str], None] = lambda _: None,
+    ) -> None:
         self.peer = peer
-        self._node, self._on_change = node, on_change
+        self._node, self._on_change, self._on_end = node, on_change, on_end
         self._is_alive: bool | None = None
         self._lock = threading.Lock()
         self._connection: WatchConnection | None = None
@@ -94,6 +102,7 @@ class PeerWatch:
                 self._change(True)
                 connection.wait_for_end()
                 if not self._ended.is_set():
+                    self._on_end(self.peer)
                     self._change(False)
             connection.close()
             self._ended.wait(CONNECT_PERIOD)

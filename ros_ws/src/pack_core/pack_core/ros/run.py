@@ -12,9 +12,13 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from pack_core.errors import PackError
+from pack_core.ros.cell_node import CellNode
 
 SWITCH_INTERVAL = 0.001
 """A thread that has to react waits this long for one that computes [s]; Python's default is 0.005."""
+
+ENDS = (ExternalShutdownException,)
+"""What an executor raises because the process is told to stop."""
 
 
 def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
@@ -37,7 +41,7 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
         gc.collect()
         gc.freeze()
         executor.add_node(node)
-        executor.spin()
+        _spin(executor, node)
     except PackError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -52,3 +56,16 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
             node.destroy_node()
         rclpy.try_shutdown()
     return 0
+
+
+def _spin(executor: SingleThreadedExecutor, node: Node) -> None:
+    """Run callbacks until the process is told to stop; once the node is up, no error ends it."""
+    while rclpy.ok():
+        try:
+            executor.spin_once()
+        except Exception as error:
+            # Before it is up, an error is about its configuration. Later ones come only from what has no
+            # guard of its own, such as the answer to a service's client.
+            if not isinstance(node, CellNode) or not node.is_up or isinstance(error, ENDS):
+                raise
+            node.fail("a callback", error)

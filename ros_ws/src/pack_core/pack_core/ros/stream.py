@@ -16,6 +16,10 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.guarded_node import GuardedNode
+
+PAUSE = 0.05
+"""After a turn that failed [s of wall clock], so that one that always fails does not take a whole core."""
 
 
 class TakenByHand(CallbackGroup):
@@ -99,16 +103,16 @@ class StreamWait:
 class NodeThread:
     """A thread of a node that takes one turn after the other until it is ended.
 
-    What a turn raises ends the node, as what a callback raises does: its executor raises it.
+    What a turn raises is counted and named, as what a callback raises is; the next turn comes a little later.
 
     Args:
-        node: whose executor is told of an error.
+        node: is told of an error.
         turn: is called again and again; it should return at least every 0.1 s.
         name: of the thread.
     """
 
-    def __init__(self, node: Node, turn: Callable[[], None], name: str) -> None:
-        self._node, self._turn = node, turn
+    def __init__(self, node: GuardedNode, turn: Callable[[], None], name: str) -> None:
+        self._node, self._turn, self._name = node, turn, name
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
@@ -119,21 +123,15 @@ class NodeThread:
         self._thread.join()
 
     def _run(self) -> None:
-        try:
-            while not self._ended.is_set() and self._node.context.ok():
+        while not self._ended.is_set() and self._node.context.ok():
+            try:
                 self._turn()
-        except Exception as error:
-            if self._node.context.ok() and not self._ended.is_set():
-                self._raise_in_executor(error)
-
-    def _raise_in_executor(self, error: Exception) -> None:
-        def fail() -> None:
-            raise error
-
-        executor = self._node.executor
-        if executor is None:
-            raise error
-        executor.create_task(fail)
+            except Exception as error:
+                if not self._ended.is_set():
+                    self._node.fail(self._name, error)
+                    self._ended.wait(PAUSE)
+            else:
+                self._node.failures.passed(self._name)
 
 
 class StreamReader(NodeThread):
@@ -147,7 +145,7 @@ class StreamReader(NodeThread):
     """
 
     def __init__(
-        self, node: Node, streams: Sequence[Stream], read: Callable[[], None], period: float
+        self, node: GuardedNode, streams: Sequence[Stream], read: Callable[[], None], period: float
     ) -> None:
         wait = StreamWait(node, streams)
 

@@ -15,7 +15,6 @@ from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.config import AT_ONCE, Config
-from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.robots.described_robot import DescribedRobot
 from pack_core.ros.cell_node import CellNode
@@ -25,10 +24,14 @@ from pack_sim.pacing import Pacer
 from pack_sim.ros.arm_brake import ArmBrake
 from pack_sim.ros.frame_publisher import FramePublisher
 from pack_sim.ros.pause import Pause
+from pack_sim.ros.setpoint_gate import SetpointGate
 
 Service = Callable[[Any, Any], Any]
 REPORT_PERIOD = 1.0
 """Time between two reports of the real-time factor [s of wall clock]."""
+
+FAILED_PAUSE = 0.1
+"""After a tick that failed [s of wall clock], before the next is tried."""
 
 
 class SimulatedCell(Protocol):
@@ -58,6 +61,10 @@ class Pacing(Config):
         le=100,
         description="simulated seconds a second; 1: real time, 0: as fast as it can",
     )
+    one_sender: Annotated[bool, AT_ONCE] = Field(
+        default=True,
+        description="while more than one node sends setpoints, refuse them all, and the arm brakes",
+    )
 
 
 class PhysicsNode(CellNode):
@@ -66,7 +73,7 @@ class PhysicsNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("sim", **kwargs)
         self.lock = threading.Lock()
-        self._stopped, self._is_abandoned = threading.Event(), False
+        self._stopped = threading.Event()
         self._factor = self.advertise(shared.REAL_TIME_FACTOR)
         self._thread: threading.Thread | None = None
 
@@ -112,13 +119,12 @@ class PhysicsNode(CellNode):
         """
         self._pause = Pause(self, self.lock)
         self._brake = ArmBrake(self, self.drop, lambda: self.simulator.joints(), self.lock)
-        self.listen(setpoints, self._on_setpoints)
+        self._gate = SetpointGate(self, setpoints, sender, self._brake, self.accept, self.drop, self.lock)
         group = ReentrantCallbackGroup()
         for contract, serve in services:
             self.create_service(contract.type, contract.name, serve, callback_group=group)
-        self.watch((sender,), self._on_sender)
         self._pacer = Pacer(factor)
-        self._thread = threading.Thread(target=self._run_until_shutdown, name="physics")
+        self._thread = threading.Thread(target=self._run, name="physics")
         self._thread.start()
 
     def change_pace(self, config: Pacing) -> None:
@@ -137,19 +143,18 @@ class PhysicsNode(CellNode):
         self.stop()
         super().destroy_node()
 
-    def _run_until_shutdown(self) -> None:
-        try:
-            self._run()
-        except Exception:
-            if self.context.ok():
-                raise
-
     def _run(self) -> None:
         pacer, reported = self._pacer, time.monotonic()
         while not self._stopped.is_set():
-            with self.lock:
-                # Looked at under the lock, so that no tick follows the answer that time stands.
-                simulated = None if self._pause.is_paused else self._tick()
+            try:
+                with self.lock:
+                    # Looked at under the lock, so that no tick follows the answer that time stands.
+                    simulated = None if self._pause.is_paused else self._tick()
+            except Exception as error:  # time stands, said on /diagnostics, until a reset mends the cell
+                self.fail("physics", error)
+                self._stopped.wait(FAILED_PAUSE)
+                continue
+            self.failures.passed("physics")
             if simulated is None:
                 self._pause.wait()
                 pacer.skip()
@@ -167,14 +172,5 @@ class PhysicsNode(CellNode):
         self._frames.step(self.simulator.model, self.simulator.data)
         return simulated
 
-    def _on_setpoints(self, message: JointTrajectory) -> None:
-        if self._is_abandoned:
-            raise MessageError("their sender has fallen silent since; the arm holds")
-        if self._brake.check():
-            self.accept(message)
-
-    def _on_sender(self, _: str, is_alive: bool) -> None:
-        self._is_abandoned = not is_alive
-        if self._is_abandoned:
-            with self.lock:
-                self.drop()
+    def on_peer_end(self, peer: str) -> None:
+        self._gate.note_end(peer)

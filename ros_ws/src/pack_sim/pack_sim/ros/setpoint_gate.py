@@ -1,0 +1,78 @@
+"""Lets setpoints through to the driver only from one living sender, and only while the arm is not stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from threading import Lock
+
+from trajectory_msgs.msg import JointTrajectory
+
+from pack_core.errors import MessageError
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.sole_publisher import SolePublisher
+from pack_sim.ros.arm_brake import ArmBrake
+
+PARAMETER = "one_sender"
+"""Of the simulator's node: whether setpoints are refused while more than one node sends them."""
+
+
+class SetpointGate:
+    """Listens to setpoints.
+
+    Args:
+        node: the driver's node; it has the parameter `one_sender`.
+        contract: of the setpoints.
+        sender: the node that sends them; when it falls silent the arm is held.
+        brake: knows whether the arm was stopped.
+        accept: hands setpoints to the driver; raises MessageError when they are refused.
+        drop: lets the driver forget its setpoints, under the lock.
+        lock: held while `drop` is called.
+    """
+
+    def __init__(
+        self, node: CellNode, contract: Contract, sender: str, brake: ArmBrake,
+        accept: Callable[[JointTrajectory], None], drop: Callable[[], None], lock: Lock,
+    ) -> None:  # fmt: skip
+        self._node, self._sender, self._brake = node, sender, brake
+        self._accept, self._drop, self._lock = accept, drop, lock
+        self._is_abandoned = False
+        subscription = node.listen(contract, self._on_setpoints)
+        self._publishers = SolePublisher(node, subscription, self._on_publishers)
+        self._publishers.track(sender)
+        node.watch((sender,), self._on_sender)
+
+    def note_end(self, peer: str) -> None:
+        """The process of a watched node has ended; any thread may say so."""
+        self._publishers.forget(peer)
+
+    def _on_setpoints(self, message: JointTrajectory) -> None:
+        if self._is_abandoned:
+            raise MessageError("their sender has fallen silent since; the arm holds")
+        if self._publishers.trouble and self._refuses_two:
+            raise MessageError(f"{self._publishers.trouble}; allowed: one sender (parameter {PARAMETER})")
+        if self._brake.check():
+            self._accept(message)
+
+    def _on_sender(self, _: str, is_alive: bool) -> None:
+        self._is_abandoned = not is_alive
+        if self._is_abandoned:
+            self._hold()
+
+    def _on_publishers(self, trouble: str) -> None:
+        """Name those that send setpoints when they are more than one, and have the arm brake."""
+        if not trouble:
+            self._node.health.faults.pop(PARAMETER, None)
+            return
+        self._node.health.faults[PARAMETER] = f"{trouble}; end all but one"
+        self._node.get_logger().error(self._node.health.faults[PARAMETER])
+        if self._refuses_two:
+            self._hold()
+
+    def _hold(self) -> None:
+        with self._lock:
+            self._drop()
+
+    @property
+    def _refuses_two(self) -> bool:
+        return bool(self._node.get_parameter(PARAMETER).value)
