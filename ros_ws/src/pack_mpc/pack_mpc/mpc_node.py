@@ -40,8 +40,7 @@ class MpcNodeConfig(SessionConfig):
 
     worker: WorkerConfig = WorkerConfig()
     watched: tuple[str, ...] = Field(
-        default=("sim", "perception", "planner", "recorder"),
-        description="the arm holds while one of them is silent",
+        default=("sim", "perception", "planner", "recorder"), description="the arm holds while one is silent"
     )
     fault_time: PositiveFloat = Field(default=1.0, description="silence that ends a goal [s of wall clock]")
 
@@ -129,6 +128,7 @@ class MpcNode(GoalNode):
             return None
         if plan is None or not self._send(session, plan):
             return None
+        self.failures.passed("iteration")
         self._status.publish(to_status(session, seen, plan))
         self.publish_feedback(to_feedback(session, seen, plan))
         return self._mailbox.time - seen.joints.time
@@ -167,9 +167,12 @@ class MpcNode(GoalNode):
     def on_arm_stop(self, reason: str) -> None:
         self._fail(reason)
 
+    def give_up(self) -> None:
+        if self._session is not None:
+            self._end(self._session)
+
     def _fail(self, reason: str) -> None:
-        session = self._session
-        if session is not None:
+        if (session := self._session) is not None:
             session.task.finish(PackingExitReason.FAULT, self._mailbox.time, reason)
             self._end(session)
 
@@ -181,14 +184,11 @@ class MpcNode(GoalNode):
                 self._end(session)
 
     def _on_error(self, error: Exception) -> None:
-        if not self.context.ok():
-            return
         if isinstance(error, PackError):
             self.health.count("skipped iteration", str(error))
             self.get_logger().warning(f"iteration skipped: {error}", throttle_duration_sec=1.0)
-        else:
-            self.health.count("failed iteration", str(error))
-            self.get_logger().error(f"iteration failed: {error!r}", throttle_duration_sec=1.0)
+        elif self.context.ok() and self.failures.note("iteration", error):
+            self.react_to_failure(f"every iteration fails: {error!r}")
 
 
 def _method_of(request: PackObject.Goal) -> PackingMethod:
