@@ -1,0 +1,158 @@
+"""A list of items that are to go on a pallet, without places: size, weight and quantity, from CSV or JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, field_validator
+
+from pack_core.config import Config
+from pack_core.errors import ConfigError, OrderError
+from pack_core.text.json_text import parse_json
+from pack_core.text.limits import MOST_BOXES, ArticleName
+from pack_core.text.reader import read_text
+from pack_core.text.shown import listed, shown_value
+
+Unit = Literal["m", "cm", "mm"]
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+COLUMNS = ("article", "length", "width", "height", "weight", "quantity", "this_side_up")
+YES, NO = ("yes", "true", "1"), ("no", "false", "0", "")
+
+
+class ListedItem(Config):
+    """A row of the list: boxes of one article.
+
+    Its edges are in the list's unit of length; `height` is upright where `this_side_up` is set.
+    """
+
+    article: ArticleName
+    length: float = Field(gt=0, allow_inf_nan=False)
+    width: float = Field(gt=0, allow_inf_nan=False)
+    height: float = Field(gt=0, allow_inf_nan=False)
+    weight: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] = Field(description="of one box [kg]")
+    quantity: int = Field(1, ge=1, le=MOST_BOXES)
+    this_side_up: bool = Field(False, description="whether its height must stay upright")
+
+    @field_validator("this_side_up", mode="before")
+    @classmethod
+    def _yes_or_no(cls, value: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        word = value.strip().lower()
+        if word not in YES + NO:
+            raise ValueError(f"yes or no (also {', '.join((*YES[1:], *NO[1:3]))})")
+        return word in YES
+
+
+class Item(Config):
+    """One box of the list.
+
+    Attributes:
+        id: name, once in the list: the article and a number.
+        article: what it is.
+        size: length, width and height [m], rounded to the millimetre.
+        weight: [kg].
+        this_side_up: whether its height must stay upright.
+    """
+
+    id: str
+    article: str
+    size: tuple[float, float, float]
+    weight: float
+    this_side_up: bool
+
+
+def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:
+    """Read a list of items from a file that ends with .csv or .json.
+
+    Args:
+        path: the file. CSV has a line with the names of the columns first; JSON is a list of objects with
+            the same names, or an object that has it as `items`.
+        unit: of all lengths in the file.
+
+    Raises:
+        OrderError: it cannot be read; the text has a line for every problem.
+    """
+    try:
+        text = read_text(path)
+        rows = _rows_of_json(text, path) if path.suffix.lower() == ".json" else _rows_of_csv(text, path)
+    except ConfigError as error:
+        raise OrderError(str(error)) from error
+    problems: list[str] = []
+    found: list[ListedItem] = []
+    for place, values in rows:
+        try:
+            found.append(ListedItem.model_validate(values))
+        except ValidationError as error:
+            problems += [_explained(f"{path}, {place}", item) for item in error.errors(include_url=False)]
+    if not problems and not found:
+        problems.append(f"{path}: no items; allowed: one or more, with {', '.join(COLUMNS[:5])}")
+    if problems:
+        raise OrderError(listed(problems))
+    items = tuple(_boxes(found, METRES[unit]))
+    if len(items) > MOST_BOXES:
+        raise OrderError(f"{path}: {len(items)} boxes; allowed: up to {MOST_BOXES} in an order")
+    return items
+
+
+def _boxes(rows: Iterable[ListedItem], metres: float) -> Iterable[Item]:
+    number = 0
+    for row in rows:
+        for _ in range(row.quantity):
+            number += 1
+            size = tuple(round(metres * edge, 3) for edge in (row.length, row.width, row.height))
+            yield Item(
+                id=f"{row.article}-{number}", article=row.article, size=size, weight=row.weight,
+                this_side_up=row.this_side_up,
+            )  # fmt: skip
+
+
+def _rows_of_csv(text: str, path: Path) -> list[tuple[str, dict[str, Any]]]:
+    try:
+        delimiter = csv.Sniffer().sniff(text.split("\n", 1)[0], ",;\t").delimiter
+    except csv.Error:
+        delimiter = ","
+    reader = csv.DictReader(io.StringIO(text), delimiter=delimiter, skipinitialspace=True)
+    names = [(name or "").strip() for name in reader.fieldnames or ()]
+    missing = [name for name in COLUMNS[:5] if name not in names]
+    if missing:
+        raise ConfigError(
+            f"{path}, line 1: no column {', '.join(missing)}; allowed: the first line names the columns "
+            f"{', '.join(COLUMNS)}, of which the last two may be left out"
+        )
+    reader.fieldnames = names
+    rows = []
+    try:
+        for row in reader:
+            if None in row:
+                raise ConfigError(
+                    f"{path}, line {reader.line_num}: more values than columns; allowed: {len(names)}"
+                )
+            # An empty cell counts as left out, so that a default is used or the column is named as missing.
+            rows.append((f"line {reader.line_num}", {key: value for key, value in row.items() if value}))
+    except csv.Error as error:
+        raise ConfigError(f"{path}, line {reader.line_num}: {error}") from error
+    return rows
+
+
+def _rows_of_json(text: str, path: Path) -> list[tuple[str, Any]]:
+    data = parse_json(text, str(path))
+    if isinstance(data, dict):
+        data = data.get("items")
+    if not isinstance(data, list):
+        raise ConfigError(f"{path}: allowed: a list of items, or an object that has one as `items`")
+    return [(f"item {place}", values) for place, values in enumerate(data, start=1)]
+
+
+def _explained(place: str, problem: Any) -> str:
+    key = ".".join(str(part) for part in problem["loc"])
+    if problem["type"] == "extra_forbidden":
+        return f"{place}: column '{key}' is not known; allowed: {', '.join(COLUMNS)}"
+    if problem["type"] == "missing":
+        return f"{place}: '{key}' is missing"
+    message = problem["msg"].removeprefix("Value error, ")
+    return f"{place}: '{key}' is {shown_value(problem['input'])}; allowed: {message}"
