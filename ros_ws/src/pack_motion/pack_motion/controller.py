@@ -21,6 +21,7 @@ from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.spheres import arm_spheres
 from pack_motion.target_planner import PreparedTarget, TargetPlanner
 from pack_motion.tracking.config import MotionSet
+from pack_motion.tracking.governor import Threat
 from pack_motion.tracking.obstacle_field import ObstacleField
 from pack_motion.tracking.pursuit import Pursuit, pursuit_of
 from pack_motion.tracking.tracker import PolicyInputs, Tracker
@@ -56,6 +57,7 @@ class MotionController:
         self._tracker = Tracker(self._arm, self._config, np.array(q, dtype=float))
         self._monitor = MoveMonitor(self._arm, self._config.stuck)
         self._moving: dict[str, Obstacle] = {}
+        self._observed = time
         standing = MotionTarget(0, Path((JointMove(self._tracker.state.q),)), is_checked=False)
         self._follow(standing, self._planner.plan(self._tracker.state, standing))
         self._monitor.stand()
@@ -148,9 +150,17 @@ class MotionController:
         self._monitor.resume(is_unfinished=left is not None)
         return left
 
-    def observe(self, obstacles: Iterable[Obstacle]) -> None:
-        """Set the moving obstacles; those of an earlier call that are not among them are removed."""
+    def observe(self, obstacles: Iterable[Obstacle], time: float | None = None) -> None:
+        """Set the moving obstacles; those of an earlier call that are not among them are removed.
+
+        Until the next call they are taken to go on at their velocities.
+
+        Args:
+            obstacles: the obstacles.
+            time: when they were where they are said to be [s]; None: now.
+        """
         self._moving = {item.name: item for item in obstacles}
+        self._observed = self._time if time is None else time
         self._refresh_field()
 
     def step(self, time: float, sample: JointSample) -> JointSetpoint:
@@ -170,9 +180,9 @@ class MotionController:
             )
         self._time = time
         pursuit, tracker = self._pursuit, self._tracker
-        before, after, posture = pursuit.advance(h, tracker.deviation, tracker.least_distance)
+        before, after, posture = pursuit.advance(h, tracker.deviation, self._threat())
         mode = pursuit.plan.segments[pursuit.segment].mode
-        if mode is not self._mode:
+        if mode is not self._mode or self._moving:
             self._mode = mode
             self._refresh_field()
         seen = PolicyInputs(self._config.policies(mode), self._spheres, self._field)
@@ -194,7 +204,14 @@ class MotionController:
         self._monitor.begin(target.id)
 
     def _refresh_field(self) -> None:
-        known = {item.name: item for item in self._target.obstacles} | self._moving
+        age = max(self._time - self._observed, 0.0)
+        moving = {name: item.after(age) for name, item in self._moving.items()}
+        known = {item.name: item for item in self._target.obstacles} | moving
         self._field: ObstacleField = ObstacleField.of(
             known.values(), self._config.policies(self._mode).collision
         )
+
+    def _threat(self) -> Threat:
+        """The nearest obstacle that the policies react to, as the governor sees it."""
+        is_blind = bool(self._moving) and self._time - self._observed > self._config.governor.blind
+        return Threat(self._tracker.least_distance, self._tracker.threat_speed, is_blind)

@@ -80,14 +80,14 @@ class MoveMonitor:
         if not self._is_pursuing:
             return
         is_reached = self.progress.reached_steps >= target.tolerance.steps
-        wrong = self._stuck.update(h, pursuit.rate, pursuit.is_over, is_reached)
+        wrong = self._stuck.update(h, pursuit.rate, pursuit.is_over, is_reached, pursuit.gives_way)
         if is_reached:
             self.state, self._reason = MotionState.REACHED, ""
         elif wrong:
             self.state, self._reason = MotionState.STUCK, self._explained(wrong, *near)
         else:
             self.state = MotionState.SETTLING if pursuit.is_over else MotionState.MOVING
-            self._reason = ""
+            self._reason = self._explained("gives way", *near) if pursuit.gives_way else ""
 
     def status(self, time: float, pursuit: Pursuit) -> MotionStatus:
         """State and progress of the move at `time` [s]."""

@@ -19,7 +19,7 @@ class StuckDetector:
         """Start to count for a new move."""
         self._waited = self._settled = 0.0
 
-    def update(self, h: float, rate: float, is_over: bool, is_reached: bool) -> str:
+    def update(self, h: float, rate: float, is_over: bool, is_reached: bool, gives_way: bool = False) -> str:
         """Why the move is stuck after a further step; empty when it is not.
 
         Args:
@@ -27,11 +27,13 @@ class StuckDetector:
             rate: rate at which the reference advances.
             is_over: whether the reference is at its end.
             is_reached: whether the tool is at its target.
+            gives_way: whether an obstacle that moves is in the way.
         """
         self._waited = self._waited + h if rate < STANDING and not is_over else 0.0
         self._settled = self._settled + h if is_over and not is_reached else 0.0
-        if self._waited > self._config.waiting:
+        longer = self._config.giving_way if gives_way else 0.0
+        if self._waited > max(self._config.waiting, longer):
             return f"held up for {self._waited:.1f} s"
-        if self._settled > self._config.settling:
+        if self._settled > max(self._config.settling, longer):
             return f"not at its target {self._settled:.1f} s after the end of the move"
         return ""

@@ -25,7 +25,7 @@ class BlendedConfig(Config):
     hover: Range = Field(default=(0.1, 1.0), description="straight down to a stop, shortest and longest [m]")
     step_back: Range = Field(default=(0.13, 0.40), description="from a box on table B [m]")
     speed: PositiveFloat = Field(default=1.0, description="on these lines, at most [m/s]")
-    acceleration: PositiveFloat = Field(default=1.5, description="on these lines [m/s^2]")
+    acceleration: PositiveFloat = Field(default=2.5, description="on these lines, at most [m/s^2]")
     slow_length: NonNegativeFloat = Field(
         default=0.1, description="from where the gripper acts, in which lines are slow [m]"
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -30,6 +30,10 @@ class Obstacle:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "size", _edges(self.size, self.name))
+
+    def after(self, time: float) -> Obstacle:
+        """The same body after `time` [s] at its velocity."""
+        return replace(self, X_WO=Pose(self.X_WO.p + time * self.v_WO_W, self.X_WO.q))
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import BoxContact, PalletizingCell
 from pack_core.palletizing.furniture import add_furniture
 from pack_core.palletizing.look import add_surroundings
+from pack_core.palletizing.visitors import Visitor
 from pack_core.robots.gears import Gears
 from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
 from pack_core.robots.surface_gripper import TOOL
@@ -28,6 +29,7 @@ def build_model(
     look: bool = False,
     X_WB: Pose | None = None,
     gears: Gears | None = None,
+    visitors: Sequence[Visitor] = (),
 ) -> mujoco.MjModel:
     """Compile the cell.
 
@@ -38,6 +40,7 @@ def build_model(
         look: whether shapes, textures and lights for pictures are added.
         X_WB: true pose of the arm's base; by default the nominal one.
         gears: elastic gears; by default rigid ones.
+        visitors: who comes near the arm; each is a mocap body and a geom of its name.
 
     Returns:
         The model. Arm joints and their motors carry the names of `LIMITS`, the tool is body `tool`; every
@@ -50,6 +53,8 @@ def build_model(
     flange = add_kr210(spec, X_WB or cell.arm.X_WB, look=look, gears=gears)
     cell.tool.add_to(flange, look=look)
     _add_motors(spec)
+    for visitor in visitors:
+        _add_visitor(spec, visitor)
     for box in boxes:
         add_box(spec, box)
     _set_contacts(spec, cell.contact)
@@ -69,6 +74,16 @@ def add_box(spec: mujoco.MjSpec, box: BoxBody) -> None:
     spec.add_equality(
         name=box.name, type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY, name1=TOOL,
         name2=box.name, active=False, solref=GRIP_SOLREF, solimp=GRIP_SOLIMP,
+    )  # fmt: skip
+
+
+def _add_visitor(spec: mujoco.MjSpec, visitor: Visitor) -> None:
+    """Add a capsule that is moved from outside and gives way to nothing."""
+    start = visitor.at(0.0).X_WV
+    body = spec.worldbody.add_body(name=visitor.name, mocap=True, pos=start.p, quat=start.q)
+    body.add_geom(
+        name=visitor.name, type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=(visitor.radius, visitor.length / 2, 0),
+        contype=1, conaffinity=1 | ARM_BITS, condim=3, rgba=(0.95, 0.45, 0.1, 0.8),
     )  # fmt: skip
 
 

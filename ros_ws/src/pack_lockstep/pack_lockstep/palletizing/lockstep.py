@@ -21,6 +21,7 @@ from pack_core.palletizing.calibration import CellCalibration
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.visitors import Visitor
 from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.driven_arm import DrivenArm
 from pack_lockstep.palletizing.box_finder import BoxFinder, BoxFinderConfig, open_box_finder
@@ -29,6 +30,7 @@ from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
+from pack_sim.palletizing.visitor_sensor import VisitorSensor, VisitorSensorConfig
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ports import (
@@ -54,6 +56,8 @@ class PalletLockstepConfig(Config):
     sight: BoxFinderConfig = BoxFinderConfig()
     simulator: PalletSimulatorConfig = PalletSimulatorConfig()
     palletizer: PalletizerConfig = PalletizerConfig()
+    visitors: tuple[Visitor, ...] = Field(default=(), description="who comes near the arm")
+    sensor: VisitorSensorConfig = VisitorSensorConfig()
 
 
 @dataclass(frozen=True)
@@ -89,7 +93,10 @@ class PalletLockstep:
         known = cell if calibration is None else calibration.applied(cell)
         assumed = None if calibration is None else calibration.gears
         self._cell, self._config = known, config
-        self.simulator = PalletSimulator(cell, config.simulator, seed, assumed=assumed)
+        self.simulator = PalletSimulator(
+            cell, config.simulator, seed, assumed=assumed, visitors=config.visitors
+        )
+        self._sensor = VisitorSensor(config.visitors, config.sensor, cell.arm.X_WB.p, seed)
         arm, q = load_arm("palletizing"), np.array(cell.arm.home)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
         self.palletizer = Palletizer(order, plan, known, config.palletizer, self.simulator.time)
@@ -150,4 +157,7 @@ class PalletLockstep:
 
     def _advance(self) -> None:
         self._log.note(self._arm.q_des)
+        seen = self._sensor.observe(self.simulator.time)
+        if seen is not None:
+            self.motion.observe(seen.obstacles, seen.time)
         self._arm.advance()

@@ -16,6 +16,7 @@ from pack_evaluation.palletizing.run import (
     StateVisit,
     ToolTrack,
     UnwantedTouch,
+    VisitorTrack,
 )
 from pack_evaluation.palletizing.tool_track import tool_track
 from pack_sim.palletizing.simulator import PalletSimulator
@@ -39,6 +40,7 @@ class PalletRunLog:
         self._joints: list[tuple[Array, Array, Array]] = []
         self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
         self._peaks: dict[str, GripLoad] = {}
+        self._visitors: dict[str, list[tuple[float, float, float]]] = {}
 
     def note(self, q_ref: Array) -> None:
         """Record the present state; `q_ref` `(n,)` [rad] are the joint positions of the present setpoint."""
@@ -51,6 +53,8 @@ class PalletRunLog:
             truth = simulator.truth()
             for name, state in truth.objects.items():
                 self._boxes.setdefault(name, []).append((truth.time, state.X_WO.p, state.X_WO.q))
+            for name, (distance, speed) in simulator.visitor_distances().items():
+                self._visitors.setdefault(name, []).append((truth.time, distance, speed))
 
     def run(self, seed: int, report: OrderReport) -> PalletRun:
         """The record of a run that has ended."""
@@ -67,6 +71,7 @@ class PalletRunLog:
             tuple(UnwantedTouch(e.time, e.bodies, e.force) for e in self._simulator.contacts.events),
             report.cycle_times(),
             {name: (load.coaxial, load.shear, load.moment) for name, load in self._peaks.items()},
+            visitors={name: VisitorTrack(*np.array(rows).T) for name, rows in self._visitors.items()},
         )  # fmt: skip
 
     def _tool(self) -> ToolTrack:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,9 @@ from pack_motion.reference.trajectory import ReferenceTrajectory, grid
 
 LARGEST_STEP = 0.5
 """Largest step of a joint between rows [rad]; a larger one is a change of branch or a singular wrist."""
+
+SOFTENINGS = 3
+"""How often accelerations are lowered, stretch by stretch, before the run is slowed as a whole."""
 
 LARGEST_SLOWING = 20.0
 """Largest factor by which lines may be slowed to keep the joint limits; beyond it the move is refused."""
@@ -39,10 +42,16 @@ def line_run(
         MoveRefused: the lines leave the arm's reach, a joint's range or the branch of the inverse
             kinematics, or pass too near to a singular posture.
     """
-    speeds = border_speeds([stretch.portion for stretch in run], entry_speed)
-    times, rates, points, segments = _timed(run, speeds)
-    q = _joint_positions(arm, points, q_start, branch)
-    v, a = _joint_rates(arm, q, points, rates)
+    for _ in range(SOFTENINGS + 1):
+        speeds = border_speeds([stretch.portion for stretch in run], entry_speed)
+        times, rates, points, owners = _timed(run, speeds)
+        q = _joint_positions(arm, points, q_start, branch)
+        v, a = _joint_rates(arm, q, points, rates)
+        excess = np.abs(a / limits.acceleration).max(axis=1)
+        if excess.max() <= 1.0:
+            break
+        run = _softened(run, owners, excess)
+    segments = np.array([stretch.segment for stretch in run])[owners]
     slow = _slowing(v, a, limits)
     if not slow < LARGEST_SLOWING:  # written so that nan is refused too
         raise MoveRefused(
@@ -51,11 +60,21 @@ def line_run(
     return ReferenceTrajectory(slow * times, q, v / slow, a / slow**2, segments)
 
 
+def _softened(run: Sequence[Stretch], owners: npt.NDArray[np.int64], excess: Array) -> list[Stretch]:
+    """The same stretches, with lower accelerations where a joint's acceleration is exceeded by a factor."""
+    softened = []
+    for i, stretch in enumerate(run):
+        factor = max(float(excess[owners == i].max(initial=0.0)), 1.0)
+        portion = replace(stretch.portion, acceleration=stretch.portion.acceleration / factor)
+        softened.append(replace(stretch, portion=portion))
+    return softened
+
+
 def _timed(
     run: Sequence[Stretch], speeds: Sequence[float]
 ) -> tuple[Array, Array, CurvePoints, npt.NDArray[np.int64]]:
-    """Times, speed and acceleration along the curve `(T, 2)`, curve points and segments of all rows."""
-    times, rates, points, segments, elapsed = [], [], [], [], 0.0
+    """Of all rows: times, speed and acceleration on the curve `(T, 2)`, curve points, index of stretch."""
+    times, rates, points, owners, elapsed = [], [], [], [], 0.0
     for i, stretch in enumerate(run):
         profile = portion_profile(stretch.portion, speeds[i], speeds[i + 1])
         rows = grid(profile.duration)[bool(i) :]  # from the second stretch on, row 0 is the last one's end
@@ -63,9 +82,9 @@ def _timed(
         times.append(elapsed + rows)
         rates.append(states[:, 1:])
         points.append(stretch.curve.at(np.clip(states[:, 0], 0.0, stretch.portion.length)))
-        segments.append(np.full(len(rows), stretch.segment))
+        owners.append(np.full(len(rows), i))
         elapsed += profile.duration
-    return np.concatenate(times), np.concatenate(rates), _joined(points), np.concatenate(segments)
+    return np.concatenate(times), np.concatenate(rates), _joined(points), np.concatenate(owners)
 
 
 def _joined(points: Sequence[CurvePoints]) -> CurvePoints:

@@ -41,12 +41,16 @@ class Governor(Config):
     avoid_speed: PositiveFloat = Field(description="of the tool, where it is pushed aside [m/s]")
     avoid_distance: PositiveFloat = Field(description="from an obstacle, where that speed is reached [m]")
     avoid_deceleration: PositiveFloat = Field(description="on the way to that speed [m/s^2]")
+    stop_distance: PositiveFloat = Field(description="from an obstacle that moves, where it stands [m]")
+    reaction: PositiveFloat = Field(description="for which an obstacle goes on while it stops [s]")
+    blind: PositiveFloat = Field(description="age of the newest observation at which it stands [s]")
 
 
 class Stuck(Config):
     """When a move counts as stuck."""
 
     waiting: PositiveFloat = Field(description="time that the reference may stand still [s]")
+    giving_way: PositiveFloat = Field(description="the same, while an obstacle that moves is near [s]")
     settling: PositiveFloat = Field(description="time from the reference's end to the target [s]")
 
 

@@ -2,12 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from pack_core.kinematics.chain import SerialChain
 from pack_core.rotations import Array
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import Governor
+
+MOVES = 0.05
+"""Obstacles that are faster than this are given way to; slower ones are driven around [m/s]."""
+MAY_GO_ON = 5.0
+"""An obstacle that has stopped for less than this may go on, and is waited for [s]."""
+
+
+@dataclass(frozen=True)
+class Threat:
+    """The obstacle nearest to the arm.
+
+    Attributes:
+        distance: from it to the arm and what it carries [m]; infinite where there is none.
+        speed: of the obstacle [m/s].
+        is_blind: whether obstacles were seen, and nothing has been heard of them for too long.
+    """
+
+    distance: float = np.inf
+    speed: float = 0.0
+    is_blind: bool = False
 
 
 class RateGovernor:
@@ -22,29 +44,45 @@ class RateGovernor:
     def __init__(self, config: Governor, chain: SerialChain, acceleration: Array) -> None:
         self._config, self._chain, self._acceleration = config, chain, acceleration
         self.rate = 1.0
+        self.gives_way = False
+        """Whether the reference is slow, or stands, for an obstacle that moves or has just stopped."""
+        self._still = np.inf
 
-    def update(self, planned: JointState, deviation: float, distance: float, h: float) -> float:
+    def update(self, planned: JointState, deviation: float, threat: Threat, h: float) -> float:
         """The rate after a step.
 
         Args:
             planned: the present state of the reference, at rate 1.
             deviation: distance of the tool from the reference [m].
-            distance: smallest distance to an obstacle that the policies react to [m]; infinite if none.
+            threat: the nearest obstacle that the policies react to.
             h: duration of the step [s].
         """
         c = self._config
         # Falls linearly from 1 where the tool is `near` its reference to 0 where it is `far` from it.
         wished = min(max((c.far - deviation) / (c.far - c.near), 0.0), 1.0)
-        if np.isfinite(distance):
-            wished = min(wished, self._allowed_speed(distance) / max(self._tool_speed(planned), 1e-6))
+        self._still = 0.0 if threat.speed > MOVES else self._still + h
+        if threat.is_blind:
+            wished = 0.0
+        elif np.isfinite(threat.distance):
+            wished = min(wished, self._allowed_speed(threat) / max(self._tool_speed(planned), 1e-6))
+        is_near = threat.distance < c.stop_distance + c.reaction * max(threat.speed, 1.0)
+        self.gives_way = threat.is_blind or (is_near and self._still < MAY_GO_ON)
         slowest, fastest = self._changes(planned)
         self.rate = min(max(self.rate + min(max(wished - self.rate, h * slowest), h * fastest), 0.0), 1.0)
         return self.rate
 
-    def _allowed_speed(self, distance: float) -> float:
-        """Speed of the tool [m/s] from which it can brake to `avoid_speed` at `avoid_distance`."""
+    def _allowed_speed(self, threat: Threat) -> float:
+        """Speed of the tool [m/s] from which it can brake in time.
+
+        For an obstacle that moves, it must come to rest before they are nearer than `stop_distance`, though
+        the obstacle goes on for `reaction`: the separation of ISO/TS 15066, 5.5.4. For one that stands, it
+        must brake to `avoid_speed` at `avoid_distance`, at which the policies lead it around.
+        """
         c = self._config
-        room = max(distance - c.avoid_distance, 0.0)
+        if threat.speed > MOVES:
+            room = max(threat.distance - c.stop_distance - c.reaction * threat.speed, 0.0)
+            return float(np.sqrt(2.0 * c.avoid_deceleration * room))
+        room = max(threat.distance - c.avoid_distance, 0.0)
         # v^2 = v_0^2 + 2 a s
         return float(np.sqrt(c.avoid_speed**2 + 2.0 * c.avoid_deceleration * room))
 

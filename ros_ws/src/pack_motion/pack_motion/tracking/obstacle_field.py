@@ -25,6 +25,11 @@ class ObstacleField:
     names: tuple[str, ...]
     boxes: ObstacleBoxes
 
+    @property
+    def fastest(self) -> float:
+        """Speed of the fastest obstacle [m/s]; 0 where there is none."""
+        return float(np.linalg.norm(self.boxes.v, axis=1).max(initial=0.0))
+
     @classmethod
     def of(cls, obstacles: Iterable[Obstacle], policy: Collision) -> ObstacleField:
         """The obstacles for which the policy has a radius above 0; it ignores the others."""

@@ -11,7 +11,7 @@ from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import MotionSet, Reference
-from pack_motion.tracking.governor import RateGovernor
+from pack_motion.tracking.governor import RateGovernor, Threat
 
 
 class Pursuit(ABC):
@@ -25,18 +25,23 @@ class Pursuit(ABC):
 
     @abstractmethod
     def advance(
-        self, h: float, deviation: float, distance: float
+        self, h: float, deviation: float, threat: Threat
     ) -> tuple[JointState, JointState, Array | None]:
         """The reference before and after a step, and the posture that attracts the joints.
 
         Args:
             h: duration of the step [s].
             deviation: distance of the tool from the reference [m].
-            distance: smallest distance to an obstacle that the policies react to [m].
+            threat: the nearest obstacle that the policies react to.
 
         Returns:
             Both states of the reference, and the posture `(n,)` [rad]; None means that of the reference.
         """
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether the reference is held up by an obstacle that moves."""
+        return False
 
     @property
     @abstractmethod
@@ -59,11 +64,11 @@ class ShapedPursuit(Pursuit):
         self._planned = self._state = plan.trajectory.start
 
     def advance(
-        self, h: float, deviation: float, distance: float
+        self, h: float, deviation: float, threat: Threat
     ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
         before, rate = self._state, self.rate
-        self.rate = self._governor.update(self._planned, deviation, distance, h)
+        self.rate = self._governor.update(self._planned, deviation, threat, h)
         self._time = min(self._time + 0.5 * h * (rate + self.rate), self.plan.trajectory.duration)
         planned, self.segment = self.plan.trajectory.at(self._time)
         # Chain rule for t = r times the clock: v scales with the rate r, a with r^2. The change of the rate
@@ -71,6 +76,11 @@ class ShapedPursuit(Pursuit):
         self._planned = planned
         self._state = JointState(planned.q, self.rate * planned.v, self.rate**2 * planned.a)
         return before, self._state, None
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether the reference is held up by an obstacle that moves."""
+        return self._governor.gives_way
 
     @property
     def remaining(self) -> float:
@@ -93,7 +103,7 @@ class StaticPursuit(Pursuit):
         self._index, self._home, self._is_new, self._is_over = 0, q_home, True, False
 
     def advance(
-        self, h: float, deviation: float, distance: float
+        self, h: float, deviation: float, threat: Threat
     ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
         if not self._is_new and deviation < self.NEAR:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 
@@ -9,6 +11,7 @@ from pack_core.errors import PackError
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.model import build_model
+from pack_core.palletizing.visitors import Visitor
 from pack_core.robots.kr210 import LIMITS, gear_joint
 from pack_core.rotations import Array, Pose
 
@@ -24,14 +27,19 @@ class Physics:
         timestep: time step of the integrator [s].
         X_WB: true pose of the arm's base.
         time: what the clock shows at the start [s].
+        visitors: who comes near the arm.
 
     Attributes:
         motors: the motors' coordinates in qpos and qvel; the arm comes first in the model.
         gears: the gears' deflections in qpos and qvel; empty when they are rigid.
     """
 
-    def __init__(self, cell: PalletizingCell, timestep: float, X_WB: Pose, time: float) -> None:
+    def __init__(
+        self, cell: PalletizingCell, timestep: float, X_WB: Pose, time: float,
+        visitors: Sequence[Visitor] = (),
+    ) -> None:  # fmt: skip
         self._cell, self._timestep, self._X_WB = cell, timestep, X_WB
+        self.visitors = tuple(visitors)
         self._arm = list(LIMITS.names)
         self.motors, self.gears = slice(0, 6), slice(0, 0)
         if cell.imperfections.gears is not None:
@@ -41,8 +49,15 @@ class Physics:
         self.boxes: dict[str, BoxBody] = {}
         self.model, self.data = self._build()
         self.data.time = time
+        self.move_visitors()
         self.data.qpos[self.motors] = cell.arm.home
         mujoco.mj_forward(self.model, self.data)
+
+    def move_visitors(self) -> None:
+        """Put every visitor where it is at the present time."""
+        for visitor in self.visitors:
+            now, i = visitor.at(float(self.data.time)).X_WV, self.model.body(visitor.name).mocapid[0]
+            self.data.mocap_pos[i], self.data.mocap_quat[i] = now.p, now.q
 
     def add(self, box: BoxBody, X_WB: Pose) -> None:
         """Put a box into the cell, at rest.
@@ -84,7 +99,7 @@ class Physics:
     def _build(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
         model = build_model(
             self._cell, list(self.boxes.values()), timestep=self._timestep, X_WB=self._X_WB,
-            gears=self._cell.imperfections.gears,
+            gears=self._cell.imperfections.gears, visitors=self.visitors,
         )  # fmt: skip
         return model, mujoco.MjData(model)
 
@@ -93,6 +108,7 @@ class Physics:
         old_model, old = self.model, self.data
         self.model, self.data = model, data = self._build()
         data.time, data.ctrl[:] = old.time, old.ctrl
+        self.move_visitors()
         # The solver's warm start is copied too: without it the step after a rebuild would differ.
         for name in (*self._arm, *(name for name in self.boxes if _has(old_model, name))):
             now, was = model.joint(name), old_model.joint(name)
