@@ -9,7 +9,7 @@ a new 3D bin packing problem with deep reinforcement learning method", 2017.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +19,10 @@ from pack_core.config import Config
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
 from pack_core.palletizing.orders.support import SupportConfig, support_of
-from pack_core.palletizing.orders.turn_choice import PRICE, TurnChoice, turns_of
+from pack_core.palletizing.orders.turn_choice import PRICE, TurnChoice
 from pack_core.rotations import Array
+
+Turns = Mapping[str, Sequence[TurnChoice]]
 
 
 class PackerConfig(Config):
@@ -72,12 +74,14 @@ class Packing:
 
 
 def pack_in_sequence(
-    items: Sequence[Item], area: tuple[float, float], config: PackerConfig, *, by_height: bool = False
-) -> Packing:
+    items: Sequence[Item], turns: Turns, area: tuple[float, float], config: PackerConfig, *,
+    by_height: bool = False,
+) -> Packing:  # fmt: skip
     """Pack items in the given sequence; where one stands does not depend on those after it.
 
     Args:
         items: the items in the sequence of their arrival.
+        turns: the turns that each item may be given, by its id.
         area: length and width of the area that may be covered [m].
         config: parameters.
         by_height: take the lowest place rather than the one with the least surface.
@@ -85,22 +89,19 @@ def pack_in_sequence(
     packed: list[PackedItem] = []
     left: list[Item] = []
     for item in items:
-        best = _best(item, [entry.placed for entry in packed], area, config, by_height=by_height)
+        stack = [entry.placed for entry in packed]
+        best = _best(item, turns[item.id], stack, area, config, by_height=by_height)
         left.append(item) if best is None else packed.append(best)
     return Packing(tuple(packed), tuple(left))
 
 
 def _best(
-    item: Item,
-    stack: Sequence[PlacedBox],
-    area: tuple[float, float],
-    config: PackerConfig,
-    *,
-    by_height: bool,
+    item: Item, turns: Sequence[TurnChoice], stack: Sequence[PlacedBox], area: tuple[float, float],
+    config: PackerConfig, *, by_height: bool,
 ) -> PackedItem | None:  # fmt: skip
     """The best stable place of an item; None where there is none."""
     ranked: list[tuple[tuple[float, ...], TurnChoice, Array]] = []
-    for turn in turns_of(item.size, this_side_up=item.this_side_up):
+    for turn in turns:
         size = np.array(turn.extents)
         for p in _places(size, stack, area, config):
             ranked.append((_cost(p, size, turn, stack, config, by_height=by_height), turn, p))

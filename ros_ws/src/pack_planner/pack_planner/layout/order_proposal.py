@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import combinations
+from itertools import combinations_with_replacement
 
 import numpy as np
 from pydantic import Field, NonNegativeInt, PositiveInt
 
 from pack_core.config import Config
+from pack_core.errors import OrderError
 from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.cell_check import misfits_of
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.order import Order
-from pack_planner.layout.online_packer import PackedItem, PackerConfig, Packing, pack_in_sequence
+from pack_core.palletizing.orders.turn_choice import TurnChoice, turns_of
+from pack_core.text.shown import listed
+from pack_planner.layout.online_packer import PackedItem, PackerConfig, Packing, Turns, pack_in_sequence
 
 Rule = Callable[[Item], tuple[float, ...]]
 
@@ -24,6 +28,7 @@ class ProposalConfig(Config):
     areas: PositiveInt = Field(12, description="sizes of the covered area that are tried")
     shuffles: NonNegativeInt = Field(4, description="random sequences that are tried")
     seed: NonNegativeInt = Field(0, description="of these")
+    may_sort: bool = Field(True, description="whether boxes may come in another sequence than the list's")
 
 
 SEQUENCES: dict[str, Rule] = {
@@ -35,48 +40,72 @@ SEQUENCES: dict[str, Rule] = {
 """Sequences in which items are packed, besides the given one and random ones."""
 
 
-def packings_of(
-    items: Sequence[Item], pallet: tuple[float, float], config: ProposalConfig
-) -> Iterator[Packing]:
-    """Packings of all items on a pallet of some length and width [m], as they are found.
+def possible_turns(items: Sequence[Item], cell: PalletizingCell) -> Turns:
+    """For each item the turns in which the cell's gripper can hold it, the cheapest first.
 
-    The given sequence comes first, as boxes that arrive one by one allow no other.
+    Raises:
+        OrderError: an item cannot be held in any; the text has the reasons for each of them.
     """
-    for area in _areas(items, pallet, config):
+    found: dict[str, list[TurnChoice]] = {}
+    problems: list[str] = []
+    for item in items:
+        refusals: list[str] = []
+        found[item.id] = []
+        for turn in turns_of(item.size, this_side_up=item.this_side_up):
+            why = misfits_of(_order([_box(item, turn, [0.0, 0.0, 0.0])], "one box", cell), cell)
+            refusals += why
+            if not why:
+                found[item.id].append(turn)
+        if not found[item.id]:
+            problems += dict.fromkeys(refusals)
+    if problems:
+        raise OrderError(listed(problems))
+    return found
+
+
+def packings_of(items: Sequence[Item], cell: PalletizingCell, config: ProposalConfig) -> Iterator[Packing]:
+    """Packings on the cell's pallet, complete or not, as they are found."""
+    turns = possible_turns(items, cell)
+    for area in _areas(items, cell.pallet.size, config):
         for sequence in _sequences(items, config):
             for by_height in (True, False):
-                packing = pack_in_sequence(sequence, area, config.packer, by_height=by_height)
-                if not packing.left:
-                    yield packing
+                yield pack_in_sequence(sequence, turns, area, config.packer, by_height=by_height)
 
 
-def order_of(packing: Packing, name: str, cell: PalletizingCell, *, article: str = "") -> Order:
+def order_of(packing: Packing, name: str, cell: PalletizingCell) -> Order:
     """The order of a packing, its stack in the middle of the pallet's deck."""
-    pallet = cell.pallet
-    free = np.array(pallet.size) - packing.extents[:2]
+    free = np.array(cell.pallet.size) - packing.extents[:2]
     lower = np.min([entry.placed.lower for entry in packing.packed], axis=0)[:2]
     shift = np.array([*np.round(0.5 * free - lower, 3), 0.0])
+    return _order([_placed(entry, shift) for entry in packing.packed], name, cell)
+
+
+def _order(boxes: list[dict[str, object]], name: str, cell: PalletizingCell) -> Order:
+    pallet = cell.pallet
     return Order.model_validate({
         "order_id": name,
         "pallet": {"length": pallet.size[0], "width": pallet.size[1], "deck_height": pallet.deck_height},
         "placement_planner": "extreme points, least surface area",
-        "boxes": [_box(entry, shift) for entry in packing.packed],
-        "note": article,
+        "boxes": boxes,
     })  # fmt: skip
 
 
-def _box(entry: PackedItem, shift: np.ndarray) -> dict[str, object]:
-    position = np.round(entry.placed.lower + shift, 4).tolist()
+def _placed(entry: PackedItem, shift: np.ndarray) -> dict[str, object]:
+    return _box(entry.item, entry.turn, np.round(entry.placed.lower + shift, 4).tolist())
+
+
+def _box(item: Item, turn: TurnChoice, position: list[float]) -> dict[str, object]:
     return {
-        "id": entry.item.id, "article": entry.item.article, "weight": entry.item.weight,
-        "dims": sorted(entry.item.size, reverse=True), "orient_id": entry.turn.orient_id,
-        "bundling_axis": entry.turn.bundling_axis, "position": position,
-        "this_side_up": entry.item.this_side_up,
+        "id": item.id, "article": item.article, "dims": sorted(item.size, reverse=True),
+        "weight": item.weight, "orient_id": turn.orient_id, "bundling_axis": turn.bundling_axis,
+        "position": position, "this_side_up": item.this_side_up,
     }  # fmt: skip
 
 
 def _sequences(items: Sequence[Item], config: ProposalConfig) -> Iterator[list[Item]]:
     yield list(items)
+    if not config.may_sort:
+        return
     for rule in SEQUENCES.values():
         yield sorted(items, key=rule)
     rng = np.random.default_rng(config.seed)
@@ -89,14 +118,16 @@ def _areas(
 ) -> list[tuple[float, float]]:
     """Sizes of the area that is covered: the whole pallet, and smaller ones that edges of boxes add up to.
 
-    An area is worth trying if the stack on it is neither higher than allowed nor lower than a box.
+    A smaller area is worth trying if the items, packed without any waste, would reach at least the height of
+    the thickest of them on it, and not more than nine tenths of the allowed height.
     """
     gap, volume = config.packer.gap, sum(float(np.prod(item.size)) for item in items)
     edges = sorted({edge for item in items for edge in item.size})
     sums = {
         round(sum(some) + gap * (len(some) - 1), 4)
         for n in (1, 2, 3)
-        for some in combinations([edge for edge in edges for _ in range(n)], n)
+        for some in combinations_with_replacement(edges, n)
+        if sum(some) <= max(pallet)
     }
     thinnest = max(min(item.size) for item in items)
     tried = [
@@ -106,7 +137,7 @@ def _areas(
         if length <= pallet[0] and width <= pallet[1]
         and thinnest <= volume / (length * width) <= 0.9 * config.packer.highest
     ]  # fmt: skip
-    # Compact stacks first: the least surface of a box with this base and the items' volume.
+    # Compact stacks first: the least surface that a box of this base and the items' volume can have.
     tried.sort(key=lambda area: area[0] * area[1] + (area[0] + area[1]) * volume / (area[0] * area[1]))
     step = max(len(tried) // config.areas, 1)
     return [*tried[: step * config.areas : step], pallet]

@@ -50,6 +50,23 @@ def parse_order(
     Raises:
         OrderError: the order cannot be read or built; the text has a line for every problem.
     """
+    order = order_as_written(text, source)
+    if problems := reasons_against(order, config or SupportConfig(), cell):
+        raise OrderError(listed([f"{source}: {problem}" for problem in problems]))
+    return order
+
+
+def reasons_against(order: Order, config: SupportConfig, cell: PalletizingCell | None) -> list[str]:
+    """Every reason why an order cannot be built, by this cell where one is given; empty where it can."""
+    return [*problems_of(order, config), *([] if cell is None else misfits_of(order, cell))]
+
+
+def order_as_written(text: str, source: str) -> Order:
+    """An order whose keys and values are allowed, whether or not it can be built.
+
+    Raises:
+        OrderError: a key or value is not allowed; the text has a line for every problem.
+    """
     try:
         data = parse_json(text, source)
     except ConfigError as error:
@@ -59,15 +76,11 @@ def parse_order(
             f"{source}: holds a {type(data).__name__}; allowed: an object with order_id, pallet and boxes"
         )
     try:
-        order = Order.model_validate(data)
+        return Order.model_validate(data)
     except ValidationError as error:
         lines = Lines(text)
         problems = [_explain(item, data, source, lines) for item in error.errors(include_url=False)]
         raise OrderError(listed(problems)) from error
-    misfits = [] if cell is None else misfits_of(order, cell)
-    if problems := [*problems_of(order, config or SupportConfig()), *misfits]:
-        raise OrderError(listed([f"{source}: {problem}" for problem in problems]))
-    return order
 
 
 def _explain(item: Any, data: dict[str, Any], source: str, lines: Lines) -> str:

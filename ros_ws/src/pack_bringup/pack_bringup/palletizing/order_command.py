@@ -1,0 +1,132 @@
+"""`pack order`: check orders, and make them from lists of items."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pack_bringup.cli.terminal import notice, show_table
+
+if TYPE_CHECKING:
+    from pack_core.palletizing.orders.item_list import Unit
+    from pack_lockstep.palletizing.proposal import Proposal
+
+app = typer.Typer()
+order_app = typer.Typer(no_args_is_help=True, help="Check orders, and make them from lists of items.")
+app.add_typer(order_app, name="order")
+
+Pictures = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for pictures.")]
+
+
+@order_app.command()
+def check(
+    order: Annotated[Path, typer.Argument(metavar="FILE", help="An order file, e.g. of config/orders.")],
+    output: Pictures = Path("bags/orders"),
+) -> None:
+    """Say whether the cell can build an order, with every reason if not, and draw it.
+
+    Checked are keys and values, overlaps and support, the gripper's limits, the layout with gaps, and, in
+    physics, whether the finished stack stands when it is pushed with 0.2 g along each side. Boxes that
+    something is wrong with are red in the picture. The exit code is 0 if there is no reason against it.
+
+    - `pack order check config/orders/order_03.json`
+    - `pack order check config/orders/stress/order_01.json --output /tmp/orders`
+    """
+    from pack_core.errors import ConfigError, OrderError
+    from pack_core.palletizing.cell import palletizing_cell
+    from pack_core.palletizing.orders.order_file import order_as_written
+    from pack_core.text.reader import read_text
+    from pack_evaluation.palletizing.layout_drawing import write_pictures
+    from pack_evaluation.palletizing.order_drawing import draw_order
+    from pack_lockstep.node_parameters import load_parameters
+    from pack_lockstep.palletizing.proposal import judge
+    from pack_planner.layout.layout_planner import LayoutConfig
+
+    try:
+        given = order_as_written(read_text(order), str(order))
+    except ConfigError as error:
+        raise OrderError(str(error)) from error
+    reasons, plan, hold_mm = judge(
+        given, palletizing_cell(), load_parameters("palletizing/layout", LayoutConfig)
+    )
+    output.mkdir(parents=True, exist_ok=True)
+    picture = output / f"{order.stem}_check.png"
+    draw_order(given, reasons).savefig(picture, dpi=110)
+    for reason in reasons:
+        notice(f"{order}: {reason}", typer.colors.RED)
+    if hold_mm is not None:
+        typer.echo(f"largest shift of a box under 0.2 g: {hold_mm:.1f} mm")
+    pictures = [picture, *(write_pictures(given, plan, output)[:1] if plan is not None else [])]
+    for path in pictures:
+        typer.echo(str(path))
+    if reasons:
+        raise typer.Exit(1)
+    notice(f"{order}: {len(given.boxes)} boxes, can be built", typer.colors.GREEN)
+
+
+@order_app.command(name="import")
+def import_items(
+    items: Annotated[Path, typer.Argument(metavar="FILE", help="A list of items, .csv or .json.")],
+    name: Annotated[str, typer.Option(help="Id of the order. Default: the list's file name.")] = "",
+    unit: Annotated[str, typer.Option(help="Unit of all lengths in the list: m, cm or mm.")] = "m",
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for orders and pictures.")
+    ] = Path("bags/orders"),
+    sort: Annotated[
+        bool,
+        typer.Option(
+            "--sort/--as-listed",
+            help="Let boxes arrive in whatever sequence packs best, or in that of the list.",
+        ),
+    ] = True,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the random sequences that are tried.")] = 0,
+) -> None:
+    """Make an order, or as many as are needed, from a list of items: sizes, weights, quantities.
+
+    The columns are article, length, width, height, weight [kg], and, if wanted, quantity and this_side_up
+    (yes: the height stays upright). JSON is a list of objects with the same names. Every order that is
+    written passes `pack order check`.
+
+    - `pack order import items.csv --unit mm`
+    - `pack order import items.json --name my-order --as-listed --output /tmp/orders`
+    """
+    from rich.console import Console
+    from typer import BadParameter
+
+    from pack_core.palletizing.cell import palletizing_cell
+    from pack_core.palletizing.orders.item_list import METRES, load_items
+    from pack_evaluation.palletizing.order_drawing import draw_order
+    from pack_lockstep.node_parameters import load_parameters
+    from pack_lockstep.palletizing.proposal import propose
+    from pack_planner.layout.layout_planner import LayoutConfig
+    from pack_planner.layout.order_proposal import ProposalConfig
+
+    if unit not in METRES:
+        raise BadParameter(f"{unit}; allowed: {', '.join(METRES)}", param_hint="--unit")
+    listed_unit: Unit = unit  # type: ignore[assignment]  # one of the three, as was just checked
+    boxes = load_items(items, listed_unit)
+    layout = load_parameters("palletizing/layout", LayoutConfig)
+    config = ProposalConfig(seed=seed, may_sort=sort)
+    with Console(stderr=True).status(f"{len(boxes)} boxes") as line:
+        found = propose(boxes, name or items.stem, palletizing_cell(), config, layout, line.update)
+    output.mkdir(parents=True, exist_ok=True)
+    for proposal in found:
+        path = output / f"{proposal.order.order_id}.json"
+        path.write_text(proposal.order.model_dump_json(indent=1, exclude_none=True) + "\n")
+        draw_order(proposal.order, []).savefig(path.with_suffix(".png"), dpi=110)
+    _show(found, output)
+
+
+def _show(found: list[Proposal], output: Path) -> None:
+    rows = [
+        (
+            str(output / f"{item.order.order_id}.json"), str(len(item.order.boxes)), f"{item.fill:.0%}",
+            f"{max(float(box.upper[2]) for box in item.order.placed):.2f} m",
+            str(sum(box.turn.handling == "table" for box in item.order.boxes)), f"{item.hold_mm:.1f} mm",
+        )
+        for item in found
+    ]  # fmt: skip
+    head = ("order", "boxes", "volume used", "height", "stood up", "shift under 0.2 g")
+    show_table(head, rows, note="volume used: of the box around the stack, all its layers")
