@@ -20,12 +20,15 @@ from pack_bringup.cli.terminal import notice
 from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrides
 from pack_bringup.graph.node_log import Tee
 from pack_bringup.graph.processes import ProcessGroup
+from pack_bringup.graph.restarts import Restarts
 from pack_bringup.graph.running import check_domain_is_free
 from pack_bringup.recording.record import Record
 from pack_core.config import merged
 from pack_core.paths import bags_path
 
 app = typer.Typer()
+RESTART_PERIOD = 0.2
+"""Time between two looks whether a node has died [s of wall clock]."""
 
 
 @app.command()
@@ -55,13 +58,16 @@ def up(
     host: Host = HOST,
     token: Token = "",
     foxglove: Foxglove = False,
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Start a node again that dies; the goal it worked on is lost.")
+    ] = False,
 ) -> None:
     """Start the nodes of a cell, each a process of its own, until Ctrl-C.
 
     Log lines carry the node's name. Once every node has said that it is ready, it says so, and what to do
     next. A node that fails before that ends all of them, with its reason and the log (exit code 2). One that
-    dies later is named; the others stay up, and the exit code is 1. A ROS domain in which another cell runs
-    is refused, with one that is free.
+    dies later is named; the others stay up, and the exit code is 1. With --restart it is started again. A ROS
+    domain in which another cell runs is refused, with one that is free.
 
     - `pack up packing`
     - `pack up packing --set sim.seed=3 --set sim.real_time_factor=0.5`
@@ -70,6 +76,7 @@ def up(
     - `pack up packing --only sim --only perception --domain 7`
     - `pack up packing --live`, to watch and operate the cell in the browser (docs/viewing.md)
     - `pack up packing --foxglove`, for Foxglove and Lichtblick (docs/rviz_and_foxglove.md)
+    - `pack up packing --restart`, for a cell that is left alone
     - `pack up packing --network eth0`, for nodes on other machines
     """
     graph = load_graph(cell)
@@ -92,15 +99,16 @@ def up(
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _as_ctrl_c)
     next_step = f"ready: `pack goal {cell}{domain_words(domain)}` sends a goal, Ctrl-C ends the cell"
-    died = _run(commands, environment, names, _log_file(cell), next_step)
+    died = _run(commands, environment, names, _log_file(cell), next_step, with_restarts=restart)
     if died:
         notice(f"died before the end: {', '.join(died)}", typer.colors.RED, is_error=True)
         raise typer.Exit(1)
 
 
 def _run(
-    commands: dict[str, list[str]], environment: dict[str, str], names: list[str], log: Path, next_step: str
-) -> dict[str, int]:
+    commands: dict[str, list[str]], environment: dict[str, str], names: list[str], log: Path, next_step: str,
+    *, with_restarts: bool,
+) -> dict[str, int]:  # fmt: skip
     """Run the processes until Ctrl-C or until all have ended; exit codes of those that did by themselves."""
     from pack_bringup.ros.status_listener import StatusListener
 
@@ -114,12 +122,22 @@ def _run(
                     wait_until_ready(group, listener, names, log, typer.echo)
                 notice(next_step, typer.colors.GREEN)
                 try:
-                    group.wait()
+                    _wait(group, with_restarts)
                 finally:
                     died = group.exit_codes
     except KeyboardInterrupt:
         typer.echo("stopped")
     return died
+
+
+def _wait(group: ProcessGroup, with_restarts: bool) -> None:
+    """Return when all processes have ended; those that die meanwhile are started again if wished."""
+    if not with_restarts:
+        group.wait()
+        return
+    restarts = Restarts(group, lambda text: notice(text, typer.colors.YELLOW))
+    while not group.wait(RESTART_PERIOD):
+        restarts.look()
 
 
 def _log_file(cell: str) -> Path:

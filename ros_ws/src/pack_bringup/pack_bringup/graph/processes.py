@@ -39,11 +39,9 @@ class ProcessGroup:
         self._changed = Condition()
         self._pids: dict[str, int] = {}
         self._exit_codes: dict[str, int] = {}
-        env = {**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})}
-        self._processes = {
-            name: Process(_shell_command(command), name=name, colour=colour, env=env)
-            for (name, command), colour in zip(commands.items(), get_colours(), strict=False)
-        }
+        self._env = {**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})}
+        self._commands, self._colours = dict(commands), dict(zip(commands, get_colours(), strict=False))
+        self._processes = {name: self._prepare(name) for name in commands}
 
     def __enter__(self) -> Self:
         self.start()
@@ -75,10 +73,32 @@ class ProcessGroup:
         """Start every process, and return once all have one; to be called in the main thread."""
         _pass_on_no_ignored_ctrl_c()
         Thread(target=self._relay, daemon=True).start()
-        for process in self._processes.values():
-            Thread(target=process.run, args=(self._events,), daemon=True).start()
+        for name in self._processes:
+            self._begin(name)
         with self._changed:
             self._changed.wait_for(lambda: len(self._pids) == len(self._processes))
+
+    def restart(self, name: str, command: Sequence[str] | None = None) -> None:
+        """Start a process that has ended once more, and return once it has a process id.
+
+        Args:
+            name: of the process.
+            command: another command than before; None: the same.
+
+        Raises:
+            PackError: it still runs, or there is none of this name.
+        """
+        before = self.pid(name)
+        if name in self.running:
+            raise PackError(f"process '{name}' still runs; only one that has ended can be started again")
+        if command is not None:
+            self._commands[name] = command
+        with self._changed:
+            self._exit_codes.pop(name)
+        self._processes[name] = self._prepare(name)
+        self._begin(name)
+        with self._changed:
+            self._changed.wait_for(lambda: self._pids[name] != before)
 
     def wait(self, timeout: float | None = None, *, count: int | None = None) -> bool:
         """Wait until `count` processes (all, if not given) have ended; False if `timeout` [s] came first."""
@@ -98,11 +118,18 @@ class ProcessGroup:
             for name in self.running:
                 self.signal(name, number)
             if self.wait(grace):
-                return
+                break
+        self._events.put(None)
+
+    def _prepare(self, name: str) -> Process:
+        command = _shell_command(self._commands[name])
+        return Process(command, name=name, colour=self._colours.get(name), env=self._env)
+
+    def _begin(self, name: str) -> None:
+        Thread(target=self._processes[name].run, args=(self._events,), daemon=True).start()
 
     def _relay(self) -> None:
-        while len(self._exit_codes) < len(self._processes):
-            message = self._events.get()
+        while (message := self._events.get()) is not None:
             if message.type == "line":
                 self._printer.write(message)
                 continue
