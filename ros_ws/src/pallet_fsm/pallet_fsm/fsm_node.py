@@ -11,7 +11,8 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from pack_core.errors import ConfigError, PackError
-from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.calibration import known_cell
+from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
 from pack_core.ros.contracts import motion
@@ -41,6 +42,10 @@ class PalletFsmNodeConfig(PalletizerConfig):
         description="the order stops safely when one of them stays silent",
     )
     fault_time: float = Field(default=2.0, gt=0, description="silence that ends an order [s of wall clock]")
+    preset: str = Field(
+        default="rigid", description="what the cell is like, see config/cells/palletizing.yaml"
+    )
+    calibration: str = Field(default="", description="calibration file of the cell; empty: none")
 
 
 class PalletFsmNode(GoalNode):
@@ -78,9 +83,12 @@ class PalletFsmNode(GoalNode):
     async def pursue(self, request: Palletize.Goal) -> Palletize.Result:
         """Build the order's pallet; nothing moves before the order and its layout were checked."""
         try:
-            order = requested_order(request, palletizing_cell())
+            known = known_cell(self._config.preset, self._config.calibration)
+            order = requested_order(request, known.cell)
             config = requested_config(request, self._config)
-            return await self._build(order, await self._plan(order), config)
+            plan = await self._plan(order)
+            known.check_gap(plan.gap)
+            return await self._build(order, plan, known.cell, config)
         finally:
             self._planning = self._run = None
 
@@ -95,11 +103,13 @@ class PalletFsmNode(GoalNode):
             raise ConfigError(f"order {order.order_id}: {response.message}")
         return from_layout(response)
 
-    async def _build(self, order: Order, plan: LayoutPlan, config: PalletizerConfig) -> Palletize.Result:
+    async def _build(
+        self, order: Order, plan: LayoutPlan, cell: PalletizingCell, config: PalletizerConfig
+    ) -> Palletize.Result:
         seen = self._observer.newest
         assert seen is not None
-        self._goals.publish(goal_markers(places(plan)))
-        session = Palletizer(order, plan, palletizing_cell(), config, seen.time)
+        self._goals.publish(goal_markers(places(plan, cell)))
+        session = Palletizer(order, plan, cell, config, seen.time)
         self._observer.spawned = ""  # the last order's last box may have had the name of this one's first
         self._run = run = OrderRun(self, session, self._client.apply, self._teller)
         await self.until_goal_ends()

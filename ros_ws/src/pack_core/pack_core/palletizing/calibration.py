@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
-from pydantic import Field, NonNegativeFloat
+from pydantic import NonNegativeFloat
 
 from pack_core.camera import LensDistortion
 from pack_core.config import Config, load_config
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.errors import ConfigError
+from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.displacement import Displacement
 from pack_core.robots.gears import GearCompensation
 
@@ -69,9 +71,8 @@ class CellCalibration(Config):
     reorientation_table: Displacement
     pallet: Displacement
     gears: GearCompensation
-    predicted: PlacingError = Field(
-        description="what boxes placed with this calibration are expected to have"
-    )
+    predicted: PlacingError
+    """What boxes that are placed with this calibration are expected to have."""
     simulated_s: NonNegativeFloat
     """Time that the calibration took [s]."""
     estimates: tuple[Estimate, ...]
@@ -97,3 +98,40 @@ class CellCalibration(Config):
 def load_calibration(path: Path) -> CellCalibration:
     """Read a calibration file; raises ConfigError."""
     return load_config(CellCalibration, path)
+
+
+@dataclass(frozen=True)
+class KnownCell:
+    """The cell as its nodes know it, and the calibration that they know it by, if there is one."""
+
+    cell: PalletizingCell
+    calibration: CellCalibration | None
+
+    def check_gap(self, gap: float) -> None:
+        """Refuse gaps between boxes that are too narrow for how well the cell is known [m].
+
+        Raises:
+            ConfigError: the preset asks for a calibration, there is none, and the gap is too narrow.
+        """
+        needed = self.cell.imperfections.uncalibrated_gap
+        if self.calibration is None and gap < needed:
+            raise ConfigError(
+                f"the cell is not calibrated: under preset '{self.cell.preset}' boxes may stand centimetres "
+                "from their places. Calibrate it (pack calibrate palletizing) and give the file, or leave "
+                f"gaps of {1e3 * needed:.0f} mm between boxes (layout.separator.gap is {1e3 * gap:.1f} mm)"
+            )
+
+
+def known_cell(preset: str, calibration: str) -> KnownCell:
+    """The cell under a preset, by a calibration file; an empty name stands for none.
+
+    Raises:
+        ConfigError: there is no such preset, the file cannot be read, or it is of another preset.
+    """
+    cell = palletizing_cell(preset)
+    if not calibration:
+        return KnownCell(cell, None)
+    found = load_calibration(Path(calibration))
+    if found.preset != preset:
+        raise ConfigError(f"{calibration}: made under preset '{found.preset}', and this cell has '{preset}'")
+    return KnownCell(found.applied(cell), found)

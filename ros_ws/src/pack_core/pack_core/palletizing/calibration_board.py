@@ -13,8 +13,8 @@ from pack_core.rotations import Array
 
 FAMILY = cv2.aruco.DICT_5X5_100
 FACE_PIXELS = 2100
-"""Side of the pictures of the faces; a cube texture's are square, whatever the face's sides are. With this number
-squares have whole numbers of pixels, 140 by 200."""
+"""Side of the pictures of the faces; a cube texture's are square, whatever the face's sides are. With this
+number squares have whole numbers of pixels, 140 by 200."""
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ class DeflectionModel:
         return np.asarray(self._data.qfrc_inverse - ARMATURE * a)
 
     def lead(self, q: Array, v: Array, a: Array) -> Array:
-        """Angles `(6,)` [rad] by which the motors lead the links: tau / k, and half the play of a loaded gear."""
+        """Angles `(6,)` [rad] by which the motors lead the links: tau / k, and half a loaded gear's play."""
         tau = self.torque(q, v, a)
         return self.lead_under(tau)
 

@@ -49,7 +49,7 @@ class CellView:
         *,
         shadows: bool = True,
         X_WB: Pose | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._model = build_model(cell, look=True, X_WB=X_WB)
         self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
         self._data = mujoco.MjData(self._model)

@@ -25,7 +25,7 @@ class Gears(Config):
     stiffness_error: Annotated[float, Field(gt=-1.0)]
     """Relative error of the stiffness that the controller assumes when it compensates the deflection."""
     reports_links: bool = False
-    """Whether the controller subtracts the deflection that it assumes from the motors' angles that it reports."""
+    """Whether the controller reports the motors' angles less the deflection that it assumes."""
 
     @property
     def assumed(self) -> GearCompensation:
@@ -43,5 +43,5 @@ class GearCompensation(Config):
     backlash_deg: NonNegativeFloat = 0.0
     """Full play that is compensated in the direction of the load [deg]."""
     full_load: PositiveFloat = 0.02
-    """Load above which a gear is taken to lie at one side of its play, as a share of the published effort; the
-    compensation fades in up to there."""
+    """Load above which a gear is taken to lie at one side of its play, as a share of the published effort;
+    the compensation fades in up to there."""

@@ -12,7 +12,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from pack_core.camera import PinholeCamera
 from pack_core.errors import MessageError
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
-from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.calibration import known_cell
 from pack_core.ros.camera_messages import from_camera_info, from_image
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
@@ -22,12 +22,15 @@ from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig
 from pack_perception.boxes.ros.debug_publisher import DebugPublisher
+from pack_perception.boxes.table_camera import TableCamera
 
 
 class VisionNodeConfig(VisionConfig):
     """Parameters of the node `vision`."""
 
     pictures: str = Field("", description="folder for the debug images of every detection; empty: none")
+    preset: str = Field("rigid", description="what the cell is like, see config/cells/palletizing.yaml")
+    calibration: str = Field("", description="calibration file of the cell; empty: none")
 
 
 class BoxVisionNode(CellNode):
@@ -36,9 +39,10 @@ class BoxVisionNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("vision", **kwargs)
         self._config = read_parameters(self, VisionNodeConfig)
-        self._cell = palletizing_cell()
+        self._known = known_cell(self._config.preset, self._config.calibration)
         self._vision = BoxVision(self._config)
         self._camera: PinholeCamera | None = None
+        self._table: TableCamera | None = None
         self._expected: ExpectedBox | None = None
         self._image: Image | None = None
         self._detection = self.advertise(contracts.BOX_DETECTION)
@@ -49,7 +53,12 @@ class BoxVisionNode(CellNode):
         self.watch(("sim", "fsm"))
 
     def _on_camera_info(self, message: CameraInfo) -> None:
-        self._camera = from_camera_info(message, self._cell.overhead_camera.X_WC)
+        camera = from_camera_info(message, self._known.cell.overhead_camera.X_WC)
+        if self._known.calibration is not None:  # it knows the intrinsics better than the camera's data sheet
+            camera = self._known.cell.overhead_camera.scaled(message.width)
+        before = self._camera
+        if before is None or (before.f, before.c, before.width) != (camera.f, camera.c, camera.width):
+            self._camera, self._table = camera, TableCamera(self._known.cell, self._vision, camera)
         self._answer()
 
     def _on_expected_box(self, message: ExpectedBoxMsg) -> None:
@@ -62,8 +71,8 @@ class BoxVisionNode(CellNode):
 
     def _answer(self) -> None:
         """Detect in the last picture, once picture, intrinsics and expected box have come in any sequence."""
-        message, camera, box = self._image, self._camera, self._expected
-        if message is None or camera is None or box is None:
+        message, camera, table, box = self._image, self._camera, self._table, self._expected
+        if message is None or camera is None or table is None or box is None:
             return
         time = from_stamp(message.header.stamp)
         if time < box.time:
@@ -73,7 +82,7 @@ class BoxVisionNode(CellNode):
         if (camera.width, camera.height) != (message.width, message.height):
             size = f"{camera.width} x {camera.height}"
             raise MessageError(f"picture of {message.width} x {message.height} but intrinsics of {size}")
-        sighting = self._vision.detect(picture, camera, box, self._cell.picking_table.height, time)
+        sighting = table.detect(picture, box, time)
         self._detection.publish(to_detection(sighting.detection))
         self._debug.publish(time, sighting.images)
         self._note(sighting.detection)

@@ -1,4 +1,4 @@
-"""The overhead camera as box vision takes it: its pictures undistorted, and seen from the table's own frame."""
+"""The overhead camera as box vision takes it: its pictures undistorted, seen from the table's own frame."""
 
 from __future__ import annotations
 

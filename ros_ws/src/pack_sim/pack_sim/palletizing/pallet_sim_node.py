@@ -10,6 +10,7 @@ from std_srvs.srv import Trigger
 
 from pack_core.errors import PackError
 from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.frames import fixed_frames
 from pack_core.palletizing.robot_description import describe_robot
@@ -31,6 +32,9 @@ class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
     preset: str = Field(
         default="rigid", description="what the arm is like, see config/cells/palletizing.yaml"
     )
+    calibration: str = Field(
+        default="", description="calibration file; the driver compensates the gears as it says. Empty: none"
+    )
     camera: PalletCameraConfig = PalletCameraConfig()
 
 
@@ -41,11 +45,13 @@ class PalletSimNode(MotionSimNode):
         super().__init__(LIMITS.names, **kwargs)
         self._config = read_parameters(self, PalletSimNodeConfig, self.change_pace)
         self._cell = palletizing_cell(self._config.preset)
+        known = known_cell(self._config.preset, self._config.calibration).calibration
+        self._assumed = None if known is None else known.gears
         self._publisher = CellPublisher(self, self._config.timestep)
-        self._simulator = PalletSimulator(self._cell, self._config, self._config.seed)
+        self._simulator = self._new_simulator(self._config.seed)
         self._publisher.publish_boxes(self._simulator.boxes)
-        self._camera = PalletCameraPublisher(self, self._cell, self._config.camera)
-        self.show(describe_robot(self._cell)).fix(fixed_frames(self._cell))
+        self._camera = PalletCameraPublisher(self, self._simulator, self._config.camera)
+        self.show(describe_robot(self._cell)).fix(fixed_frames(self._simulator.cell))
         services = (
             (contracts.GRIPPER_COMMAND, self._command_gripper),
             (contracts.SPAWN_BOX, self._spawn),
@@ -94,9 +100,16 @@ class PalletSimNode(MotionSimNode):
     def _reset(self, request: ResetCell.Request, response: ResetCell.Response) -> ResetCell.Response:
         with self.lock:
             time = self._simulator.time
-            self._simulator = PalletSimulator(self._cell, self._config, request.seed, time)
+            self._simulator = self._new_simulator(request.seed, time)
             self.release()
         return self._after_change(response)
+
+    def _new_simulator(self, seed: int, time: float = 0.0) -> PalletSimulator:
+        """A simulator for a seed; a real cell stays the one that was calibrated, whatever arrives in it."""
+        errors_of = None if self._cell.imperfections.camera is None else self._config.seed
+        return PalletSimulator(
+            self._cell, self._config, seed, time, assumed=self._assumed, errors_of=errors_of
+        )
 
     def _after_change(self, response: Any) -> Any:
         response.success = not response.message

@@ -52,18 +52,22 @@ class PalletSimulator:
         seed: seed of the random poses at which boxes arrive, and of all errors of a real cell.
         time: what the clock shows at the start [s].
         assumed: what the driver assumes of the arm's gears; by default what the preset says.
+        errors_of: seed of the errors of a real cell; by default `seed`.
         visitors: who comes near the arm.
 
     Attributes:
         cell: the cell as it truly is; no part of a control loop may use it.
+        nominal: the cell as it is configured.
     """
 
     def __init__(
         self, cell: PalletizingCell, config: PalletSimulatorConfig, seed: int = 0, time: float = 0.0,
         assumed: GearCompensation | None = None, visitors: Sequence[Visitor] = (),
+        errors_of: int | None = None,
     ) -> None:  # fmt: skip
-        self.cell, self.config, self._seed = true_cell(cell, seed), config, seed
-        self._X_WB = true_base(cell, seed)
+        wrong = seed if errors_of is None else errors_of
+        self.cell, self.config, self._seed = true_cell(cell, wrong), config, seed
+        self.nominal, self._X_WB = cell, true_base(cell, wrong)
         self._physics = Physics(self.cell, config.timestep, self._X_WB, time, visitors)
         self._load = CarriedLoad(cell)
         gears = cell.imperfections.gears

@@ -10,7 +10,7 @@ from pack_core.palletizing.displacement import Displacement
 from pack_core.palletizing.imperfections import CameraErrors, PoseError
 
 FURNITURE, CAMERA = 2, 3
-"""Streams of random numbers beside that of the arm's base, so that each error is the same whatever else is off."""
+"""Streams of random numbers beside that of the arm's base: each error is the same whatever else is off."""
 
 
 def true_cell(cell: PalletizingCell, seed: int) -> PalletizingCell:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.view import Picture
 from pack_core.ros.camera_messages import to_camera_info, to_image
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
 from pack_sim.camera_thread import CameraThread
-from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
+from pack_sim.palletizing.overhead_camera import PalletCameraConfig, camera_of
+from pack_sim.palletizing.simulator import PalletSimulator
 from pack_sim.palletizing.snapshot import Snapshot
 
 FRAME = "overhead_camera"
@@ -19,13 +19,13 @@ class PalletCameraPublisher:
 
     Args:
         node: the node that publishes.
-        cell: the cell's facts, with the pose of the camera.
+        simulator: the cell that the camera sees; intrinsics are published as the data sheet has them.
         config: size of the pictures.
     """
 
-    def __init__(self, node: CellNode, cell: PalletizingCell, config: PalletCameraConfig) -> None:
-        overhead = PalletCamera(cell, config)
-        self._node, self._camera = node, overhead.camera
+    def __init__(self, node: CellNode, simulator: PalletSimulator, config: PalletCameraConfig) -> None:
+        overhead = simulator.open_camera(config)
+        self._node, self._camera = node, camera_of(simulator.nominal, config)
         self._image = node.advertise(contracts.IMAGE)
         self._info = node.advertise(contracts.CAMERA_INFO)
         self._thread = CameraThread(overhead, self._publish, self._report)
