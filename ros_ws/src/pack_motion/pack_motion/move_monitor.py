@@ -87,7 +87,8 @@ class MoveMonitor:
             self.state, self._reason = MotionState.STUCK, self._explained(wrong, *near)
         else:
             self.state = MotionState.SETTLING if pursuit.is_over else MotionState.MOVING
-            self._reason = self._explained("gives way", *near) if pursuit.gives_way else ""
+            is_slowed = pursuit.gives_way and pursuit.rate < 1.0
+            self._reason = self._explained("gives way", *near) if is_slowed else ""
 
     def status(self, time: float, pursuit: Pursuit) -> MotionStatus:
         """State and progress of the move at `time` [s]."""

@@ -41,6 +41,12 @@ def benchmark(
             help="Find boxes in rendered pictures, or (--no-vision) take true poses with added noise."
         ),
     ] = True,
+    visitors: Annotated[
+        str,
+        typer.Option(
+            help="Who comes near the arm: a file of config/visitors, or `random` ones, drawn from each seed."
+        ),
+    ] = "",
     jobs: Jobs = 1,
     ray: Ray = None,
     output: Output = None,
@@ -56,12 +62,13 @@ def benchmark(
     - `pack benchmark palletizing --order config/orders/order_03.json`
     - `pack benchmark palletizing --orders config/orders --json summary.json`
     - `pack benchmark palletizing --profile thesis --no-vision`
+    - `pack benchmark palletizing --visitors random --no-vision --seeds 2`
     """
     from pack_core.paths import config_path
     from pack_lockstep.palletizing.benchmark import PalletBenchmark, order_files, order_jobs
     from pack_lockstep.palletizing.settings import set_up
 
-    setup = set_up(profile=profile, motion=motion, preset=preset, vision=vision)
+    setup = set_up(profile=profile, motion=motion, preset=preset, vision=vision, visitors=visitors)
     wanted = order_jobs(
         list(dict.fromkeys(order or ())) or order_files(orders or config_path("orders")), seeds, setup.cell
     )

@@ -68,7 +68,9 @@ def check(
 
 @order_app.command(name="import")
 def import_items(
-    items: Annotated[Path, typer.Argument(metavar="FILE", help="A list of items, .csv or .json.")],
+    items: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="Lists of items, .csv or .json, or orders.")
+    ],
     name: Annotated[str, typer.Option(help="Id of the order. Default: the list's file name.")] = "",
     unit: Annotated[str, typer.Option(help="Unit of all lengths in the list: m, cm or mm.")] = "m",
     output: Annotated[
@@ -86,8 +88,8 @@ def import_items(
     """Make an order, or as many as are needed, from a list of items: sizes, weights, quantities.
 
     The columns are article, length, width, height, weight [kg], and, if wanted, quantity and this_side_up
-    (yes: the height stays upright). JSON is a list of objects with the same names. Every order that is
-    written passes `pack order check`.
+    (yes: the height stays upright). JSON is a list of objects with the same names; of an order's file the
+    boxes are taken, without their places. Every order that is written passes `pack order check`.
 
     - `pack order import items.csv --unit mm`
     - `pack order import items.json --name my-order --as-listed --output /tmp/orders`
@@ -106,11 +108,17 @@ def import_items(
     if unit not in METRES:
         raise BadParameter(f"{unit}; allowed: {', '.join(METRES)}", param_hint="--unit")
     listed_unit: Unit = unit  # type: ignore[assignment]  # one of the three, as was just checked
-    boxes = load_items(items, listed_unit)
+    if name and len(items) > 1:
+        raise BadParameter(
+            "allowed: with one list; each of several gets its file's name", param_hint="--name"
+        )
+    lists = {name or path.stem: load_items(path, listed_unit) for path in items}
     layout = load_parameters("palletizing/layout", LayoutConfig)
     config = ProposalConfig(seed=seed, may_sort=sort)
-    with Console(stderr=True).status(f"{len(boxes)} boxes") as line:
-        found = propose(boxes, name or items.stem, palletizing_cell(), config, layout, line.update)
+    found: list[Proposal] = []
+    with Console(stderr=True).status("packing") as line:
+        for order_id, boxes in lists.items():
+            found += propose(boxes, order_id, palletizing_cell(), config, layout, line.update)
     output.mkdir(parents=True, exist_ok=True)
     for proposal in found:
         path = output / f"{proposal.order.order_id}.json"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Annotated
 
@@ -12,6 +12,8 @@ import numpy as np
 from pack_core.config import Config
 from pack_core.rotations import Array, angle_between
 from pack_evaluation.palletizing.run import BoxRecord, PalletRun, ToolTrack
+from pack_evaluation.palletizing.state_times import StateTime, near_contact_peak, state_times
+from pack_evaluation.palletizing.visitor_measures import VisitorMeasures, measure_visitors, visitors_text
 from pack_evaluation.table import MeasureText, mean_and_max, number, yes_or_no
 
 CLEAR_STATE = "17 pre deposit"
@@ -121,6 +123,18 @@ class OrderMeasures:
             "mean, largest; commanded to true tool, in the frame of the arm's base",
         ),
     ] = None
+    states: Annotated[
+        Mapping[str, StateTime],
+        MeasureText(
+            "speed near contact",
+            lambda states: f"{near_contact_peak(states):.2f} m/s",
+            "highest speed of the tool within 0.1 m of where the gripper acts",
+        ),
+    ] = field(default_factory=dict)
+    visitors: Annotated[
+        VisitorMeasures | None,
+        MeasureText("visitors", visitors_text, "crossings, and the least true distance from the arm"),
+    ] = None
 
 
 def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> OrderMeasures:
@@ -137,7 +151,7 @@ def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> 
         interruptions=run.interruptions,
         faults=tuple(f"{visit.state}: {visit.reason}" for visit in run.visits if visit.reason),
         duration_s=float(run.tool.times[-1] - run.tool.times[0]),
-        true_position_mm=_true_errors(run.tool),
+        true_position_mm=_true_errors(run.tool), states=state_times(run), visitors=measure_visitors(run),
     )  # fmt: skip
 
 

@@ -37,7 +37,7 @@ def draw_order(order: Order, reasons: Sequence[str]) -> Figure:
     figure = Figure(figsize=(13.0, 6.4 + below))
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(
-        2, 3, top=0.94, bottom=(below + 0.5) / (6.4 + below), left=0.05, right=0.98, wspace=0.25, hspace=0.35,
+        2, 3, top=0.90, bottom=(below + 0.5) / (6.4 + below), left=0.05, right=0.98, wspace=0.25, hspace=0.35,
         width_ratios=(1.6, 1.0, 1.0),
     )  # fmt: skip
     _draw_space(figure, grid[:, 0], order, wrong)
@@ -73,8 +73,9 @@ def _draw_side(axes: Axes, order: Order, wrong: set[str], plane: tuple[int, int]
     # coordinate along the axis of view.
     k = 3 - i - j
     away = 1.0 if k == 2 else -1.0
-    for item in sorted(order.placed, key=lambda box: away * float(box.upper[k])):
-        _draw_outline(axes, item, plane, is_wrong=item.id in wrong)
+    boxes = sorted(order.placed, key=lambda box: away * float(box.upper[k]))
+    for rank, item in enumerate(boxes, start=2):
+        _draw_outline(axes, item, plane, rank, is_wrong=item.id in wrong)
     _draw_deck(axes, order.pallet, plane)
     axes.set_title(title, fontsize=9)
     axes.set_xlabel(f"{'xyz'[i]} [m]", fontsize=8)
@@ -84,12 +85,13 @@ def _draw_side(axes: Axes, order: Order, wrong: set[str], plane: tuple[int, int]
     axes.set_aspect("equal")
 
 
-def _draw_outline(axes: Axes, item: PlacedBox, plane: tuple[int, int], *, is_wrong: bool) -> None:
+def _draw_outline(axes: Axes, item: PlacedBox, plane: tuple[int, int], rank: int, *, is_wrong: bool) -> None:
     lower, size = item.lower[list(plane)], item.size[list(plane)]
     colour = WRONG if is_wrong else CARD
-    axes.add_patch(Rectangle(lower, *size, facecolor=colour, edgecolor=EDGE, linewidth=0.8, alpha=0.9))
+    axes.add_patch(Rectangle(lower, *size, facecolor=colour, edgecolor=EDGE, linewidth=0.8, zorder=rank))
     middle = lower + 0.5 * size
-    axes.text(*middle, item.id, ha="center", va="center", fontsize=5.5, clip_on=True)
+    # With the rank of its box, so that a box in front of it covers it.
+    axes.text(*middle, item.id, ha="center", va="center", fontsize=5.5, clip_on=True, zorder=rank)
 
 
 def _draw_deck(axes: Axes, pallet: OrderPallet, plane: tuple[int, int]) -> None:

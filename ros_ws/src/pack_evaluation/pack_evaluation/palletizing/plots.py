@@ -14,11 +14,10 @@ from matplotlib.figure import Figure
 from pack_core.rotations import Array
 from pack_evaluation.palletizing.measures import tracking_errors
 from pack_evaluation.palletizing.run import PalletRun
+from pack_evaluation.palletizing.state_times import SLOW, SLOW_SPEED, number_of, state_times, tool_speeds
 
 SIZE = (9.0, 4.2)
 """Width and height of a figure [inch]."""
-SLOW = ("3", "4", "7", "8", "9", "10", "11", "12", "13", "17", "18", "19")
-"""Numbers of the states with the slow speed (Table 8.1)."""
 INK, GREY = "#20252b", "#9aa4ae"
 AXES = ("#c03a2b", "#2f8a46", "#2b6cb0")
 """Colours of x, y and z."""
@@ -30,7 +29,8 @@ def write_plots(run: PalletRun, folder: Path) -> list[Path]:
     """Write every plot as PNG into `folder`, in the order a report shows them."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
-    for name, draw in PLOTS.items():
+    plots = {**PLOTS, **({"visitors": draw_visitors} if run.visitors else {})}
+    for name, draw in plots.items():
         figure = Figure(figsize=SIZE, layout="constrained")
         draw(figure, run)
         paths.append(folder / f"{name}.png")
@@ -108,9 +108,36 @@ def draw_errors(figure: Figure, run: PalletRun) -> None:
     axes.legend()
 
 
+def draw_states(figure: Figure, run: PalletRun) -> None:
+    """Time in each state for a box, and the highest speed of the tool in it; slow states are shaded."""
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    states = {label: item for label, item in state_times(run).items() if item.total_s > 0.0}
+    placed = max(sum(box.outcome == "placed" for box in run.boxes), 1)
+    colours = ["#e0a31e" if number_of(label) in SLOW else AXES[2] for label in states]
+    upper.bar(range(len(states)), [item.total_s / placed for item in states.values()], color=colours)
+    upper.set(ylabel="time a box [s]", title="States: time, and highest speed of the tool (slow ones orange)")
+    lower.bar(range(len(states)), [item.peak_mps for item in states.values()], color=colours)
+    lower.axhline(SLOW_SPEED, color=AXES[0], lw=0.9, ls="--")
+    lower.set(ylabel="[m/s]")
+    lower.set_xticks(range(len(states)), list(states), rotation=60, ha="right", fontsize=7)
+
+
+def draw_visitors(figure: Figure, run: PalletRun) -> None:
+    """True distance of visitors from the arm and what it carries, and the speed of the tool."""
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    for name, track in run.visitors.items():
+        upper.plot(track.times, track.distance, lw=1.0, label=name)
+    upper.axhline(0.1, color=AXES[0], lw=0.9, ls="--")
+    upper.set(ylabel="distance [m]", ylim=(0.0, 3.0), title="Distance of visitors, and speed of the tool")
+    if run.visitors:
+        upper.legend(loc="upper right", ncols=4, fontsize=7)
+    lower.plot(run.tool.times[::STRIDE], tool_speeds(run)[::STRIDE], color=INK, lw=0.8)
+    lower.set(ylabel="tool [m/s]", xlabel="time [s]")
+
+
 def _shade(axes: Axes, run: PalletRun) -> None:
     for visit, following in pairwise(run.visits):
-        if visit.state.split(" ")[0] in SLOW and following.time > visit.time:
+        if number_of(visit.state) in SLOW and following.time > visit.time:
             axes.axvspan(visit.time, following.time, color="#e0a31e", alpha=0.13, lw=0.0)
 
 
@@ -118,6 +145,7 @@ PLOTS: dict[str, Callable[[Figure, PalletRun], None]] = {
     "position": draw_position,
     "orientation": draw_orientation,
     "tracking": draw_tracking,
+    "states": draw_states,
     "ways": draw_ways,
     "placement": draw_errors,
 }

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from pack_evaluation.palletizing.from_bag import load_pallet_run
 from pack_evaluation.palletizing.measures import measure_order
-from pack_evaluation.palletizing.study_tables import comparison, orders
+from pack_evaluation.palletizing.study_tables import comparison, orders, states
 from pack_evaluation.palletizing.summary import OrderTrial, summarize_orders
 from pack_evaluation.study import RECORDINGS, KeptTrials, Study, StudyEvaluator, summaries
 from pack_evaluation.table import TextTable
@@ -52,7 +52,11 @@ class PalletStudies(StudyEvaluator[PalletStudy, OrderTrial]):
     def tables(self, studies: Sequence[PalletStudy]) -> Sequence[TextTable]:
         """The measures side by side, then every order of each study."""
         found = summaries(self, studies)
-        return (comparison(found), *(orders(name, summary) for name, summary in found.items()))
+        return (
+            comparison(found),
+            *(orders(name, summary) for name, summary in found.items()),
+            *(states(name, summary) for name, summary in found.items()),
+        )
 
 
 STUDIES = PalletStudies()

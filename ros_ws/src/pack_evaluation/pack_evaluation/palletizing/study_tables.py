@@ -37,9 +37,21 @@ def comparison(summaries: Mapping[str, Summary]) -> TextTable:
         ("stacks that hold 0.2 g", *(_held(s["stack_hold"]) for s in found)),
         ("drops", *(str(s["drops"]) for s in found)),
         ("unwanted contacts over 20 N", *(str(s["unwanted_contacts"]) for s in found)),
+        ("visitors", *(_visitors(s["visitors"]) for s in found)),
     ]
     note = f"Three numbers in a cell are {', '.join(PARTS.values())}."
     return TextTable("Orders", note, ("", *summaries), tuple(rows))
+
+
+def states(name: str, summary: Summary) -> TextTable:
+    """Table with a row for each state: how long it takes, and how fast the tool is in it."""
+    head = ("state", "visits", "mean [s]", "share of all time", "tool, highest [m/s]")
+    rows = tuple(
+        (label, str(s["visits"]), f"{s['mean_s']:.2f}", f"{s['share']:.1%}", f"{s['peak_mps']:.2f}")
+        for label, s in summary["states"].items()
+        if s["share"] > 0.0
+    )
+    return TextTable(f"States: {name}", "States that take no time are left out.", head, rows)
 
 
 def orders(name: str, summary: Summary) -> TextTable:
@@ -55,6 +67,14 @@ def orders(name: str, summary: Summary) -> TextTable:
     )  # fmt: skip
     note = f"Errors of placed boxes: {', '.join(PARTS.values())}; cycles are means over the boxes placed."
     return TextTable(f"Every order: {name}", note, head, rows)
+
+
+def _visitors(found: Mapping[str, Any] | None) -> str:
+    if found is None:
+        return "-"
+    return (
+        f"{found['crossings']} crossings, nearest {_number(found['least_m'])} m, {found['touches']} contacts"
+    )
 
 
 def _held(hold: Mapping[str, int]) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pack_evaluation.palletizing.state_times import StateTime, merged
 from pack_evaluation.spread import mean_p95_max
 
 HOLD_LIMIT_MM = 10.0
@@ -61,7 +62,42 @@ def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
             key: max((box[key] for box in boxes if box[key] is not None), default=None)
             for key in ("coaxial_N", "shear_N", "moment_Nm")
         },
+        "states": _states(trials),
+        "visitors": _visitors(trials),
         "per_order": {order: _order(runs) for order, runs in runs_of.items()},
+    }
+
+
+def _states(trials: Sequence[OrderTrial]) -> dict[str, dict[str, float]]:
+    """For each state: visits, mean duration, share of all time, and the tool's highest speed."""
+    runs = [
+        {label: StateTime(**values) for label, values in trial.measures.get("states", {}).items()}
+        for trial in trials
+    ]
+    states = merged(runs)
+    everything = sum(item.total_s for item in states.values()) or 1.0
+    return {
+        label: {
+            "visits": item.visits, "mean_s": item.total_s / item.visits,
+            "share": item.total_s / everything, "peak_mps": item.peak_mps,
+        }
+        for label, item in states.items()
+    }  # fmt: skip
+
+
+def _visitors(trials: Sequence[OrderTrial]) -> dict[str, Any] | None:
+    """All crossings of visitors together; None where nobody came."""
+    found = [trial.measures["visitors"] for trial in trials if trial.measures.get("visitors")]
+    if not found:
+        return None
+    least = [distance for item in found for distance in item["least_m"]]
+    return {
+        **{key: sum(item[key] for item in found) for key in ("crossings", "too_near", "touches")},
+        "least_m": min(least, default=None),
+        "least_p5_m": float(np.percentile(least, 5)) if least else None,
+        "least_median_m": float(np.median(least)) if least else None,
+        "near_s": sum(item["near_s"] for item in found),
+        "stopped_s": sum(item["stopped_s"] for item in found),
     }
 
 

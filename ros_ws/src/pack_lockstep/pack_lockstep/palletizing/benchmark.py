@@ -17,6 +17,7 @@ from pack_core.palletizing.orders.order_file import load_order
 from pack_evaluation.palletizing.measures import measure_order
 from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
+from pack_lockstep.palletizing.crossings import visitors_of
 from pack_lockstep.palletizing.lockstep import PalletLockstep, PalletLockstepConfig
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
@@ -31,12 +32,15 @@ class PalletSetup:
     cell: PalletizingCell
     config: PalletLockstepConfig
     layout: LayoutConfig
+    visitors: str = ""
+    """Who comes near the arm: a file of config/visitors, `random`, or nobody."""
 
     def record(self) -> dict[str, Any]:
         """All settings as plain values, for the head of the results."""
         parts = {"cell": self.cell, "config": self.config, "layout": self.layout}
         return {
-            "name": self.name, **{name: part.model_dump(mode="json") for name, part in parts.items()}
+            "name": self.name, **{name: part.model_dump(mode="json") for name, part in parts.items()},
+            "visitors": self.visitors,
         }  # fmt: skip
 
 
@@ -89,7 +93,8 @@ def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
     """Plan and build an order; the result is a line of the results file, as plain values."""
     order = load_order(job.path)
     plan = plan_order(order, setup.layout)
-    lockstep = PalletLockstep(setup.cell, order, plan, setup.config, job.seed)
+    config = setup.config.model_copy(update={"visitors": visitors_of(setup.visitors, job.seed)})
+    lockstep = PalletLockstep(setup.cell, order, plan, config, job.seed)
     run = lockstep.run()
     placed = stack(order, run)
     hold_mm = hold_shift_mm(setup.cell, placed) if placed else None

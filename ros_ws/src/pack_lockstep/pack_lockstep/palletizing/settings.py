@@ -7,6 +7,7 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.palletizing.benchmark import PalletSetup
 from pack_lockstep.palletizing.box_finder import BoxFinderConfig
+from pack_lockstep.palletizing.crossings import visitors_of
 from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
 from pack_motion.tracking.config import motion_set
 from pack_perception.boxes.box_vision import VisionConfig
@@ -23,14 +24,15 @@ class PalletCameraParameters(Config):
     camera: PalletCameraConfig = PalletCameraConfig()
 
 
-def set_up(*, profile: str, motion: str, preset: str, vision: bool) -> PalletSetup:
+def set_up(*, profile: str, motion: str, preset: str, vision: bool, visitors: str = "") -> PalletSetup:
     """Read the settings that the options of a command refer to.
 
     Raises:
-        ConfigError: there is no such profile, motion set or preset.
+        ConfigError: there is no such profile, motion set, preset or visitor.
     """
     profile_of(profile)
     motion_set(motion)
+    visitors_of(visitors, 0)
     machine = load_parameters("palletizing/fsm", PalletizerConfig).model_copy(update={"profile": profile})
     sight = BoxFinderConfig(
         by="vision" if vision else "noise",
@@ -42,5 +44,6 @@ def set_up(*, profile: str, motion: str, preset: str, vision: bool) -> PalletSet
         simulator=load_parameters("palletizing/sim", PalletSimulatorConfig),
     )  # fmt: skip
     name = f"{profile} {motion} {preset} {'vision' if vision else 'noise'}"
+    name += f" {visitors}" if visitors else ""
     layout = load_parameters("palletizing/layout", LayoutConfig)
-    return PalletSetup(name, palletizing_cell(preset), config, layout)
+    return PalletSetup(name, palletizing_cell(preset), config, layout, visitors)

@@ -14,7 +14,7 @@ from pack_motion.tracking.config import Governor
 MOVES = 0.05
 """Obstacles that are faster than this are given way to; slower ones are driven around [m/s]."""
 MAY_GO_ON = 5.0
-"""An obstacle that has stopped for less than this may go on, and is waited for [s]."""
+"""For so long after an obstacle moved near the arm, it may go on and the arm may be on its way back [s]."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class RateGovernor:
         self._config, self._chain, self._acceleration = config, chain, acceleration
         self.rate = 1.0
         self.gives_way = False
-        """Whether the reference is slow, or stands, for an obstacle that moves or has just stopped."""
-        self._still = np.inf
+        """Whether an obstacle moves near the arm, or has just done so."""
+        self._calm = np.inf
 
     def update(self, planned: JointState, deviation: float, threat: Threat, h: float) -> float:
         """The rate after a step.
@@ -60,13 +60,14 @@ class RateGovernor:
         c = self._config
         # Falls linearly from 1 where the tool is `near` its reference to 0 where it is `far` from it.
         wished = min(max((c.far - deviation) / (c.far - c.near), 0.0), 1.0)
-        self._still = 0.0 if threat.speed > MOVES else self._still + h
         if threat.is_blind:
             wished = 0.0
         elif np.isfinite(threat.distance):
             wished = min(wished, self._allowed_speed(threat) / max(self._tool_speed(planned), 1e-6))
-        is_near = threat.distance < c.stop_distance + c.reaction * max(threat.speed, 1.0)
-        self.gives_way = threat.is_blind or (is_near and self._still < MAY_GO_ON)
+        is_near = threat.distance < c.avoid_distance + c.stop_distance + c.reaction * threat.speed
+        is_calm = not threat.is_blind and not (is_near and threat.speed > MOVES)
+        self._calm = self._calm + h if is_calm else 0.0
+        self.gives_way = self._calm < MAY_GO_ON
         slowest, fastest = self._changes(planned)
         self.rate = min(max(self.rate + min(max(wished - self.rate, h * slowest), h * fastest), 0.0), 1.0)
         return self.rate

@@ -12,6 +12,8 @@ from pydantic import Field, ValidationError, field_validator
 
 from pack_core.config import Config
 from pack_core.errors import ConfigError, OrderError
+from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order_file import order_as_written
 from pack_core.text.json_text import parse_json
 from pack_core.text.limits import MOST_BOXES, ArticleName
 from pack_core.text.reader import read_text
@@ -71,7 +73,8 @@ def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:
 
     Args:
         path: the file. CSV has a line with the names of the columns first; JSON is a list of objects with
-            the same names, or an object that has it as `items`.
+            the same names, or an object that has it as `items`. An order's file stands for its boxes, and
+            its places are not looked at.
         unit: of all lengths in the file.
 
     Raises:
@@ -79,6 +82,8 @@ def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:
     """
     try:
         text = read_text(path)
+        if path.suffix.lower() == ".json" and _is_order(parse_json(text, str(path))):
+            return _items_of_order(order_as_written(text, str(path)))
         rows = _rows_of_json(text, path) if path.suffix.lower() == ".json" else _rows_of_csv(text, path)
     except ConfigError as error:
         raise OrderError(str(error)) from error
@@ -97,6 +102,21 @@ def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:
     if len(items) > MOST_BOXES:
         raise OrderError(f"{path}: {len(items)} boxes; allowed: up to {MOST_BOXES} in an order")
     return items
+
+
+def _is_order(data: Any) -> bool:
+    return isinstance(data, dict) and "boxes" in data
+
+
+def _items_of_order(order: Order) -> tuple[Item, ...]:
+    """The boxes of an order, each with the edge that is upright in the order as its height."""
+    return tuple(
+        Item(
+            id=box.id, article=box.article, size=box.turn.extents, weight=box.weight,
+            this_side_up=bool(box.this_side_up),
+        )
+        for box in order.boxes
+    )  # fmt: skip
 
 
 def _boxes(rows: Iterable[ListedItem], metres: float) -> Iterable[Item]:
