@@ -111,6 +111,8 @@ def _place(values: Any, rng: random.Random) -> tuple[Any, Any]:
 def _strange(value: Any, rng: random.Random) -> Any:
     if isinstance(value, (int, float)) and rng.random() < 0.7:
         factor = rng.choice((0.0, -1.0, 1e-6, 0.5, 0.99, 1.01, 2.0, 10.0, 1e6))
+        if abs(value) > 1e300:  # products of the largest integers do not fit into a float
+            return rng.choice(NUMBERS)
         return rng.choice((*NUMBERS, value * factor, value + rng.uniform(-0.3, 0.3), str(value), bool(value)))
     return rng.choice(VALUES)
 

@@ -101,7 +101,7 @@ def _records(_: Path) -> list[Sample]:
     folder = Path(os.environ["PACKCELL_ROOT"]) / "made"
     folder.mkdir()
     record.save(folder)
-    short = b"cell: packing\nstarted: '2026-01-01T00:00:00'\nseed: 3\ncommand: x\ncommit: abc\nversions: {a: '2'}\n"
+    short = b"cell: packing\nstarted: '2026-01-01T00:00:00'\nseed: 3\ncommand: x\ncommit: a\nversions: {}\n"
     return [Sample((folder / "run.yaml").read_bytes(), "run/run.yaml"), Sample(short, "run/run.yaml")]
 
 

@@ -9,9 +9,6 @@ from pack_core.config import Config
 from pack_core.rotations import Pose, from_yaw
 from pack_core.text.limits import AngleDeg, Coordinate, Number
 
-ROUNDING = 1e-9
-"""By which the length of a quaternion may differ from 1 in a computer's arithmetic."""
-
 
 class PoseConfig(Config):
     """A pose as files have it: `position` of the object's centre [m], `quaternion` (wxyz) or `yaw_deg`."""
@@ -31,9 +28,7 @@ class PoseConfig(Config):
     def to_pose(self) -> Pose:
         """X_WO."""
         q = np.array(self.quaternion) if self.quaternion else from_yaw(np.deg2rad(self.yaw_deg))
-        length = float(np.linalg.norm(q))
-        # One written with a few digits is brought to length 1; an exact one is left as it is, to the bit.
-        return Pose(np.array(self.position), q / length if abs(length - 1.0) > ROUNDING else q)
+        return Pose(np.array(self.position), q)
 
     @classmethod
     def from_pose(cls, X_WO: Pose) -> PoseConfig:
