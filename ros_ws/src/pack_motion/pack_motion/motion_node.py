@@ -20,6 +20,7 @@ from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import NEWEST
+from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state, to_trajectory
 from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
 from pack_core.ros.params import read_parameters
@@ -102,9 +103,11 @@ class MotionNode(CellNode):
 
     def _on_obstacles(self, message: BoxObstacles) -> None:
         obstacles = from_obstacles(message.obstacles)
+        # A sender that leaves the stamp out means: now.
+        time = from_stamp(message.header.stamp) or None
         with self._stepping:
             if self._stream is not None:
-                self._stream.controller.observe(obstacles)
+                self._stream.controller.observe(obstacles, time)
 
     def _on_arm_state(self, message: ArmState) -> None:
         """Give up the move when the arm is stopped; a target that comes later waits until it is released."""

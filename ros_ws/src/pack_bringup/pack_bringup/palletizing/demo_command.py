@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from datetime import datetime
+from typing import Annotated
+
+import typer
 
 from pack_bringup.cli.demo_options import Domain, Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
@@ -15,6 +18,10 @@ def demo(
     order: OrderFile = None,
     seed: Seed = 0,
     profile: ProfileName = "",
+    visitors: Annotated[
+        str,
+        typer.Option(help="Who comes near the arm: a file of config/visitors, or `random`. Default: nobody."),
+    ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
     live: Live = False,
@@ -29,12 +36,16 @@ def demo(
 
     - `pack demo palletizing --order config/orders/order_16.json`
     - `pack demo palletizing --profile thesis --no-video`
+    - `pack demo palletizing --visitors person --live`
     """
     from pack_bringup.palletizing.job import PalletizingJob
+    from pack_sim.palletizing.crossings import visitors_of
 
     file = checked_order(order, profile)
+    visitors_of(visitors, seed)
     folder = output or default_folder("palletizing", seed, datetime.now())
     job = PalletizingJob(
-        file, seed, profile, folder=folder, real_time_factor=real_time_factor, command=command_line()
-    )
+        file, seed, profile, folder=folder, real_time_factor=real_time_factor, command=command_line(),
+        visitors=visitors,
+    )  # fmt: skip
     run_live(job, video=video, domain=domain, page=page_process("palletizing", live, port))

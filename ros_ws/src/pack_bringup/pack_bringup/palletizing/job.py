@@ -17,15 +17,17 @@ class PalletizingJob(PalletizingGoal):
         folder: of the run; nodes.log, bag/ and run.yaml go there.
         real_time_factor: None: that of config/nodes/palletizing/sim.yaml.
         command: the command line, for run.yaml.
+        visitors: who comes near the arm: a file of config/visitors, `random`, or nobody.
     """
 
     folder: Path = field(kw_only=True)
     real_time_factor: float | None = None
     command: str = ""
+    visitors: str = ""
 
     def overrides(self) -> dict[str, dict[str, str]]:
         """Parameters by node, as YAML text."""
-        sim = {"seed": str(self.seed)}
+        sim = {"seed": str(self.seed), **({"visitors": self.visitors} if self.visitors else {})}
         if self.real_time_factor is not None:
             sim["real_time_factor"] = str(float(self.real_time_factor))
         return {"sim": sim, "recorder": recorder_parameters(self, self.seed, self.command)}

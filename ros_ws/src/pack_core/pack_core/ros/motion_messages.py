@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from pack_interfaces.msg import BoxObstacle, MotionRetreat, MotionSegment
+from pack_interfaces.msg import BoxObstacle, BoxObstacles, MotionRetreat, MotionSegment
 from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 from pack_interfaces.msg import MotionTarget as MotionTargetMsg
 
@@ -76,6 +76,13 @@ def to_obstacle(item: Obstacle) -> BoxObstacle:
         name=item.name, pose=to_pose(item.X_WO), size=to_vector(item.size),
         velocity=to_vector(item.v_WO_W), is_moving=item.is_moving,
     )  # fmt: skip
+
+
+def to_obstacles(obstacles: Iterable[Obstacle], time: float) -> BoxObstacles:
+    """A message of moving obstacles as they were seen at `time` [s]."""
+    message = BoxObstacles(obstacles=[to_obstacle(item) for item in obstacles])
+    message.header.stamp, message.header.frame_id = to_stamp(time), WORLD
+    return message
 
 
 def from_obstacles(messages: Iterable[BoxObstacle]) -> tuple[Obstacle, ...]:

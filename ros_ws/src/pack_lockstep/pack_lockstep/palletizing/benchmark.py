@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
 from pack_core.errors import ConfigError, OrderError, PackError
 from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.calibration import CellCalibration, KnownCell
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
@@ -17,10 +18,10 @@ from pack_core.palletizing.orders.order_file import load_order
 from pack_evaluation.palletizing.measures import measure_order
 from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
-from pack_lockstep.palletizing.crossings import visitors_of
 from pack_lockstep.palletizing.lockstep import PalletLockstep, PalletLockstepConfig
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
+from pack_sim.palletizing.crossings import visitors_of
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class PalletSetup:
     layout: LayoutConfig
     visitors: str = ""
     """Who comes near the arm: a file of config/visitors, `random`, or nobody."""
+    calibrations: Mapping[int, CellCalibration] = field(default_factory=dict)
+    """By seed, of cells that are calibrated. They follow from the seed and the other settings."""
 
     def record(self) -> dict[str, Any]:
         """All settings as plain values, for the head of the results."""
@@ -69,8 +72,10 @@ def order_files(folder: Path) -> list[Path]:
     return files
 
 
-def order_jobs(files: Sequence[Path], seeds: int, cell: PalletizingCell) -> list[OrderJob]:
-    """Every order file with the seeds from 0 on, the first seed of all orders first.
+def order_jobs(
+    files: Sequence[Path], seeds: int, cell: PalletizingCell, first_seed: int = 0
+) -> list[OrderJob]:
+    """Every order file with so many seeds from `first_seed` on, the first seed of all orders first.
 
     Raises:
         ConfigError: a file does not exist, or is no order file.
@@ -78,7 +83,7 @@ def order_jobs(files: Sequence[Path], seeds: int, cell: PalletizingCell) -> list
     """
     if refusals := [refusal for path in files if (refusal := _refusal(path, cell))]:
         raise OrderError("\n".join(refusals))
-    return [OrderJob(path, seed) for seed in range(seeds) for path in files]
+    return [OrderJob(path, seed) for seed in range(first_seed, first_seed + seeds) for path in files]
 
 
 def _refusal(path: Path, cell: PalletizingCell) -> str:
@@ -92,16 +97,18 @@ def _refusal(path: Path, cell: PalletizingCell) -> str:
 def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
     """Plan and build an order; the result is a line of the results file, as plain values."""
     order = load_order(job.path)
-    plan = plan_order(order, setup.layout)
+    plan, calibration = plan_order(order, setup.layout), setup.calibrations.get(job.seed)
+    KnownCell(setup.cell, calibration).check_gap(plan.gap)
     config = setup.config.model_copy(update={"visitors": visitors_of(setup.visitors, job.seed)})
-    lockstep = PalletLockstep(setup.cell, order, plan, config, job.seed)
+    lockstep = PalletLockstep(setup.cell, order, plan, config, job.seed, calibration)
     run = lockstep.run()
     placed = stack(order, run)
-    hold_mm = hold_shift_mm(setup.cell, placed) if placed else None
+    hold_mm = hold_shift_mm(lockstep.simulator.cell, placed) if placed else None
     measures = asdict(measure_order(run))
+    predicted = {} if calibration is None else {"predicted_mm": calibration.predicted.model_dump()}
     return {
         "name": job.name, "order": job.path.stem, "seed": job.seed, "reason": run.reason,
-        "measures": measures, "hold_mm": hold_mm,
+        "measures": measures, "hold_mm": hold_mm, **predicted,
     }  # fmt: skip
 
 

@@ -7,11 +7,11 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.palletizing.benchmark import PalletSetup
 from pack_lockstep.palletizing.box_finder import BoxFinderConfig
-from pack_lockstep.palletizing.crossings import visitors_of
 from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
 from pack_motion.tracking.config import motion_set
 from pack_perception.boxes.box_vision import VisionConfig
 from pack_planner.layout.layout_planner import LayoutConfig
+from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.simulator import PalletSimulatorConfig
 from pallet_fsm.palletizer_config import PalletizerConfig
@@ -24,8 +24,19 @@ class PalletCameraParameters(Config):
     camera: PalletCameraConfig = PalletCameraConfig()
 
 
-def set_up(*, profile: str, motion: str, preset: str, vision: bool, visitors: str = "") -> PalletSetup:
+def set_up(
+    *, profile: str, motion: str, preset: str, vision: bool, visitors: str = "",
+    gap_mm: float | None = None,
+) -> PalletSetup:  # fmt: skip
     """Read the settings that the options of a command refer to.
+
+    Args:
+        profile: blended or thesis.
+        motion: a set of config/motion.
+        preset: what the cell is like.
+        vision: whether boxes are found in pictures.
+        visitors: who comes near the arm; empty: nobody.
+        gap_mm: between neighbours; by default that of the layout's parameters.
 
     Raises:
         ConfigError: there is no such profile, motion set, preset or visitor.
@@ -46,4 +57,7 @@ def set_up(*, profile: str, motion: str, preset: str, vision: bool, visitors: st
     name = f"{profile} {motion} {preset} {'vision' if vision else 'noise'}"
     name += f" {visitors}" if visitors else ""
     layout = load_parameters("palletizing/layout", LayoutConfig)
+    if gap_mm is not None:
+        separator = layout.separator.model_copy(update={"gap": 1e-3 * gap_mm})
+        layout = layout.model_copy(update={"separator": separator})
     return PalletSetup(name, palletizing_cell(preset), config, layout, visitors)

@@ -17,10 +17,12 @@ from pack_core.palletizing.robot_description import describe_robot
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.params import read_parameters
+from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.ros.camera_publisher import PalletCameraPublisher
 from pack_sim.palletizing.ros.cell_publisher import CellPublisher
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
+from pack_sim.palletizing.visitor_sensor import VisitorSensor, VisitorSensorConfig
 from pack_sim.ros.motion_sim_node import MotionSimNode, run_sim_with_camera
 from pack_sim.ros.physics_node import Pacing
 
@@ -36,6 +38,10 @@ class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
         default="", description="calibration file; the driver compensates the gears as it says. Empty: none"
     )
     camera: PalletCameraConfig = PalletCameraConfig()
+    visitors: str = Field(
+        default="", description="who comes near: a file of config/visitors, or `random`. Empty: nobody"
+    )
+    sensor: VisitorSensorConfig = VisitorSensorConfig()
 
 
 class PalletSimNode(MotionSimNode):
@@ -68,6 +74,8 @@ class PalletSimNode(MotionSimNode):
 
     def advance(self) -> float:
         self._publisher.step(self._simulator)
+        if (seen := self._sensor.observe(self._simulator.time)) is not None:
+            self._publisher.publish_obstacles(seen)
         return self._publisher.period
 
     def _command_gripper(
@@ -107,9 +115,12 @@ class PalletSimNode(MotionSimNode):
     def _new_simulator(self, seed: int, time: float = 0.0) -> PalletSimulator:
         """A simulator for a seed; a real cell stays the one that was calibrated, whatever arrives in it."""
         errors_of = None if self._cell.imperfections.camera is None else self._config.seed
+        visitors = visitors_of(self._config.visitors, seed)
+        self._sensor = VisitorSensor(visitors, self._config.sensor, self._cell.arm.X_WB.p, seed)
         return PalletSimulator(
-            self._cell, self._config, seed, time, assumed=self._assumed, errors_of=errors_of
-        )
+            self._cell, self._config, seed, time, assumed=self._assumed, errors_of=errors_of,
+            visitors=visitors,
+        )  # fmt: skip
 
     def _after_change(self, response: Any) -> Any:
         response.success = not response.message

@@ -82,8 +82,7 @@ class FramePublisher:
         moving: list[tuple[int, int]] = []
         for body in range(1, model.nbody):
             parent = int(model.body_parentid[body]) if body in links else 0
-            # Bodies of one weld id stand still relative to each other; 0 is the world's.
-            if model.body_weldid[body] == model.body_weldid[parent]:
+            if _stands_still(model, body, parent):
                 name = frame_of(model.body(body).name)
                 fixed[name] = (frame_of(model.body(parent).name), _pose_in(data, parent, body))
             else:
@@ -121,6 +120,14 @@ class FramePublisher:
         self._tf_static.publish(message)
 
 
+def _stands_still(model: mujoco.MjModel, body: int, parent: int) -> bool:
+    """Whether a body never moves relative to another; 0 is the world.
+
+    Bodies of one weld id have no joint between them; a mocap body has none either, but is moved from outside.
+    """
+    return bool(model.body_weldid[body] == model.body_weldid[parent] and model.body_mocapid[body] < 0)
+
+
 def _pose_in(data: mujoco.MjData, parent: int, body: int) -> Pose:
     X_WP, X_WB = (Pose(data.xpos[i], data.xquat[i]) for i in (parent, body))
     return X_WP.inverse() @ X_WB
@@ -144,6 +151,6 @@ def _markers(model: mujoco.MjModel, links: set[int]) -> MarkerArray:
     found[0].header.frame_id = WORLD
     for body in range(model.nbody):
         if body not in links:
-            is_still = model.body_weldid[body] == 0
+            is_still = _stands_still(model, body, 0)
             found += shape_markers(model, body, "cell" if is_still else "objects")
     return MarkerArray(markers=found)

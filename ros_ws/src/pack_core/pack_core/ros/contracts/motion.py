@@ -23,8 +23,9 @@ MOTION_STATUS = Contract(
     "state of the move, running segment, measured errors, reason of a refusal", qos=STREAM,
     rate=hz(topics.JOINT_RATE), recorded=True)
 MOTION_OBSTACLES = Contract(
-    topics.MOTION_OBSTACLES, BoxObstacles, ("user",), ("motion", "recorder"),
-    "where moving obstacles are now", qos=LATEST, rate="as seen", recorded=True)
+    topics.MOTION_OBSTACLES, BoxObstacles, ("sim", "user"), ("motion", "recorder"),
+    "where moving obstacles were at the stamp; from the sim of a cell that a sensor watches", qos=LATEST,
+    rate="as seen", recorded=True)
 SETPOINTS = Contract(
     topics.SETPOINTS, JointTrajectory, ("motion",), ("sim", "recorder"),
     "joint positions, velocities and accelerations, stamped with their start, which has come",

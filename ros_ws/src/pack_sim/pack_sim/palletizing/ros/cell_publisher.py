@@ -18,10 +18,12 @@ from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import to_stamp
 from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.motion_messages import to_obstacles
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
 from pack_core.ros.scene_messages import to_scene
 from pack_core.topics import steps_between
 from pack_sim.palletizing.simulator import PalletSimulator
+from pack_sim.palletizing.visitor_sensor import Observation
 
 
 class CellPublisher:
@@ -39,6 +41,7 @@ class CellPublisher:
         self._truth = node.advertise(contracts.TRUTH)
         self._contacts = node.advertise(contracts.CONTACTS)
         self._boxes = node.advertise(contracts.BOXES)
+        self._obstacles = node.advertise(motion.MOTION_OBSTACLES)
         self._steps = steps_between(shared_topics.CLOCK_RATE, timestep)
         self.period = self._steps * timestep
         self._gripper_ticks = steps_between(topics.GRIPPER_RATE, self.period)
@@ -62,6 +65,10 @@ class CellPublisher:
             self._gripper.publish(to_gripper_state(simulator.time, simulator.gripper.state))
         if self._tick % self._truth_ticks == 0:
             self._truth.publish(to_scene(simulator.truth()))
+
+    def publish_obstacles(self, seen: Observation) -> None:
+        """Publish the visitors that the sensor sees."""
+        self._obstacles.publish(to_obstacles(seen.obstacles, seen.time))
 
     def publish_boxes(self, boxes: Iterable[BoxBody]) -> None:
         """Publish the boxes that are in the cell, as YAML."""
