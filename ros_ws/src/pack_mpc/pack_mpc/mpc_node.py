@@ -1,4 +1,4 @@
-"""The controller as a ROS 2 node: action `/pack_object` in, joint setpoints out."""
+"""The controller as a ROS 2 node: actions `/pack_object` and `/fill_container` in, joint setpoints out."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ import threading
 from dataclasses import asdict
 from typing import Any
 
-from pack_interfaces.action import PackObject
+from pack_interfaces.action import FillContainer, PackObject
 from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
+from pack_core.joints import Setpoints
+from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
+from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
@@ -22,8 +25,9 @@ from pack_core.ros.joint_messages import to_setpoints
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_mpc.controller import ControlPlan
 from pack_mpc.optimizers import optimizer_class
+from pack_mpc.ros.fill_goal import FillClients, FillGoal
+from pack_mpc.ros.fill_messages import to_fill_feedback, to_fill_report, to_fill_result
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
 from pack_mpc.ros.status import to_feedback, to_result, to_status
@@ -31,6 +35,8 @@ from pack_mpc.session import PackingSession, SessionConfig, hold
 from pack_mpc.weights import load_weights
 from pack_mpc.worker import Worker, WorkerConfig
 
+DONE = "done"
+"""Exit reason of a fill job that came to the end of its list."""
 CHECK_PERIOD = 0.1
 """Time between two looks whether the goal's time has run out [s of wall clock]."""
 
@@ -46,7 +52,7 @@ class MpcNodeConfig(SessionConfig):
 
 
 class MpcNode(GoalNode):
-    """Packs the held object: plans for a goal in a worker thread, as fast as it can."""
+    """Packs the held object, or the objects of a list: plans in a worker thread, as fast as it can."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("mpc", **kwargs)
@@ -54,16 +60,22 @@ class MpcNode(GoalNode):
         self._cell = read_packing_cell(self)
         self._scene: Scene | None = None
         self._session: PackingSession | None = None
+        self._filling: FillGoal | None = None
+        self._fill_end = ("", "")
         self._sending = threading.Lock()
         self._mailbox = Mailbox(self, self._cell.robot.arm.joints)
         self._placements = PlacementClient(self)
+        self._fill_clients = FillClients(self)
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._status = self.advertise(contracts.MPC_STATUS)
         self._result = self.advertise(contracts.RESULT)
+        self._fill_result = self.advertise(contracts.FILL_RESULT)
         self.listen(contracts.DESCRIPTION, self._on_description)
         self.create_timer(CHECK_PERIOD, self._expire, clock=self.wall)
         self._worker = Worker(self._iterate, self._config.worker, self._on_error)
-        self.take_goals(contracts.PACK_OBJECT, self._config.watched, self._config.fault_time)
+        self.take_goals(
+            contracts.PACK_OBJECT, self._config.watched, self._config.fault_time, contracts.FILL_CONTAINER
+        )
 
     def _change(self, config: MpcNodeConfig) -> None:
         """Use these parameters from the next goal on."""
@@ -85,7 +97,14 @@ class MpcNode(GoalNode):
     def _on_description(self, message: String) -> None:
         self._scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
 
-    def refusal(self, request: PackObject.Goal) -> str:
+    def refusal(self, request: PackObject.Goal | FillContainer.Goal) -> str:
+        if isinstance(request, FillContainer.Goal):
+            FillMethod.of(request.method)  # raises when there is none
+            parse_list(request.list, "goal", self._cell)
+            if self._scene is None:
+                return self.waits_for
+            held = self._scene.new_object.name
+            return f"the pump holds '{held}'; allowed: an empty cup" if self._mailbox.is_held else ""
         if reason := self.waits_for:
             return reason
         _method_of(request)  # raises when there is none
@@ -93,8 +112,30 @@ class MpcNode(GoalNode):
             return f"timeout {request.timeout}; allowed: seconds from 0 on; 0: the parameter task.timeout"
         return ""
 
-    async def pursue(self, request: PackObject.Goal) -> PackObject.Result:
+    async def pursue(self, request: PackObject.Goal | FillContainer.Goal) -> Any:
         """Hand the goal to the worker and wait for its outcome."""
+        if isinstance(request, FillContainer.Goal):
+            return await self._fill(request)
+        return await self._pack(request)
+
+    async def _fill(self, request: FillContainer.Goal) -> FillContainer.Result:
+        given, method = parse_list(request.list, "goal", self._cell), FillMethod.of(request.method)
+        self._mailbox.clear_forces()
+        goal = FillGoal(
+            self._fill_clients, self._placements, self._cell, self._config, given, method, request.seed,
+            self._described, self._mailbox.time,
+        )  # fmt: skip
+        self._fill_end, self._filling = ("", ""), goal
+        self._worker.wake()
+        await self.until_goal_ends()
+        self._fill_result.publish(String(data=to_fill_report(goal, *self._fill_end)))
+        return to_fill_result(goal, self._mailbox.time, *self._fill_end)
+
+    def _described(self) -> Scene:
+        assert self._scene is not None
+        return self._scene
+
+    async def _pack(self, request: PackObject.Goal) -> PackObject.Result:
         assert self._scene is not None
         method, now = _method_of(request), self._mailbox.time
         session = PackingSession(self._scene, self._cell, self._config, method, now, request.timeout)
@@ -112,6 +153,8 @@ class MpcNode(GoalNode):
 
     def _iterate(self, latency: float) -> float | None:
         """Plan once from the newest messages, in the worker's thread; the latency is returned [s]."""
+        if self._filling is not None:
+            return self._turn(self._filling, latency)
         session = self._session
         if session is None:
             return None
@@ -126,19 +169,49 @@ class MpcNode(GoalNode):
         if session.task.outcome is not None:
             self._end(session)
             return None
-        if plan is None or not self._send(session, plan):
+        if plan is None or not self._send(session, plan.setpoints):
             return None
         self.failures.passed("iteration")
         self._status.publish(to_status(session, seen, plan))
         self.publish_feedback(to_feedback(session, seen, plan))
         return self._mailbox.time - seen.joints.time
 
-    def _send(self, session: PackingSession, plan: ControlPlan) -> bool:
+    def _turn(self, goal: FillGoal, latency: float) -> float | None:
+        """One turn of a fill job, in the worker's thread; the latency of a plan is returned [s]."""
+        self._worker.wake()
+        if not self._mailbox.wait_for_joints() or self.silent_peers:
+            return None
+        seen = self._mailbox.observe()
+        if self.is_cancel_requested:
+            self._end_filling(goal, PackingExitReason.CANCELED.value, "on request")
+            return None
+        turn = goal.turn(seen, self._mailbox.force, latency)
+        if goal.job.is_done:
+            self._end_filling(goal, DONE, goal.job.report.message)
+            return None
+        if turn.setpoints is None or not self._send(goal, turn.setpoints):
+            return None
+        self.publish_feedback(to_fill_feedback(goal, seen.joints.time))
+        if turn.plan is None or goal.session is None:
+            return None
+        self._status.publish(to_status(goal.session, seen, turn.plan))
+        return self._mailbox.time - seen.joints.time
+
+    def _end_filling(self, goal: FillGoal, exit_reason: str, message: str) -> None:
+        """Hold the arm and let the action return."""
+        with self._sending:
+            if self._filling is not goal:
+                return
+            self._filling, self._fill_end = None, (exit_reason, message)
+            self._hold()
+        self.end_goal()
+
+    def _send(self, goal: PackingSession | FillGoal, setpoints: Setpoints) -> bool:
         """Publish setpoints, unless the goal ended or a peer fell silent while they were planned."""
         with self._sending:
-            is_wanted = self._session is session and not self.silent_peers
+            is_wanted = goal in (self._session, self._filling) and not self.silent_peers
             if is_wanted:
-                self._setpoints.publish(to_setpoints(plan.setpoints, self._cell.robot.arm.joints))
+                self._setpoints.publish(to_setpoints(setpoints, self._cell.robot.arm.joints))
         return is_wanted
 
     def _end(self, session: PackingSession) -> None:

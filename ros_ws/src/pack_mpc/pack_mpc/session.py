@@ -17,6 +17,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, ControlPlan, PackingController
+from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.look import LookMachine, unseen_of, with_parked
 from pack_mpc.task import PackingTask
 from pack_mpc.task_config import TaskConfig
@@ -31,6 +32,7 @@ class SessionConfig(Config):
     weights: str = Field(default="tuned", description="weights of the cost: a file of config/weights")
     controller: ControllerConfig = ControllerConfig()
     task: TaskConfig = TaskConfig()
+    fill: FillConfig = FillConfig()
 
 
 @dataclass(frozen=True)

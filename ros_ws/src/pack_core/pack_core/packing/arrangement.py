@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
+from pack_core.errors import ConfigError
 from pack_core.rotations import Pose
 
 
@@ -18,6 +19,18 @@ class FillMethod(Enum):
     """Objects keep so much distance that none touches another on its way down."""
     RANDOM = "random"
     """Objects come as the list has them, and each is wanted at a random place."""
+
+    @classmethod
+    def of(cls, name: str) -> FillMethod:
+        """The method called `name`; empty: contact.
+
+        Raises:
+            ConfigError: there is none.
+        """
+        try:
+            return cls(name) if name else cls.CONTACT
+        except ValueError:
+            raise ConfigError(f"method '{name}'; allowed: {', '.join(m.value for m in cls)}") from None
 
     @property
     def placement_variant(self) -> str:

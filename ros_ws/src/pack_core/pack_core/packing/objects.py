@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 from pydantic import Field
 
-from pack_core.config import Config
+from pack_core.config import Config, parse_values, validate_config
 from pack_core.pose_config import PoseConfig
 from pack_core.rotations import Array
 from pack_core.text.limits import Number, ObjectName, Share
@@ -154,6 +154,21 @@ class Cylinder(SceneItem):
 
 ObjectModel = Annotated[Box | Cylinder, Field(discriminator="shape")]
 """Every shape that a scene file can name."""
+
+
+class _OneObject(Config):
+    """An object in a text of its own."""
+
+    object: ObjectModel
+
+
+def parse_object(text: str, source: str) -> ObjectModel:
+    """Read one object as a scene file has it; `source` names the text in errors.
+
+    Raises:
+        ConfigError: a key or value is not allowed.
+    """
+    return validate_config(_OneObject, {"object": parse_values(text, source)}, source).object
 
 
 def circle(radius: float) -> Array:

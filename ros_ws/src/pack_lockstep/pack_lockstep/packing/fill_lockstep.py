@@ -12,7 +12,6 @@ from pack_core.packing.arrangement import Arrangement, FillMethod
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import is_packed
 from pack_core.packing.method import PackingMethod
-from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingList
 from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements, Sense
 from pack_lockstep.packing.lockstep_config import LockstepConfig
@@ -86,10 +85,10 @@ class FillLockstep:
         self._physical, self._config, self._method, self._seed = cell, config, method, seed
         self.cell = LockstepCell(cell, given.start(cell), config, seed, sense or (lambda *_: None))
         self.simulator = self.cell.simulator
-        self._planner = FillPlanner(config.arrangement, method, given.order)
+        self._planner = FillPlanner(config.planner.arrangement, method, given.order)
         self._forces, self._force_peak = ForceRecord(), 0.0
         self._rng = np.random.default_rng([seed, 1])
-        self.job = FillJob(given, cell, config.fill, self.simulator.description)
+        self.job = FillJob(given, cell, config.session.fill, self.simulator.description)
         self.cell.settle()
 
     def run(self, on_step: Callable[[FillLockstep], None] | None = None) -> FillReport:

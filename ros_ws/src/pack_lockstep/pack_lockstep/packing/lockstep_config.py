@@ -6,10 +6,8 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_lockstep.packing.presets import PackingPreset
-from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.session import SessionConfig
 from pack_perception.mocap.estimator_config import EstimatorConfig
-from pack_planner.filling.arrangement_config import ArrangementConfig
 from pack_planner.placement.placement_planner import PlacementPlannerConfig
 from pack_sim.packing.simulator_config import SimulatorConfig
 
@@ -33,8 +31,6 @@ class LockstepConfig(Config):
     estimator: EstimatorConfig = EstimatorConfig()
     planner: PlacementPlannerConfig = PlacementPlannerConfig()
     session: SessionConfig = SessionConfig()
-    arrangement: ArrangementConfig = ArrangementConfig()
-    fill: FillConfig = FillConfig()
 
 
 def lockstep_config(preset: PackingPreset | None = None) -> LockstepConfig:

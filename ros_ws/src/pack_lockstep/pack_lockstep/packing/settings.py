@@ -74,8 +74,8 @@ class PackingSetup:
         for name in ("threads", *(OPTIMIZERS.keys() - {self.optimizer})):
             controller.pop(name)
         config["planner"].pop("threads")
-        for name in ("arrangement", "fill"):  # parameters of another benchmark
-            config.pop(name)
+        config["planner"].pop("arrangement")  # this and the next are parameters of another benchmark
+        config["session"].pop("fill")
         return {
             "name": self.name, **self.settings.model_dump(mode="json"), "weights": session.weights,
             "optimizer": self.optimizer, "cell": self.cell.model_dump(mode="json"),

@@ -25,6 +25,9 @@ class FillConfig(Config):
     approach: PositiveFloat = Field(
         default=0.02, description="height over an object's top from which the cup comes down slowly [m]"
     )
+    hand_over_reach: PositiveFloat = Field(
+        default=0.2, description="distance from the hand-over place within which the cup is in its way [m]"
+    )
     overshoot: PositiveFloat = Field(
         default=0.012, description="way beyond the expected contact before it counts as missed [m]"
     )

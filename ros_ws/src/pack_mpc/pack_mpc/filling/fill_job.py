@@ -102,11 +102,17 @@ class FillJob:
         self._cell, self._config, self.scene = cell, config, scene
         self._remaining: list[ObjectModel] = list(given.objects)
         self._arm = ToolArm(cell)
+        self._tallest = max(2.0 * float(item.half_extents[2]) for item in given.objects)
         self._planned: Mapping[str, Pose] = {}
         self._steps: Steps[None] | None = None
         self.stage, self.current = FillStage.ARRANGE, ""
         self.report = FillReport()
         self.is_done = False
+
+    @property
+    def remaining(self) -> int:
+        """How many objects are still to come."""
+        return len(self._remaining)
 
     def step(self, seen: FillObservation) -> FillCommand:
         """Go on with the newest observation."""
@@ -145,6 +151,7 @@ class FillJob:
     def _handle(self, seen: FillObservation, item: ObjectModel, X_WN: Pose | None) -> Steps[FillObservation]:
         """Take one object from its hand-over to its rest."""
         self.stage, self.current, start = FillStage.PRESENT, item.name, seen.joints.time
+        seen = yield from self._make_way(seen)
         presented, seen = yield from self._ask(seen, Present(handed_over(item, self._cell)), Presented)
         if presented.scene is None:
             self._leave(item.name, presented.reason, start)
@@ -213,9 +220,7 @@ class FillJob:
             refusal = "" if found else "no vacuum was seen"
         return refusal, seen
 
-    def _set_down(
-        self, seen: FillObservation, goal: Pose | None
-    ) -> Steps[tuple[str, FillObservation]]:
+    def _set_down(self, seen: FillObservation, goal: Pose | None) -> Steps[tuple[str, FillObservation]]:
         """Bring the packed object the last millimetres to its place and down to the base.
 
         Returns:
@@ -304,6 +309,15 @@ class FillJob:
             ways = [np.array([0.0, 0.0, up]), across, np.array([0.0, 0.0, down])]
         ways = [way for way in ways if np.linalg.norm(way) > 1e-4] or [np.zeros(3)]
         return (yield from self._move(seen, legs(ways, config.speed, OVERLAP), q_WT))
+
+    def _make_way(self, seen: FillObservation) -> Steps[FillObservation]:
+        """Raise the empty cup where it stands in the way of what is handed over next."""
+        p_WT = self._arm.cup(seen.joints.q).p
+        aside = float(np.linalg.norm(p_WT[:2] - np.array(self._cell.hand_over.centre)))
+        missing = self._tallest + self._config.clearance - float(p_WT[2])
+        if aside > self._config.hand_over_reach or missing <= 0.0:
+            return seen
+        return (yield from self._rise(seen, missing))
 
     @property
     def _highest(self) -> float:

@@ -47,6 +47,9 @@ class Mailbox:
     Args:
         node: whose messages are kept.
         joints: names of the arm's joints, in the order that joint states must have.
+
+    Attributes:
+        force: newest external force on cup or held object `(3,)` [N], in the axes of `/wrench`.
     """
 
     def __init__(self, node: CellNode, joints: Sequence[str]) -> None:
@@ -56,6 +59,7 @@ class Mailbox:
         self._observed: JointSample | None = None
         self._scene: SceneState | None = None
         self._is_held = True
+        self.force = np.zeros(3)
         # bounded, as nobody fetches them while no goal is pursued
         self._forces: deque[float] = deque(maxlen=WRENCHES)
         joint_states = Stream(node, contracts.JOINT_STATES)
@@ -73,6 +77,12 @@ class Mailbox:
         """The newest joint state, if there is one."""
         self.refresh()
         return self._joints
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the pump holds an object, as last said."""
+        self.refresh()
+        return self._is_held
 
     @property
     def time(self) -> float:
@@ -141,8 +151,8 @@ class Mailbox:
 
     def _on_wrench(self, message: WrenchStamped) -> None:
         force = message.wrench.force
-        magnitude = float(np.linalg.norm(finite([force.x, force.y, force.z], "force")))
-        self._forces.append(magnitude)
+        self.force = finite([force.x, force.y, force.z], "force")
+        self._forces.append(float(np.linalg.norm(self.force)))
 
     def _on_gripper(self, message: GripperState) -> None:
         self._is_held = message.is_closed

@@ -10,9 +10,9 @@ from rclpy.task import Future
 from pack_core.errors import MessageError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import finite, from_pose, to_point
+from pack_core.ros.conversions import finite, from_pose, to_point, to_pose
 from pack_core.ros.scene_messages import to_scene
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_mpc.session import PackingObservation, PackingSession
 
 UNIT_TOLERANCE = 1e-3
@@ -26,11 +26,18 @@ class PlacementClient:
         contract = contracts.PLAN_PLACEMENT
         self._client = node.create_client(contract.type, contract.name)
         self._pending: Future | None = None
-        self._seed = 0
+        self.start(0)
 
-    def start(self, seed: int) -> None:
-        """Begin a goal: its seed decides the random samples of its placements."""
+    def start(self, seed: int, variant: str = "", near: Pose | None = None) -> None:
+        """Begin a goal.
+
+        Args:
+            seed: decides the random samples of its placements.
+            variant: planner that chooses them; empty: that of the goal's method.
+            near: where the first one is sought, X_WN; None: anywhere.
+        """
         self._pending, self._seed = None, seed
+        self._variant, self._near = variant, near
 
     def serve(self, session: PackingSession, seen: PackingObservation) -> None:
         """Hand over the answer if there is one, or send a request if a placement is needed."""
@@ -44,9 +51,11 @@ class PlacementClient:
     def _request(self, session: PackingSession, seen: PackingObservation) -> PlanPlacement.Request:
         task = session.task
         return PlanPlacement.Request(
-            scene=to_scene(seen.scene), lean=task.lean, variant=session.method.placement_variant,
+            scene=to_scene(seen.scene), lean=task.lean,
+            variant=self._variant or session.method.placement_variant,
             seed=self._seed + len(task.tried),
             avoid=[to_point(p) for p in task.avoid], avoid_radius=task.avoid_radius,
+            near=[] if self._near is None else [to_pose(self._near)],
         )  # fmt: skip
 
     def _hand_over(

@@ -7,7 +7,7 @@ from collections import deque
 from functools import partial
 from typing import Any
 
-from pack_interfaces.msg import MocapMarkers
+from pack_interfaces.msg import GripperState, MocapMarkers
 from pydantic import Field, PositiveFloat
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
@@ -60,6 +60,8 @@ class PerceptionNode(CellNode):
         self._lock = threading.Lock()
         self._joints = Stream(self, contracts.JOINT_STATES, depth=JOINTS_DEPTH, raw=True)
         self._markers = Stream(self, contracts.MARKERS)
+        self._gripper = Stream(self, contracts.GRIPPER_STATE)
+        self._is_handed_over = False
         self.listen(contracts.DESCRIPTION, self._on_description)
         self._reader = StreamReader(self, (self._markers,), self._read, 1.0 / self._config.min_rate)
         self.watch(("sim",))
@@ -75,9 +77,13 @@ class PerceptionNode(CellNode):
 
     def _on_description(self, message: String) -> None:
         scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
-        estimator = PhysicsEstimator(scene, self._cell, self._config)
         with self._lock:
-            self._estimator = estimator
+            # what was packed before is still where it was, whoever is handed over now
+            if scene.is_handed_over and self._estimator is not None:
+                self._estimator.change_scene(scene)
+            else:
+                self._estimator = PhysicsEstimator(scene, self._cell, self._config)
+            self._is_handed_over = scene.is_handed_over
             self._names, self._new_object = scene.names, scene.new_object.name
             self._start_over()
 
@@ -90,6 +96,18 @@ class PerceptionNode(CellNode):
             for joints in self._joints.take_all():
                 self.guard(contracts.JOINT_STATES, self._on_joints, joints)
             self._use_frames()
+            for state in self._gripper.take_all():
+                self.guard(contracts.GRIPPER_STATE, self._on_gripper, state)
+
+    def _on_gripper(self, message: GripperState) -> None:
+        """Take note of what the pump grips or lets go; an object that hung from the start is seen to fall."""
+        estimator = self._estimator
+        if estimator is None or not self._is_handed_over or message.is_closed == estimator.is_held:
+            return
+        if message.is_closed:
+            estimator.take_hold()
+        else:
+            estimator.let_go()
 
     def _start_over(self) -> None:
         self._frames.clear()
@@ -143,7 +161,7 @@ class PerceptionNode(CellNode):
         self.health.values["not seen yet"] = ", ".join(unknown) or "none"
         self.health.values["frames too late"] = str(self._unused_frames)
         self.health.faults.pop("grip", None)
-        if not is_held:
+        if not is_held and not self._is_handed_over:
             self.health.faults["grip"] = f"'{self._new_object}' no longer hangs on the cup as it was gripped"
 
 

@@ -77,7 +77,8 @@ class PhysicsEstimator:
             self._start_over()
             return
         poses, twists = self._estimates()
-        known = {n: i for i, n in enumerate(self._markers.names) if self._is_known[i] and n in _all(scene)}
+        stay = _staying(scene)
+        known = {n: i for i, n in enumerate(self._markers.names) if self._is_known[i] and n in stay}
         seen, fitted = self._seen, self._fitted
         self._scene, self._markers = scene, MarkerTable(scene)
         self._seen, self._fitted = np.full((2, len(self._markers.names)), -np.inf)
@@ -87,9 +88,9 @@ class PhysicsEstimator:
         self._grip = GripTracker(self._config.grip, held_pose(scene), is_held=not scene.is_handed_over)
         role = HeldRole.FREE if scene.is_handed_over else HeldRole.RIGID
         self._use(GuidedCell(scene, self._cell, role, self._config.step))
-        stay = [name for name in self._physics.free if name in known]
-        rows = np.array([self._physics.free.index(name) for name in stay], dtype=int)
-        old = [known[name] for name in stay]
+        kept = [name for name in self._physics.free if name in known]
+        rows = np.array([self._physics.free.index(name) for name in kept], dtype=int)
+        old = [known[name] for name in kept]
         self._physics.correct(rows, poses[old], twists[old])
         self._note(self._joints)
 
@@ -241,6 +242,6 @@ class PhysicsEstimator:
         self._note(self._joints)
 
 
-def _all(scene: Scene) -> set[str]:
-    """Names of all objects of a scene."""
-    return {*scene.names, scene.new_object.name}
+def _staying(scene: Scene) -> set[str]:
+    """Names of the objects that may have been seen before: one that is handed over is another one."""
+    return {*scene.names} if scene.is_handed_over else {*scene.names, scene.new_object.name}

@@ -20,9 +20,12 @@ class ArrangementConfig(Config):
     free_gap: NonNegativeFloat = Field(
         default=0.012, description="gap to everything where contact is to be avoided [m]"
     )
+    object_worth: NonNegativeFloat = Field(
+        default=0.05, description="share of the base that an object more is worth, whatever its size"
+    )
     yielding: NonNegativeFloat = Field(
         default=0.006, description="overlap with what stands there by now at which a place is kept [m]"
     )
     shuffle: NonNegativeFloat = Field(
-        default=0.25, description="how far tries depart from the largest-first order, as share of an area"
+        default=0.8, description="how far tries depart from the largest-first order, as share of an area"
     )

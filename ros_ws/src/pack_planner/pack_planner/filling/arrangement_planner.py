@@ -1,9 +1,9 @@
 """Arranges the objects of a list in what is left of a container, seen from above.
 
 Objects are put down one after the other, the larger ones first, each into the corner of its free places that
-is farthest to one side. Many such arrangements are tried, with other sides and slightly other orders. The one
-that covers most of the base is taken. The lowest of its objects comes first, so that neither the pump nor a
-held object has to go down beside something that is taller.
+is farthest to one side. Many such arrangements are tried, with other sides and other orders. The one that
+covers most of the base is taken, where an object more is worth some area. The lowest of its objects comes
+first, so that neither the pump nor a held object has to go down beside something that is taller.
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ NO_ROOM = "no room for it is left on the base"
 
 @dataclass
 class _Try:
-    """One arrangement: area covered [m^2], and X_WO of the objects that have a place."""
+    """One arrangement: its worth [m^2], and X_WO of the objects that have a place."""
 
-    area: float = 0.0
+    worth: float = 0.0
     poses: dict[str, Pose] = field(default_factory=dict)
+    is_kept: bool = False
 
 
 class ArrangementPlanner:
@@ -45,6 +46,7 @@ class ArrangementPlanner:
 
     def __init__(self, config: ArrangementConfig, gap: float, wall_gap: float) -> None:
         self._config, self._gap, self._wall_gap = config, gap, wall_gap
+        self._bonus = 0.0
 
     def plan(
         self, container: Container, taken: Sequence[Array], items: Sequence[ObjectModel],
@@ -60,13 +62,14 @@ class ArrangementPlanner:
             planned: poses X_WO of an earlier arrangement, which is kept unless another covers more.
         """
         outlines = {item.name: _outlines(item) for item in items}
-        wanted = sum(sides[0].area for sides in outlines.values())
+        self._bonus = self._config.object_worth * float(np.prod(container.size))
+        wanted = sum(sides[0].area + self._bonus for sides in outlines.values())
         best = self._kept(container, taken, items, planned)
         for k in range(self._config.tries):
             found = self._try(container, list(taken), items, outlines, rng, is_first=k == 0)
-            if found.area > best.area + GAIN * np.prod(container.size):
+            if found.worth > best.worth + (GAIN * np.prod(container.size) if best.is_kept else 0.0):
                 best = found
-            if best.area > wanted - 1e-9:
+            if best.worth > wanted - 1e-9:
                 break
         return best.poses
 
@@ -75,14 +78,14 @@ class ArrangementPlanner:
         planned: Mapping[str, Pose],
     ) -> _Try:  # fmt: skip
         """What is left of an earlier arrangement, without objects whose places are taken by now."""
-        found = _Try()
+        found = _Try(is_kept=True)
         standing = shapely.union_all([shapely.Polygon(corners) for corners in taken])
         for item in items:
             if (X_WO := planned.get(item.name)) is None:
                 continue
             outline = footprint(item, X_WO)
             if not outline.buffer(-self._config.yielding).intersects(standing):
-                found.area += float(outline.area)
+                found.worth += float(outline.area) + self._bonus
                 found.poses[item.name] = X_WO
         return found
 
@@ -100,7 +103,7 @@ class ArrangementPlanner:
             placed = self._place(container, taken, outlines[item.name], way)
             if placed is not None:
                 outline, xy = placed
-                found.area += outline.area
+                found.worth += outline.area + self._bonus
                 p_WO = np.array([*xy, item.half_extents[2]])
                 found.poses[item.name] = Pose(p_WO, from_yaw(outline.yaw))
                 taken.append(outline.at(xy))

@@ -19,6 +19,7 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_core.states import SceneState
+from pack_planner.filling.arrangement_config import ArrangementConfig
 from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
 from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
 from pack_planner.placement.placement_config import PlacementConfig
@@ -79,6 +80,8 @@ class PlacementPlannerConfig(PlacementConfig):
         "physics",
         description="physics: Algorithm 1 with rehearsed entries; algorithm_1: it alone; random: any pose",
     )
+
+    arrangement: ArrangementConfig = ArrangementConfig()
 
     @field_validator("variant")
     @classmethod

@@ -7,19 +7,20 @@ from typing import Any
 
 import numpy as np
 from pack_interfaces.msg import PlacementSample
-from pack_interfaces.srv import PlanPlacement
+from pack_interfaces.srv import PlanFilling, PlanPlacement
 from std_msgs.msg import String
 
 from pack_core.errors import MessageError, PackError
 from pack_core.packing.scene import Scene
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import finite, to_pose
+from pack_core.ros.conversions import finite, from_pose, to_pose
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Pose
+from pack_planner.filling.ros.filling_messages import fill_response, plan_filling
 from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
 from pack_planner.placement.placement_result import SHOWN, PlacementSamples, PlannedPlacement
 from pack_planner.placement.ros.placement_markers import to_visual_markers
@@ -40,6 +41,7 @@ class PlannerNode(CellNode):
         self._settled = self.advertise(contracts.SETTLED_SAMPLES)
         self.listen(contracts.DESCRIPTION, self._on_description)
         self.create_service(PlanPlacement, contracts.PLAN_PLACEMENT.name, self._serve)
+        self.create_service(PlanFilling, contracts.PLAN_FILLING.name, self._serve_filling)
         self.watch(("sim", "perception"))
 
     def _change(self, config: PlacementPlannerConfig) -> None:
@@ -76,6 +78,18 @@ class PlannerNode(CellNode):
         self.health.values["planning time [s]"] = f"{response.planning_time:.3f}"
         return response
 
+    def _serve_filling(
+        self, request: PlanFilling.Request, response: PlanFilling.Response
+    ) -> PlanFilling.Response:
+        try:
+            if self._scene is None:
+                raise PackError(self._refusal)
+            fill_response(response, plan_filling(request, self._scene, self._cell, self._config.arrangement))
+        except PackError as error:
+            response.message = str(error)
+            self.health.count(f"refused {contracts.PLAN_FILLING.name}", str(error))
+        return response
+
     def _plan(self, request: PlanPlacement.Request) -> PlannedPlacement:
         if self._planners is None or self._scene is None:
             raise PackError(self._refusal)
@@ -86,6 +100,7 @@ class PlannerNode(CellNode):
             lean=_checked_lean(request.lean),
             avoid=[finite([p.x, p.y, p.z], "point to avoid") for p in request.avoid],
             avoid_radius=_checked_radius(request.avoid_radius),
+            near=from_pose(request.near[0]) if request.near else None,
         )
         shown = placement.samples.spread(SHOWN)
         self._markers.publish(to_visual_markers(state.time, placement, self._scene, shown[0]))

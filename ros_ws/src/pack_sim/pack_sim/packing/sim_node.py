@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pack_interfaces.srv import GripperCommand, ResetScene
+from pack_interfaces.srv import GripperCommand, PresentObject, ResetScene
 from pydantic import Field
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.packing.frames import fixed_frames
+from pack_core.packing.objects import parse_object
 from pack_core.packing.robot_description import describe_robot
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene, parse_scene
@@ -45,7 +46,11 @@ class PackingSimNode(PhysicsNode):
         self._description = self.advertise(contracts.DESCRIPTION)
         self._shown = self.show(describe_robot(self._cell))
         self._simulator = self._build(self._first_scene(), self._config.seed, 0.0)
-        services = ((contracts.RESET, self._reset), (contracts.GRIPPER_COMMAND, self._command_gripper))
+        services = (
+            (contracts.RESET, self._reset),
+            (contracts.GRIPPER_COMMAND, self._command_gripper),
+            (contracts.PRESENT, self._present),
+        )
         self.start(contracts.SETPOINTS, "mpc", services, self._config.real_time_factor)
 
     def _change(self, config: PackingSimNodeConfig) -> None:
@@ -99,6 +104,20 @@ class PackingSimNode(PhysicsNode):
             response.message = str(error)
             return response
         response.success = True
+        return response
+
+    def _present(
+        self, request: PresentObject.Request, response: PresentObject.Response
+    ) -> PresentObject.Response:
+        try:
+            item = parse_object(request.object, "request")
+            with self.lock:
+                response.message = self._simulator.present(item)
+                if not response.message:
+                    self._description.publish(String(data=self._simulator.description.to_yaml()))
+        except Exception as error:
+            response.message = str(error)
+        response.success = not response.message
         return response
 
     def _command_gripper(

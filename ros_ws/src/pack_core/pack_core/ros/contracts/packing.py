@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from geometry_msgs.msg import WrenchStamped
-from pack_interfaces.action import PackObject
+from pack_interfaces.action import FillContainer, PackObject
 from pack_interfaces.msg import GripperState, MocapMarkers, MpcStatus, SceneState, SettledSamples
-from pack_interfaces.srv import GripperCommand, PlanPlacement, ResetScene
+from pack_interfaces.srv import GripperCommand, PlanFilling, PlanPlacement, PresentObject, ResetScene
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
@@ -19,7 +19,7 @@ from pack_core.ros.contracts.shared import SHARED
 DESCRIPTION = Contract(
     topics.DESCRIPTION, String, ("sim",), ("perception", "planner", "mpc", "recorder", "user"),
     "shapes, sizes and masses of container and objects, as a scene file without poses",
-    qos=LATCHED, rate="at reset", recorded=True)
+    qos=LATCHED, rate="at reset and each hand-over", recorded=True)
 JOINT_STATES = Contract(
     topics.JOINT_STATES, JointState, ("sim",), ("perception", "mpc", "recorder", "user"),
     "measured joint positions, velocities and torques", qos=STREAM, rate=hz(topics.JOINT_RATE), recorded=True)
@@ -39,7 +39,7 @@ WRENCH = Contract(
     "force and torque on the suction cup, less the held object's weight, in the frame `tip`",
     qos=STREAM, rate=hz(topics.WRENCH_RATE), recorded=True)
 GRIPPER_STATE = Contract(
-    topics.GRIPPER_STATE, GripperState, ("sim",), ("mpc", "recorder", "user"),
+    topics.GRIPPER_STATE, GripperState, ("sim",), ("perception", "mpc", "recorder", "user"),
     "what the pump holds and how hard it is pulled", qos=STREAM, rate=hz(topics.GRIPPER_RATE), recorded=True)
 TRUTH = Contract(
     topics.TRUTH, SceneState, ("sim",), ("recorder", "user"),
@@ -66,11 +66,25 @@ PLAN_PLACEMENT = Contract(
 RESET = Contract(
     "/sim/reset", ResetScene, ("user",), ("sim",), "begin with another scene, arm at home",
     kind=Kind.SERVICE)
+PLAN_FILLING = Contract(
+    "/plan_filling", PlanFilling, ("mpc", "user"), ("planner",),
+    "where the remaining objects of a list shall stand, and which comes next", kind=Kind.SERVICE)
+PRESENT = Contract(
+    "/hand_over/present", PresentObject, ("mpc", "user"), ("sim",),
+    "the next object arrives beside the container, to be picked up", kind=Kind.SERVICE)
 GRIPPER_COMMAND = Contract(
-    "/gripper/command", GripperCommand, ("user",), ("sim",), "close or open the pump", kind=Kind.SERVICE)
+    "/gripper/command", GripperCommand, ("mpc", "user"), ("sim",), "close or open the pump",
+    kind=Kind.SERVICE)
 PACK_OBJECT = Contract(
     "/pack_object", PackObject, ("user",), ("mpc",), "pack the held object into the container",
     kind=Kind.ACTION)
+FILL_CONTAINER = Contract(
+    "/fill_container", FillContainer, ("user",), ("mpc",),
+    "pack the objects of a list, one after the other", kind=Kind.ACTION)
+FILL_RESULT = Contract(
+    topics.FILL_RESULT, String, ("mpc",), ("recorder", "user"),
+    "each object's fate in the last fill job, and the fill over time, as JSON", qos=LATCHED,
+    rate="each fill job", recorded=True)
 # fmt: on
 
 CONTRACTS = (*SHARED, *contracts_in(globals()))
