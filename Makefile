@@ -6,7 +6,7 @@ ARGS ?=
 WORKERS ?= 2
 IN_ENV := source tools/env.sh &&
 
-.PHONY: help setup demo test slow bench lint lock clean
+.PHONY: help setup demo test slow bench fuzz lint lock clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
@@ -29,6 +29,9 @@ slow: setup ## tests that take minutes: cells in a browser, blocks demo
 
 bench: setup ## measure speed and success (ARGS goes to the command)
 	@$(IN_ENV) pytest -m benchmark && pack benchmark $(CELL) $(ARGS)
+
+fuzz: setup ## mutated files and messages through every reader (ARGS="--inputs 20000")
+	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m fuzz $(ARGS)
 
 lint: setup ## ruff, formatting, mypy
 	@$(IN_ENV) ruff check && ruff format --check && mypy

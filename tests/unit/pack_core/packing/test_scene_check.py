@@ -60,9 +60,13 @@ def test_an_object_on_another_is_carried() -> None:
 def test_an_object_in_the_arm_is_refused() -> None:
     scene = load_scene(EXAMPLE)
     box = next(item for item in scene.objects if item.shape == "box")
-    tall = box.model_copy(update={"size": (0.06, 0.06, 1.5), "pose": PoseConfig(position=(0.42, 0.0, 0.75))})
-    with pytest.raises(ConfigError, match="into the arm at its home pose"):
-        parse_scene(scene.model_copy(update={"objects": [tall]}).to_yaml(), "scene")
+
+    def with_pillar(x: float) -> str:
+        pillar = {"size": (0.06, 0.06, 1.5), "pose": PoseConfig(position=(x, 0.0, 0.75))}
+        return scene.model_copy(update={"objects": [box.model_copy(update=pillar)]}).to_yaml()
+
+    with pytest.raises(ConfigError, match="into the arm at home"):
+        parse_scene(with_pillar(0.41), "scene")
 
 
 def test_a_quaternion_of_few_digits_is_brought_to_length_one() -> None:
