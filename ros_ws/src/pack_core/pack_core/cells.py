@@ -51,6 +51,9 @@ PARTS = {
     ),
     "demo": CellPart("pack_bringup.{cell}.demo_command", "demo", "the command `pack demo CELL`"),
     "goal": CellPart("pack_bringup.{cell}.goal_command", "goal", "the command `pack goal CELL`"),
+    "seeded_goal": CellPart(
+        "pack_bringup.{cell}.goal", "seeded_goal", "a goal by a seed, for benchmarks of faults and of hours"
+    ),
     "benchmark": CellPart(
         "pack_bringup.{cell}.benchmark_command", "benchmark", "the command `pack benchmark CELL`"
     ),

@@ -51,3 +51,10 @@ class BlocksGoal:
             f"{feedback.phase:9} {feedback.block:4} {action:18} {feedback.elapsed:6.1f} s  "
             f"real-time factor {real_time_factor:4.2f}",
         )
+
+
+def seeded_goal(seed: int) -> BlocksGoal:
+    """The goal of a run without choices: four blocks, generated."""
+    from pack_bringup.blocks.goal_command import problem_of
+
+    return BlocksGoal(problem_of(None, blocks=4, density=0.2, seed=seed), seed=seed)

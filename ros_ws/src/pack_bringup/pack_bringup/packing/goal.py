@@ -53,3 +53,8 @@ class PackingGoal:
             f"{feedback.stage:9} {feedback.elapsed:5.1f} s  distance {100 * feedback.distance:5.1f} cm  "
             f"MPC {feedback.iteration_ms:4.0f} ms  real-time factor {real_time_factor:4.2f}",
         )
+
+
+def seeded_goal(seed: int) -> PackingGoal:
+    """The goal of a run without choices: a generated scene."""
+    return PackingGoal(seed=seed)

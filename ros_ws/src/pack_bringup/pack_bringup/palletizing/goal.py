@@ -7,9 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pack_bringup.cell_goal import Progress
+from pack_core.paths import config_path
 
 if TYPE_CHECKING:
     from pack_core.ros.contracts.contract import Contract
+
+SMALL_ORDERS = (3, 14, 9, 15, 1, 16, 6, 17)
+"""Numbers of the orders of config/orders with two to five boxes, the smallest first."""
 
 
 @dataclass(frozen=True)
@@ -52,3 +56,9 @@ class PalletizingGoal:
             f"{feedback.state:18} {feedback.box:14} {feedback.placed:2}/{feedback.boxes}  "
             f"{feedback.elapsed:6.1f} s  real-time factor {real_time_factor:4.2f}",
         )
+
+
+def seeded_goal(seed: int) -> PalletizingGoal:
+    """The goal of a run without choices: one of the small orders of config/orders."""
+    orders = [config_path("orders", f"order_{number:02}.json") for number in SMALL_ORDERS]
+    return PalletizingGoal(order=orders[seed % len(orders)], seed=seed)

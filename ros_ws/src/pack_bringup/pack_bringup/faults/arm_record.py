@@ -1,0 +1,87 @@
+"""When an arm began to brake and when it stood, from what was heard of its joints."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.rotations import Array
+
+STILL = 0.02
+"""Speed of the fastest joint below which the arm stands [rad/s]."""
+REST = 0.1
+"""The arm stands once it has been that slow for so long [s]."""
+NEAR_TOP = 0.97
+"""The arm brakes from the last moment on at which its speed was this share of the highest before it stood."""
+MEMORY = 20_000
+"""Joint states that are kept: those of 40 s at 500 Hz."""
+
+
+@dataclass(frozen=True)
+class Stop:
+    """How an arm came to rest: `nan` where it stood already, infinite where it did not come to rest.
+
+    Attributes:
+        brakes_after: when it began to brake [s].
+        stands_after: when it stood [s].
+    """
+
+    brakes_after: float = float("nan")
+    stands_after: float = float("nan")
+
+
+class ArmRecord:
+    """Speeds of the fastest joint, with their stamps and the wall clock at which they were sent."""
+
+    def __init__(self) -> None:
+        self._rows: deque[tuple[float, int, float]] = deque(maxlen=MEMORY)
+
+    def add(self, stamp: float, sent_ns: int, speed: float) -> None:
+        """A joint state: its stamp [s], when it was sent [ns of wall clock], its fastest joint [rad/s]."""
+        self._rows.append((stamp, sent_ns, speed))
+
+    @property
+    def time(self) -> float:
+        """Stamp of the newest joint state [s]; 0 before the first."""
+        return self._rows[-1][0] if self._rows else 0.0
+
+    @property
+    def speed(self) -> float:
+        """Of the fastest joint, newest [rad/s]."""
+        return self._rows[-1][2] if self._rows else 0.0
+
+    def simulated(self, wall_ns: int) -> float:
+        """Stamp of the last joint state that was sent by a moment of the wall clock [s]."""
+        return max((stamp for stamp, sent, _ in self._rows if sent <= wall_ns), default=0.0)
+
+    def is_at_rest(self) -> bool:
+        """Whether the arm has stood for `REST`."""
+        recent = [speed for stamp, _, speed in self._rows if stamp > self.time - REST]
+        return bool(recent) and max(recent) < STILL
+
+    def stop_after(self, time: float) -> Stop:
+        """How the arm came to rest after a moment of simulated time [s]."""
+        rows = [(stamp, speed) for stamp, _, speed in self._rows if stamp >= time]
+        return stop_of(*np.array(rows).T, time) if rows else Stop()
+
+
+def stop_of(stamps: Array, speeds: Array, time: float) -> Stop:
+    """How an arm came to rest.
+
+    Args:
+        stamps: from `time` on `(T,)` [s].
+        speeds: of the fastest joint `(T,)` [rad/s].
+        time: from which it is told [s].
+    """
+    if speeds[0] < STILL and speeds.max() < STILL:
+        return Stop()
+    moving = np.flatnonzero(speeds >= STILL)
+    # Before the arm stood for the first time: what it did later, such as going on, is not this stop.
+    pauses = np.flatnonzero(np.diff(np.append(stamps[moving], stamps[-1])) > REST)
+    if not pauses.size:
+        return Stop(float("inf"), float("inf"))
+    last = int(moving[pauses[0]])
+    fast = np.flatnonzero(speeds[: last + 1] >= NEAR_TOP * speeds[: last + 1].max())
+    return Stop(float(stamps[fast[-1]]) - time, float(stamps[last]) - time)

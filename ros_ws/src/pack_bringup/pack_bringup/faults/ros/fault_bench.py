@@ -1,0 +1,196 @@
+"""Puts faults into a running cell, one after the other, and reports what becomes of it."""
+
+from __future__ import annotations
+
+import math
+import signal
+import time
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from pack_bringup.cell_goal import CellGoal
+from pack_bringup.faults.arm_record import ArmRecord
+from pack_bringup.faults.fault import FREEZE_TIME, Fault, FaultCase, FaultReport
+from pack_bringup.faults.ros.fault_witness import FaultWitness
+from pack_bringup.graph.graph import Graph
+from pack_bringup.graph.processes import ProcessGroup
+from pack_bringup.recording.run_record import BAG_FOLDER
+from pack_core.errors import BagError, PackError
+from pack_core.ros.conversions import from_stamp
+from pack_evaluation.bag import read_bag
+
+START_TIMEOUT = 120.0
+"""For a node to come up [s of wall clock]."""
+STAGE_TIMEOUT = 150.0
+"""For a goal to come into a stage, and to end after a fault [s of wall clock]."""
+MOVES = 0.05
+"""Speed of the fastest joint from which the arm counts as moving [rad/s]."""
+IN_STAGE = 0.4
+"""A fault is put in when the arm moves, or after so long in a stage in which it stands [s simulated]."""
+WATCHED = 3.0
+"""For which the arm is watched after a fault [s simulated]: in every cell it has then stopped or goes on."""
+GOAL_TIMEOUT = 10.0
+"""A goal that has not ended so long after a fault goes on [s of wall clock]."""
+RECORDED = "/joint_states"
+
+
+class FaultBench:
+    """One cell that runs, and is mended after every fault.
+
+    Args:
+        graph: the cell's nodes.
+        group: their processes, started.
+        witness: listens in the cell's domain.
+        goal: what the cell is asked to do, again and again.
+        folder: takes the recordings.
+    """
+
+    def __init__(
+        self, graph: Graph, group: ProcessGroup, witness: FaultWitness, goal: CellGoal, folder: Path
+    ) -> None:
+        self._graph, self._group, self._witness, self._goal = graph, group, witness, goal
+        self._folder, self._recordings = folder, 0
+        self._names = [node.name for node in graph.nodes]
+
+    def try_case(self, case: FaultCase) -> FaultReport:
+        """Put one fault in, mend the cell, and try the next goal."""
+        found: dict[str, Any] = {}
+        try:
+            self._await_ready()
+            self._witness.send(self._goal)
+            self._await_stage(case.stage)
+            self._put_in(case, found)
+        except PackError as error:
+            found["problem"] = str(error)
+        self._mend()
+        return FaultReport(case.name, case.node, case.fault, case.stage, **found)
+
+    def _await_ready(self) -> None:
+        if not self._witness.spin_until(lambda: self._witness.are_ready(self._names), START_TIMEOUT):
+            late = [name for name in self._names if not self._witness.are_ready([name])]
+            raise PackError(f"not ready: {', '.join(late)}")
+        settled = time.monotonic() + 1.0  # all have then heard of each other
+        self._witness.spin_until(lambda: time.monotonic() > settled, 2.0)
+
+    def _await_stage(self, stage: str) -> None:
+        witness, entered = self._witness, math.inf
+
+        def is_time() -> bool:
+            nonlocal entered
+            if witness.result is not None:
+                raise PackError(f"the goal ended before the stage {stage}: {witness.result.message}")
+            if witness.stage != stage:
+                entered = math.inf
+                return False
+            entered = min(entered, witness.arm.time)
+            return witness.arm.speed > MOVES or witness.arm.time > entered + IN_STAGE
+
+        if not witness.spin_until(is_time, STAGE_TIMEOUT):
+            raise PackError(f"the goal did not come into the stage {stage}")
+
+    def _put_in(self, case: FaultCase, found: dict[str, Any]) -> None:
+        witness = self._witness
+        found |= {"was_held": witness.holds, "speed": witness.arm.speed, "real_time_factor": witness.factor}
+        recording, struck, struck_ns = self._bag, time.monotonic(), time.time_ns()
+        is_freeze = case.fault is Fault.FREEZE
+        self._group.signal(case.node, signal.SIGSTOP if is_freeze else signal.SIGKILL)
+        if case.fault is Fault.RESTART:
+            self._restart(case.node)
+        is_lost = case.node == self._goal.server and not is_freeze
+        if is_lost:
+            witness.forget()
+        found |= self._watch(struck, struck_ns, FREEZE_TIME if is_freeze else 0.0, is_lost=is_lost)
+        if is_freeze:
+            self._group.signal(case.node, signal.SIGCONT)
+        if case.node != "sim":
+            found |= asdict(witness.arm.stop_after(witness.arm.simulated(struck_ns)))
+        named = witness.silences_of(case.node, struck)
+        found["named_by"] = tuple(sorted({by for _, by in named}))
+        found["named_after"] = min((at for at, _ in named), default=math.nan)
+        if case.node == "recorder" and not is_freeze:
+            found["bag_lost"] = _lacking(recording, witness.arm, struck_ns)
+        found["next_works"] = self._try_next(case)
+
+    def _watch(self, struck: float, struck_ns: int, least: float, *, is_lost: bool) -> dict[str, Any]:
+        """Wait until the arm was watched and the goal has ended, or plainly goes on; how the goal ended.
+
+        Args:
+            struck: when the fault was put in, on the steady clock [s].
+            struck_ns: the same [ns since the epoch].
+            least: time to wait [s of wall clock].
+            is_lost: whether the node that would tell the result has ended.
+        """
+        witness, fault_time = self._witness, self._witness.arm.simulated(struck_ns)
+        ended = math.nan
+
+        def is_over() -> bool:
+            nonlocal ended
+            now = time.monotonic() - struck
+            if witness.result is not None and math.isnan(ended):
+                ended = now
+            is_watched = witness.arm.time > fault_time + WATCHED or now > 4.0 * WATCHED
+            has_ended = is_lost or not math.isnan(ended) or now > GOAL_TIMEOUT
+            return now > least and is_watched and has_ended
+
+        witness.spin_until(is_over, FREEZE_TIME + 30.0)
+        goal = "lost with its node" if is_lost else ""
+        if not math.isnan(ended):
+            reason = getattr(witness.result, "exit_reason", "")
+            goal = ": ".join(filter(None, (reason, witness.result.message))) or "success"
+        return {"is_held": witness.holds, "goal": goal, "goal_after": ended}
+
+    def _try_next(self, case: FaultCase) -> bool:
+        """Whether the next goal is taken and moves the arm, once the victim runs again."""
+        self._end_goal()
+        if case.fault is Fault.KILL:
+            self._restart(case.node)
+        try:
+            self._await_ready()
+            self._witness.send(self._goal)
+        except PackError:
+            return False
+        begun = self._witness.arm.time
+        moved = self._witness.spin_until(
+            lambda: self._witness.arm.time > begun + 0.1 and self._witness.arm.speed > MOVES, 60.0
+        )
+        return moved and self._witness.result is None
+
+    def _end_goal(self) -> None:
+        self._witness.cancel()
+        self._witness.spin_until(lambda: self._witness.result is not None, 20.0)
+
+    def _mend(self) -> None:
+        """Bring the cell into a state from which the next case can begin."""
+        for name in set(self._names) - set(self._group.running):
+            self._restart(name)
+        self._end_goal()
+
+    def _restart(self, name: str) -> None:
+        self._group.wait(10.0, count=1)
+        self._witness.statuses.pop(name, None)
+        overrides = None
+        if name == "recorder":
+            self._recordings += 1
+            overrides = self.recorder_parameters(self._folder, self._recordings)
+        (node,) = self._graph.only([name]).nodes
+        self._group.restart(name, node.command(overrides))
+
+    @staticmethod
+    def recorder_parameters(folder: Path, number: int = 0) -> dict[str, str]:
+        """Parameters of the recorder that writes the recording of this number, as YAML text."""
+        return {"path": f'"{(folder / f"recording_{number}").resolve()}"', "record": "always"}
+
+    @property
+    def _bag(self) -> Path:
+        return self._folder / f"recording_{self._recordings}" / BAG_FOLDER
+
+
+def _lacking(bag: Path, arm: ArmRecord, struck_ns: int) -> float:
+    """Simulated time before a moment of the wall clock that a recording lacks [s], if need be all of it."""
+    try:
+        messages = read_bag(bag.parent).of(RECORDED)
+        newest = max((from_stamp(message.header.stamp) for message in messages), default=0.0)
+    except BagError:
+        newest = 0.0
+    return max(0.0, arm.simulated(struck_ns) - newest)

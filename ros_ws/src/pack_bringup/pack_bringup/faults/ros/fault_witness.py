@@ -1,0 +1,163 @@
+"""Listens to a cell into which faults are put, and sends it goals."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any, Self
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from pack_interfaces.msg import GripperState, JawState, NodeStatus
+from rclpy.action import ActionClient
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
+
+from pack_bringup.cell_goal import CellGoal
+from pack_bringup.faults.arm_record import ArmRecord
+from pack_core.errors import PackError
+from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.table import wiring_of
+from pack_core.ros.conversions import from_stamp
+from pack_core.ros.node_status import LISTENING
+
+QUEUE = QoSProfile(depth=10_000)
+"""Joint states that may wait while the witness does something else: a gap would shift what is measured."""
+
+
+class FaultWitness:
+    """A node for the time of a `with` block; nothing is heard but in `spin_until`.
+
+    Args:
+        cell: name of the cell.
+        domain: ROS domain id.
+
+    Attributes:
+        arm: what was heard of the joints.
+        holds: whether the gripper holds something.
+        stage: of the goal in progress, from its feedback.
+        result: of the last goal; None while one is pursued.
+        statuses: newest status of each node, by name.
+        diagnosed: by node, the wall clock at which its newest errors came, and their text.
+        factor: real-time factor, as the simulator said last.
+    """
+
+    def __init__(self, cell: str, domain: int) -> None:
+        self._cell, self._domain = cell, domain
+        self.arm = ArmRecord()
+        self.holds, self.stage, self.factor = False, "", float("nan")
+        self.result: Any = None
+        self.statuses: dict[str, NodeStatus] = {}
+        self.diagnosed: list[tuple[float, str, str]] = []
+        self._handle: Any = None
+
+    def __enter__(self) -> Self:
+        self._context = Context()
+        rclpy.init(
+            context=self._context, domain_id=self._domain, signal_handler_options=SignalHandlerOptions.NO
+        )
+        self.node = rclpy.create_node("fault_witness", context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        hear = {
+            "/joint_states": (self._on_joints, QUEUE),
+            "/gripper/state": (self._on_gripper, None),
+            shared.DIAGNOSTICS.name: (self._on_diagnostics, None),
+            shared.NODE_STATUS.name: (self._on_status, LISTENING),
+            shared.REAL_TIME_FACTOR.name: (self._on_factor, None),
+        }
+        for contract in wiring_of(self._cell):
+            if contract.name in hear:
+                callback, qos = hear[contract.name]
+                self.node.create_subscription(contract.type, contract.name, callback, qos or contract.qos)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
+
+    def spin_until(self, condition: Callable[[], object], timeout: float) -> bool:
+        """Listen until a condition holds; False if `timeout` [s of wall clock] came first."""
+        deadline = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() > deadline:
+                return False
+            self._executor.spin_once(timeout_sec=0.01)
+        return True
+
+    def are_ready(self, names: list[str]) -> bool:
+        """Whether all these nodes have said that they are ready."""
+        return all(name in self.statuses and self.statuses[name].state == NodeStatus.READY for name in names)
+
+    def send(self, goal: CellGoal) -> None:
+        """Put the cell into the goal's scene and send the goal.
+
+        Raises:
+            PackError: the cell does not answer, or refuses.
+        """
+        contract, request = goal.reset()
+        client = self.node.create_client(contract.type, contract.name)
+        if not self.spin_until(client.service_is_ready, 20.0):
+            raise PackError(f"no service {contract.name}")
+        answer = client.call_async(request)
+        if not self.spin_until(answer.done, 20.0) or not answer.result().success:
+            raise PackError(f"{contract.name} failed: {answer.result() and answer.result().message}")
+        self.node.destroy_client(client)
+        action, message = goal.goal()
+        self.result, self.stage = None, ""
+        actions = ActionClient(self.node, action.type, action.name)
+        if not self.spin_until(actions.server_is_ready, 20.0):
+            raise PackError(f"no action {action.name}")
+        sent = actions.send_goal_async(message, feedback_callback=self._on_feedback)
+        if not self.spin_until(sent.done, 20.0):
+            raise PackError("the goal was not answered")
+        self._handle = sent.result()
+        self._handle.get_result_async().add_done_callback(self._on_result)
+
+    def cancel(self) -> None:
+        """Have the goal in progress end."""
+        if self._handle is not None and self.result is None:
+            self._handle.cancel_goal_async()
+
+    def forget(self) -> None:
+        """Await no result any more: the node that would give it has ended."""
+        self._handle = None
+
+    def silences_of(self, name: str, since: float) -> list[tuple[float, str]]:
+        """When [s of wall clock after `since`] and by whom a node was called silent."""
+        return [(at - since, by) for at, by, text in self.diagnosed if at >= since and f"'{name}'" in text]
+
+    def _on_joints(self, message: JointState, info: dict[str, int]) -> None:
+        speed = max(abs(v) for v in message.velocity)
+        self.arm.add(from_stamp(message.header.stamp), info["source_timestamp"], speed)
+
+    def _on_gripper(self, message: GripperState | JawState) -> None:
+        if isinstance(message, JawState):
+            self.holds = message.status == JawState.HOLDING
+        else:
+            self.holds = bool(message.is_closed)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        now = time.monotonic()
+        for status in message.status:
+            if status.level == DiagnosticStatus.ERROR:
+                self.diagnosed.append((now, status.name, status.message))
+
+    def _on_status(self, message: NodeStatus) -> None:
+        self.statuses[message.name] = message
+
+    def _on_factor(self, message: Any) -> None:
+        self.factor = message.data
+
+    def _on_feedback(self, message: Any) -> None:
+        feedback = message.feedback
+        self.stage = next(
+            getattr(feedback, field) for field in ("stage", "state", "phase") if hasattr(feedback, field)
+        )
+
+    def _on_result(self, future: Any) -> None:
+        self.result = future.result().result
