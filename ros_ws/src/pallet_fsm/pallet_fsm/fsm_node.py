@@ -17,7 +17,7 @@ from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.goal_markers import goal_markers
+from pack_core.ros.goal_markers import goal_markers, vertex_markers
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.palletizing.layout_messages import from_layout
 from pack_core.ros.params import read_parameters
@@ -108,7 +108,10 @@ class PalletFsmNode(GoalNode):
     ) -> Palletize.Result:
         seen = self._observer.newest
         assert seen is not None
-        self._goals.publish(goal_markers(places(plan, cell)))
+        goals = places(plan, cell)
+        shown = goal_markers(goals)
+        shown.markers = [*shown.markers, *vertex_markers(goals).markers]
+        self._goals.publish(shown)
         session = Palletizer(order, plan, cell, config, seen.time)
         self._observer.spawned = ""  # the last order's last box may have had the name of this one's first
         self._run = run = OrderRun(self, session, self._client.apply, self._teller)

@@ -141,8 +141,9 @@ def _on_place(now: Situation) -> list[ToolTarget]:
 
 
 def _before_insertion(now: Situation) -> Array:
-    """Offset from the box's place to where its insertion begins `(3,)` [m]."""
-    return now.item.plan.insertion.offset(now.config.standoff, now.config.final_height)
+    """Offset from the box's place to where its insertion begins `(3,)` [m]: Eq. 6.6, p_start = c + L d."""
+    standoff = np.inf if now.config.standoff is None else now.config.standoff
+    return now.item.plan.insertion.offset(standoff, now.config.final_height)
 
 
 TARGETS: dict[State, Finder] = {

@@ -62,7 +62,9 @@ class GripLimits(Config):
     tolerated_steps: PositiveInt
     """Number of consecutive physics steps above a limit after which the gripper loses the box."""
     retry_interval: NonNegativeFloat
-    """How long the gripper tries to close [s]; 0: it tries once."""
+    """Time from one try to close to the next, where nothing was gripped [s]; 0: in every step."""
+    retry_time: NonNegativeFloat = 1.0
+    """How long tries go on [s]; 0: there is one."""
     carrying_acceleration: NonNegativeFloat
     """Largest acceleration of a carried box in any direction; orders are checked with it [m/s^2]."""
 

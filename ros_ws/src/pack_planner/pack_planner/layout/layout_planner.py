@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
+import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import NEXT_REQUEST, Changeable, Config
@@ -41,12 +42,30 @@ class LayoutPlanner:
         self._config = config
 
     def plan(self, order: Order, gap: float | None = None) -> LayoutPlan:
-        """Plan an order's layout with a gap [m]; None: with the configured gap.
+        """Plan an order's layout with a gap [m]; None: with a gap that adapts to the layout (Eq. 6.7).
+
+        Of the configured range, it is the widest gap that needs no virtual margin and leaves every box
+        stable. Where there is none, the configured gap is tried with a virtual margin, and then smaller ones.
 
         Raises:
             PackError: the gap is not allowed, or boxes overlap as given.
         """
-        wanted = self._config.separator.gap if gap is None else gap
+        if gap is not None:
+            return self._with_gap(order, gap)
+        config = self._config.separator
+        for wider in _steps(config.widest_gap, config.gap, config.gap_step):
+            plan = self._with_gap(order, wider)
+            if plan.status is LayoutStatus.SUCCESS and plan.virtual_margin == 0.0:
+                return plan
+        plan = self._with_gap(order, config.gap)
+        for smaller in _steps(config.gap, config.least_gap, config.gap_step)[1:]:
+            if plan.status is LayoutStatus.SUCCESS:
+                break
+            tried = self._with_gap(order, smaller)
+            plan = tried if tried.status is LayoutStatus.SUCCESS else plan
+        return plan
+
+    def _with_gap(self, order: Order, wanted: float) -> LayoutPlan:
         if not 0.0 <= wanted <= MAX_GAP:
             raise PackError(f"gap is {wanted} m; allowed: 0 to {MAX_GAP} m")
         separation = PalletSeparator(order.pallet, self._config.separator).separate(order.placed, wanted)
@@ -73,3 +92,11 @@ class LayoutPlanner:
             PlannedBox(item, choose_insertion(item, sequence[:k], self._config.insertion))
             for k, item in enumerate(sequence)
         )
+
+
+def _steps(first: float, last: float, step: float) -> list[float]:
+    """Gaps [m] from the first down to the last one, both included; none where the first is smaller."""
+    if first < last:
+        return []
+    count = int(np.ceil((first - last) / step - 1e-9))
+    return [max(round(first - k * step, 6), last) for k in range(count + 1)]

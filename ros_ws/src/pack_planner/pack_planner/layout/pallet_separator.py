@@ -28,6 +28,13 @@ class SeparatorConfig(Config):
     """Parameters of the separation."""
 
     gap: NonNegativeFloat = Field(0.002, le=0.05, description="free distance between neighbours [m]")
+    least_gap: NonNegativeFloat = Field(
+        0.001, le=0.05, description="what the gap may shrink to where there is no room for it [m]"
+    )
+    widest_gap: NonNegativeFloat = Field(
+        0.002, le=0.05, description="what the gap may grow to where there is room on the pallet [m]"
+    )
+    gap_step: PositiveFloat = Field(0.0005, description="by which it shrinks and grows [m]")
     max_shift: PositiveFloat = Field(5.0, description="no box is displaced further along an axis [gaps]")
     margin_step: PositiveFloat = Field(0.001, description="the virtual pallet margin grows by this [m]")
     max_margin: NonNegativeFloat = Field(0.02, description="largest virtual pallet margin [m]")

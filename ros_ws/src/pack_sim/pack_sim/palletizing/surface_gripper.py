@@ -24,6 +24,7 @@ class SurfaceGripper:
         self._seals, self._limits = tool.seals(), limits
         self._seal = self._seals[0]
         self._deadline: float | None = None
+        self._next_try = 0.0
         self._steps_over = 0
         self._is_opening = False
         self.state = GripState(reason=ASKED)
@@ -39,7 +40,7 @@ class SurfaceGripper:
         return self.state.is_open
 
     def close(self) -> None:
-        """Grip what is in front of the pad, as soon as there is a box; fails after `retry_interval`."""
+        """Grip what is in front of the pad, as soon as there is a box; fails after `retry_time`."""
         self._is_opening = False
         if not self.state.is_closed:
             self._deadline = None
@@ -61,11 +62,14 @@ class SurfaceGripper:
 
     def _seek(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:
         if self._deadline is None:
-            self._deadline = data.time + self._limits.retry_interval
+            self._deadline, self._next_try = data.time + self._limits.retry_time, data.time
+        if data.time < self._next_try:
+            return
         mujoco.mj_kinematics(model, data)
         found = face_ahead(model, data, boxes, self._seals, self._limits.max_grip_distance)
         if found.seal is None:
-            if data.time >= self._deadline:
+            self._next_try = data.time + self._limits.retry_interval
+            if self._next_try > self._deadline:  # there will be no further try
                 self.state = GripState(reason=found.reason)
         elif is_awake(model, data, found.box):  # a sleeping box is woken now and gripped in the next step
             attach(model, data, found.box)
