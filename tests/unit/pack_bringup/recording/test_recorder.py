@@ -134,3 +134,29 @@ def test_a_recording_ends_whole_at_its_limit_and_says_so(tmp_path: Path) -> None
     recorder.close()
     bag = read_bag(tmp_path)
     assert (len(bag.messages), bag.is_cut, recorder.dropped) == (10, False, 5)
+
+
+def wait_for_fault(recorder: Recorder) -> str:
+    deadline = time.monotonic() + 10.0
+    while not recorder.fault:
+        assert time.monotonic() < deadline, "no fault was noticed"
+        time.sleep(0.01)
+    return recorder.fault
+
+
+def test_a_bag_that_is_removed_while_it_is_written_is_noticed(tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "bag", [NUMBERS], message_types())
+    write_numbers(recorder, 3)
+    (tmp_path / "bag").rename(tmp_path / "moved")
+    assert "removed or renamed" in wait_for_fault(recorder)
+    write_numbers(recorder, 3)
+    recorder.close()
+    assert recorder.dropped >= 3
+
+
+def test_a_message_that_cannot_be_written_is_a_fault_that_is_told(tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "bag", [NUMBERS], message_types())
+    write_numbers(recorder, 3)
+    recorder.write("/numbers", -1, b"")  # no bag has times before 0
+    assert "stopped" in wait_for_fault(recorder)
+    recorder.close()

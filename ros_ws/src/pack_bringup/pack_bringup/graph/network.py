@@ -68,7 +68,8 @@ def _profile_path(address: str) -> Path:
     ElementTree.SubElement(allowed, f"{{{NAMESPACE}}}address").text = address
     rtps = _only(tree.getroot(), "rtps")
     rtps.remove(_only(rtps, "builtin"))
-    path = Path(tempfile.gettempdir(), f"packcell_network_{address}.xml")
+    # In a folder of our own: whoever could write a file of a known name in /tmp would open the network wider.
+    path = Path(tempfile.mkdtemp(prefix="packcell_"), "network.xml")
     tree.write(path, encoding="UTF-8", xml_declaration=True)
     return path
 

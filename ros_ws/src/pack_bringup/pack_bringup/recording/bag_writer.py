@@ -53,6 +53,13 @@ class BagWriter:
         """Size of all files so far, without the chunk at hand [byte]."""
         return self._finished_size + self._storage.bio.tell()
 
+    @property
+    def is_there(self) -> bool:
+        """Whether the file at hand still stands where it was made; nobody could read a removed one."""
+        with suppress(OSError):
+            return os.path.samestat(self._storage.path.stat(), os.fstat(self._storage.bio.fileno()))
+        return False
+
     def write(self, topic: str, time_ns: int, data: bytes) -> None:
         """Write a message in CDR form, stamped with simulated time [ns]."""
         self._writer.write(self._connections[topic], time_ns, data)

@@ -94,10 +94,16 @@ class Recorder:
                     f"{self._limit / 1e9:.3g} GB (limit_gb); the bag is whole, goals go on unrecorded"
                 )
         except STORAGE_ERRORS as error:
-            self.fault = f"recording to {self.path} stopped: {error}; what was written before is readable"
-            self._writer.abort()
+            self._give_up(str(error))
+        except Exception as error:  # of a message that cannot be written; nobody else would tell of it
+            self._give_up(repr(error))
         if not is_ended:
             self._discard()
+
+    def _give_up(self, reason: str) -> None:
+        self.fault = f"recording to {self.path} stopped: {reason}; what was written before is readable"
+        with suppress(*STORAGE_ERRORS):
+            self._writer.abort()
 
     def _consume(self) -> bool:
         """Write until `close` is called (True) or the limit is reached (False)."""
@@ -105,6 +111,8 @@ class Recorder:
         while True:
             if (wait := next_flush - time.monotonic()) <= 0.0:
                 self._writer.flush()
+                if not self._writer.is_there:
+                    raise WriterError("its folder was removed or renamed")
                 if self._writer.size >= self._limit:
                     return False
                 next_flush = time.monotonic() + FLUSH_PERIOD

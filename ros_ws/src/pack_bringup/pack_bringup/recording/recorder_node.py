@@ -24,7 +24,7 @@ from pack_bringup.recording.run_record import BAG_FOLDER, default_folder, descri
 from pack_core import stamps
 from pack_core.cells import optional_cell_part
 from pack_core.config import Config
-from pack_core.errors import PackError
+from pack_core.errors import MessageError, PackError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import nodes_of, recorded
@@ -47,6 +47,9 @@ class RecorderConfig(Config):
     record: Record = Field(default="goals", description="when to record: while goals run, always, or never")
     split_mb: float = Field(default=256.0, gt=0.0, description="size at which another file is begun [MB]")
     limit_gb: float = Field(default=10.0, gt=0.0, description="size of the bag at which recording ends [GB]")
+    required: bool = Field(
+        default=False, description="end the node, and so the goal in progress, when recording fails"
+    )
     seed: int | None = Field(default=None, description="the run's seed, for run.yaml")
     preset: str = Field(default="", description="the conditions' name, for run.yaml")
     command: str = Field(default="", description="the command line that started the run, for run.yaml")
@@ -67,6 +70,7 @@ class RecorderNode(CellNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("recorder", **kwargs)
         config = read_parameters(self, RecorderConfig)
+        self._is_required = config.required
         if config.record == "never":
             self.get_logger().info("recording nothing (record: never)")
             return
@@ -103,6 +107,9 @@ class RecorderNode(CellNode):
                 self.health.faults["bag"] = self.recorder.fault
                 self.get_logger().error(self.recorder.fault)
         super().report()
+        if self._is_required and "bag" in self.health.faults:
+            self.get_logger().error("the recorder ends, as parameter `required` says")
+            self.context.try_shutdown()
 
     def destroy_node(self) -> None:
         """Finish the bag."""
@@ -162,7 +169,9 @@ class RecorderNode(CellNode):
         return self._time_ns
 
     def _set_time(self, clock: bytes) -> None:
-        self._time_ns = stamps.to_ns(stamp_in(clock))
+        if (time_ns := stamps.to_ns(stamp_in(clock))) < 0:
+            raise MessageError(f"time {stamps.to_seconds(time_ns):.3f} s; a bag has none before 0")
+        self._time_ns = time_ns
 
     def _note(self, topic: str, data: bytes) -> None:
         try:
