@@ -77,7 +77,7 @@ class BlockFsmNode(GoalNode):
     def refusal(self, request: Rearrange.Goal) -> str:
         if not request.problem.strip():
             return "the goal's `problem` is empty; allowed: a problem file's text (docs/blocks/manual.md)"
-        parse_problem(request.problem, "goal", self._cell)  # raises when it is no problem
+        parse_problem(request.problem, "goal", self._cell, goals_only=True)  # raises when it is no problem
         return self.waits_for
 
     async def pursue(self, request: Rearrange.Goal) -> Rearrange.Result:
@@ -99,7 +99,7 @@ class BlockFsmNode(GoalNode):
         return f"{result.exit_reason}: {result.message}"
 
     def _make(self, request: Rearrange.Goal) -> Executor:
-        problem = parse_problem(request.problem, "goal", self._cell)
+        problem = parse_problem(request.problem, "goal", self._cell, goals_only=True)
         block = self._cell.block
         size = np.full(3, block.edge)
         self._goals.publish(

@@ -36,6 +36,11 @@ def test_what_cannot_be_is_named(old: str, new: str, words: str) -> None:
     assert words in str(caught.value)
 
 
+def test_starts_that_a_camera_measures_may_be_anything() -> None:
+    text = GOOD.replace("[550, 50, 0]", "[660, -95, 10]")
+    assert len(parse_problem(text, "test", blocks_cell(), goals_only=True).blocks) == 2
+
+
 @pytest.mark.parametrize("blocks", [1, 4, 9, 16, 25])
 @pytest.mark.parametrize("density", [0.1, 0.2, 0.3])
 def test_generated_problems_pass(blocks: int, density: float) -> None:

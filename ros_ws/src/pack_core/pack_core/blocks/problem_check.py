@@ -20,25 +20,27 @@ BASE_RADIUS = 0.095
 """Of a UR10e's foot (data sheet) [m]."""
 
 
-def problems_of(problem: Problem, cell: BlocksCell | None = None) -> list[str]:
+def problems_of(problem: Problem, cell: BlocksCell | None = None, *, goals_only: bool = False) -> list[str]:
     """Every reason why a problem cannot be solved whatever the plan; empty where none is found.
 
     Args:
         problem: the problem as read.
         cell: the cell whose table the blocks stand on; None: any.
+        goals_only: leave the starts out, where a camera measures them.
     """
     workspace = shapely.Polygon(problem.workspace)
     if wrong := _wrong_workspace(workspace, problem.side):
         return [f"key 'workspace' {wrong}; allowed: the corners of a convex polygon, in order"]
     goals = dict(problem.goals)
-    found = [*_overlaps("start", problem.starts, problem), *_overlaps("goal", goals, problem)]
+    poses = {"goal": goals} if goals_only else {"start": problem.starts, "goal": goals}
+    found = [text for what in poses for text in _overlaps(what, poses[what], problem)]
     grown = workspace.buffer(ROUNDING)
     for name, pose in goals.items():
         if not grown.covers(_square(pose, problem.side)):
             found.append(
                 f"the goal of {name} {_shown(pose)} is outside the workspace; allowed: inside, whole"
             )
-    return found if cell is None else [*found, *_out_of_reach(problem, cell)]
+    return found if cell is None else [*found, *_out_of_reach(poses, problem.side, cell)]
 
 
 def _wrong_workspace(workspace: shapely.Polygon, side: float) -> str:
@@ -59,12 +61,14 @@ def _overlaps(what: str, poses: Mapping[str, PlanarPose], problem: Problem) -> I
             yield f"the {what}s of {first} and {second} overlap; allowed: up to {1e3 * allowed:g} mm"
 
 
-def _out_of_reach(problem: Problem, cell: BlocksCell) -> Iterator[str]:
+def _out_of_reach(
+    poses_by_kind: Mapping[str, Mapping[str, PlanarPose]], side: float, cell: BlocksCell
+) -> Iterator[str]:
     (x, y), (length, width) = cell.table.centre, cell.table.size
     table = shapely.box(x - length / 2, y - width / 2, x + length / 2, y + width / 2)
     base = PlanarPose(*cell.robot.base.position[:2])
-    nearest = BASE_RADIUS + problem.side / 2
-    for what, poses in (("start", problem.starts), ("goal", dict(problem.goals))):
+    nearest = BASE_RADIUS + side / 2
+    for what, poses in poses_by_kind.items():
         for name, pose in poses.items():
             place = f"the {what} of {name} {_shown(pose)}"
             if not table.covers(shapely.Point(pose.x, pose.y)):

@@ -66,8 +66,17 @@ def load_problem(path: Path, cell: BlocksCell | None = None) -> Problem:
     return parse_problem(read_text(path), str(path), cell)
 
 
-def parse_problem(text: str, source: str, cell: BlocksCell | None = None) -> Problem:
-    """Read a problem file's text, as `load_problem` does; `source` names it in errors."""
+def parse_problem(
+    text: str, source: str, cell: BlocksCell | None = None, *, goals_only: bool = False
+) -> Problem:
+    """Read a problem file's text, as `load_problem` does.
+
+    Args:
+        text: the text.
+        source: names it in errors.
+        cell: the cell that shall solve it; None: any.
+        goals_only: do not ask whether the blocks can stand where they start: a camera measures that.
+    """
     file = parse_config(ProblemFile, text, source)
     problem = Problem(
         blocks=tuple(PlacedBlock(block.id, _pose(block.start)) for block in file.blocks),
@@ -75,7 +84,7 @@ def parse_problem(text: str, source: str, cell: BlocksCell | None = None) -> Pro
         workspace=tuple((x / 1000, y / 1000) for x, y in file.workspace),
         symmetry=file.symmetry, starts_may_be_outside=True,
     )  # fmt: skip
-    if found := problems_of(problem, cell):
+    if found := problems_of(problem, cell, goals_only=goals_only):
         raise ConfigError(listed([f"{source}: {one}" for one in found]))
     return problem
 

@@ -139,7 +139,7 @@ def problem_of(result: Mapping[str, Any], path: Path) -> Problem:
         ConfigError: it is in neither, or not as a problem should be.
     """
     if text := result.get("problem"):
-        return parse_problem(text, str(path))
+        return parse_problem(text, str(path), goals_only=True)
     folder = path if (path / PROBLEM_FILE).is_file() else path.parent
     return load_problem(folder / PROBLEM_FILE)
 
