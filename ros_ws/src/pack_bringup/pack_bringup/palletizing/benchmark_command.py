@@ -32,7 +32,7 @@ def benchmark(
     preset: Annotated[
         str,
         typer.Option(
-            help="Preset of the arm, one of those in config/cells/palletizing.yaml; `rigid` is the ideal arm."
+            help="What the cell is like: a preset of config/cells/palletizing.yaml; `rigid` is the ideal one."
         ),
     ] = "rigid",
     vision: Annotated[
@@ -47,6 +47,20 @@ def benchmark(
             help="Who comes near the arm: a file of config/visitors, or `random` ones, drawn from each seed."
         ),
     ] = "",
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Calibration of the cell. Default: under `real` each seed's cell is calibrated first.",
+        ),
+    ] = None,
+    calibrate: Annotated[
+        bool, typer.Option(help="Calibrate first where the preset needs it, or (--no-calibrate) do without.")
+    ] = True,
+    gap: Annotated[
+        float | None, typer.Option(metavar="MM", min=0.0, help="Between neighbours. Default: layout.yaml's.")
+    ] = None,
+    first_seed: Annotated[int, typer.Option(min=0, help="The first of the seeds.")] = 0,
     jobs: Jobs = 1,
     ray: Ray = None,
     output: Output = None,
@@ -63,13 +77,19 @@ def benchmark(
     - `pack benchmark palletizing --orders config/orders --json summary.json`
     - `pack benchmark palletizing --profile thesis --no-vision`
     - `pack benchmark palletizing --visitors random --no-vision --seeds 2`
+    - `pack benchmark palletizing --preset real --seeds 5`
     """
+    from pack_bringup.palletizing.calibrations import calibrations_for
     from pack_core.paths import config_path
     from pack_lockstep.palletizing.benchmark import PalletBenchmark, order_files, order_jobs
     from pack_lockstep.palletizing.settings import set_up
 
-    setup = set_up(profile=profile, motion=motion, preset=preset, vision=vision, visitors=visitors)
-    wanted = order_jobs(
-        list(dict.fromkeys(order or ())) or order_files(orders or config_path("orders")), seeds, setup.cell
+    setup = set_up(
+        profile=profile, motion=motion, preset=preset, vision=vision, visitors=visitors, gap_mm=gap
     )
+    files = list(dict.fromkeys(order or ())) or order_files(orders or config_path("orders"))
+    wanted = order_jobs(files, seeds, setup.cell, first_seed)
+    numbers = range(first_seed, first_seed + seeds)
+    if calibrate or calibration is not None:
+        setup = calibrations_for(setup, numbers, calibration, output, fresh=fresh)
     run(PalletBenchmark(setup, tuple(wanted)), RunOptions(jobs, ray, output, fresh, json_file))

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from pack_bringup.palletizing import layout_command, order_command, states_command
+from pack_bringup.palletizing import calibrate_command, layout_command, order_command, states_command
 
-APPS = (layout_command.app, order_command.app, states_command.app)
+APPS = (calibrate_command.app, layout_command.app, order_command.app, states_command.app)

@@ -26,7 +26,7 @@ class PalletCameraParameters(Config):
 
 def set_up(
     *, profile: str, motion: str, preset: str, vision: bool, visitors: str = "",
-    gap_mm: float | None = None,
+    gap_mm: float | None = None, has_limits: bool = True,
 ) -> PalletSetup:  # fmt: skip
     """Read the settings that the options of a command refer to.
 
@@ -37,6 +37,7 @@ def set_up(
         vision: whether boxes are found in pictures.
         visitors: who comes near the arm; empty: nobody.
         gap_mm: between neighbours; by default that of the layout's parameters.
+        has_limits: whether joints and grip have limits, as they have not in the thesis.
 
     Raises:
         ConfigError: there is no such profile, motion set, preset or visitor.
@@ -52,10 +53,12 @@ def set_up(
     )
     config = PalletLockstepConfig(
         motion=motion, palletizer=machine, sight=sight,
-        simulator=load_parameters("palletizing/sim", PalletSimulatorConfig),
+        simulator=load_parameters("palletizing/sim", PalletSimulatorConfig).model_copy(
+            update={"has_limits": has_limits}
+        ),
     )  # fmt: skip
     name = f"{profile} {motion} {preset} {'vision' if vision else 'noise'}"
-    name += f" {visitors}" if visitors else ""
+    name += (f" {visitors}" if visitors else "") + ("" if has_limits else " unlimited")
     layout = load_parameters("palletizing/layout", LayoutConfig)
     if gap_mm is not None:
         separator = layout.separator.model_copy(update={"gap": 1e-3 * gap_mm})

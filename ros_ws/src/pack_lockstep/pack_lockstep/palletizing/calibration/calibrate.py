@@ -66,13 +66,13 @@ def calibrate(
 
 
 def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> CalibrationRun:
-    """Estimate, judge and predict from what was measured within simulated `seconds`; raises CalibrationFailed."""
+    """Estimate, judge and predict from what was measured in simulated `seconds`; raises CalibrationFailed."""
     model = model_of(cell, measured)
     found = estimate(model, measured)
     if reasons := doubts(found):
         raise CalibrationFailed(
-            "the calibration is not to be trusted: " + "; ".join(reasons) + ". Look for what moved or slipped, "
-            "and calibrate again"
+            "the calibration is not to be trusted: " + "; ".join(reasons) + ". Look for what moved or "
+            "slipped, and calibrate again"
         )
     predicted = predict(model, found, np.random.default_rng(0))
     places = {name: Displacement.of(found.x[PLACE[name]]) for name in PLACES}
@@ -109,5 +109,6 @@ def doubts(found: Estimate) -> list[str]:
     ]
     for parameter, value in zip(PARAMETERS, found.x, strict=True):
         if abs(value - parameter.value) > FARTHEST * parameter.sigma:
-            reasons.append(f"{parameter.name} is {value:.4g} {parameter.unit}, far from {parameter.value:.4g}")
+            far = f"{value:.4g} {parameter.unit}, far from {parameter.value:.4g}"
+            reasons.append(f"{parameter.name} is {far}")
     return reasons

@@ -29,9 +29,9 @@ FEEL = 5e-5
 GIVE = 0.10
 """Standard deviation of how far the arm gives, as a share: friction, and the parts of the force not felt."""
 LOOSE = np.deg2rad(0.01) / np.sqrt(12.0)
-"""Standard deviation of a joint that lies anywhere in the play of its gear, by the data sheet 0.01 degrees [rad]."""
+"""Standard deviation of a joint anywhere in the play of its gear, by the data sheet 0.01 degrees [rad]."""
 JOINTS = np.array([1.0, 0.3, 0.3, 1.0, 0.5, 1.0]) * LOOSE
-"""Standard deviation of the links beyond what sag explains `(6,)`: the arm's weight takes up some of the play."""
+"""Standard deviation of the links beyond what sag explains `(6,)`; the arm's weight takes up some play."""
 
 
 @dataclass(frozen=True)
@@ -84,15 +84,13 @@ def estimate(model: CellModel, measured: Measurements) -> Estimate:
     expected = np.array([_touch_sigma(model, contact) for contact in contacts])
     whiteners: list[Array] = [np.eye(2 * len(view.ids)) / CORNER for view in views]
     x, scale = start(), prior_sigmas()
-    for _ in range(2):
-        fit = least_squares(
-            lambda y, w=whiteners: _residuals(model, y, views, held, w, contacts, free, expected),
-            x, x_scale=scale, method="trf",
-        )  # fmt: skip
-        x = fit.x
-        whiteners = [_whitener(model, x, view, sag) for view, sag in zip(views, held, strict=True)]
+    weights = whiteners
     fit = least_squares(
-        lambda y: _residuals(model, y, views, held, whiteners, contacts, free, expected), x, x_scale=scale
+        lambda y: _residuals(model, y, views, held, weights, contacts, free, expected), x, x_scale=scale
+    )
+    whiteners = [_whitener(model, fit.x, view, sag) for view, sag in zip(views, held, strict=True)]
+    fit = least_squares(
+        lambda y: _residuals(model, y, views, held, whiteners, contacts, free, expected), fit.x, x_scale=scale
     )
     x = fit.x
     of_views = _view_residuals(model, x, views, held)
@@ -110,9 +108,7 @@ def _residuals(
     contacts: Sequence[Contact], free: Sequence[Sag], expected: Array,
 ) -> Array:  # fmt: skip
     shares = shares_of(x)
-    corners = [
-        W @ r.ravel() for W, r in zip(whiteners, _view_residuals(model, x, views, held), strict=True)
-    ]
+    corners = [W @ r.ravel() for W, r in zip(whiteners, _view_residuals(model, x, views, held), strict=True)]
     gaps = [model.gap(x, c, sag.links(shares)) for c, sag in zip(contacts, free, strict=True)]
     gives = [(model.give(x, c) / c.gives - 1.0) / GIVE for c in contacts]
     return np.concatenate([*corners, np.array(gaps) / expected, gives, (x - start()) / prior_sigmas()])
@@ -122,15 +118,14 @@ def _view_residuals(
     model: CellModel, x: Array, views: Sequence[BoardView], held: Sequence[Sag]
 ) -> list[Array]:
     shares = shares_of(x)
-    return [
-        view.pixels - model.pixels(x, view, sag.links(shares)) for view, sag in zip(views, held, strict=True)
-    ]
+    links = [(view, sag.links(shares)) for view, sag in zip(views, held, strict=True)]
+    return [view.pixels - seen for view, seen in zip(views, model.pixels(x, links), strict=True)]
 
 
 def _whitener(model: CellModel, x: Array, view: BoardView, sag: Sag) -> Array:
     """W with W^T W the inverse of the covariance of a view's corners, the noise of the joints included."""
     q = sag.links(shares_of(x))
-    J = _numeric(lambda joints: model.pixels(x, view, joints).ravel(), q)
+    J = _numeric(lambda joints: model.pixels(x, [(view, joints)])[0].ravel(), q)
     covariance = CORNER**2 * np.eye(2 * len(view.ids)) + (J * JOINTS**2) @ J.T
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
 

@@ -39,8 +39,8 @@ class Contact:
         touch: the touch.
         q: reported joints at that moment `(6,)`.
         sigma: standard deviation of the place by the fit [m].
-        gives: by how much the reported tool goes on along the approach while it presses [m], the mean over the
-            samples, weighted by force.
+        gives: by how much the reported tool goes on along the approach while it presses [m]: the mean over
+            the samples, weighted by force.
         bears: the same for the unit compliance of each joint `(6,)` [m N m/rad].
     """
 

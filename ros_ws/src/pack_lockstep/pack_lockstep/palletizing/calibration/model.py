@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_core.camera import LensDistortion, seen_pixels
+from pack_core.camera import LensDistortion, PinholeCamera, seen_pixels
 from pack_core.kinematics.chain import SerialChain
 from pack_core.palletizing.calibration import CalibratedCamera
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
@@ -15,13 +15,14 @@ from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
 from pack_core.palletizing.deflection import DeflectionModel
 from pack_core.palletizing.displacement import Displacement
 from pack_core.robots.gears import GearCompensation
-from pack_core.rotations import Array, Pose, exp, multiply
+from pack_core.rotations import Array, Pose, exp, multiply, rotate
 from pack_lockstep.palletizing.calibration.measurements import BoardView, Contact
 from pack_sim.palletizing.carried_load import CarriedLoad
 
 PLACES = ("picking_table", "reorientation_table", "pallet")
 FELT_GEARS = (0, 1, 2, 4)
 """Joints whose stiffness is estimated; 4 and 6 bear next to nothing with the tool pointing down."""
+CORNERS = CALIBRATION_BOARD.corners()
 AXES = ("x", "y", "z", "about x", "about y", "about z")
 
 
@@ -121,13 +122,15 @@ class CellModel:
         shift, turn = x[BOARD][:3], x[BOARD][3:]
         return Pose(self.X_TB.p + shift, multiply(self.X_TB.q, exp(turn)))
 
-    def pixels(self, x: Array, view: BoardView, q: Array) -> Array:
-        """Where a view's corners should be seen `(n, 2)`, the links being at `q` `(6,)`."""
-        camera = self.known_camera(x)
-        X_WB = self.arm.forward(q) @ self.board(x)
-        return seen_pixels(camera, lens_of(x), X_WB.apply(CALIBRATION_BOARD.corners()[view.ids]))
+    def pixels(self, x: Array, views: Sequence[tuple[BoardView, Array]]) -> list[Array]:
+        """Where the corners of views should be seen, each `(n, 2)`, the links being at `q` `(6,)` in each."""
+        camera, lens, X_TB = self.known_camera(x), lens_of(x), self.board(x)
+        return [
+            seen_pixels(camera, lens, (self.arm.forward(q) @ X_TB).apply(CORNERS[view.ids]))
+            for view, q in views
+        ]
 
-    def known_camera(self, x: Array):  # noqa: ANN201
+    def known_camera(self, x: Array) -> PinholeCamera:
         """The camera without distortion."""
         mount = self.cell.camera.model_copy(
             update={
@@ -140,10 +143,11 @@ class CellModel:
     def gap(self, x: Array, contact: Contact, q: Array) -> float:
         """Distance of the touching corner from the surface along its axis [m]; 0 for the true parameters."""
         touch = contact.touch
-        p_WC = self.arm.with_tool(Pose(touch.p_TC)).forward(q).p
+        p_WC = self.arm.forward(q).apply(touch.p_TC)
         place: BoxTable | PalletPlace = getattr(self.cell, touch.what)
-        displaced = Displacement.of(x[PLACE[touch.what]])
-        p_N = displaced.about(place.middle).inverse().apply(p_WC)
+        shift, turn = x[PLACE[touch.what]][:3], x[PLACE[touch.what]][3:]
+        # The nominal point N of a displaced one: p = middle + shift + R (N - middle).
+        p_N = place.middle + rotate(exp(-turn), p_WC - place.middle - shift)
         return float(p_N[touch.axis] - touch.at)
 
     def give(self, x: Array, contact: Contact) -> float:

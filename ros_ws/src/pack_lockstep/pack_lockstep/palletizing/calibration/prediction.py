@@ -59,7 +59,7 @@ def _box(model: CellModel, rng: np.random.Generator) -> Handled:
 
 
 def _error(model: CellModel, x: Array, true: Array, box: Handled, rng: np.random.Generator) -> float | None:
-    """Distance of the box from its place `x` says, in a cell that is `true`; None where it is out of reach."""
+    """How far from its place a box is put by what `x` says in a `true` cell [m]; None if out of reach."""
     believed, real = model.known(x), model.known(true)
     X_WB_real = real.picking_table.displaced(box.X_NB)
     X_WB = _seen(model, x, true, box, rng)
@@ -106,4 +106,3 @@ def _true_tool(model: CellModel, X_WT: Pose, x: Array, true: Array, rng: np.rand
     sag = model.sag(q, loaded=False)
     off = sag.lead * (shares_of(x) - shares_of(true)) + JOINTS * rng.standard_normal(6)
     return arm.chain.forward(q + off)
-

@@ -21,6 +21,11 @@ CLEAR = 0.012
 """Distance from the nominal surface at which an approach begins [m]."""
 TRAVEL = 0.03
 DOWN = np.array([0.0, 0.0, -1.0])
+PLACES_SEEN = (
+    (0.0, 0.0), (0.4, 0.0), (-0.4, 0.0), (0.0, 0.35), (0.0, -0.35),
+    (0.35, 0.3), (-0.35, -0.3), (-0.35, 0.3), (0.35, -0.3),
+)  # fmt: skip
+"""Where the pattern is shown, from the middle of the table [m]."""
 DEEP = 0.014
 """Below the deck, where its edges are touched [m]: in the upper boards, which are 22 mm thick."""
 FEWEST_VIEWS = 15
@@ -75,29 +80,29 @@ def _touches(rig: CalibrationRig) -> Iterator[tuple[tuple[str, int, float], Pose
         table = getattr(cell, name)
         for x, y in ((0.0, 0.0), (reach, reach), (-reach, reach), (-reach, -reach), (reach, -reach)):
             p = np.array([table.centre[0] + x, table.centre[1] + y, table.height])
-            yield (name, 2, table.height), *_from_above(rig, p, half)
+            yield (name, 2, table.height), *from_above(rig, p, half)
     (x_0, y_0), (l, w), deck = cell.pallet.corner, cell.pallet.size, cell.pallet.deck_height
     for x, y in ((0.5, 0.5), (0.12, 0.15), (0.88, 0.15), (0.88, 0.85), (0.12, 0.85)):
         p = np.array([x_0 + x * l, y_0 + y * w, deck])
-        yield ("pallet", 2, deck), *_from_above(rig, p, half)
+        yield ("pallet", 2, deck), *from_above(rig, p, half)
     # Where an edge is so near that the forearm would hang straight down, the wrist is singular.
     for share in (0.04, 0.2):
         p = np.array([x_0, y_0 + share * w, deck - DEEP])
-        yield ("pallet", 0, x_0), *_from_side(p, np.array([1.0, 0.0, 0.0]), half)
+        yield ("pallet", 0, x_0), *from_side(p, np.array([1.0, 0.0, 0.0]), half)
     for share in (0.4, 0.95):
         p = np.array([x_0 + share * l, y_0 + w, deck - DEEP])
-        yield ("pallet", 1, y_0 + w), *_from_side(p, np.array([0.0, -1.0, 0.0]), half)
+        yield ("pallet", 1, y_0 + w), *from_side(p, np.array([0.0, -1.0, 0.0]), half)
     table = cell.reorientation_table
     edge = table.centre[1] - 0.5 * table.size[1]
     for share in (-0.35, 0.35):
         p = np.array([table.centre[0] + share * table.size[0], edge, table.height - DEEP])
-        yield ("reorientation_table", 1, edge), *_from_side(p, np.array([0.0, 1.0, 0.0]), half)
+        yield ("reorientation_table", 1, edge), *from_side(p, np.array([0.0, 1.0, 0.0]), half)
     edge = table.centre[0] - 0.5 * table.size[0]
     p = np.array([edge, table.centre[1] - 0.3 * table.size[1], table.height - DEEP])
-    yield ("reorientation_table", 0, edge), *_from_side(p, np.array([1.0, 0.0, 0.0]), half)
+    yield ("reorientation_table", 0, edge), *from_side(p, np.array([1.0, 0.0, 0.0]), half)
 
 
-def _from_above(rig: CalibrationRig, p_W: Array, half: float) -> tuple[Pose, Array, Array]:
+def from_above(rig: CalibrationRig, p_W: Array, half: float) -> tuple[Pose, Array, Array]:
     """A tool whose corner away from the arm is lowest, over a point `(3,)` [m]."""
     outward = p_W[:2] - rig.arm.chain.points[0][:2]
     level = rotated_down(float(np.arctan2(outward[1], outward[0])) + 0.25 * np.pi)
@@ -107,7 +112,7 @@ def _from_above(rig: CalibrationRig, p_W: Array, half: float) -> tuple[Pose, Arr
     return Pose(p_W - CLEAR * DOWN - rotate(q_WT, p_TC), q_WT), DOWN, p_TC
 
 
-def _from_side(p_W: Array, normal: Array, half: float) -> tuple[Pose, Array, Array]:
+def from_side(p_W: Array, normal: Array, half: float) -> tuple[Pose, Array, Array]:
     """A tool that points down, with a corner of the pad ahead, beside a point of an edge `(3,)` [m]."""
     heading = float(np.arctan2(normal[1], normal[0]))
     # Looking down, the tool's y axis is turned over: its corner (h, h, 0) lies at -45 degrees of its x axis.
@@ -135,7 +140,7 @@ def _take_board(rig: CalibrationRig) -> Pose:
     yaw = float(np.arctan2(outward[1], outward[0]))  # the pattern lies beyond the handle, away from the arm
     X_WB = Pose(np.array([*table.centre, table.height + 0.5 * board.size[2]]), from_yaw(yaw))
     rig.bring(board.body, X_WB)
-    # Touching tells how high the table is to a tenth of a millimetre; 4 mm are left for the tilt of the board.
+    # 4 mm for height and tilt of the table, which are not known yet; the pad reaches 10 mm.
     grip = Pose(X_WB.apply(board.p_handle) + np.array([0.0, 0.0, 0.004]), rotated_down(yaw))
     rig.go(Pose(grip.p + np.array([0.0, 0.0, 0.25]), grip.q))
     rig.line(grip, 0.1)
@@ -154,9 +159,8 @@ def _views(rig: CalibrationRig, X_TB: Pose) -> Iterator[Pose]:
     middle_of_pattern = np.array([0.06, 0.0, 0.0])
     tilts = ((0.0, 0.0), (0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (0.0, -0.3), (0.2, 0.2), (-0.2, 0.2))
     k = 0
-    for height in (0.15, 0.40, 0.65):
-        for x, y in ((0.0, 0.0), (0.4, 0.0), (-0.4, 0.0), (0.0, 0.35), (0.0, -0.35), (0.35, 0.3), (-0.35, -0.3),
-                     (-0.35, 0.3), (0.35, -0.3)):  # fmt: skip
+    for height in (0.15, 0.60):
+        for x, y in PLACES_SEEN:
             tilt = tilts[k % len(tilts)]
             turn = 0.5 * np.sin(2.4 * k)
             k += 1

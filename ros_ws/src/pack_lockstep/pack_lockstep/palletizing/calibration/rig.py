@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pack_core.camera import LOOKING_DOWN
 from pack_core.errors import PackError
 from pack_core.joints import JointSample
 from pack_core.motion.moves import Line, Move, Path, PoseMove
@@ -17,7 +18,7 @@ from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.view import Picture
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Array, Pose, from_yaw, multiply
 from pack_lockstep.driven_arm import DrivenArm
 from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
 from pack_motion.arm.arms import load_arm
@@ -183,9 +184,6 @@ class CalibrationRig:
         raise CalibrationFailed(reason)
 
 
-def rotated_down(yaw: float, tilt: Array | None = None) -> Array:
-    """Orientation wxyz of a tool that points down, x axis at a yaw [rad], then tilted by a rotation vector."""
-    from pack_core.rotations import exp, from_yaw, multiply
-
-    down = multiply(from_yaw(yaw), np.array([0.0, 1.0, 0.0, 0.0]))
-    return down if tilt is None else multiply(exp(tilt), down)
+def rotated_down(yaw: float) -> Array:
+    """Orientation wxyz of a tool that points down, its x axis at a yaw [rad]."""
+    return multiply(from_yaw(yaw), LOOKING_DOWN)

@@ -22,7 +22,7 @@ axis, and 250 N across."""
 BASELINE = 0.4
 """Time at even speed before which nothing may be touched [s]."""
 MOVING = 0.12
-"""Joints that turn faster than this a metre of the tool count [rad/m]: at rest, friction hides what they bear."""
+"""Joints that turn faster than this a metre of the tool count [rad/m]: else friction hides their load."""
 SIGMA = 0.002 * LIMITS.effort
 """Noise of a measured torque `(6,)` [N m]; stated by the driver."""
 SMOOTH = 8

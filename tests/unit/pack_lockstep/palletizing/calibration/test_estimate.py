@@ -1,0 +1,144 @@
+"""The least-squares estimate of a cell, from measurements that are made up from known parameters."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.rotations import Array, Pose, exp, multiply
+from pack_lockstep.palletizing.calibration.calibrate import conclude, model_of
+from pack_lockstep.palletizing.calibration.estimate import CORNER, Estimate, estimate
+from pack_lockstep.palletizing.calibration.measurements import BoardView, Contact
+from pack_lockstep.palletizing.calibration.model import (
+    GEARS,
+    PLACE,
+    CellModel,
+    prior_sigmas,
+    shares_of,
+    start,
+)
+from pack_lockstep.palletizing.calibration.prediction import predict
+from pack_lockstep.palletizing.calibration.procedure import Measurements
+from pack_lockstep.palletizing.calibration.rig import CalibrationFailed, rotated_down
+from pack_lockstep.palletizing.calibration.touch import Touch
+from pack_motion.arm.arms import load_arm
+
+REAL = palletizing_cell("real")
+X_TB = Pose([0.0, 0.23, 0.009], rotated_down(-np.pi / 2))
+"""The board held by its handle."""
+
+
+def truth(rng: np.random.Generator) -> Array:
+    """Parameters about as far from the nominal ones as the preset has them."""
+    x = start() + 0.3 * prior_sigmas() * rng.uniform(-1.0, 1.0, len(start()))
+    x[13:19] *= 0.3  # the board lies in the gripper to some millimetres
+    return x
+
+
+def reached(model: CellModel, X_WT: Pose) -> Array | None:
+    arm = load_arm("palletizing")
+    return arm.inverse.follow(X_WT, arm.home, arm.inverse.branch(arm.home))
+
+
+def views(model: CellModel, x: Array, rng: np.random.Generator) -> list[BoardView]:
+    ids = np.arange(0, 90, 5)
+    found = []
+    while len(found) < 15:
+        p = np.array([-2.4, 2.2, 1.0]) + rng.uniform(-1.0, 1.0, 3) * [0.3, 0.3, 0.25]
+        q_WT = multiply(exp(0.3 * rng.normal(size=3)), rotated_down(rng.uniform(1.6, 3.0)))
+        if (q := reached(model, Pose(p, q_WT))) is None:
+            continue
+        view = BoardView(q, ids, np.zeros((len(ids), 2)))
+        (exact,) = model.pixels(x, [(view, model.sag(q, loaded=True).links(shares_of(x)))])
+        found.append(BoardView(q, ids, exact + CORNER * rng.normal(size=exact.shape)))
+    return found
+
+
+def contact(model: CellModel, x: Array, what: str, axis: int, at: float, p: Array, n: Array) -> Contact:
+    """A touch of a true surface: the reported joints at which the corner lies on it."""
+    p_TC, q_WT = np.array([0.055, 0.055, 0.0]), rotated_down(0.7)
+    touched = Touch(what, axis, at, n, p_TC, np.zeros((1, 6)), np.zeros((1, 6)))
+    bears = np.full(6, 0.5) * 100.0
+    c = Contact(touched, np.zeros(6), 1e-5, 1.0, bears)
+    along = 0.0
+    for _ in range(6):  # the gap depends on the way nearly linearly
+        q = reached(model, Pose(p + along * n, q_WT))
+        assert q is not None
+        gap = model.gap(x, c, model.sag(q, loaded=False).links(shares_of(x)))
+        along -= gap * float(n[axis])
+    return replace(c, q=q, gives=model.give(x, c))
+
+
+def contacts(model: CellModel, x: Array) -> list[Contact]:
+    down, found = np.array([0.0, 0.0, -1.0]), []
+    for name in PLACE:
+        place = getattr(REAL, name)
+        for dx, dy in ((0.0, 0.0), (0.25, 0.2), (-0.25, 0.2), (-0.25, -0.2), (0.25, -0.2)):
+            p = place.middle + np.array([dx, dy, 0.0])
+            found.append(contact(model, x, name, 2, place.middle[2], p, down))
+    (x_0, y_0), (l, w), z = REAL.pallet.corner, REAL.pallet.size, REAL.pallet.deck_height
+    for share in (0.04, 0.2):
+        p = np.array([x_0, y_0 + share * w, z])
+        found.append(contact(model, x, "pallet", 0, x_0, p, np.array([1.0, 0.0, 0.0])))
+    for share in (0.4, 0.95):
+        p = np.array([x_0 + share * l, y_0 + w, z])
+        found.append(contact(model, x, "pallet", 1, y_0 + w, p, np.array([0.0, -1.0, 0.0])))
+    return found
+
+
+@cache
+def made_up(seed: int) -> tuple[Measurements, Array]:
+    rng = np.random.default_rng(seed)
+    measured = Measurements(X_TB=X_TB)
+    model, x = model_of(REAL, measured), truth(rng)
+    measured.views, measured.contacts = views(model, x, rng), contacts(model, x)
+    return measured, x
+
+
+@cache
+def fitted(seed: int) -> Estimate:
+    measured, _ = made_up(seed)
+    return estimate(model_of(REAL, measured), measured)
+
+
+def test_what_was_made_up_is_found_within_its_uncertainty() -> None:
+    found, (_, x) = fitted(0), made_up(0)
+    off = np.abs(found.x - x) / np.sqrt(np.diag(found.covariance))
+    assert off.max() < 4.5
+    assert np.sqrt(np.mean(off**2)) < 1.6
+    assert all(line.ratio < 1.5 for line in found.residuals())
+
+
+def test_what_was_touched_and_seen_is_known_much_better_than_before() -> None:
+    sigma = np.sqrt(np.diag(fitted(0).covariance))
+    assert np.all(sigma[PLACE["pallet"]][:3] < 0.0005)
+    assert np.all(sigma[:2] < 0.0005)  # the camera's place, x and y
+    assert np.all(sigma[GEARS] <= prior_sigmas()[GEARS] + 1e-9)
+
+
+def test_a_good_calibration_predicts_a_small_placing_error() -> None:
+    measured, _ = made_up(0)
+    predicted = predict(model_of(REAL, measured), fitted(0), np.random.default_rng(0))
+    assert 0.05 < predicted.mean < 0.7
+    assert predicted.mean < predicted.p95 < 3 * predicted.mean
+
+
+@pytest.mark.parametrize("what", ["a table that moved", "a board that slipped"])
+def test_measurements_that_contradict_each_other_are_refused(what: str) -> None:
+    measured, _ = made_up(0)
+    spoilt = Measurements(list(measured.contacts), list(measured.views), measured.X_TB)
+    if what == "a table that moved":  # by 2 mm, while it was touched
+        model = model_of(REAL, measured)
+        k = next(i for i, c in enumerate(spoilt.contacts) if c.touch.axis == 2)
+        old = spoilt.contacts[k]
+        X_WT = load_arm("palletizing").chain.forward(old.q)
+        q = reached(model, Pose(X_WT.p + np.array([0.0, 0.0, 0.002]), X_WT.q))
+        assert q is not None
+        spoilt.contacts[k] = replace(old, q=q)
+    else:  # from one half of the pictures to the other, by 3 pixels
+        half = len(spoilt.views) // 2
+        spoilt.views[half:] = [replace(view, pixels=view.pixels + 3.0) for view in spoilt.views[half:]]
+    with pytest.raises(CalibrationFailed, match="not to be trusted"):
+        conclude(REAL, spoilt, 300.0)
