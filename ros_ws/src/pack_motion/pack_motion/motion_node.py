@@ -25,6 +25,7 @@ from pack_core.ros.joint_messages import from_joint_state, to_trajectory
 from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
+from pack_core.ros.stamp_check import StampCheck
 from pack_core.ros.stream import Stream, StreamReader
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
@@ -65,7 +66,7 @@ class MotionNode(CellNode):
         self._planned: MotionTarget | None = None
         self._stepping = threading.Lock()
         self._arm_state = ArmState()
-        self._silent: set[str] = set()
+        self._silent, self._stamps = set[str](), StampCheck(self)
         self._planning = PlanningThread(self._prepare, self._on_error)
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._status = self.advertise(contracts.MOTION_STATUS)
@@ -128,11 +129,9 @@ class MotionNode(CellNode):
             self._bar()
 
     def _bar(self) -> None:
-        if self._stream is None:
-            return
-        if self._silent:
+        if self._stream is not None and self._silent:
             self._stream.bar(f"silent: {', '.join(sorted(self._silent))}")
-        else:
+        elif self._stream is not None:
             self._stream.is_barred = False
 
     def on_peer_end(self, peer: str) -> None:
@@ -146,6 +145,7 @@ class MotionNode(CellNode):
 
     def _on_joints(self, message: JointState) -> None:
         sample = from_joint_state(message, self._arm.limits.names)
+        self._stamps.check(sample.time)
         stream = self._stream
         if stream is None or stream.has_begun_anew(sample):
             stream = self._stream = self._start(sample)

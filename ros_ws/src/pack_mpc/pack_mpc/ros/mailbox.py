@@ -21,6 +21,7 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite
 from pack_core.ros.joint_messages import from_joint_state
 from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.stamp_check import StampCheck
 from pack_core.ros.stream import Stream, StreamWait
 from pack_core.states import SceneState
 from pack_mpc.session import PackingObservation
@@ -55,6 +56,7 @@ class Mailbox:
     def __init__(self, node: CellNode, joints: Sequence[str]) -> None:
         self._node, self._joint_names = node, joints
         self._lock = threading.Lock()
+        self._joint_stamps, self._scene_stamps = StampCheck(node), StampCheck(node)
         self._joints: JointSample | None = None
         self._observed: JointSample | None = None
         self._scene: SceneState | None = None
@@ -144,10 +146,14 @@ class Mailbox:
         return PackingObservation(joints, scene, forces, self._is_held)
 
     def _on_joints(self, message: JointState) -> None:
-        self._joints = from_joint_state(message, self._joint_names)
+        sample = from_joint_state(message, self._joint_names)
+        self._joint_stamps.check(sample.time)
+        self._joints = sample
 
     def _on_scene(self, message: SceneMessage) -> None:
-        self._scene = from_scene(message)
+        scene = from_scene(message)
+        self._scene_stamps.check(scene.time)
+        self._scene = scene
 
     def _on_wrench(self, message: WrenchStamped) -> None:
         force = message.wrench.force

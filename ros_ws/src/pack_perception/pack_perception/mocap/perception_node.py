@@ -24,6 +24,7 @@ from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import SceneWriter
+from pack_core.ros.stamp_check import StampCheck
 from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.estimator_config import EstimatorConfig
@@ -56,6 +57,7 @@ class PerceptionNode(CellNode):
         self._published = -float("inf")
         self._frames: deque[MarkerFrame] = deque(maxlen=50)
         self._unused_frames = 0
+        self._joint_stamps, self._frame_stamps = StampCheck(self), StampCheck(self)
         self._scene, self._writer = self.advertise(contracts.SCENE), SceneWriter()
         self._lock = threading.Lock()
         self._joints = Stream(self, contracts.JOINT_STATES, depth=JOINTS_DEPTH, raw=True)
@@ -114,10 +116,11 @@ class PerceptionNode(CellNode):
         self._published = -float("inf")
 
     def _on_joints(self, data: bytes) -> None:
-        estimator = self._estimator
+        estimator, time = self._estimator, stamp_in(data)
         # The estimator uses every other joint state; what it does not want need not be deserialised.
-        if estimator is None or not estimator.wants(stamp_in(data)):
+        if estimator is None or not estimator.wants(time):
             return
+        self._joint_stamps.check(time)
         message = deserialize_message(data, JointState)
         advance = estimator.advance(from_joint_state(message, self._cell.robot.arm.joints))
         if advance.is_restart:
@@ -131,7 +134,9 @@ class PerceptionNode(CellNode):
 
     def _on_markers(self, message: MocapMarkers) -> None:
         if self._estimator is not None:
-            self._frames.append(from_markers(message))
+            frame = from_markers(message)
+            self._frame_stamps.check(frame.time)
+            self._frames.append(frame)
 
     def _use_frames(self) -> None:
         """Correct the estimate by the frames for which the joint states have come."""
