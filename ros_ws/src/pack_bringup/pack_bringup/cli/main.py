@@ -6,7 +6,20 @@ import sys
 
 import typer
 
-from pack_bringup.cli import bag, benchmark, demo, evaluate, executables, goal, play, run, status, up, wiring
+from pack_bringup.cli import (
+    bag,
+    benchmark,
+    demo,
+    evaluate,
+    executables,
+    goal,
+    play,
+    run,
+    soak,
+    status,
+    up,
+    wiring,
+)
 from pack_bringup.cli.terminal import no_colours, notice
 from pack_core.cells import CELLS, optional_cell_part
 from pack_core.errors import PackError
@@ -25,12 +38,13 @@ app = typer.Typer(
     - `pack play BAG` publishes a recording into the live graph
     - `pack up packing` starts a whole cell, each node a process
     - `pack goal packing` sends a goal to a cell that is running
+    - `pack soak packing --hours 1` has a cell pursue goals for hours, and tells what grows
     - `pack status` says what runs, since when, and in which state
     - `pack run pack_sim sim_node` starts one node
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, benchmark, bag, play, up, goal, status, run, executables, wiring):
+for command in (demo, evaluate, benchmark, bag, play, up, goal, status, run, soak, executables, wiring):
     app.add_typer(command.app)
 for cell in CELLS:
     for cells_own in optional_cell_part(cell, "commands") or ():

@@ -9,7 +9,7 @@ import numpy as np
 
 from pack_core.rotations import Array
 
-STILL = 0.02
+STILL = 0.05
 """Speed of the fastest joint below which the arm stands [rad/s]."""
 REST = 0.1
 """The arm stands once it has been that slow for so long [s]."""
@@ -61,10 +61,15 @@ class ArmRecord:
         recent = [speed for stamp, _, speed in self._rows if stamp > self.time - REST]
         return bool(recent) and max(recent) < STILL
 
+    def between(self, begin: float, end: float) -> Array:
+        """Stamps and speeds `(T, 2)` [s, rad/s] of what was heard from `begin` to `end` [s]."""
+        rows = [(stamp, speed) for stamp, _, speed in self._rows if begin <= stamp <= end]
+        return np.array(rows).reshape(-1, 2)
+
     def stop_after(self, time: float) -> Stop:
         """How the arm came to rest after a moment of simulated time [s]."""
-        rows = [(stamp, speed) for stamp, _, speed in self._rows if stamp >= time]
-        return stop_of(*np.array(rows).T, time) if rows else Stop()
+        rows = self.between(time, float("inf"))
+        return stop_of(*rows.T, time) if len(rows) else Stop()
 
 
 def stop_of(stamps: Array, speeds: Array, time: float) -> Stop:

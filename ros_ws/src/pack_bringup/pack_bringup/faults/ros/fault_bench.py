@@ -9,6 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pack_bringup.cell_goal import CellGoal
 from pack_bringup.faults.arm_record import ArmRecord
 from pack_bringup.faults.fault import FREEZE_TIME, Fault, FaultCase, FaultReport
@@ -32,6 +34,8 @@ WATCHED = 3.0
 """For which the arm is watched after a fault [s simulated]: in every cell it has then stopped or goes on."""
 GOAL_TIMEOUT = 10.0
 """A goal that has not ended so long after a fault goes on [s of wall clock]."""
+BEFORE = 0.5
+"""Time before a fault of which speeds are kept [s simulated]."""
 RECORDED = "/joint_states"
 
 
@@ -104,7 +108,9 @@ class FaultBench:
         if is_freeze:
             self._group.signal(case.node, signal.SIGCONT)
         if case.node != "sim":
-            found |= asdict(witness.arm.stop_after(witness.arm.simulated(struck_ns)))
+            fault_time = witness.arm.simulated(struck_ns)
+            found |= asdict(witness.arm.stop_after(fault_time))
+            self._keep_speeds(case, fault_time)
         named = witness.silences_of(case.node, struck)
         found["named_by"] = tuple(sorted({by for _, by in named}))
         found["named_after"] = min((at for at, _ in named), default=math.nan)
@@ -139,6 +145,15 @@ class FaultBench:
             reason = getattr(witness.result, "exit_reason", "")
             goal = ": ".join(filter(None, (reason, witness.result.message))) or "success"
         return {"is_held": witness.holds, "goal": goal, "goal_after": ended}
+
+    def _keep_speeds(self, case: FaultCase, fault_time: float) -> None:
+        """Write the speed of the fastest joint around a fault to a file, for whoever wants to look closer."""
+        rows = self._witness.arm.between(fault_time - BEFORE, fault_time + WATCHED)
+        rows[:, 0] -= fault_time
+        folder = self._folder / "speeds"
+        folder.mkdir(parents=True, exist_ok=True)
+        header = "time from the fault [s simulated], speed of the fastest joint [rad/s]"
+        np.savetxt(folder / f"{case.name}.csv", rows, "%.4f", ", ", header=header)
 
     def _try_next(self, case: FaultCase) -> bool:
         """Whether the next goal is taken and moves the arm, once the victim runs again."""

@@ -1,0 +1,98 @@
+"""What grew while a cell ran for hours, as a table and a plot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+WARM_UP = 600.0
+"""Time before which growth is not judged [s of wall clock]: caches fill, libraries load."""
+HOUR = 3600.0
+QUANTITIES = {"memory_mb": "memory [MB]", "threads": "threads", "descriptors": "descriptors"}
+Samples = Sequence[Mapping[str, Any]]
+"""One mapping a goal: `time` and `duration` [s of wall clock], `seed`, `success`, `message`, `segments`, and
+`nodes` with the usage of each."""
+
+
+def growth_per_hour(times: Sequence[float], values: Sequence[float], warm_up: float = WARM_UP) -> float:
+    """Growth of a quantity in an hour as a share of its value after the warm-up, by a straight line.
+
+    Args:
+        times: of the samples [s].
+        values: one for each.
+        warm_up: samples before it do not count [s].
+
+    Returns:
+        `nan` where fewer than two samples came after the warm-up, or all at one time.
+    """
+    t, y = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    late = t >= warm_up
+    if np.count_nonzero(late) < 2 or np.ptp(t[late]) == 0.0:
+        return float("nan")
+    slope, at_warm_up = np.polyfit(t[late] - warm_up, y[late], 1)
+    return float(slope * HOUR / at_warm_up)
+
+
+def growth_table(samples: Samples) -> list[tuple[str, ...]]:
+    """For each node and quantity: first, after the warm-up, last, and growth an hour [%]."""
+    rows = []
+    for node in samples[-1]["nodes"]:
+        kept = [sample for sample in samples if node in sample["nodes"]]
+        times = [sample["time"] for sample in kept]
+        for key, title in QUANTITIES.items():
+            values = [sample["nodes"][node][key] for sample in kept]
+            warm = next((v for t, v in zip(times, values, strict=True) if t >= WARM_UP), float("nan"))
+            growth = 100.0 * growth_per_hour(times, values)
+            rows.append(
+                (node, title, f"{values[0]:.4g}", f"{warm:.4g}", f"{values[-1]:.4g}", f"{growth:+.2f}")
+            )
+    return rows
+
+
+GROWTH_COLUMNS = ("node", "what", "first", "after 10 min", "last", "growth an hour [%]")
+
+
+def summary(samples: Samples) -> dict[str, Any]:
+    """How many goals succeeded, how long they took, and what grew, as plain values."""
+    lost = [sample for sample in samples if not sample["success"]]
+    durations = [sample["duration"] for sample in samples]
+    return {
+        "goals": len(samples),
+        "succeeded": len(samples) - len(lost),
+        "not_succeeded": [{"seed": sample["seed"], "message": sample["message"]} for sample in lost],
+        "hours": samples[-1]["time"] / HOUR,
+        "duration_mean_s": float(np.mean(durations)),
+        "duration_p95_s": float(np.percentile(durations, 95)),
+        "segments_first": samples[0]["segments"],
+        "segments_last": samples[-1]["segments"],
+        "growth": [dict(zip(GROWTH_COLUMNS, row, strict=True)) for row in growth_table(samples)],
+    }
+
+
+def plot(samples: Samples, path: Path) -> None:
+    """Draw memory, threads and descriptors of each node and the goals' durations over the hours."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib import pyplot as plt
+
+    figure, axes = plt.subplots(len(QUANTITIES) + 1, 1, sharex=True, figsize=(9, 10), layout="constrained")
+    hours = [sample["time"] / HOUR for sample in samples]
+    for axis, (key, title) in zip(axes, QUANTITIES.items(), strict=False):
+        for node in samples[-1]["nodes"]:
+            axis.plot(hours, [s["nodes"].get(node, {}).get(key, np.nan) for s in samples], label=node)
+        axis.set_ylabel(title)
+    axes[0].legend(ncols=6, fontsize="small")
+    for success, mark in ((True, "."), (False, "x")):
+        some = [(s["time"] / HOUR, s["duration"]) for s in samples if s["success"] is success]
+        axes[-1].plot(
+            *zip(*some, strict=True), mark, label="success" if success else "failure"
+        ) if some else None
+    axes[-1].legend(fontsize="small")
+    axes[-1].set_ylabel("goal took [s]")
+    axes[-1].set_xlabel("wall clock [h]")
+    figure.savefig(path, dpi=120)
+    plt.close(figure)
