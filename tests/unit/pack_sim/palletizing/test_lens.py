@@ -7,7 +7,7 @@ from pack_core.camera import LensDistortion, PinholeCamera, seen_pixels
 from pack_core.palletizing.imperfections import CameraErrors
 from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array
-from pack_perception.boxes.table_camera import Undistorter
+from pack_perception.boxes.table_camera import Rectifier
 from pack_sim.palletizing.lens import RealLens
 
 CAMERA = PinholeCamera.looking_down([0.0, 0.0, 3.0], 700.0, 960, 540)
@@ -42,7 +42,7 @@ def test_points_are_seen_where_the_distorted_camera_has_them() -> None:
 
 def test_undistorted_points_are_where_a_pinhole_camera_has_them() -> None:
     lens = RealLens(CAMERA, LENS, PURE, 0)
-    flat = Undistorter(CAMERA, LENS)(lens.expose(dots(lens.drawn), 1.0))
+    flat = Rectifier(CAMERA, LENS, CAMERA)(lens.expose(dots(lens.drawn), 1.0))
     wanted = CAMERA.project(POINTS)
     np.testing.assert_allclose(centroids(flat, wanted), wanted, atol=0.06)
 
