@@ -7,7 +7,7 @@ from pydantic import model_validator
 
 from pack_core.config import Config
 from pack_core.rotations import Pose, from_yaw
-from pack_core.text.limits import AngleDeg, Coordinate, Number
+from pack_core.text.limits import AngleDeg, Coordinate, UnitPart
 
 
 class PoseConfig(Config):
@@ -15,7 +15,7 @@ class PoseConfig(Config):
 
     position: tuple[Coordinate, Coordinate, Coordinate]
     yaw_deg: AngleDeg = 0.0
-    quaternion: tuple[Number, Number, Number, Number] | None = None
+    quaternion: tuple[UnitPart, UnitPart, UnitPart, UnitPart] | None = None
 
     @model_validator(mode="after")
     def _is_one_rotation(self) -> PoseConfig:

@@ -49,6 +49,8 @@ Coordinate = Annotated[Number, Field(ge=-10.0, le=10.0)]
 """In a cell [m]."""
 AngleDeg = Annotated[Number, Field(ge=-3600.0, le=3600.0)]
 """An angle [deg]; more than a turn is allowed, as sums of turns have it."""
+UnitPart = Annotated[Number, Field(ge=-1.1, le=1.1)]
+"""An element of a vector of length 1, written with a few digits."""
 Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 """A part of a whole, such as of a colour."""
 
