@@ -9,6 +9,7 @@ Arguments:
     domain: ROS domain id; empty: the environment's.
     live: whether to serve the page in the browser.
     record: goals, always or never; empty: as config/nodes/<cell>/recorder.yaml has it.
+    keystore: a folder of keys without which nobody joins the cell (docs/security.md); empty: none.
     set: parameters over all of these, as in `set:="sim.seed=3 sim.real_time_factor=0.5"`.
 """
 
@@ -21,6 +22,7 @@ from launch_ros.actions import Node
 from launch import LaunchContext, LaunchDescription
 from pack_bringup.graph.graph import launch_parameters, load_graph
 from pack_bringup.graph.launch_arguments import NO, YES, is_yes, launch_settings, order_command
+from pack_bringup.graph.security import enclave_arguments, security_environment
 from pack_bringup.page import PageProcess
 from pack_core.cells import CELLS
 
@@ -32,6 +34,7 @@ OPTIONAL = {
     "preset": "conditions: a file of config/presets",
     "domain": "ROS domain id; empty: the environment's",
     "record": "goals, always or never; empty: as configured",
+    "keystore": "folder of keys, made by tools/keystore.sh; empty: no security",
     "set": "parameters over the files', e.g. sim.real_time_factor=0.5",
 }
 """Arguments that may be left out, with their descriptions."""
@@ -54,7 +57,10 @@ def start_cell(context: LaunchContext) -> list[Any]:
     given = {name: LaunchConfiguration(name).perform(context) for name in ("cell", "live", *OPTIONAL)}
     cell, domain = given["cell"], given["domain"]
     actions: list[Any] = [SetEnvironmentVariable("ROS_DOMAIN_ID", domain)] if domain else []
-    actions += start_nodes(cell, given["preset"], [*launch_settings(cell, given), *given["set"].split()])
+    keystore = given["keystore"]
+    actions += [SetEnvironmentVariable(*item) for item in security_environment(keystore).items()]
+    settings = [*launch_settings(cell, given), *given["set"].split()]
+    actions += start_nodes(cell, given["preset"], settings, keystore)
     if is_yes("live", given["live"]):
         (page,) = PageProcess(cell, PAGE_PORT).commands().values()
         actions.append(ExecuteProcess(cmd=page, output="screen"))
@@ -63,7 +69,7 @@ def start_cell(context: LaunchContext) -> list[Any]:
     return actions
 
 
-def start_nodes(cell: str, preset: str, settings: list[str]) -> list[Node]:
+def start_nodes(cell: str, preset: str, settings: list[str], keystore: str = "") -> list[Node]:
     """One launch action for each node of the graph file."""
     parameters = launch_parameters(cell, preset, settings)
     return [
@@ -72,6 +78,7 @@ def start_nodes(cell: str, preset: str, settings: list[str]) -> list[Node]:
             executable=node.executable,
             name=node.name,
             parameters=[str(node.parameters_path), parameters[node.name]],
+            ros_arguments=enclave_arguments(keystore, cell, node.name),
             output="screen",
         )
         for node in load_graph(cell).nodes
