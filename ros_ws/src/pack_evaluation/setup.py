@@ -10,6 +10,7 @@ setup(
     package_data={
         package: ["*.j2"],
         f"{package}.packing": ["*.j2"],
+        f"{package}.packing.fill": ["*.j2"],
         f"{package}.palletizing": ["*.j2"],
         f"{package}.blocks": ["*.j2"],
     },

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -27,6 +28,17 @@ def demo(
     ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
+    fill: Annotated[
+        bool,
+        typer.Option(
+            "--fill",
+            help="Fill an empty container from LIST, or from 8 supermarket objects of the seed.",
+        ),
+    ] = False,
+    given: Annotated[
+        Path | None,
+        typer.Argument(metavar="LIST", help="With --fill: a list file (docs/packing/filling.md)."),
+    ] = None,
     live: Live = False,
     port: Port = PORT,
     output: Output = None,
@@ -42,13 +54,20 @@ def demo(
     - `pack demo packing --method uninformed_pose --no-video`
     - `pack demo packing --preset hardware`
     - `pack demo packing --scene config/scenarios/packing/example.yaml --real-time-factor 0.3`
+    - `pack demo packing --fill config/packing_lists/example.yaml`
     """
     from pack_bringup.packing.job import PackingJob
 
     check_scene(scene)
     folder = output or default_folder("packing", seed, datetime.now())
-    job = PackingJob(
-        seed, scene, method.value, folder=folder, real_time_factor=real_time_factor, command=command_line(),
-        preset=preset,
-    )  # fmt: skip
+    conditions = {
+        "folder": folder, "real_time_factor": real_time_factor, "command": command_line(), "preset": preset,
+    }  # fmt: skip
+    job: PackingJob
+    if fill or given:
+        from pack_bringup.packing.fill_job import packing_fill_job
+
+        job = packing_fill_job(seed, given, **conditions)
+    else:
+        job = PackingJob(seed, scene, method.value, **conditions)
     run_live(job, video=video, domain=domain, page=page_process("packing", live, port))

@@ -21,6 +21,8 @@ LARGEST_GAP = 0.01
 """Between an object and what carries it: more than a motion capture system is wrong by [m]."""
 LEAST_UPWARD = 0.1
 """Vertical part of a contact's normal from which the contact carries."""
+HAND_OVER_REACH = 0.1
+"""Farthest that a scene may have an object from where the cell hands objects over [m]."""
 WORLD = "world"
 
 
@@ -61,11 +63,18 @@ def _check_container(scene: Scene, reach: tuple[float, float]) -> None:
 def _check_new_object(scene: Scene, cell: PackingCell) -> None:
     item, limit = scene.new_object, cell.robot.arm.payload - cell.pump.mass
     if item.pose is not None:
-        raise ConfigError("key 'new_object.pose' is given; allowed: none, the new object hangs from the pump")
+        place = cell.hand_over.centre
+        if np.linalg.norm(np.subtract(item.pose.position[:2], place)) > HAND_OVER_REACH:
+            raise ConfigError(
+                f"key 'new_object.pose' is {list(item.pose.position)}; allowed: none, it hangs from the pump, "
+                f"or at most {HAND_OVER_REACH} m from where objects are handed over, x {place[0]}, y {place[1]}"
+            )
     if item.mass > limit:
         raise ConfigError(
             f"key 'new_object.mass' is {item.mass}; allowed: up to {limit:.1f} kg, the arm's payload"
         )
+    if scene.is_handed_over:
+        return  # whether it fits is found out when it is its turn
     try:
         fitting_yaws(item, scene.container, 0.0)
     except PackError as error:
@@ -136,7 +145,8 @@ def floating(model: mujoco.MjModel, data: mujoco.MjData, names: Sequence[str]) -
 
 def _check_start(scene: Scene, cell: PackingCell) -> None:
     """Refuse a scene in which the held object touches something while the arm is at its home pose."""
-    model = build_model(scene, cell, timestep=0.002, arm=ArmRole.DRIVEN, held=HeldRole.RIGID)
+    held = HeldRole.ABSENT if scene.is_handed_over else HeldRole.RIGID
+    model = build_model(scene, cell, timestep=0.002, arm=ArmRole.DRIVEN, held=held)
     data = mujoco.MjData(model)
     set_object_poses(model, data, scene.poses())
     for name, position in zip(cell.robot.arm.joints, cell.robot.home, strict=True):

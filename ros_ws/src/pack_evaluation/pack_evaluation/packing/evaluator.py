@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from pack_core.errors import PackError
-from pack_evaluation.evaluator import Evaluation, Evaluator, OnProgress
+from pack_evaluation.evaluator import Evaluation, Evaluator, OnProgress, WriteReplay
+from pack_evaluation.packing.fill.evaluator import FILL_EVALUATOR
+from pack_evaluation.packing.fill.recording import has_fill_job
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.measures import PackingMeasures, measure
 from pack_evaluation.packing.plots import write_plots
@@ -18,6 +21,17 @@ from pack_evaluation.packing.video import write_still, write_video
 
 class PackingEvaluator(Evaluator[Run, PackingMeasures]):
     """Evaluates a packing goal of a recording."""
+
+    def evaluate(
+        self, path: Path, output: Path, *, with_video: bool = True, progress: OnProgress = lambda _: None,
+        write_replay: WriteReplay | None = None, goal: int | None = None,
+    ) -> Evaluation[Any, Any]:  # fmt: skip
+        """As every evaluator's; a recording that holds a fill job is evaluated as one, without a replay."""
+        if goal is None and has_fill_job(path):
+            return FILL_EVALUATOR.evaluate(path, output, with_video=with_video, progress=progress)
+        return super().evaluate(
+            path, output, with_video=with_video, progress=progress, write_replay=write_replay, goal=goal
+        )
 
     def load(self, path: Path, goal: int | None = None) -> Run:
         """A goal in a recording."""

@@ -7,11 +7,13 @@ from types import MappingProxyType
 
 import numpy as np
 
+from pack_core.errors import PackError
 from pack_core.packing.arrangement import Arrangement, FillMethod
+from pack_core.packing.fit import fitting_yaws
 from pack_core.packing.free_space import is_packed
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingOrder
-from pack_core.packing.scene import Scene
+from pack_core.packing.scene import Container, Scene
 from pack_core.rotations import Pose
 from pack_core.states import SceneState
 from pack_planner.filling.arrangement_config import ArrangementConfig
@@ -47,9 +49,11 @@ class FillPlanner:
             rng: source of the variations.
             planned: where the last arrangement had them, X_WO.
         """
+        misfits = _misfits(scene.container, items)
+        items = [item for item in items if item.name not in misfits]
         names = tuple(item.name for item in items)
         if self._method is FillMethod.RANDOM:
-            return Arrangement(names)
+            return Arrangement(names, refused=misfits)
         poses = state.poses()
         known = [item for item in (*scene.objects, scene.new_object) if item.name in poses]
         inside = [item for item in known if is_packed(scene, poses[item.name])]
@@ -62,9 +66,20 @@ class FillPlanner:
         else:
             order = by_height if self._leaves_none else [*by_height, *others]
         refused = dict.fromkeys(others, NO_ROOM) if self._leaves_none else {}
-        return Arrangement(tuple(order), placed, refused)
+        return Arrangement(tuple(order), placed, misfits | refused)
 
     @property
     def _leaves_none(self) -> bool:
         """Whether an object without a place of its own is put aside; with contact one may still be made."""
         return self._method is FillMethod.NO_CONTACT
+
+
+def _misfits(container: Container, items: Sequence[ObjectModel]) -> dict[str, str]:
+    """Objects that do not fit into the container even when it is empty, with the reason."""
+    found = {}
+    for item in items:
+        try:
+            fitting_yaws(item, container, 0.0)
+        except PackError as error:
+            found[item.name] = str(error)
+    return found

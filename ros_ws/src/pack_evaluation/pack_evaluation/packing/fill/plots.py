@@ -7,6 +7,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from pack_core.rotations import Array
+
 Fills = Sequence[Sequence[float]]
 """Rows of one job: time [s], share of the base area, share of the volume."""
 
@@ -31,3 +33,16 @@ def plot_fills(jobs: Mapping[str, Sequence[Fills]], folder: Path) -> list[Path]:
     path = folder / "fill.png"
     figure.savefig(path, dpi=120)
     return [path]
+
+
+def plot_forces(times: Array, forces: Array, folder: Path) -> Path:
+    """Draw the magnitude of the external force `(F,)` [N] over times `(F,)` [s]."""
+    figure = Figure(figsize=(7.0, 2.4), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(times - times[0], forces, lw=0.6)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("external force [N]")
+    axes.grid(alpha=0.3)
+    path = folder / "force.png"
+    figure.savefig(path, dpi=120)
+    return path
