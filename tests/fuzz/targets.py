@@ -288,7 +288,7 @@ BOXES = "- {name: a-1, size: [0.3, 0.2, 0.2], mass: 4.0}\n- {name: b-2, size: [0
 
 TARGETS = (
     Target("scene", "yaml", _scenes, _scene),
-    Target("order", "json", _shipped("orders/*.json", "orders/stress/*.json"), _order),
+    Target("order", "json", _shipped("orders/*.json"), _order),
     Target("blocks problem", "yaml", _problems, _problem),
     Target("run.yaml", "yaml", _records, _record),
     Target("node parameters", "yaml", _shipped("nodes/*/*.yaml"), _nodes),
