@@ -77,6 +77,10 @@ class Probe(Node):
         """Publish a message; see `Graph.connect` for making sure that it is heard."""
         self.publisher_of(contract).publish(message)
 
+    def silence(self, contract: Contract) -> None:
+        """Publish a topic no longer, for one that has another publisher now."""
+        self.destroy_publisher(self._publishers_of.pop(contract.name))
+
     def client_of(self, contract: Contract) -> Client:
         """The probe's client of a service."""
         if contract.name not in self._clients_of:

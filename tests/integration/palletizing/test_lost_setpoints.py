@@ -48,6 +48,7 @@ def sim(graph: Graph) -> PalletSimNode:
 
 @pytest.fixture
 def motion_node(graph: Graph, sim: PalletSimNode) -> MotionNode:
+    graph.probe.silence(motion.SETPOINTS)
     node = graph.start(MotionNode)
     graph.probe.listen(motion.MOTION_STATUS)
     graph.connect(motion.MOTION_TARGET)
