@@ -30,7 +30,7 @@ slow: setup ## tests that take minutes: cells in a browser, blocks demo
 bench: setup ## measure speed and success (ARGS goes to the command)
 	@$(IN_ENV) pytest -m benchmark && pack benchmark $(CELL) $(ARGS)
 
-fuzz: setup ## mutated files and messages through every reader (ARGS="--inputs 20000")
+fuzz: setup ## broken files and messages through every reader (ARGS)
 	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m fuzz $(ARGS)
 
 lint: setup ## ruff, formatting, mypy

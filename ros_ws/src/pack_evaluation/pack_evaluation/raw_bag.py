@@ -131,9 +131,9 @@ def _topics_of(content: McapContent, types: Typestore) -> dict[int, Topic]:
             content.damaged += 1
     topics = {}
     for number, channel in content.channels.items():
-        schema = content.schemas.get(channel.schema_id)
-        if schema is not None and schema.name in types.fielddefs:
-            topics[number] = Topic(channel.topic, schema.name, _qos(channel))
+        its_schema = content.schemas.get(channel.schema_id)
+        if its_schema is not None and its_schema.name in types.fielddefs:
+            topics[number] = Topic(channel.topic, its_schema.name, _qos(channel))
     return topics
 
 

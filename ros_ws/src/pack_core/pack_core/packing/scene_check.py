@@ -176,4 +176,4 @@ def _depth_in_arm(model: mujoco.MjModel, data: mujoco.MjData, name: str, objects
         for geom in range(model.ngeom)
         if model.geom_bodyid[geom] != world and model.geom(geom).name not in objects
     ]
-    return max(-mujoco.mj_geomDistance(model, data, own, geom, 0.0, None) for geom in links)
+    return max(float(-mujoco.mj_geomDistance(model, data, own, geom, 0.0, None)) for geom in links)

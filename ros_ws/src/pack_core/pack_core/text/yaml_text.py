@@ -58,7 +58,8 @@ class _Builder:
     def __init__(self, text: str, source: str) -> None:
         self._events: Iterator[Any] = yaml.parse(text, Loader=yaml.CSafeLoader)
         self._source = source
-        self._resolver, self._constructor = Resolver(), SafeConstructor()
+        self._resolver: Any = Resolver()  # untyped in PyYAML
+        self._constructor = SafeConstructor()
         self._anchors: dict[str, tuple[Any, int]] = {}  # by name: the value, and how many values it holds
         self._count = 0
 

@@ -71,7 +71,7 @@ def unstable_boxes(boxes: Sequence[PlacedBox], config: SupportConfig) -> dict[st
     problems = {}
     for item in boxes:
         # only boxes whose tops are at its base can carry it; `support_of` looks at the rest
-        level = np.flatnonzero(np.abs(tops - item.lower[2]) < 2 * TOUCH)
+        level = np.flatnonzero(np.abs(tops - item.lower[2]) < 2 * TOUCH).tolist()
         problems[item.id] = support_of(item, [boxes[k] for k in level]).problem(config)
     return {name: problem for name, problem in problems.items() if problem is not None}
 
