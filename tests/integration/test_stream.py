@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from functools import partial
 
 import pytest
 import rclpy
@@ -13,6 +14,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
 from integration.harness import Graph
+from pack_core.errors import ConfigError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.failures import IN_A_ROW
@@ -142,3 +144,12 @@ def test_a_second_simulator_is_noticed_at_once_and_named(graph: Graph) -> None:
     second.destroy_publisher(clock)
     graph.wait_until(lambda: "/clock" not in node.health.faults)
     second.destroy_node()
+
+
+def test_a_second_node_of_a_name_is_refused_where_names_are_unique(graph: Graph) -> None:
+    node = graph.start(partial(CellNode, "planner"))
+    graph.wait_until(lambda: node.is_up)
+    with pytest.raises(ConfigError, match="a node 'planner' runs already in ROS domain"):
+        graph.start(partial(CellNode, "planner"))
+    graph.stop(node)
+    graph.start(partial(CellNode, "planner"))

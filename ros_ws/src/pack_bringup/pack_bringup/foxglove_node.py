@@ -84,6 +84,8 @@ class ServedTopic:
 class FoxgloveNode(CellNode):
     """Serves the topics of one cell."""
 
+    may_be_repeated = True
+
     def __init__(self, **kwargs: Any) -> None:
         if foxglove is None:
             raise ConfigError("foxglove-sdk is not installed; docs/rviz_and_foxglove.md says how")

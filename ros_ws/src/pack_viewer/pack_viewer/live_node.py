@@ -52,6 +52,8 @@ class LiveNode(CellNode):
         operator: asks the cell for what is pressed.
     """
 
+    may_be_repeated = True
+
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("live", **kwargs)
         config = read_parameters(self, LiveNodeConfig)

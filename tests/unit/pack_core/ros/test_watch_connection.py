@@ -134,6 +134,7 @@ def test_a_frozen_process_holds_up_no_watcher() -> None:
     assert child.stdout is not None
     assert child.stdout.readline() == "up\n"
     child.send_signal(signal.SIGSTOP)
+    os.waitpid(child.pid, os.WUNTRACED)  # until it stands, it would let watchers in
     begin = time.monotonic()
     crowd = [WatchConnection(DOMAIN, "child") for _ in range(BACKLOG + 20)]
     assert time.monotonic() - begin < 10.0

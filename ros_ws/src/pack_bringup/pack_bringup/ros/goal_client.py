@@ -43,6 +43,8 @@ class GoalClient(CellNode):
         iterations_ms: what the controller's iterations took, where its feedback says so [ms of wall clock].
     """
 
+    may_be_repeated = True
+
     def __init__(
         self,
         contract: Contract,

@@ -25,7 +25,7 @@ from pack_core.ros.silence_log import SilenceLog
 from pack_core.ros.simulated_time import SimulatedTime
 from pack_core.ros.sole_publisher import SolePublisher
 from pack_core.ros.stream import TakenByHand
-from pack_core.ros.watch_connection import WatchSocket
+from pack_core.ros.watch_connection import WatchSocket, check_name_is_free
 
 ASSERTION_PERIOD = 0.05
 """How often a node says that it is alive [s of wall clock]: ten times within the lease, as some come late."""
@@ -38,13 +38,17 @@ class CellNode(GuardedNode):
 
     Attributes:
         wall: a clock of wall time that never jumps, for timers that must not wait for simulated time.
+        may_be_repeated: whether a domain may have several nodes of its name.
     """
 
+    may_be_repeated = False
     _simulated_time: SimulatedTime | None = None
     _sole_clock: SolePublisher | None = None
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
+        if not self.may_be_repeated:
+            check_name_is_free(self.context.get_domain_id(), self.get_name())
         self._diagnostics = self.advertise(shared.DIAGNOSTICS)
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._status_teller = StatusTeller(self)
@@ -53,7 +57,6 @@ class CellNode(GuardedNode):
         self._ended = threading.Event()
         self._watch_socket: WatchSocket | None = None
         self._watches: list[PeerWatch] = []
-        self._is_up = False
         self._heart: threading.Thread | None = None
         # Not guarded: a node that was configured wrongly ends here.
         self._birth = super(GuardedNode, self).create_timer(0.001, self._come_alive, clock=self.wall)
@@ -62,7 +65,7 @@ class CellNode(GuardedNode):
     @property
     def is_up(self) -> bool:
         """Whether the node has said that it is alive: its configuration was in order."""
-        return self._is_up
+        return self._heart is not None
 
     @property
     def waits_for(self) -> str:
@@ -102,7 +105,6 @@ class CellNode(GuardedNode):
         self._alive = self.create_publisher(Empty, alive_topic(self.get_name()), ALIVE_QOS)
         self._heart = threading.Thread(target=self._beat, name="alive", daemon=True)
         self._heart.start()
-        self._is_up = True
         for watch in self._watches:
             watch.begin()
 
@@ -147,8 +149,7 @@ class CellNode(GuardedNode):
         if not publishers:
             self.health.faults.pop(shared.CLOCK.name, None)
             return
-        trouble = f"a second simulator: {publishers}; end one of them"
-        self.health.faults[shared.CLOCK.name] = trouble
+        trouble = self.health.faults[shared.CLOCK.name] = f"a second simulator: {publishers}; end one of them"
         self.get_logger().error(trouble)
         self.react_to_failure(trouble)
 
@@ -159,7 +160,7 @@ class CellNode(GuardedNode):
             if self._sole_clock is not None:
                 self._sole_clock.track(peer)
             self._watches.append(watch)
-            if self._is_up:
+            if self.is_up:
                 watch.begin()
 
     def hears(self, peer: str) -> bool:

@@ -19,6 +19,8 @@ import threading
 from contextlib import suppress
 from pathlib import Path
 
+from pack_core.errors import ConfigError
+
 SOCKETS = Path("/proc/net/unix")
 """Linux' list of local sockets. A line ends with the address, `@` standing for its leading zero byte."""
 BACKLOG = 64
@@ -139,6 +141,19 @@ def nodes_on_this_machine() -> dict[int, set[str]]:
         if folder == "@packcell" and domain.isdecimal() and name:
             found.setdefault(int(domain), set()).add(name)
     return found
+
+
+def check_name_is_free(domain: int, name: str) -> None:
+    """Refuse a second node of a name; of two that publish and command the same, nobody knew which is which.
+
+    Raises:
+        ConfigError: a node of this name runs on this machine in the ROS domain.
+    """
+    if name in nodes_on_this_machine().get(domain, ()):
+        raise ConfigError(
+            f"a node '{name}' runs already in ROS domain {domain}; end it, or use another domain "
+            "(ROS_DOMAIN_ID); `pack status` says what runs"
+        )
 
 
 def _is_of_this_user(connection: socket.socket) -> bool:
