@@ -71,7 +71,7 @@ def test_a_damaged_file_is_refused_with_its_key(tmp_path: Path) -> None:
 
 def test_an_uncalibrated_real_cell_asks_for_wider_gaps() -> None:
     uncalibrated = known_cell("real", "")
-    with pytest.raises(ConfigError, match="not calibrated.*pack calibrate palletizing.*gaps of 30 mm"):
+    with pytest.raises(ConfigError, match=r"not calibrated.*pack calibrate palletizing.*gaps of 30 mm"):
         uncalibrated.check_gap(0.002)
     uncalibrated.check_gap(0.03)
     KnownCell(palletizing_cell("real"), FOUND).check_gap(0.002)

@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from pack_core.camera import LensDistortion, PinholeCamera
 from pack_core.palletizing.imperfections import CameraErrors
 from pack_core.palletizing.view import Picture
-from pack_core.rotations import Array
 
+Floats = npt.NDArray[np.float32]
 MARGIN = 0.03
 """By how much the pinhole camera that is drawn sees more on each side, as a share of the picture's size: a
 lens with barrel distortion shows what a pinhole camera of the same focal length has outside its picture."""
@@ -56,7 +57,7 @@ def _widened(camera: PinholeCamera) -> PinholeCamera:
 
 def _distortion_maps(
     camera: PinholeCamera, lens: LensDistortion, drawn: PinholeCamera
-) -> tuple[Array, Array]:
+) -> tuple[Floats, Floats]:
     """For every pixel of the real picture, where the drawn one shows it, each `(height, width)`."""
     v, u = np.mgrid[: camera.height, : camera.width].astype(np.float32)
     pixels = np.stack([u, v], axis=-1).reshape(-1, 1, 2)
@@ -66,7 +67,7 @@ def _distortion_maps(
     return np.ascontiguousarray(maps[..., 0]), np.ascontiguousarray(maps[..., 1])
 
 
-def _light(camera: PinholeCamera, errors: CameraErrors, rng: np.random.Generator) -> Array:
+def _light(camera: PinholeCamera, errors: CameraErrors, rng: np.random.Generator) -> Floats:
     """Share of the light that reaches each pixel `(height, width, 1)`."""
     v, u = np.mgrid[: camera.height, : camera.width].astype(np.float32)
     x, y = (u - camera.c[0]) / camera.width, (v - camera.c[1]) / camera.height

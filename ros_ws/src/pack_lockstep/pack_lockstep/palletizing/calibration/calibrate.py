@@ -75,10 +75,12 @@ def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> C
             "slipped, and calibrate again"
         )
     predicted = predict(model, found, np.random.default_rng(0))
-    places = {name: Displacement.of(found.x[PLACE[name]]) for name in PLACES}
+    table_a, table_b, pallet = (Displacement.of(found.x[PLACE[name]]) for name in PLACES)
     sigmas = np.sqrt(np.diag(found.covariance))
     calibration = CellCalibration(
-        preset=cell.preset, camera=camera_of(found.x), **places, gears=gears_of(found.x, model.assumed),
+        preset=cell.preset, camera=camera_of(found.x),
+        picking_table=table_a, reorientation_table=table_b, pallet=pallet,
+        gears=gears_of(found.x, model.assumed),
         predicted=predicted, simulated_s=seconds,
         estimates=tuple(
             NamedEstimate(name=p.name, value=float(value), sigma=float(sigma), unit=p.unit)

@@ -12,7 +12,6 @@ from pack_core.palletizing.calibration import Residuals
 from pack_core.rotations import Array
 from pack_lockstep.palletizing.calibration.measurements import BoardView, Contact
 from pack_lockstep.palletizing.calibration.model import (
-    PARAMETERS,
     CellModel,
     Sag,
     prior_sigmas,
@@ -39,7 +38,7 @@ class Estimate:
     """What was found.
 
     Attributes:
-        x: the parameters, in the sequence of `PARAMETERS`.
+        x: the parameters, in the sequence of `model.PARAMETERS`.
         covariance: of them.
         views: residuals of the corners of each view, measured less predicted `(n, 2)` [pixel].
         contacts: residuals of the touches [m].
@@ -144,8 +143,3 @@ def _numeric(function: Callable[[Array], Array], x: Array, step: float = 1e-6) -
         d[i] = step
         columns.append((function(x + d) - function(x - d)) / (2.0 * step))
     return np.column_stack(columns)
-
-
-def names() -> list[str]:
-    """Names of the parameters."""
-    return [parameter.name for parameter in PARAMETERS]

@@ -82,7 +82,7 @@ def _touches(rig: CalibrationRig) -> Iterator[tuple[tuple[str, int, float], Pose
             p = np.array([table.centre[0] + x, table.centre[1] + y, table.height])
             yield (name, 2, table.height), *from_above(rig, p, half)
     (x_0, y_0), (l, w), deck = cell.pallet.corner, cell.pallet.size, cell.pallet.deck_height
-    for x, y in ((0.5, 0.5), (0.12, 0.15), (0.88, 0.15), (0.88, 0.85), (0.12, 0.85)):
+    for x, y in ((0.5, 0.5), (0.12, 0.15), (0.88, 0.15), (0.88, 0.85), (0.35, 0.85)):
         p = np.array([x_0 + x * l, y_0 + y * w, deck])
         yield ("pallet", 2, deck), *from_above(rig, p, half)
     # Where an edge is so near that the forearm would hang straight down, the wrist is singular.

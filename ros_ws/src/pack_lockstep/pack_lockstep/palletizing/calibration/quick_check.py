@@ -22,8 +22,9 @@ from pack_perception.boxes.table_camera import TableCamera
 from pack_sim.palletizing.simulator import PalletSimulator
 
 BOX = BoxBody("test box", (0.40, 0.30, 0.20), 8.0)
-PUTS = ((0.08, 0.06, 0.12), (-0.08, -0.06, -0.12))
-"""Where the box is put down: x and y from the middle of the table [m], yaw [rad]."""
+PUTS = ((0.05, 0.05, np.pi), (-0.05, -0.05, 1.5 * np.pi))
+"""Where the box is put down: x and y from the middle of the table [m], yaw [rad]. It is turned by a half and a
+quarter turn: a camera that sees everything too far to one side would be right about a box that is not turned."""
 ALLOWED_LOOK, ALLOWED_TOUCH = 1.0, 0.5
 """Largest distances with which the calibration still holds [mm]: a third of the cell's largest placing error,
 and a quarter of the height from which boxes are let go."""
@@ -114,9 +115,9 @@ def _carry(rig: CalibrationRig, X_WB: Pose, asked: Pose) -> None:
     rig.line(grip, 0.15)
     X_TB = rig.tool().inverse() @ X_WB
     rig.grip(CarriedBox(X_TB, np.array(BOX.size)))
-    rig.line(Pose(grip.p + 0.3 * rise, grip.q), 0.2)
+    rig.line(Pose(grip.p + 0.6 * rise, grip.q), 0.2)
     X_WT = Pose(asked.p - 0.002 * DOWN, asked.q) @ X_TB.inverse()
-    rig.line(Pose(X_WT.p + 0.3 * rise, X_WT.q), 0.2)
+    rig.go(Pose(X_WT.p + 0.6 * rise, X_WT.q))
     rig.line(X_WT, 0.08)
     rig.release()
     rig.line(Pose(X_WT.p + rise, X_WT.q), 0.25)

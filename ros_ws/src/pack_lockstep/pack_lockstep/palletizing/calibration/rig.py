@@ -159,8 +159,8 @@ class CalibrationRig:
         return picture, sample
 
     def _latency(self) -> tuple[float, float]:
-        camera = self.known.imperfections.camera
-        return (self._config.sight.latency,) * 2 if camera is None else camera.latency
+        camera, usual = self.known.imperfections.camera, self._config.sight.latency
+        return (usual, usual) if camera is None else camera.latency
 
     def _follow(self, move: Move, contacts: frozenset[str]) -> None:
         self._command(move, contacts, is_checked=True)

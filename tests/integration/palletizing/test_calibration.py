@@ -1,0 +1,77 @@
+"""Calibrating the simulated real cell: what is touched and fitted, against where things truly are."""
+
+import numpy as np
+import pytest
+
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.displacement import Displacement
+from pack_core.rotations import Array, Pose, log
+from pack_lockstep.palletizing.calibration.calibrate import calibrate
+from pack_lockstep.palletizing.calibration.measurements import contact_of
+from pack_lockstep.palletizing.calibration.model import GEARS, PLACE, CellModel, shares_of, start
+from pack_lockstep.palletizing.calibration.procedure import DOWN, TRAVEL, from_above
+from pack_lockstep.palletizing.calibration.quick_check import quick_check
+from pack_lockstep.palletizing.calibration.rig import CalibrationRig
+from pack_lockstep.palletizing.calibration.touch import touch
+from pack_lockstep.palletizing.settings import set_up
+from pack_sim.palletizing.real_arm import true_base
+from pack_sim.palletizing.simulator import PalletSimulator
+from pack_sim.palletizing.true_cell import true_cell
+
+REAL = palletizing_cell("real")
+SEED = 12
+
+
+def true_place(name: str) -> Array:
+    """Displacement `(6,)` of a table or the pallet, as seen from the arm's true base."""
+    place = getattr(true_cell(REAL, SEED), name)
+    X_BW = REAL.arm.X_WB @ true_base(REAL, SEED).inverse()  # the arm takes its base to be the nominal one
+    nominal = Pose(place.middle)
+    moved = X_BW @ place.displaced(nominal) @ nominal.inverse()
+    return np.concatenate([moved.apply(place.middle) - place.middle, log(moved.q)])
+
+
+@pytest.mark.timeout(120)
+def test_a_touch_finds_a_table_as_well_as_the_gears_are_known() -> None:
+    setup = set_up(profile="blended", motion="shipped", preset="real", vision=True)
+    simulator = PalletSimulator(REAL, setup.config.simulator, SEED)
+    with simulator.open_camera(setup.config.sight.camera.model_copy(update={"width": 320})) as camera:
+        rig = CalibrationRig(simulator, camera, REAL, setup.config)
+        table = REAL.picking_table
+        X_WT, normal, p_TC = from_above(rig, table.middle, 0.055)
+        rig.go(Pose(X_WT.p - 0.1 * DOWN, X_WT.q))
+        recorded = touch(rig, X_WT, normal, TRAVEL, ("picking_table", 2, table.height), p_TC)
+        found = contact_of(recorded, rig.arm.chain, rig.period)
+    gears = REAL.imperfections.gears
+    assert gears is not None
+    model = CellModel(REAL, rig.arm.chain, gears.assumed, Pose(np.zeros(3)))
+    x = start()
+    x[PLACE["picking_table"]] = true_place("picking_table")
+    sag = model.sag(found.q, loaded=False)
+    by_data_sheet = model.gap(x, found, sag.links(shares_of(x)))
+    x[GEARS] = 1.0 + gears.stiffness_error
+    by_true_gears = model.gap(x, found, sag.links(shares_of(x)))
+    # What is left is half the play of the loaded gears 2 and 3: 0.09 mrad times 1.3 and 0.9 m.
+    assert abs(by_true_gears) < 2.5e-4
+    assert abs(by_true_gears) < abs(by_data_sheet)
+    assert found.gives == pytest.approx(model.give(x, found), rel=0.3)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(1500)
+def test_a_calibration_finds_the_cell_predicts_well_and_holds_until_something_moves() -> None:
+    setup = set_up(profile="blended", motion="shipped", preset="real", vision=True)
+    run = calibrate(REAL, setup.config, SEED)
+    sigma = np.sqrt(np.diag(run.found.covariance))
+    off = run.found.x[PLACE["pallet"]] - true_place("pallet")
+    assert np.all(np.abs(off[:3]) < np.maximum(4 * sigma[PLACE["pallet"]][:3], 3e-4))
+    assert run.calibration.simulated_s < 600
+    assert run.calibration.predicted.mean < 0.7
+    holds = quick_check(REAL, setup.config, SEED, run.calibration)
+    assert holds.holds
+    assert holds.seconds < 60
+    # Somebody ran into the camera: everything it sees is 3 mm farther.
+    camera = run.calibration.camera
+    pushed = Displacement.of(camera.displacement.vector + [0.003, 0, 0, 0, 0, 0])
+    wrong = run.calibration.model_copy(update={"camera": camera.model_copy(update={"displacement": pushed})})
+    assert not quick_check(REAL, setup.config, SEED, wrong).holds
