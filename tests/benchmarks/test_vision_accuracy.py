@@ -4,18 +4,29 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from pack_core.palletizing.box_detection import DetectionStatus
+from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.box_detection import DetectionStatus, ExpectedBox
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array
+from pack_lockstep.node_parameters import load_parameters
+from pack_perception.boxes.box_vision import BoxVision, VisionConfig
+from pack_perception.boxes.table_camera import TableCamera
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
+from pack_sim.palletizing.snapshot import Snapshot
+from pack_sim.palletizing.true_cell import true_cell
 from unit.pack_perception.boxes.spawns import LIGHTS, NOMINAL, Dims, Light, Stage, errors, order_boxes, spawns
 
 pytestmark = pytest.mark.benchmark
 
 SPAWNS = int(os.environ.get("VISION_SPAWNS", "1000"))
 """In all lights together: 40 % as the cell is, the others alike."""
+REAL_CELLS = 5
+"""Real cells that are looked at, with the seeds from 10 on."""
 LIMIT_MM, LIMIT_DEG = 0.5, 0.1
 OTHERS = (SPAWNS * 6 // 10) // (len(LIGHTS) - 1)
 
@@ -53,6 +64,28 @@ def test_what_is_believed_is_right(light: Light) -> None:
     assert np.all(off < (LIMIT_MM, LIMIT_DEG))
     if light is NOMINAL:
         assert outcomes["DETECTED"] == count
+
+
+@pytest.mark.timeout(7200)
+def test_a_real_camera_is_believed_and_right_where_it_is_known_exactly() -> None:
+    """Lens, blur, noise, uneven light and displaced tables; what a calibration adds is not in it."""
+    nominal, off, outcomes = palletizing_cell("real"), [], Counter[str]()
+    for seed in range(REAL_CELLS):
+        cell = true_cell(nominal, 10 + seed)
+        table = TableCamera(cell, BoxVision(load_parameters("palletizing/vision", VisionConfig)))
+        rng = np.random.default_rng(seed)
+        with PalletCamera(cell, PalletCameraConfig(), seed) as camera:
+            for k, spawn in enumerate(spawns(SPAWNS // 10 // REAL_CELLS, rng)):
+                standing = cell.picking_table.displaced(spawn.X_WB)
+                body = BoxBody(spawn.id, spawn.dims, 5.0)
+                picture = camera.picture(Snapshot(1.0 + k, np.array(cell.arm.home), {body: standing}))
+                detection = table.detect(picture, ExpectedBox(spawn.id, spawn.dims, 0.0), 1.0).detection
+                outcomes[detection.status.name] += 1
+                if detection.X_WB is not None:
+                    off.append(errors(detection, replace(spawn, X_WB=standing)))
+    print(report(Light("real camera"), np.array(off).reshape(-1, 2), outcomes))  # noqa: T201
+    assert np.all(np.array(off) < (LIMIT_MM, LIMIT_DEG))
+    assert outcomes["DETECTED"] >= 0.95 * sum(outcomes.values())
 
 
 def nearest_other(dims: Dims) -> Dims:

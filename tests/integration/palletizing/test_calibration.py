@@ -72,6 +72,6 @@ def test_a_calibration_finds_the_cell_predicts_well_and_holds_until_something_mo
     assert holds.seconds < 60
     # Somebody ran into the camera: everything it sees is 3 mm farther.
     camera = run.calibration.camera
-    pushed = Displacement.of(camera.displacement.vector + [0.003, 0, 0, 0, 0, 0])
+    pushed = Displacement.of(camera.displacement.vector + 0.003 * np.eye(6)[0])
     wrong = run.calibration.model_copy(update={"camera": camera.model_copy(update={"displacement": pushed})})
     assert not quick_check(REAL, setup.config, SEED, wrong).holds
