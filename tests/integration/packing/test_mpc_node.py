@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 
+import numpy as np
 import pytest
 from pack_interfaces.action import PackObject
 from sensor_msgs.msg import JointState
@@ -13,6 +14,7 @@ from integration.harness import Graph
 from integration.packing.cell_rig import Cell
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_stamp
+from pack_core.ros.scene_messages import from_scene
 from pack_mpc.stages import Stage
 
 FACTOR = 0.3
@@ -114,3 +116,24 @@ def test_without_the_controller_the_arm_holds(cell: Cell) -> None:
     cell.wait_past(died + 3 * LIMIT)
     assert cell.time_to_rest(died) < LIMIT
     cell.wait_for_report("sim", "'mpc' is silent")
+
+
+def test_the_arm_holds_while_the_cameras_see_nothing_and_goes_on_when_they_do(cell: Cell) -> None:
+    simulator = cell.sim.simulator
+    handle = cell.pack()
+    cell.wait_for_motion()
+    blinded = cell.time
+    with cell.sim.lock:
+        config = simulator.mocap.config
+        simulator.mocap.config = config.model_copy(update={"min_cameras": 99})
+    cell.graph.wait_until(lambda: "seen nothing" in cell.mpc.health.last.get("skipped iteration", ""), 30.0)
+    cell.wait_past(blinded + 1.0 + 5 * LIMIT)
+    assert cell.time_to_rest(blinded) < 1.0 + 5 * LIMIT
+    true, estimated = simulator.truth().objects, from_scene(cell.graph.probe.last(contracts.SCENE)).objects
+    for name, item in estimated.items():
+        assert item.age > 1.0, name
+        assert np.linalg.norm(item.X_WO.p - true[name].X_WO.p) < 0.01, name
+    with cell.sim.lock:
+        simulator.mocap.config = config
+    result = cell.graph.result_of(handle)
+    assert result.success, result.message

@@ -26,6 +26,9 @@ from pack_core.ros.stream import Stream, StreamWait
 from pack_core.states import SceneState
 from pack_mpc.session import PackingObservation
 
+BLIND = 1.0
+"""The arm holds when the cameras have seen no object at all for so long [s]. Physics carries single objects
+for longer, led by those that are seen; with none its errors only grow."""
 SCENE_AGE = 0.1
 """Age beyond which an estimate of the scene is not planned from [s]."""
 JOINTS_WAIT = 0.05
@@ -140,6 +143,11 @@ class Mailbox:
         age = joints.time - scene.time
         if age > SCENE_AGE:
             raise MessageError(f"the newest scene is {age:.3f} s old; allowed: {SCENE_AGE} s")
+        unseen = age + min((item.age for item in scene.objects.values()), default=0.0)
+        if unseen > BLIND:
+            raise MessageError(
+                f"the cameras have seen nothing for {unseen:.1f} s; allowed: {BLIND} s. The arm holds"
+            )
         with self._lock:
             forces = np.array(self._forces)
             self._forces.clear()
