@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from pack_core.joints import JointSample, JointSetpoint
 from pack_core.motion.moves import JointMove, Mode, Path
 from pack_core.motion.target import Acceptance, MotionStatus, MotionTarget
 from pack_core.motion.world import Obstacle
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose, from_matrix
 from pack_motion.arm.arm import MotionArm
 from pack_motion.interruption import left_of, rising, standing_plan
 from pack_motion.move_monitor import MoveMonitor
@@ -20,12 +20,15 @@ from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.spheres import arm_spheres
 from pack_motion.target_planner import PreparedTarget, TargetPlanner
-from pack_motion.tracking.config import MotionSet
+from pack_motion.tracking.config import MotionSet, Reference
 from pack_motion.tracking.governor import Threat
 from pack_motion.tracking.obstacle_field import ObstacleField
 from pack_motion.tracking.pursuit import Pursuit, pursuit_of
 from pack_motion.tracking.tracker import PolicyInputs, Tracker
 
+NEAR = 1.0
+"""An obstacle that moves nearer to the arm than this may drive it off its planned way [m]."""
+TURN = 2.0 * np.pi
 LONGEST_STEP = 0.1
 """Longest step that is integrated [s]; a longer one is a gap in the measurements and an error."""
 
@@ -98,7 +101,7 @@ class MotionController:
         """Plan a target from the commanded state; changes nothing, and may run in another thread."""
         X_WT = self._arm.chain.forward(self.commanded.q)
         others = rising(target, X_WT) if target is self._resumed else ()
-        return self._planner.prepare(self.commanded, target, others)
+        return self._planner.prepare(self._planning_start(), target, others)
 
     def take(self, prepared: PreparedTarget) -> Acceptance:
         """Follow a prepared target from the next step on; no step may have moved the arm since."""
@@ -203,13 +206,35 @@ class MotionController:
         self._refresh_field()
         self._monitor.begin(target.id)
 
+    def _planning_start(self) -> JointState:
+        """The state that plans begin in: the commanded one.
+
+        A static reference knows no way between its goals, so its joints may have wound up beyond their
+        ranges; they are planned for as if they had been turned back by whole turns.
+        """
+        state, limits = self.commanded, self._arm.limits
+        if self._config.reference is not Reference.STATIC:
+            return state
+        turns = np.where((state.q < limits.lower) | (state.q > limits.upper), np.round(state.q / TURN), 0.0)
+        return JointState(np.clip(state.q - TURN * turns, limits.lower, limits.upper), state.v, state.a)
+
     def _refresh_field(self) -> None:
         age = max(self._time - self._observed, 0.0)
         moving = {name: item.after(age) for name, item in self._moving.items()}
-        known = {item.name: item for item in self._target.obstacles} | moving
-        self._field: ObstacleField = ObstacleField.of(
-            known.values(), self._config.policies(self._mode).collision
-        )
+        # What may be touched must not push the arm away from it.
+        apart = (item for item in self._target.obstacles if item.name not in self._target.contacts)
+        known = {item.name: item for item in apart} | moving
+        is_avoiding = bool(moving) and self._tracker.least_distance < NEAR
+        around = [*known.values(), *(self._own_base() if is_avoiding else ())]
+        policy = self._config.policies(self._mode).collision
+        self._field: ObstacleField = ObstacleField.of(around, policy, is_avoiding=is_avoiding)
+
+    def _own_base(self) -> Iterator[Obstacle]:
+        """The arm's first link, which turns on its base, where it is now: its other links may run into it."""
+        bodies = self._arm.bodies
+        R, p = bodies.moved(*self._arm.chain.links(self.commanded.q))
+        for i in np.flatnonzero(bodies.link == 0):
+            yield Obstacle(bodies.names[i], Pose(p[i], from_matrix(R[i])), 2.0 * bodies.half[i])
 
     def _threat(self) -> Threat:
         """The nearest obstacle that the policies react to, as the governor sees it."""

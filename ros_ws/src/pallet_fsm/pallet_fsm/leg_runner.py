@@ -54,6 +54,11 @@ class LegRunner:
         """Why the last leg failed; empty if it did not."""
         return self._mover.reason
 
+    @property
+    def end(self) -> State | None:
+        """The state in which the present leg ends; None between legs."""
+        return None if self._mover.leg is None else self._mover.leg.end
+
     def note_grip(self, state: State) -> None:
         """Note that the box was gripped at the state's target: it still touches what it stands on."""
         place = ROWS[state].place

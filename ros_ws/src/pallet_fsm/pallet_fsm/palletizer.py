@@ -54,6 +54,11 @@ class Palletizer:
         """The box in work."""
         return self._book.current
 
+    @property
+    def leg_end(self) -> State | None:
+        """The state at whose target the arm's present move ends; None while it makes none."""
+        return self._legs.end
+
     def report(self) -> OrderReport:
         """A report of the order so far."""
         boxes = self._book.reports()

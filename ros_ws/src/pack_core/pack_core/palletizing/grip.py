@@ -68,6 +68,10 @@ class GripLimits(Config):
     carrying_acceleration: NonNegativeFloat
     """Largest acceleration of a carried box in any direction; orders are checked with it [m/s^2]."""
 
+    def lifted(self) -> GripLimits:
+        """The same gripper with limits of force and moment that nothing reaches."""
+        return self.model_copy(update={"coaxial_force": 1e9, "shear_force": 1e9, "moment": 1e9})
+
     def passed_by(self, load: GripLoad, share: float) -> tuple[PassedLimit, ...]:
         """The limits that a load exceeds; `share` is the share of each limit that the seal can bear."""
         rows = (

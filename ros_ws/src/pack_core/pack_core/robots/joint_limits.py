@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -38,6 +38,14 @@ class JointLimits:
     def middle(self) -> Array:
         """The middle of each joint's range `(n,)` [rad]."""
         return 0.5 * (self.lower + self.upper)
+
+    def lifted(self) -> JointLimits:
+        """The same joints with limits that nothing reaches; the hard stops of a model are not its business."""
+        many = np.ones(len(self.names))
+        return replace(
+            self, lower=-1e3 * many, upper=1e3 * many, velocity=1e2 * many, acceleration=1e5 * many,
+            effort=1e8 * many,
+        )  # fmt: skip
 
     def __len__(self) -> int:
         return len(self.names)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Annotated
@@ -74,6 +74,11 @@ def _mean_and_max(values: Sequence[float], unit: str) -> str:
     return f"{np.mean(values):.2f}, {np.max(values):.2f} {unit}" if values else "-"
 
 
+def _optional(unit: str) -> Callable[[tuple[float, float] | None], str]:
+    """The mean and the largest value as text, or a dash."""
+    return lambda values: "-" if values is None else mean_and_max(unit)(values)
+
+
 @dataclass(frozen=True)
 class OrderMeasures:
     """What is measured of an order, most important first."""
@@ -123,6 +128,18 @@ class OrderMeasures:
             "mean, largest; commanded to true tool, in the frame of the arm's base",
         ),
     ] = None
+    way_point_mm: Annotated[
+        tuple[float, float] | None,
+        MeasureText(
+            "at way-points, position",
+            _optional("mm"),
+            "mean, largest; measured tool to target when the checker confirms it: the thesis's Table 9.1",
+        ),
+    ] = None
+    way_point_deg: Annotated[
+        tuple[float, float] | None,
+        MeasureText("at way-points, orientation", _optional("deg"), "mean, largest"),
+    ] = None
     states: Annotated[
         Mapping[str, StateTime],
         MeasureText(
@@ -152,6 +169,8 @@ def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> 
         faults=tuple(f"{visit.state}: {visit.reason}" for visit in run.visits if visit.reason),
         duration_s=float(run.tool.times[-1] - run.tool.times[0]),
         true_position_mm=_true_errors(run.tool), states=state_times(run), visitors=measure_visitors(run),
+        way_point_mm=_of_way_points([point.position_mm for point in run.way_points]),
+        way_point_deg=_of_way_points([point.orientation_deg for point in run.way_points]),
     )  # fmt: skip
 
 
@@ -201,6 +220,10 @@ def _measure_box(run: PalletRun, box: BoxRecord, criteria: PlacementCriteria) ->
         box.name, box.handling, box.outcome, is_ok, error_mm, angle_deg, run.cycles.get(box.name),
         coaxial, shear, moment,
     )  # fmt: skip
+
+
+def _of_way_points(values: Sequence[float]) -> tuple[float, float] | None:
+    return _mean_max(np.array(values)) if values else None
 
 
 def _mean_max(values: Array) -> tuple[float, float]:

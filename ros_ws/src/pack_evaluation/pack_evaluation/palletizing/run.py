@@ -48,6 +48,21 @@ class BoxTrack:
 
 
 @dataclass(frozen=True)
+class WayPoint:
+    """A target at which the machine stopped: the measured tool's errors when its checker confirmed it.
+
+    Attributes:
+        state: label of the state.
+        position_mm: distance of the tool from the target [mm].
+        orientation_deg: angle to it [deg].
+    """
+
+    state: str
+    position_mm: float
+    orientation_deg: float
+
+
+@dataclass(frozen=True)
 class VisitorTrack:
     """A visitor at n moments.
 
@@ -125,6 +140,7 @@ class PalletRun:
         is_cut: whether the recording ended before the run did.
         damaged: number of pieces of the recording that could not be read.
         goal: which order of its recording it is.
+        way_points: errors at the targets of the machine, in order; empty where they were not recorded.
         visitors: who came near the arm, by name; empty where nobody did or it was not recorded.
     """
 
@@ -143,3 +159,4 @@ class PalletRun:
     damaged: int = 0
     goal: GoalNumber = ONLY_GOAL
     visitors: Mapping[str, VisitorTrack] = field(default_factory=dict)
+    way_points: tuple[WayPoint, ...] = ()

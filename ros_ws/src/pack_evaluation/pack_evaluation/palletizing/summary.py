@@ -62,6 +62,8 @@ def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
             key: max((box[key] for box in boxes if box[key] is not None), default=None)
             for key in ("coaxial_N", "shear_N", "moment_Nm")
         },
+        "way_point_position_mm": _way_points(trials, "way_point_mm"),
+        "way_point_orientation_deg": _way_points(trials, "way_point_deg"),
         "states": _states(trials),
         "visitors": _visitors(trials),
         "per_order": {order: _order(runs) for order, runs in runs_of.items()},
@@ -83,6 +85,14 @@ def _states(trials: Sequence[OrderTrial]) -> dict[str, dict[str, float]]:
         }
         for label, item in states.items()
     }  # fmt: skip
+
+
+def _way_points(trials: Sequence[OrderTrial], key: str) -> dict[str, float] | None:
+    """Mean over all runs of their means, and the largest value; None where none was recorded."""
+    found = [trial.measures[key] for trial in trials if trial.measures.get(key)]
+    if not found:
+        return None
+    return {"mean": float(np.mean([mean for mean, _ in found])), "max": max(most for _, most in found)}
 
 
 def _visitors(trials: Sequence[OrderTrial]) -> dict[str, Any] | None:

@@ -105,6 +105,7 @@ class PalletLockstep:
         self._seed = seed
         self._rng = np.random.default_rng([seed, zlib.crc32(order.order_id.encode())])
         self._spawned = ""
+        self._target: State | None = None
         self._detection: BoxDetection | None = None
         self._pending: tuple[float, BoxDetection] | None = None
 
@@ -125,8 +126,12 @@ class PalletLockstep:
         seen = PalletObservation(
             simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection
         )
+        before = self._target
         for command in self.palletizer.step(seen):
             self._apply(command, finder)
+        if self.palletizer.leg_end is None and before is not None:
+            self._log.note_way_point(before, seen.motion)
+        self._target = self.palletizer.leg_end
         if on_tick is not None:
             on_tick(Tick(seen.time, machine.state, machine.visits[-1].box, seen.motion))
         self._advance()

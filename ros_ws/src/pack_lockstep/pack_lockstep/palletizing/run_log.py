@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pack_core.motion.target import MotionStatus
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import GripLoad
 from pack_core.palletizing.topics import TRUTH_RATE
@@ -17,10 +18,12 @@ from pack_evaluation.palletizing.run import (
     ToolTrack,
     UnwantedTouch,
     VisitorTrack,
+    WayPoint,
 )
 from pack_evaluation.palletizing.tool_track import tool_track
 from pack_sim.palletizing.simulator import PalletSimulator
 from pallet_fsm.report import BoxReport, OrderReport
+from pallet_fsm.states import State
 
 
 class PalletRunLog:
@@ -40,6 +43,7 @@ class PalletRunLog:
         self._joints: list[tuple[Array, Array, Array]] = []
         self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
         self._peaks: dict[str, GripLoad] = {}
+        self._way_points: list[WayPoint] = []
         self._visitors: dict[str, list[tuple[float, float, float]]] = {}
 
     def note(self, q_ref: Array) -> None:
@@ -55,6 +59,11 @@ class PalletRunLog:
                 self._boxes.setdefault(name, []).append((truth.time, state.X_WO.p, state.X_WO.q))
             for name, (distance, speed) in simulator.visitor_distances().items():
                 self._visitors.setdefault(name, []).append((truth.time, distance, speed))
+
+    def note_way_point(self, state: State, status: MotionStatus) -> None:
+        """Record that a state's target was confirmed, with the status on which that was done."""
+        errors = 1e3 * status.position_error, float(np.rad2deg(status.orientation_error))
+        self._way_points.append(WayPoint(state.label, *errors))
 
     def run(self, seed: int, report: OrderReport) -> PalletRun:
         """The record of a run that has ended."""
@@ -72,6 +81,7 @@ class PalletRunLog:
             report.cycle_times(),
             {name: (load.coaxial, load.shear, load.moment) for name, load in self._peaks.items()},
             visitors={name: VisitorTrack(*np.array(rows).T) for name, rows in self._visitors.items()},
+            way_points=tuple(self._way_points),
         )  # fmt: skip
 
     def _tool(self) -> ToolTrack:

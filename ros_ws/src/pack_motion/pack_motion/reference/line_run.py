@@ -24,6 +24,8 @@ LARGEST_STEP = 0.5
 SOFTENINGS = 3
 """How often accelerations are lowered, stretch by stretch, before the run is slowed as a whole."""
 
+FURTHER = 1.02
+
 LARGEST_SLOWING = 20.0
 """Largest factor by which lines may be slowed to keep the joint limits; beyond it the move is refused."""
 
@@ -64,7 +66,9 @@ def _softened(run: Sequence[Stretch], owners: npt.NDArray[np.int64], excess: Arr
     """The same stretches, with lower accelerations where a joint's acceleration is exceeded by a factor."""
     softened = []
     for i, stretch in enumerate(run):
-        factor = max(float(excess[owners == i].max(initial=0.0)), 1.0)
+        factor = float(excess[owners == i].max(initial=0.0))
+        # A little more than the excess, as the part of it that comes from the speed does not shrink.
+        factor = FURTHER * factor if factor > 1.0 else 1.0
         portion = replace(stretch.portion, acceleration=stretch.portion.acceleration / factor)
         softened.append(replace(stretch, portion=portion))
     return softened

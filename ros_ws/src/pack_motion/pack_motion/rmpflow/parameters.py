@@ -91,8 +91,12 @@ class Collision(NamedTuple):
     """[m]"""
     metric_modulation_radius: float
     """Distance at which obstacles that move are felt [m]."""
+    radius_per_speed: float
+    """So much farther they are felt for their speed [s]."""
     standing_radius: float
     """Distance at which obstacles that stand are felt [m]; 0: moves are planned around them."""
+    avoiding_radius: float
+    """The same, for the arm's base as well, while something that moves drives the arm off its way [m]."""
     metric_scalar: float
     metric_exploder_std_dev: float
     """[m]"""

@@ -102,7 +102,7 @@ def tool_policies(J: Array, now: ToolMotion, goal: ToolMotion, c: Policies, tota
 def collision_policies(
     links: LinkMotion, spheres: Spheres, boxes: ObstacleBoxes, c: Policies, total: JointPull
 ) -> float:
-    """Adds every sphere and obstacle that are near each other to the total; returns the least distance."""
+    """Adds every sphere and obstacle that are near each other; returns the least distance that counts."""
     M, f, z, p = total.M, total.f, links.axes, links.points
     w, dw, vp, ap = screws.link_motion(z, p, links.v)
     least = np.inf
@@ -117,7 +117,8 @@ def collision_policies(
         for o in range(len(boxes.p)):
             gap, g = box_distance(point, boxes.R[o], boxes.p[o], boxes.half[o])
             x = gap - spheres.radius[s]
-            least = min(least, x)
+            if boxes.counts[o] > 0.0:
+                least = min(least, x)
             relative = velocity - boxes.v[o]
             a, weight = policies.collision(x, g @ relative, boxes.radius[o], c.collision)
             if weight <= 0.0:

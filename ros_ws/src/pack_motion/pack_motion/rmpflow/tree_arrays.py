@@ -95,6 +95,7 @@ class ObstacleBoxes(NamedTuple):
         half: half edge lengths `(k, 3)` [m].
         v: velocities `(k, 3)` [m/s].
         radius: distance at which each is felt `(k,)` [m].
+        counts: 1 where the distance to it is reported, 0 where not `(k,)`.
     """
 
     R: Array
@@ -102,6 +103,7 @@ class ObstacleBoxes(NamedTuple):
     half: Array
     v: Array
     radius: Array
+    counts: Array
 
 
 class JointPull(NamedTuple):

@@ -28,6 +28,7 @@ class Physics:
         X_WB: true pose of the arm's base.
         time: what the clock shows at the start [s].
         visitors: who comes near the arm.
+        has_limits: whether joints have the published ranges, and motors the published torques.
 
     Attributes:
         motors: the motors' coordinates in qpos and qvel; the arm comes first in the model.
@@ -36,10 +37,10 @@ class Physics:
 
     def __init__(
         self, cell: PalletizingCell, timestep: float, X_WB: Pose, time: float,
-        visitors: Sequence[Visitor] = (),
+        visitors: Sequence[Visitor] = (), *, has_limits: bool = True,
     ) -> None:  # fmt: skip
         self._cell, self._timestep, self._X_WB = cell, timestep, X_WB
-        self.visitors = tuple(visitors)
+        self.visitors, self._has_limits = tuple(visitors), has_limits
         self._arm = list(LIMITS.names)
         self.motors, self.gears = slice(0, 6), slice(0, 0)
         if cell.imperfections.gears is not None:
@@ -101,6 +102,10 @@ class Physics:
             self._cell, list(self.boxes.values()), timestep=self._timestep, X_WB=self._X_WB,
             gears=self._cell.imperfections.gears, visitors=self.visitors,
         )  # fmt: skip
+        if not self._has_limits:
+            model.actuator_ctrllimited[:] = False
+            for name in LIMITS.names:  # nor do hard stops end a joint's range
+                model.joint(name).limited[:] = False
         return model, mujoco.MjData(model)
 
     def _rebuild(self) -> None:

@@ -41,6 +41,10 @@ class PalletSimulatorConfig(Config):
 
     timestep: float = Field(default=0.002, gt=0, le=0.002, description="physics and joint controller [s]")
     watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
+    has_limits: bool = Field(
+        default=True,
+        description="whether joints and grip have the limits that are known of them; not so in the thesis",
+    )
 
 
 class PalletSimulator:
@@ -68,15 +72,20 @@ class PalletSimulator:
         wrong = seed if errors_of is None else errors_of
         self.cell, self.config, self._seed = true_cell(cell, wrong), config, seed
         self.nominal, self._X_WB = cell, true_base(cell, wrong)
-        self._physics = Physics(self.cell, config.timestep, self._X_WB, time, visitors)
+        limits, grip = LIMITS, cell.grip
+        if not config.has_limits:
+            limits, grip = LIMITS.lifted(), cell.grip.lifted()
+        self._physics = Physics(
+            self.cell, config.timestep, self._X_WB, time, visitors, has_limits=config.has_limits
+        )
         self._load = CarriedLoad(cell)
         gears = cell.imperfections.gears
         self._gears = None if gears is None else GearTrain(gears, self._load.model, assumed)
         self._torque_noise = cell.imperfections.torque_noise * LIMITS.effort
         self._rng = np.random.default_rng([seed, TORQUE])
-        self._servo = JointServo(self._load.model, LIMITS, cell.servo, config.timestep)
-        self.follower = ReferenceFollower(LIMITS, config.watchdog, cell.servo.stop_deceleration)
-        self.gripper = SurfaceGripper(cell.tool, cell.grip)
+        self._servo = JointServo(self._load.model, limits, cell.servo, config.timestep)
+        self.follower = ReferenceFollower(limits, config.watchdog, cell.servo.stop_deceleration)
+        self.gripper = SurfaceGripper(cell.tool, grip)
         self.contacts = ContactWatch(cell.contact)
         self.contacts.index(self._physics.model)
         self.reference()  # from here on the arm is held: references must begin where it stands
