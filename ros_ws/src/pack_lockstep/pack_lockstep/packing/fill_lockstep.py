@@ -15,9 +15,10 @@ from pack_core.packing.method import PackingMethod
 from pack_core.packing.packing_list import PackingList
 from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements, Sense
 from pack_lockstep.packing.lockstep_config import LockstepConfig
-from pack_mpc.filling.fill_job import FillJob, FillObservation
+from pack_mpc.filling.fill_job import FillJob
 from pack_mpc.filling.fill_report import Fill, FillReport, fill_of
 from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Judge, Pack, Packed, Present, Presented
+from pack_mpc.filling.steps import FillObservation
 from pack_mpc.force_record import ForceRecord
 from pack_mpc.look import unseen_of
 from pack_mpc.session import PackingObservation, PackingSession, hold

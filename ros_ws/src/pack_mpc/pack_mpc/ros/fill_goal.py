@@ -26,8 +26,9 @@ from pack_core.ros.conversions import from_pose, to_pose
 from pack_core.ros.scene_messages import to_scene
 from pack_core.rotations import Array
 from pack_mpc.controller import ControlPlan
-from pack_mpc.filling.fill_job import FillJob, FillObservation
+from pack_mpc.filling.fill_job import FillJob
 from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Judge, Pack, Packed, Present, Presented
+from pack_mpc.filling.steps import FillObservation
 from pack_mpc.force_record import ForceRecord
 from pack_mpc.ros.placement_client import PlacementClient
 from pack_mpc.session import PackingObservation, PackingSession, SessionConfig, hold

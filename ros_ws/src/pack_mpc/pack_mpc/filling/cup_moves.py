@@ -1,0 +1,97 @@
+"""How the empty cup gets about: over objects, down on them, and away from them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import UPSIDE_DOWN
+from pack_core.packing.objects import SceneItem
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
+from pack_mpc.filling.fill_config import FillConfig
+from pack_mpc.filling.steps import FillCommand, FillObservation, Steps, Until
+from pack_mpc.filling.tool_motion import PEAK, Leg, ToolArm, legs
+from pack_mpc.stages import nearest_heading
+
+OVERLAP = 0.35
+"""Share of a leg during which the next one begins already, well above everything."""
+PAUSE = 0.1
+"""Time after a motion until the arm has come to rest [s]."""
+
+
+class CupMoves:
+    """Motions of the cup through free space, and straight up and down, with or without an object.
+
+    Args:
+        cell: the cell's physical facts.
+        config: speeds and heights.
+        scene: the cell as described.
+        tallest: height of the tallest object that will be handed over [m].
+
+    Attributes:
+        arm: the arm's kinematics.
+        scene: to be replaced whenever the cell's description changes.
+    """
+
+    def __init__(self, cell: PackingCell, config: FillConfig, scene: Scene, tallest: float) -> None:
+        self.arm, self.scene = ToolArm(cell), scene
+        self._cell, self._config, self._tallest = cell, config, tallest
+
+    def go_over(self, seen: FillObservation, item: SceneItem, X_WN: Pose) -> Steps[FillObservation]:
+        """Bring the empty cup over an object at X_WN, upright above everything on the way."""
+        X_WT, config = self.arm.cup(seen.joints.q), self._config
+        # near the home heading, so that the last joint can turn either way afterwards
+        yaw = nearest_heading(item, yaw_of(X_WN.q), self.arm.home_heading)
+        q_WT = multiply(from_yaw(yaw), np.array(UPSIDE_DOWN))
+        top = float(X_WN.p[2] + item.half_extents[2])
+        goal = np.array([*X_WN.p[:2], top + config.approach])
+        across = np.array([*(goal[:2] - X_WT.p[:2]), 0.0])
+        if np.linalg.norm(across) < config.approach:
+            ways = [goal - X_WT.p]
+        else:
+            travel = max(self._highest + config.clearance, goal[2], float(X_WT.p[2]))
+            up, down = travel - float(X_WT.p[2]), float(goal[2]) - travel
+            ways = [np.array([0.0, 0.0, up]), across, np.array([0.0, 0.0, down])]
+        ways = [way for way in ways if np.linalg.norm(way) > 1e-4] or [np.zeros(3)]
+        return (yield from self.move(seen, legs(ways, config.speed, OVERLAP), q_WT))
+
+    def make_way(self, seen: FillObservation) -> Steps[FillObservation]:
+        """Raise the empty cup where it stands in the way of what is handed over next."""
+        p_WT = self.arm.cup(seen.joints.q).p
+        aside = float(np.linalg.norm(p_WT[:2] - np.array(self._cell.hand_over.centre)))
+        missing = self._tallest + self._config.clearance - float(p_WT[2])
+        if aside > self._config.hand_over_reach or missing <= 0.0:
+            return seen
+        return (yield from self.rise(seen, missing))
+
+    def down(self, seen: FillObservation, way: float, until: Until) -> Steps[FillObservation]:
+        path = [Leg(np.array([0.0, 0.0, -way]), 0.0, PEAK * way / self._config.touch_speed)]
+        return (yield from self.move(seen, path, until=until))
+
+    def rise(
+        self, seen: FillObservation, way: float, until: Until | None = None, speed: float | None = None
+    ) -> Steps[FillObservation]:
+        path = legs([np.array([0.0, 0.0, way])], speed or self._config.speed)
+        return (yield from self.move(seen, path, until=until))
+
+    def move(
+        self, seen: FillObservation, path: list[Leg], q_WT: Array | None = None, until: Until | None = None
+    ) -> Steps[FillObservation]:
+        """Follow a path to its end, or until a condition holds."""
+        motion = self.arm.plan(seen.joints.q, seen.joints.time, path, q_WT)
+        while seen.joints.time < motion.end + PAUSE:
+            if until is not None and until(seen):
+                return seen
+            seen = yield FillCommand(motion.setpoints(seen.joints.time))
+        return seen
+
+    def contact(self, seen: FillObservation, force: float | None = None) -> Until:
+        """A condition: the external force has changed by more than `force` [N] from what it is now."""
+        tare, limit = seen.force, force or self._config.touch_force
+        return lambda s: float(np.linalg.norm(s.force - tare)) > limit
+
+    @property
+    def _highest(self) -> float:
+        """Height of the tallest thing that the empty cup may meet [m]."""
+        return max(self.scene.rim, 2.0 * float(self.scene.new_object.half_extents[2]))
