@@ -81,7 +81,7 @@ def test_a_pad_too_far_away_goes_on_trying_and_gives_up_with_the_reason() -> Non
 
 
 def test_a_closing_pad_takes_hold_as_soon_as_it_is_near_enough() -> None:
-    rig = over_box(height=0.0103)
+    rig = over_box(height=0.0103, cell=weaker(retry_interval=0.0))
     rig.simulator.gripper.close()
     rig.wait(0.1)
     assert rig.simulator.gripper.state.is_closing
@@ -162,3 +162,16 @@ def test_a_removed_box_leaves_the_gripper() -> None:
     rig.simulator.remove("box")
     assert rig.simulator.gripper.is_open
     rig.wait(0.1)
+
+
+def test_tries_to_close_have_their_interval_and_end_after_their_time() -> None:
+    """A box that comes into reach between two tries is gripped at the next one."""
+    cell = weaker(retry_interval=0.2, retry_time=0.5)
+    rig = over_box(0.05, cell)
+    simulator = rig.simulator
+    simulator.gripper.close()
+    begun = simulator.time
+    while simulator.gripper.state.is_closing:
+        rig.wait(0.004)
+    assert simulator.gripper.state.reason
+    assert 0.35 < simulator.time - begun < 0.55

@@ -40,7 +40,7 @@ class JointLimits:
         return 0.5 * (self.lower + self.upper)
 
     def lifted(self) -> JointLimits:
-        """The same joints with limits that nothing reaches; the hard stops of a model are not its business."""
+        """The same joints with limits that nothing reaches."""
         many = np.ones(len(self.names))
         return replace(
             self, lower=-1e3 * many, upper=1e3 * many, velocity=1e2 * many, acceleration=1e5 * many,

@@ -64,12 +64,22 @@ def possible_turns(items: Sequence[Item], cell: PalletizingCell) -> Turns:
 
 
 def packings_of(items: Sequence[Item], cell: PalletizingCell, config: ProposalConfig) -> Iterator[Packing]:
-    """Packings on the cell's pallet, complete or not, as they are found."""
-    turns = possible_turns(items, cell)
-    for area in _areas(items, cell.pallet.size, config):
-        for sequence in _sequences(items, config):
-            for by_height in (True, False):
-                yield pack_in_sequence(sequence, turns, area, config.packer, by_height=by_height)
+    """Packings on the cell's pallet, complete or not, as they are found.
+
+    Boxes are packed with gaps. Where not all find a place so, as when they fill the deck from edge to edge,
+    they are packed without, and it is left to the layout to part them over the pallet's edge.
+    """
+    turns, is_complete = possible_turns(items, cell), False
+    for gap in (config.packer.gap, 0.0):
+        packer = config.packer.model_copy(update={"gap": gap})
+        for area in _areas(items, cell.pallet.size, config):
+            for sequence in _sequences(items, config):
+                for by_height in (True, False):
+                    packing = pack_in_sequence(sequence, turns, area, packer, by_height=by_height)
+                    is_complete |= not packing.left
+                    yield packing
+        if is_complete:
+            return
 
 
 def order_of(packing: Packing, name: str, cell: PalletizingCell) -> Order:

@@ -1,0 +1,106 @@
+"""Lists of items become packings that can be built, and full ones."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from pack_core.errors import OrderError
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.orders.item_list import Item, load_items
+from pack_core.palletizing.orders.layout_plan import LayoutStatus
+from pack_core.palletizing.orders.order_file import reasons_against
+from pack_core.palletizing.orders.support import support_of
+from pack_core.palletizing.orders.turn_choice import turns_of
+from pack_core.paths import config_path
+from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
+from pack_planner.layout.online_packer import PackerConfig, Packing, pack_in_sequence
+from pack_planner.layout.order_proposal import ProposalConfig, order_of, packings_of, possible_turns
+
+CELL, CONFIG = palletizing_cell(), PackerConfig()
+AREA = CELL.pallet.size
+
+
+def items(number: int) -> tuple[Item, ...]:
+    return load_items(config_path("orders", f"order_{number:02d}.json"))
+
+
+def item(name: str, *size: float, weight: float = 5.0, this_side_up: bool = False) -> Item:
+    return Item(id=name, article=name, size=size, weight=weight, this_side_up=this_side_up)
+
+
+def packed(some: tuple[Item, ...], *, by_height: bool = False) -> Packing:
+    return pack_in_sequence(some, possible_turns(some, CELL), AREA, CONFIG, by_height=by_height)
+
+
+@pytest.mark.parametrize("by_height", [True, False])
+def test_boxes_stand_apart_on_the_pallet_carried_and_none_is_put_under_another(by_height: bool) -> None:
+    packing = packed(items(11), by_height=by_height)
+    stack = [entry.placed for entry in packing.packed]
+    assert len(stack) + len(packing.left) == len(items(11))
+    for one, other in combinations(stack, 2):
+        assert not one.overlaps(other)
+        if one.is_beside(other):
+            assert one.clearance(other)[:2].max() > CONFIG.gap - 1e-5
+        assert not one.is_over(other)  # one was placed earlier
+    for k, entry in enumerate(stack):
+        assert support_of(entry, stack[:k]).problem(CONFIG.support) is None
+        assert np.all(entry.lower > -1e-6)
+        assert np.all(entry.upper < np.array([*AREA, CONFIG.highest]) + 1e-6)
+
+
+def test_where_a_box_stands_does_not_depend_on_those_that_come_after_it() -> None:
+    some = items(8)
+    few, all_of_them = packed(some[:5]), packed(some)
+    for one, other in zip(few.packed, all_of_them.packed, strict=False):
+        np.testing.assert_array_equal(one.placed.lower, other.placed.lower)
+
+
+@pytest.mark.parametrize("number", [1, 3, 6, 9])
+def test_proposals_are_full_and_pass_every_check_of_the_cell(number: int) -> None:
+    found = [entry for entry in packings_of(items(number), CELL, ProposalConfig()) if not entry.left]
+    best = max(found, key=lambda packing: packing.fill)
+    assert best.fill >= 0.65
+    order = order_of(best, "proposal", CELL)
+    assert reasons_against(order, LayoutConfig().support, CELL) == []
+    assert LayoutPlanner(LayoutConfig()).plan(order).status is LayoutStatus.SUCCESS
+
+
+def test_the_share_of_volume_is_that_of_the_box_around_the_stack() -> None:
+    two = (item("a", 0.4, 0.3, 0.2), item("b", 0.4, 0.3, 0.2))
+    packing = packed(two)
+    lower, upper = (
+        np.array([getattr(entry.placed, end) for entry in packing.packed]) for end in ("lower", "upper")
+    )
+    around = np.prod(upper.max(axis=0) - lower.min(axis=0))
+    assert packing.fill == pytest.approx(2 * 0.4 * 0.3 * 0.2 / around)
+
+
+def test_what_must_stay_upright_stays_upright() -> None:
+    turns = turns_of((0.3, 0.2, 0.4), this_side_up=True)
+    assert {turn.extents[2] for turn in turns} == {0.4}
+    assert len(turns_of((0.3, 0.2, 0.4), this_side_up=False)) == 6
+    assert turns_of((0.4, 0.3, 0.2), this_side_up=False)[0].handling is Handling.NONE
+
+
+def test_an_item_that_no_grip_holds_is_refused_by_name() -> None:
+    with pytest.raises(OrderError, match="box 'anvil': 40 kg"):
+        possible_turns((item("anvil", 0.4, 0.4, 0.4, weight=40.0),), CELL)
+
+
+def test_what_finds_no_place_is_left_for_another_pallet() -> None:
+    many = tuple(item(f"b{k}", 0.6, 0.4, 0.3) for k in range(15))
+    packing = packed(many)
+    assert len(packing.packed) + len(packing.left) == 15
+    assert packing.left
+
+
+def test_boxes_that_fill_the_deck_from_edge_to_edge_are_packed_without_gaps() -> None:
+    many = tuple(item(f"b{k}", 0.6, 0.4, 0.3, this_side_up=True) for k in range(12))
+    packings = packings_of(many, CELL, ProposalConfig(areas=1, shuffles=0))
+    found = [entry for entry in packings if not entry.left]
+    assert found
+    assert found[-1].fill == pytest.approx(1.0)
