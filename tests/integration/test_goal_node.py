@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+import rclpy
 from action_msgs.msg import GoalStatus
 from pack_interfaces.action import Palletize
 from pack_interfaces.msg import ArmState
@@ -288,3 +289,22 @@ def test_a_pursuit_that_fails_in_a_way_that_nobody_foresaw_ends_the_goal_and_not
     assert "ZeroDivisionError" in message
     send(graph)
     graph.wait_until(lambda: waiter.started == 2)
+
+
+def test_a_second_simulator_ends_the_goal_and_no_other_is_taken_until_it_has_gone(graph: Graph) -> None:
+    node = graph.start(Waiter, use_sim_time=True)
+    graph.connect(shared.CLOCK)
+    handle = send(graph)
+    graph.wait_until(lambda: node.started)
+    second = rclpy.create_node("impostor", context=graph.context)
+    clock = second.create_publisher(shared.CLOCK.type, shared.CLOCK.name, shared.CLOCK.qos)
+    status, message = ended(graph, handle)
+    assert status == GoalStatus.STATUS_ABORTED
+    assert "a second simulator: /clock is published by 'impostor'" in message
+    assert node.gave_up == 1
+    assert "a second simulator" in refusal(graph)
+    second.destroy_publisher(clock)
+    graph.wait_until(lambda: "/clock" not in node.health.faults)
+    send(graph)
+    graph.wait_until(lambda: node.started == 2)
+    second.destroy_node()

@@ -49,6 +49,8 @@ class Cell(Witness):
         self.planner = graph.start(PlannerNode, **parameters_of("planner", **cell))
         self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched, **cell))
         graph.wait_until(lambda: not self.mpc.waits_for and not self.planner.waits_for)
+        # With an object unseen a goal begins with a look for it.
+        graph.wait_until(lambda: self.perception.health.values.get("not seen yet") == "none")
         graph.connect(contracts.JOINT_STATES, subscribers=3)
         graph.connect(contracts.SCENE, subscribers=2)
 
