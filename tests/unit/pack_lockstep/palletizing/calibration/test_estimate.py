@@ -16,7 +16,7 @@ from pack_lockstep.palletizing.calibration.model import (
     PLACE,
     CellModel,
     prior_sigmas,
-    shares_of,
+    sag_at,
     start,
 )
 from pack_lockstep.palletizing.calibration.prediction import predict
@@ -51,7 +51,7 @@ def views(model: CellModel, x: Array, rng: np.random.Generator) -> list[BoardVie
         if (q := reached(model, Pose(p, q_WT))) is None:
             continue
         view = BoardView(q, ids, np.zeros((len(ids), 2)))
-        (exact,) = model.pixels(x, [(view, model.sag(q, loaded=True).links(shares_of(x)))])
+        (exact,) = model.pixels(x, [(view, model.sag(q, loaded=True).links(x))])
         found.append(BoardView(q, ids, exact + CORNER * rng.normal(size=exact.shape)))
     return found
 
@@ -66,7 +66,7 @@ def contact(model: CellModel, x: Array, what: str, axis: int, at: float, p: Arra
     for _ in range(6):  # the gap depends on the way nearly linearly
         q = reached(model, Pose(p + along * n, q_WT))
         assert q is not None
-        gap = model.gap(x, c, model.sag(q, loaded=False).links(shares_of(x)))
+        gap = model.gap(x, c, sag_at(model, replace(c, q=q)).links(x))
         along -= gap * float(n[axis])
     return replace(c, q=q, gives=model.give(x, c))
 

@@ -80,7 +80,7 @@ def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> C
     calibration = CellCalibration(
         preset=cell.preset, camera=camera_of(found.x),
         picking_table=table_a, reorientation_table=table_b, pallet=pallet,
-        gears=gears_of(found.x, model.assumed),
+        gears=gears_of(found.x, model.assumed, model.backlash_deg),
         predicted=predicted, simulated_s=seconds,
         estimates=tuple(
             NamedEstimate(name=p.name, value=float(value), sigma=float(sigma), unit=p.unit)

@@ -15,8 +15,7 @@ from pack_lockstep.palletizing.calibration.model import (
     CellModel,
     Sag,
     prior_sigmas,
-    sags,
-    shares_of,
+    sag_at,
     start,
 )
 from pack_lockstep.palletizing.calibration.procedure import Measurements
@@ -25,7 +24,7 @@ CORNER = 0.12
 """Standard deviation of a corner in a picture [pixel]."""
 FEEL = 5e-5
 """Standard deviation of the place of a touch, beside that of its fit and of the joints [m]."""
-GIVE = 0.10
+GIVE = 0.20
 """Standard deviation of how far the arm gives, as a share: friction, and the parts of the force not felt."""
 LOOSE = np.deg2rad(0.01) / np.sqrt(12.0)
 """Standard deviation of a joint anywhere in the play of its gear, by the data sheet 0.01 degrees [rad]."""
@@ -78,8 +77,8 @@ def estimate(model: CellModel, measured: Measurements) -> Estimate:
     of both: corners are first fitted as if the arm were exact, which tells how they depend on its joints.
     """
     views, contacts = measured.views, measured.contacts
-    held = sags(model, [view.q for view in views], loaded=True)
-    free = sags(model, [contact.q for contact in contacts], loaded=False)
+    held = [model.sag(view.q, loaded=True) for view in views]
+    free = [sag_at(model, contact) for contact in contacts]
     expected = np.array([_touch_sigma(model, contact) for contact in contacts])
     whiteners: list[Array] = [np.eye(2 * len(view.ids)) / CORNER for view in views]
     x, scale = start(), prior_sigmas()
@@ -94,7 +93,7 @@ def estimate(model: CellModel, measured: Measurements) -> Estimate:
     x = fit.x
     of_views = _view_residuals(model, x, views, held)
     weighted = [W @ r.ravel() for W, r in zip(whiteners, of_views, strict=True)]
-    gaps = np.array([model.gap(x, c, s.links(shares_of(x))) for c, s in zip(contacts, free, strict=True)])
+    gaps = np.array([model.gap(x, c, s.links(x)) for c, s in zip(contacts, free, strict=True)])
     gives = np.array([model.give(x, c) / c.gives - 1.0 for c in contacts])
     return Estimate(
         x, np.linalg.inv(fit.jac.T @ fit.jac), tuple(of_views), gaps, gives, expected,
@@ -106,9 +105,8 @@ def _residuals(
     model: CellModel, x: Array, views: Sequence[BoardView], held: Sequence[Sag], whiteners: Sequence[Array],
     contacts: Sequence[Contact], free: Sequence[Sag], expected: Array,
 ) -> Array:  # fmt: skip
-    shares = shares_of(x)
     corners = [W @ r.ravel() for W, r in zip(whiteners, _view_residuals(model, x, views, held), strict=True)]
-    gaps = [model.gap(x, c, sag.links(shares)) for c, sag in zip(contacts, free, strict=True)]
+    gaps = [model.gap(x, c, sag.links(x)) for c, sag in zip(contacts, free, strict=True)]
     gives = [(model.give(x, c) / c.gives - 1.0) / GIVE for c in contacts]
     return np.concatenate([*corners, np.array(gaps) / expected, gives, (x - start()) / prior_sigmas()])
 
@@ -116,14 +114,13 @@ def _residuals(
 def _view_residuals(
     model: CellModel, x: Array, views: Sequence[BoardView], held: Sequence[Sag]
 ) -> list[Array]:
-    shares = shares_of(x)
-    links = [(view, sag.links(shares)) for view, sag in zip(views, held, strict=True)]
+    links = [(view, sag.links(x)) for view, sag in zip(views, held, strict=True)]
     return [view.pixels - seen for view, seen in zip(views, model.pixels(x, links), strict=True)]
 
 
 def _whitener(model: CellModel, x: Array, view: BoardView, sag: Sag) -> Array:
     """W with W^T W the inverse of the covariance of a view's corners, the noise of the joints included."""
-    q = sag.links(shares_of(x))
+    q = sag.links(x)
     J = _numeric(lambda joints: model.pixels(x, [(view, joints)])[0].ravel(), q)
     covariance = CORNER**2 * np.eye(2 * len(view.ids)) + (J * JOINTS**2) @ J.T
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))

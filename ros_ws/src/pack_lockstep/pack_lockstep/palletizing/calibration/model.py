@@ -15,6 +15,7 @@ from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
 from pack_core.palletizing.deflection import DeflectionModel
 from pack_core.palletizing.displacement import Displacement
 from pack_core.robots.gears import GearCompensation
+from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Array, Pose, exp, multiply, rotate
 from pack_lockstep.palletizing.calibration.measurements import BoardView, Contact
 from pack_sim.palletizing.carried_load import CarriedLoad
@@ -22,6 +23,10 @@ from pack_sim.palletizing.carried_load import CarriedLoad
 PLACES = ("picking_table", "reorientation_table", "pallet")
 FELT_GEARS = (0, 1, 2, 4)
 """Joints whose stiffness is estimated; 4 and 6 bear next to nothing with the tool pointing down."""
+SETTLING = 0.003
+"""Load from which a gear at rest lies at one side of its play, as a share of the effort."""
+LEAST_LEVER = 0.05
+"""Joints with a shorter lever do not feel a touch [m]."""
 CORNERS = CALIBRATION_BOARD.corners()
 AXES = ("x", "y", "z", "about x", "about y", "about z")
 
@@ -58,23 +63,31 @@ PARAMETERS: tuple[Parameter, ...] = (
     *_pose("board in the gripper", 0.03, 3.0),
     *(parameter for place in PLACES for parameter in _pose(place, 0.006, 0.4)),
     *(Parameter(f"compliance of joint {i + 1}, share", 1.0, 0.25, "1") for i in FELT_GEARS),
+    Parameter("play of the gears, share of the data sheet", 1.0, 0.3, "1"),
 )
 """In the sequence of the vector that is estimated."""
 CAMERA, FOCAL, CENTRE, LENS = slice(0, 6), 6, slice(7, 9), slice(9, 13)
-BOARD, GEARS = slice(13, 19), slice(37, 41)
+BOARD, GEARS, PLAY = slice(13, 19), slice(37, 41), 41
 PLACE = {name: slice(19 + 6 * k, 25 + 6 * k) for k, name in enumerate(PLACES)}
 
 
 @dataclass(frozen=True)
 class Sag:
-    """Reported joints `(6,)` [rad] and the lead that the driver assumed there `(6,)` [rad]."""
+    """How the links may differ from what the driver reports.
+
+    Attributes:
+        q: reported joints `(6,)` [rad].
+        lead: by how much the driver assumed the motors to lead the links, by elasticity `(6,)` [rad].
+        play: by how much they lead them beyond that if the play is what the data sheet says `(6,)` [rad].
+    """
 
     q: Array
     lead: Array
+    play: Array
 
-    def links(self, shares: Array) -> Array:
-        """Angles of the links `(6,)` if the gears' compliance is `shares` `(6,)` of what was assumed."""
-        return self.q + self.lead * (1.0 - shares)
+    def links(self, x: Array) -> Array:
+        """Angles of the links `(6,)` for a vector of parameters."""
+        return self.q + self.lead * (1.0 - shares_of(x)) - x[PLAY] * self.play
 
 
 class CellModel:
@@ -91,16 +104,32 @@ class CellModel:
         self, cell: PalletizingCell, arm: SerialChain, assumed: GearCompensation, X_TB: Pose
     ) -> None:
         self.cell, self.arm, self.assumed, self.X_TB = cell, arm, assumed, X_TB
+        gears = cell.imperfections.gears
+        self.backlash_deg = 0.0 if gears is None else gears.backlash_deg
+        self._half_play = 0.5 * float(np.deg2rad(self.backlash_deg))
         load = CarriedLoad(cell)
         self._empty = DeflectionModel(load.model, assumed)
         carrying = CarriedLoad(cell)
         carrying.put_on(CALIBRATION_BOARD.body, X_TB)
         self._loaded = DeflectionModel(carrying.model, assumed)
 
-    def sag(self, q: Array, *, loaded: bool) -> Sag:
-        """What the driver assumed at reported joints `(6,)` at rest."""
+    def sag(self, q: Array, *, loaded: bool, push: Array | None = None) -> Sag:
+        """What differs at reported joints `(6,)` at rest.
+
+        Args:
+            q: reported joints.
+            loaded: whether the board is held.
+            push: torques `(6,)` for a unit force on something that is touched. They take up the play of the
+                gears that weight does not load: the touch is felt when it is taken up.
+        """
         rest = np.zeros(6)
-        return Sag(q, (self._loaded if loaded else self._empty).lead(q, rest, rest))
+        model = self._loaded if loaded else self._empty
+        tau = model.torque(q, rest, rest)
+        side = np.clip(tau / (SETTLING * LIMITS.effort), -1.0, 1.0)
+        if push is not None:
+            felt = (np.abs(side) < 1.0) & (np.abs(push) > LEAST_LEVER)
+            side = np.where(felt, np.sign(push), side)
+        return Sag(q, tau / np.array(self.assumed.stiffness), self._half_play * side)
 
     def known(self, x: Array) -> PalletizingCell:
         """The cell with the values of a vector of parameters."""
@@ -176,10 +205,11 @@ def shares_of(x: Array) -> Array:
     return shares
 
 
-def gears_of(x: Array, assumed: GearCompensation) -> GearCompensation:
-    """The gears as they are kept."""
+def gears_of(x: Array, assumed: GearCompensation, backlash_deg: float) -> GearCompensation:
+    """The gears as they are kept; `backlash_deg` is the play of the data sheet [deg]."""
     k = np.array(assumed.stiffness) / shares_of(x)
-    return assumed.model_copy(update={"stiffness": tuple(float(value) for value in k)})
+    stiffness = tuple(float(value) for value in k)
+    return assumed.model_copy(update={"stiffness": stiffness, "backlash_deg": backlash_deg * float(x[PLAY])})
 
 
 def start() -> Array:
@@ -192,6 +222,7 @@ def prior_sigmas() -> Array:
     return np.array([parameter.sigma for parameter in PARAMETERS])
 
 
-def sags(model: CellModel, qs: Sequence[Array], *, loaded: bool) -> list[Sag]:
-    """The sag of several samples."""
-    return [model.sag(q, loaded=loaded) for q in qs]
+def sag_at(model: CellModel, contact: Contact) -> Sag:
+    """The sag at a touch."""
+    J = model.arm.with_tool(Pose(contact.touch.p_TC)).jacobian(contact.q)[:3]
+    return model.sag(contact.q, loaded=False, push=contact.touch.normal @ J)

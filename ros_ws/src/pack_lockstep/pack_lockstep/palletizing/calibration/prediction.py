@@ -14,7 +14,7 @@ import numpy as np
 from pack_core.palletizing.calibration import PlacingError
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_lockstep.palletizing.calibration.estimate import JOINTS, Estimate
-from pack_lockstep.palletizing.calibration.model import CellModel, lens_of, shares_of
+from pack_lockstep.palletizing.calibration.model import CellModel, lens_of
 from pack_lockstep.palletizing.calibration.rig import rotated_down
 from pack_motion.arm.arms import load_arm
 
@@ -104,5 +104,6 @@ def _true_tool(model: CellModel, X_WT: Pose, x: Array, true: Array, rng: np.rand
     if q is None:
         return None
     sag = model.sag(q, loaded=False)
-    off = sag.lead * (shares_of(x) - shares_of(true)) + JOINTS * rng.standard_normal(6)
+    # The driver leads the motors by what is believed; what is true beyond that is left in the links.
+    off = sag.links(true) - sag.links(x) + JOINTS * rng.standard_normal(6)
     return arm.chain.forward(q + off)
