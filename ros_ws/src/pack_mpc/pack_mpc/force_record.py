@@ -27,6 +27,8 @@ class ForceRecord:
 
         The filter keeps one noisy sample from ending a goal.
         """
+        if not len(forces):  # the filter's state after no samples would be whatever was in memory
+            return 0.0
         self._forces.extend(forces.tolist())
         smooth, self._filter_state = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._filter_state)
         return float(np.max(smooth, initial=0.0))

@@ -14,10 +14,8 @@ from std_msgs.msg import String
 
 from pack_core.errors import PackError
 from pack_core.joints import Setpoints
-from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
-from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
@@ -26,17 +24,16 @@ from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_mpc.optimizers import optimizer_class
-from pack_mpc.ros.fill_goal import FillClients, FillGoal
-from pack_mpc.ros.fill_messages import to_fill_feedback, to_fill_report, to_fill_result
+from pack_mpc.ros.fill_action import FillAction
+from pack_mpc.ros.fill_goal import FillGoal
 from pack_mpc.ros.mailbox import Mailbox
+from pack_mpc.ros.pack_goal import PackGoal
 from pack_mpc.ros.placement_client import PlacementClient
-from pack_mpc.ros.status import to_feedback, to_result, to_status
+from pack_mpc.ros.status import to_result, to_status
 from pack_mpc.session import PackingSession, SessionConfig, hold
 from pack_mpc.weights import load_weights
 from pack_mpc.worker import Worker, WorkerConfig
 
-DONE = "done"
-"""Exit reason of a fill job that came to the end of its list."""
 CHECK_PERIOD = 0.1
 """Time between two looks whether the goal's time has run out [s of wall clock]."""
 
@@ -59,17 +56,14 @@ class MpcNode(GoalNode):
         self._change(read_parameters(self, MpcNodeConfig, self._change))
         self._cell = read_packing_cell(self)
         self._scene: Scene | None = None
-        self._session: PackingSession | None = None
-        self._filling: FillGoal | None = None
-        self._fill_end = ("", "")
+        self._pursued: PackGoal | FillGoal | None = None
         self._sending = threading.Lock()
         self._mailbox = Mailbox(self, self._cell.robot.arm.joints)
         self._placements = PlacementClient(self)
-        self._fill_clients = FillClients(self)
+        self._fills = FillAction(self, self._placements, self._cell)
         self._setpoints = self.advertise(contracts.SETPOINTS)
         self._status = self.advertise(contracts.MPC_STATUS)
         self._result = self.advertise(contracts.RESULT)
-        self._fill_result = self.advertise(contracts.FILL_RESULT)
         self.listen(contracts.DESCRIPTION, self._on_description)
         self.create_timer(CHECK_PERIOD, self._expire, clock=self.wall)
         self._worker = Worker(self._iterate, self._config.worker, self._on_error)
@@ -99,12 +93,7 @@ class MpcNode(GoalNode):
 
     def refusal(self, request: PackObject.Goal | FillContainer.Goal) -> str:
         if isinstance(request, FillContainer.Goal):
-            FillMethod.of(request.method)  # raises when there is none
-            parse_list(request.list, "goal", self._cell)
-            if self._scene is None:
-                return self.waits_for
-            held = self._scene.new_object.name
-            return f"the pump holds '{held}'; allowed: an empty cup" if self._mailbox.is_held else ""
+            return self._fills.refusal(request, self._scene, self._mailbox)
         if reason := self.waits_for:
             return reason
         _method_of(request)  # raises when there is none
@@ -114,112 +103,69 @@ class MpcNode(GoalNode):
 
     async def pursue(self, request: PackObject.Goal | FillContainer.Goal) -> Any:
         """Hand the goal to the worker and wait for its outcome."""
-        if isinstance(request, FillContainer.Goal):
-            return await self._fill(request)
-        return await self._pack(request)
-
-    async def _fill(self, request: FillContainer.Goal) -> FillContainer.Result:
-        given, method = parse_list(request.list, "goal", self._cell), FillMethod.of(request.method)
         self._mailbox.clear_forces()
-        goal = FillGoal(
-            self._fill_clients, self._placements, self._cell, self._config, given, method, request.seed,
-            self._described, self._mailbox.time,
-        )  # fmt: skip
-        self._fill_end, self._filling = ("", ""), goal
+        if isinstance(request, FillContainer.Goal):
+            fill = self._fills.begin(request, self._config, self._described, self._mailbox.time)
+            await self._reach_end(fill)
+            return self._fills.report(fill, self._mailbox.time)
+        method, now = _method_of(request), self._mailbox.time
+        session = PackingSession(self._described(), self._cell, self._config, method, now, request.timeout)
+        self._placements.start(request.seed)
+        await self._reach_end(PackGoal(session, self._placements))
+        outcome = json.dumps(asdict(session.task.outcome), default=lambda reason: reason.value)
+        self._result.publish(String(data=outcome))
+        return to_result(session)
+
+    async def _reach_end(self, goal: PackGoal | FillGoal) -> None:
+        self._pursued = goal
         self._worker.wake()
         await self.until_goal_ends()
-        self._fill_result.publish(String(data=to_fill_report(goal, *self._fill_end)))
-        return to_fill_result(goal, self._mailbox.time, *self._fill_end)
 
     def _described(self) -> Scene:
         assert self._scene is not None
         return self._scene
-
-    async def _pack(self, request: PackObject.Goal) -> PackObject.Result:
-        assert self._scene is not None
-        method, now = _method_of(request), self._mailbox.time
-        session = PackingSession(self._scene, self._cell, self._config, method, now, request.timeout)
-        self._placements.start(request.seed)
-        self._mailbox.clear_forces()
-        self._session = session
-        self._worker.wake()
-        await self.until_goal_ends()
-        outcome = json.dumps(asdict(session.task.outcome), default=lambda reason: reason.value)
-        self._result.publish(String(data=outcome))
-        return to_result(session)
 
     def describe(self, result: PackObject.Result) -> str:
         return f"{result.exit_reason}, {result.message}"
 
     def _iterate(self, latency: float) -> float | None:
         """Plan once from the newest messages, in the worker's thread; the latency is returned [s]."""
-        if self._filling is not None:
-            return self._turn(self._filling, latency)
-        session = self._session
-        if session is None:
+        goal = self._pursued
+        if goal is None:
             return None
         self._worker.wake()  # again after this turn, until the goal has ended
         if not self._mailbox.wait_for_joints() or self.silent_peers:
             return None
         seen = self._mailbox.observe()
         if self.is_cancel_requested:
-            session.task.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
-        self._placements.serve(session, seen)
-        plan = session.step(seen, latency)
-        if session.task.outcome is not None:
-            self._end(session)
-            return None
-        if plan is None or not self._send(session, plan.setpoints):
-            return None
-        self.failures.passed("iteration")
-        self._status.publish(to_status(session, seen, plan))
-        self.publish_feedback(to_feedback(session, seen, plan))
-        return self._mailbox.time - seen.joints.time
-
-    def _turn(self, goal: FillGoal, latency: float) -> float | None:
-        """One turn of a fill job, in the worker's thread; the latency of a plan is returned [s]."""
-        self._worker.wake()
-        if not self._mailbox.wait_for_joints() or self.silent_peers:
-            return None
-        seen = self._mailbox.observe()
-        if self.is_cancel_requested:
-            self._end_filling(goal, PackingExitReason.CANCELED.value, "on request")
-            return None
+            goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
         turn = goal.turn(seen, self._mailbox.force, latency)
-        if goal.job.is_done:
-            self._end_filling(goal, DONE, goal.job.report.message)
+        if goal.is_ended:
+            self._end(goal)
             return None
         if turn.setpoints is None or not self._send(goal, turn.setpoints):
             return None
-        self.publish_feedback(to_fill_feedback(goal, seen.joints.time))
+        self.failures.passed("iteration")
+        self.publish_feedback(goal.feedback(seen, turn.plan))
         if turn.plan is None or goal.session is None:
             return None
         self._status.publish(to_status(goal.session, seen, turn.plan))
         return self._mailbox.time - seen.joints.time
 
-    def _end_filling(self, goal: FillGoal, exit_reason: str, message: str) -> None:
-        """Hold the arm and let the action return."""
-        with self._sending:
-            if self._filling is not goal:
-                return
-            self._filling, self._fill_end = None, (exit_reason, message)
-            self._hold()
-        self.end_goal()
-
-    def _send(self, goal: PackingSession | FillGoal, setpoints: Setpoints) -> bool:
+    def _send(self, goal: PackGoal | FillGoal, setpoints: Setpoints) -> bool:
         """Publish setpoints, unless the goal ended or a peer fell silent while they were planned."""
         with self._sending:
-            is_wanted = goal in (self._session, self._filling) and not self.silent_peers
+            is_wanted = self._pursued is goal and not self.silent_peers
             if is_wanted:
                 self._setpoints.publish(to_setpoints(setpoints, self._cell.robot.arm.joints))
         return is_wanted
 
-    def _end(self, session: PackingSession) -> None:
+    def _end(self, goal: PackGoal | FillGoal) -> None:
         """Hold the arm and let the action return."""
         with self._sending:
-            if self._session is not session:
+            if self._pursued is not goal:
                 return
-            self._session = None
+            self._pursued = None
             self._hold()
         self.end_goal()
 
@@ -241,20 +187,20 @@ class MpcNode(GoalNode):
         self._fail(reason)
 
     def give_up(self) -> None:
-        if self._session is not None:
-            self._end(self._session)
+        if (goal := self._pursued) is not None:
+            self._end(goal)
 
     def _fail(self, reason: str) -> None:
-        if (session := self._session) is not None:
-            session.task.finish(PackingExitReason.FAULT, self._mailbox.time, reason)
-            self._end(session)
+        if (goal := self._pursued) is not None:
+            goal.finish(PackingExitReason.FAULT, self._mailbox.time, reason)
+            self._end(goal)
 
     def _expire(self) -> None:
         """End a goal whose time ran out while the worker had nothing to plan from."""
-        if (session := self._session) is not None:
-            session.task.expire(self._mailbox.time)
-            if session.task.outcome is not None:
-                self._end(session)
+        if (goal := self._pursued) is not None:
+            goal.expire(self._mailbox.time)
+            if goal.is_ended:
+                self._end(goal)
 
     def _on_error(self, error: Exception) -> None:
         if isinstance(error, PackError):

@@ -18,9 +18,7 @@ class FillConfig(Config):
     carry_speed: PositiveFloat = Field(
         default=0.4, description="largest speed when an object is put aside [m/s]"
     )
-    touch_speed: PositiveFloat = Field(
-        default=0.06, description="speed towards an object's top, or of an object towards the base [m/s]"
-    )
+    touch_speed: PositiveFloat = Field(default=0.06, description="speed towards an object's top [m/s]")
     clearance: PositiveFloat = Field(default=0.03, description="gap over what the arm passes [m]")
     approach: PositiveFloat = Field(
         default=0.02, description="height over an object's top from which the cup comes down slowly [m]"
@@ -42,6 +40,12 @@ class FillConfig(Config):
     )
     shift: PositiveFloat = Field(
         default=0.015, description="longest way aside with which an object is brought to its place [m]"
+    )
+    set_down_speed: PositiveFloat = Field(
+        default=0.03, description="speed at which an object is brought to its place and down [m/s]"
+    )
+    settle: PositiveFloat = Field(
+        default=0.003, description="way beyond the base on which an object is set down slowly [m]"
     )
     press_force: PositiveFloat = Field(
         default=12.0, description="change of force at which this ends: it stands, or something resists [N]"

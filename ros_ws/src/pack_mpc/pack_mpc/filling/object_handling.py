@@ -72,9 +72,9 @@ class ObjectHandling:
             aside[:2] = goal.p[:2] - seen.scene.objects[item.name].X_WO.p[:2]
             aside *= min(1.0, config.shift / max(float(np.linalg.norm(aside)), 1e-9))
         resists = self._moves.contact(seen, config.press_force)
-        way = aside - np.array([0.0, 0.0, max(_height(seen, item), 0.0) + config.overshoot / 2])
+        way = aside - np.array([0.0, 0.0, max(_height(seen, item), 0.0) + config.settle])
         seen = yield from self._moves.move(
-            seen, legs([way], config.touch_speed),
+            seen, legs([way], config.set_down_speed),
             until=resists,
         )  # fmt: skip
         X_WN = seen.scene.objects[item.name].X_WO

@@ -3,65 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import yaml
+from pack_interfaces.action import FillContainer
 from pack_interfaces.srv import GripperCommand, PlanFilling, PlanPlacement, PresentObject
 from rclpy.task import Future
 
-from pack_core.errors import MessageError
-from pack_core.joints import Setpoints
-from pack_core.packing.arrangement import Arrangement, FillMethod
+from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingList
 from pack_core.packing.scene import Scene
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.conversions import from_pose, to_pose
+from pack_core.ros.conversions import to_pose
 from pack_core.ros.scene_messages import to_scene
 from pack_core.rotations import Array
 from pack_mpc.controller import ControlPlan
 from pack_mpc.filling.fill_job import FillJob
+from pack_mpc.filling.fill_report import Fill
 from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Judge, Pack, Packed, Present, Presented
 from pack_mpc.filling.steps import FillObservation
 from pack_mpc.force_record import ForceRecord
+from pack_mpc.ros.fill_clients import FillClients, arrangement_in, reason_in
+from pack_mpc.ros.pack_goal import GoalTurn
 from pack_mpc.ros.placement_client import PlacementClient
 from pack_mpc.session import PackingObservation, PackingSession, SessionConfig, hold
 
 STEP = 0.02
 """Time between two steps of the job while no packing goal is in progress [s]."""
+DONE = "done"
+"""Exit reason of a job that came to the end of its list."""
 JUDGED_BY = "algorithm_1"
 """Variant of the placement planner that says whether an object fits at all: it rehearses nothing."""
-
-
-@dataclass(frozen=True)
-class FillTurn:
-    """What one turn of the job decided: setpoints for the driver, and the plan that they are part of."""
-
-    setpoints: Setpoints | None = None
-    plan: ControlPlan | None = None
-
-
-class FillClients:
-    """The services that a fill job uses."""
-
-    def __init__(self, node: CellNode) -> None:
-        self._clients = {
-            contract.name: node.create_client(contract.type, contract.name)
-            for contract in (
-                contracts.PLAN_FILLING, contracts.PRESENT, contracts.PLAN_PLACEMENT,
-                contracts.GRIPPER_COMMAND,
-            )
-        }  # fmt: skip
-
-    def call(self, contract: Contract, request: Any) -> Future:
-        """Send a request."""
-        return self._clients[contract.name].call_async(request)
 
 
 class FillGoal:
@@ -89,11 +66,12 @@ class FillGoal:
         self.session: PackingSession | None = None
         self.given = len(given.objects)
         self.start, self._stepped = time, -float("inf")
+        self.exit_reason, self.message = "", ""
         self._poll: Callable[[], object | None] | None = None
         self._seen: PackingObservation | None = None
         self._forces, self.force_peak = ForceRecord(), 0.0
 
-    def turn(self, seen: PackingObservation, force: Array, latency: float) -> FillTurn:
+    def turn(self, seen: PackingObservation, force: Array, latency: float) -> GoalTurn:
         """Go on with the newest observation.
 
         Args:
@@ -101,6 +79,8 @@ class FillGoal:
             force: newest external force on cup or held object `(3,)` [N].
             latency: time until a plan will be in force [s].
         """
+        if self.is_ended:
+            return GoalTurn()
         self._seen = seen
         self.force_peak = max(self.force_peak, self._forces.note(seen.forces))
         session = self.session
@@ -108,22 +88,47 @@ class FillGoal:
             self._placements.serve(session, seen)
             plan = session.step(seen, latency)
             if session.task.outcome is None:
-                return FillTurn() if plan is None else FillTurn(plan.setpoints, plan)
+                return GoalTurn() if plan is None else GoalTurn(plan.setpoints, plan)
             self.session = None
-            return FillTurn(hold(seen.joints))
+            return GoalTurn(hold(seen.joints))
         if seen.joints.time - self._stepped < STEP:
-            return FillTurn()
+            return GoalTurn()
         self._stepped = seen.joints.time
         answer = self._take_answer()
         command = self.job.step(FillObservation(seen.joints, seen.scene, force, seen.is_held, answer))
         if command.request is not None:
             self._poll = self._begin(command.request)
-        return FillTurn(command.setpoints)
+        if self.job.is_done:
+            self.exit_reason, self.message = DONE, self.job.report.message
+        return GoalTurn(command.setpoints)
 
-    def cancel(self, reason: PackingExitReason, time: float, message: str) -> None:
-        """End a packing goal in progress; the job itself is simply not continued."""
+    @property
+    def is_ended(self) -> bool:
+        """Whether the job is done, or was ended."""
+        return bool(self.exit_reason)
+
+    def finish(self, reason: PackingExitReason, time: float, message: str) -> None:
+        """End the job at `time` [s]; the first reason stands."""
+        if not self.exit_reason:
+            self.exit_reason, self.message = reason.value, message
+            if self.session is not None:
+                self.session.task.finish(reason, time, message)
+
+    def expire(self, time: float) -> None:
+        """End the packing goal in progress if its time is up; the job as a whole has no end of its own."""
         if self.session is not None:
-            self.session.task.finish(reason, time, message)
+            self.session.task.expire(time)
+
+    def feedback(self, seen: PackingObservation, _: ControlPlan | None) -> FillContainer.Feedback:
+        """Where the job stands."""
+        job, machine = self.job, None if self.session is None else self.session.task.machine
+        fill = job.report.fills[-1][1] if job.report.fills else Fill(0.0, 0.0)
+        stage = job.stage.value if machine is None else f"{job.stage.value} {machine.stage.value}"
+        return FillContainer.Feedback(
+            object=job.current, stage=stage, elapsed=seen.joints.time - self.start,
+            base_area=fill.base_area, volume=fill.volume, packed=len(job.report.packed),
+            remaining=job.remaining,
+        )  # fmt: skip
 
     def _take_answer(self) -> object | None:
         if self._poll is None:
@@ -144,7 +149,7 @@ class FillGoal:
                 return self._judge()
             case Grip(close):
                 future = self._call(contracts.GRIPPER_COMMAND, GripperCommand.Request(close=close))
-                return lambda: _reason(future.result()) if future.done() else None
+                return lambda: reason_in(future.result()) if future.done() else None
             case Pack():
                 return self._pack(request)
 
@@ -164,7 +169,7 @@ class FillGoal:
                 planned=list(planned), planned_poses=[to_pose(X_WO) for X_WO in planned.values()],
             ),
         )  # fmt: skip
-        return lambda: _arrangement(future.result()) if future.done() else None
+        return lambda: arrangement_in(future.result()) if future.done() else None
 
     def _present(self, item: ObjectModel) -> Callable[[], object | None]:
         text = yaml.safe_dump(item.model_dump(mode="json", exclude_none=True), sort_keys=False)
@@ -173,7 +178,7 @@ class FillGoal:
         def poll() -> Presented | None:
             if not future.done():
                 return None
-            if reason := _reason(future.result()):
+            if reason := reason_in(future.result()):
                 return Presented(None, reason)
             # the description comes by a topic of its own, and maybe later than the answer
             scene = self._scene()
@@ -214,21 +219,3 @@ class FillGoal:
             return Packed(session.task.outcome, tried[-1] if tried else None)
 
         return poll
-
-
-def _reason(response: Any) -> str:
-    """Why a request was refused; empty if it was not."""
-    return "" if response.success else (response.message or "refused without a reason")
-
-
-def _arrangement(response: PlanFilling.Response) -> Arrangement:
-    """The arrangement in a response.
-
-    Raises:
-        MessageError: the planner refused the request, or a pose cannot be used.
-    """
-    if not response.success:
-        raise MessageError(f"{contracts.PLAN_FILLING.name}: {response.message}")
-    placed = dict(zip(response.placed, map(from_pose, response.poses), strict=True))
-    refused = dict(zip(response.refused, response.reasons, strict=True))
-    return Arrangement(tuple(response.order), placed, refused)

@@ -1,4 +1,4 @@
-"""Feedback and result of a fill job as messages."""
+"""Result and report of a fill job as messages."""
 
 from __future__ import annotations
 
@@ -10,34 +10,24 @@ from pack_mpc.filling.fill_report import Fill
 from pack_mpc.ros.fill_goal import FillGoal
 
 
-def to_fill_feedback(goal: FillGoal, time: float) -> FillContainer.Feedback:
-    """Where the job stands at `time` [s]."""
-    job, machine = goal.job, goal.session.task.machine if goal.session is not None else None
-    fill = _fill(goal)
-    stage = job.stage.value if machine is None else f"{job.stage.value} {machine.stage.value}"
-    return FillContainer.Feedback(
-        object=job.current, stage=stage, elapsed=time - goal.start, base_area=fill.base_area,
-        volume=fill.volume, packed=len(job.report.packed), remaining=job.remaining,
-    )  # fmt: skip
-
-
-def to_fill_result(goal: FillGoal, time: float, exit_reason: str, message: str) -> FillContainer.Result:
+def to_fill_result(goal: FillGoal, time: float) -> FillContainer.Result:
     """The result of a job that has ended."""
     report, fill = goal.job.report, _fill(goal)
     given, packed = goal.given, len(report.packed)
     return FillContainer.Result(
-        success=packed == given, exit_reason=exit_reason, message=message, packed=packed, given=given,
+        success=packed == given, exit_reason=goal.exit_reason, message=goal.message, packed=packed,
+        given=given,
         base_area=fill.base_area, volume=fill.volume, execution_time=time - goal.start,
-        report=to_fill_report(goal, exit_reason, message),
+        report=to_fill_report(goal),
     )  # fmt: skip
 
 
-def to_fill_report(goal: FillGoal, exit_reason: str, message: str) -> str:
+def to_fill_report(goal: FillGoal) -> str:
     """Each object's fate, and the fill over time, as JSON; times in [s], shares from 0 to 1."""
     report = goal.job.report
     return json.dumps(
         {
-            "exit_reason": exit_reason, "message": message, "start": goal.start,
+            "exit_reason": goal.exit_reason, "message": goal.message, "start": goal.start,
             "force_peak": goal.force_peak, "objects": [row.row() for row in report.objects],
             "fills": [[time, fill.base_area, fill.volume] for time, fill in report.fills],
         }
