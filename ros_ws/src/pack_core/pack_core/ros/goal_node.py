@@ -186,9 +186,7 @@ class GoalNode(CellNode, ABC):
             result = result_type(success=False, message=str(error))
         except Exception as error:
             self.fail("goal", error)
-            result = self._result_type(
-                success=False, message=f"the node failed: {error!r}; its log says more"
-            )
+            result = result_type(success=False, message=f"the node failed: {error!r}; its log says more")
         finally:
             self._goal = None
         self.tell_status()
