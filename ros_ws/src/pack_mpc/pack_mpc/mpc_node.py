@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import math
 import threading
-from dataclasses import asdict
 from typing import Any
 
 from pack_interfaces.action import FillContainer, PackObject
-from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
 from pack_core.joints import Setpoints
 from pack_core.packing.exit_reason import PackingExitReason
-from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
@@ -23,29 +18,20 @@ from pack_core.ros.joint_messages import to_setpoints
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
+from pack_mpc.mpc_node_config import MpcNodeConfig
 from pack_mpc.optimizers import optimizer_class
 from pack_mpc.ros.fill_action import FillAction
 from pack_mpc.ros.fill_goal import FillGoal
 from pack_mpc.ros.mailbox import Mailbox
-from pack_mpc.ros.pack_goal import PackGoal
+from pack_mpc.ros.pack_goal import PackGoal, method_of, refusal_of
 from pack_mpc.ros.placement_client import PlacementClient
-from pack_mpc.ros.status import to_result, to_status
-from pack_mpc.session import PackingSession, SessionConfig, hold
+from pack_mpc.ros.status import to_outcome, to_result, to_status
+from pack_mpc.session import PackingSession, hold
 from pack_mpc.weights import load_weights
-from pack_mpc.worker import Worker, WorkerConfig
+from pack_mpc.worker import Worker
 
 CHECK_PERIOD = 0.1
 """Time between two looks whether the goal's time has run out [s of wall clock]."""
-
-
-class MpcNodeConfig(SessionConfig):
-    """Parameters of the node `mpc`."""
-
-    worker: WorkerConfig = WorkerConfig()
-    watched: tuple[str, ...] = Field(
-        default=("sim", "perception", "planner", "recorder"), description="the arm holds while one is silent"
-    )
-    fault_time: PositiveFloat = Field(default=1.0, description="silence that ends a goal [s of wall clock]")
 
 
 class MpcNode(GoalNode):
@@ -94,12 +80,7 @@ class MpcNode(GoalNode):
     def refusal(self, request: PackObject.Goal | FillContainer.Goal) -> str:
         if isinstance(request, FillContainer.Goal):
             return self._fills.refusal(request, self._scene, self._mailbox)
-        if reason := self.waits_for:
-            return reason
-        _method_of(request)  # raises when there is none
-        if not 0.0 <= request.timeout < math.inf:
-            return f"timeout {request.timeout}; allowed: seconds from 0 on; 0: the parameter task.timeout"
-        return ""
+        return self.waits_for or refusal_of(request)
 
     async def pursue(self, request: PackObject.Goal | FillContainer.Goal) -> Any:
         """Hand the goal to the worker and wait for its outcome."""
@@ -108,12 +89,11 @@ class MpcNode(GoalNode):
             fill = self._fills.begin(request, self._config, self._described, self._mailbox.time)
             await self._reach_end(fill)
             return self._fills.report(fill, self._mailbox.time)
-        method, now = _method_of(request), self._mailbox.time
+        method, now = method_of(request), self._mailbox.time
         session = PackingSession(self._described(), self._cell, self._config, method, now, request.timeout)
         self._placements.start(request.seed)
         await self._reach_end(PackGoal(session, self._placements))
-        outcome = json.dumps(asdict(session.task.outcome), default=lambda reason: reason.value)
-        self._result.publish(String(data=outcome))
+        self._result.publish(to_outcome(session))
         return to_result(session)
 
     async def _reach_end(self, goal: PackGoal | FillGoal) -> None:
@@ -208,10 +188,6 @@ class MpcNode(GoalNode):
             self.get_logger().warning(f"iteration skipped: {error}", throttle_duration_sec=1.0)
         elif self.context.ok() and self.failures.note("iteration", error):
             self.react_to_failure(f"every iteration fails: {error!r}")
-
-
-def _method_of(request: PackObject.Goal) -> PackingMethod:
-    return PackingMethod.of(request.method) if request.method else PackingMethod.PACK_IT_IN
 
 
 def main() -> int:

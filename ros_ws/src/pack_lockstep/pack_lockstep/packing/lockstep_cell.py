@@ -14,12 +14,12 @@ from pack_core.rotations import Pose
 from pack_core.topics import steps_between
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_mpc.session import PackingObservation, PackingSession
-from pack_perception.mocap.physics_estimator import PhysicsEstimator
+from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_planner.placement.placement_planner import PlacementPlanner
 from pack_planner.placement.placement_result import PlannedPlacement
 from pack_sim.packing.simulator import Simulator
 
-Sense = Callable[[Simulator, PhysicsEstimator], None]
+Sense = Callable[[Simulator, HandOverEstimator], None]
 
 
 class LockstepCell:
@@ -38,7 +38,7 @@ class LockstepCell:
     ) -> None:
         self._config, self._sense = config, sense
         self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
-        self.estimator = PhysicsEstimator(self.simulator.description, cell, config.estimator)
+        self.estimator = HandOverEstimator(self.simulator.description, cell, config.estimator)
         self._forces: list[float] = []
 
     def settle(self) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from pack_interfaces.action import PackObject
 
 from pack_core.joints import Setpoints
 from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.method import PackingMethod
 from pack_core.rotations import Array
 from pack_mpc.controller import ControlPlan
 from pack_mpc.ros.placement_client import PlacementClient
@@ -57,3 +59,20 @@ class PackGoal:
         """Where the goal stands, after a turn with a plan."""
         assert plan is not None
         return to_feedback(self.session, seen, plan)
+
+
+def method_of(request: PackObject.Goal) -> PackingMethod:
+    """The method that a goal asks for; raises ConfigError if there is none of that name."""
+    return PackingMethod.of(request.method) if request.method else PackingMethod.PACK_IT_IN
+
+
+def refusal_of(request: PackObject.Goal) -> str:
+    """Why a goal cannot be taken whatever the cell's state, in words; empty if it can.
+
+    Raises:
+        ConfigError: there is no such method.
+    """
+    method_of(request)
+    if not 0.0 <= request.timeout < math.inf:
+        return f"timeout {request.timeout}; allowed: seconds from 0 on; 0: the parameter task.timeout"
+    return ""

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
+
 from pack_interfaces.action import PackObject
 from pack_interfaces.msg import MpcStatus
+from std_msgs.msg import String
 
 from pack_core.ros.conversions import WORLD, to_pose, to_stamp
 from pack_mpc.controller import ControlPlan
@@ -40,6 +44,13 @@ def to_feedback(session: PackingSession, seen: PackingObservation, plan: Control
         stage=machine.stage.name, elapsed=task.elapsed(seen.joints.time), distance=task.distance,
         cost=plan.solution.cost, iteration_ms=plan.iteration_ms,
     )  # fmt: skip
+
+
+def to_outcome(session: PackingSession) -> String:
+    """The outcome of a goal that has ended, as JSON."""
+    outcome = session.task.outcome
+    assert outcome is not None
+    return String(data=json.dumps(asdict(outcome), default=lambda reason: reason.value))
 
 
 def to_result(session: PackingSession) -> PackObject.Result:

@@ -28,7 +28,7 @@ from pack_core.ros.stamp_check import StampCheck
 from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.estimator_config import EstimatorConfig
-from pack_perception.mocap.physics_estimator import PhysicsEstimator
+from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_perception.mocap.rigid_body_fit import FitRefusal
 
 JOINTS_DEPTH = 500
@@ -51,7 +51,7 @@ class PerceptionNode(CellNode):
         super().__init__("perception", **kwargs)
         self._config = read_parameters(self, PerceptionNodeConfig)
         self._cell = read_packing_cell(self)
-        self._estimator: PhysicsEstimator | None = None
+        self._estimator: HandOverEstimator | None = None
         self._names: list[str] = []
         self._new_object = ""
         self._published = -float("inf")
@@ -84,7 +84,7 @@ class PerceptionNode(CellNode):
             if scene.is_handed_over and self._estimator is not None:
                 self._estimator.change_scene(scene)
             else:
-                self._estimator = PhysicsEstimator(scene, self._cell, self._config)
+                self._estimator = HandOverEstimator(scene, self._cell, self._config)
             self._is_handed_over = scene.is_handed_over
             self._names, self._new_object = scene.names, scene.new_object.name
             self._start_over()
@@ -144,7 +144,7 @@ class PerceptionNode(CellNode):
         while estimator is not None and self._frames and not estimator.is_ahead(self._frames[0]):
             self.guard(contracts.MARKERS, partial(self._correct, estimator), self._frames.popleft())
 
-    def _correct(self, estimator: PhysicsEstimator, frame: MarkerFrame) -> None:
+    def _correct(self, estimator: HandOverEstimator, frame: MarkerFrame) -> None:
         correction = estimator.correct(frame)
         self._unused_frames += correction.is_unused
         for name, refusal in correction.refused.items():
@@ -153,7 +153,7 @@ class PerceptionNode(CellNode):
         if not correction.is_unused:
             self._publish(estimator)
 
-    def _publish(self, estimator: PhysicsEstimator) -> None:
+    def _publish(self, estimator: HandOverEstimator) -> None:
         state = estimator.state(estimator.time)
         self._published = state.time
         self._scene.publish(self._writer.write(state))
