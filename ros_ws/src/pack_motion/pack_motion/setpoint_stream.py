@@ -74,9 +74,9 @@ class SetpointStream:
         return reference
 
     def bar(self, reason: str) -> None:
-        """Have the driver brake a moving arm; the move goes on once `is_barred` is false again."""
-        self.is_barred = True
-        if not self.controller.is_held and not self.controller.is_standing:
+        """Have the driver brake a moving arm for a reason; without one the move may go on."""
+        self.is_barred = bool(reason)
+        if reason and not self.controller.is_held and not self.controller.is_standing:
             self._pause(reason)
 
     def abandon(self, reason: str) -> None:

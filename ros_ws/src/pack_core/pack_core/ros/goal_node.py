@@ -29,16 +29,14 @@ class GoalNode(CellNode, ABC):
 
     A goal goes through these steps:
 
-    1. It is refused while another goal is in progress or a watched peer is silent, or with the reason
-       that the subclass gives (`refusal`). The reason is logged, counted in /diagnostics, and sent to the
-       client: the goal ends at once, aborted, with a result whose message is `refused: ` and the reason.
-    2. `pursue` works on it, usually until `end_goal` is called, and returns the action's result. The
-       result must have the fields `success` and `message`. A PackError raised there becomes the message
-       of a result without success.
+    1. It is refused while another goal is in progress or a watched peer is silent, or with the reason that
+       the subclass gives (`refusal`): it ends at once, aborted, with a result whose message is `refused: `
+       and the reason, which is logged and counted in /diagnostics, too.
+    2. `pursue` works on it, usually until `end_goal` is called, and returns the action's result, which must
+       have the fields `success` and `message`. A PackError becomes the message of one without success.
     3. A client that wants it cancelled sets `is_cancel_requested`, which the subclass looks at in every
        turn of its work: it alone knows how to stop safely.
-    4. When a watched peer has been silent for longer than `fault_time`, `on_lost_peers` is called until
-       the goal has ended.
+    4. While a watched peer has been silent for longer than `fault_time`, `on_lost_peers` is called.
     5. When the arm is stopped (`/arm/stop`), `on_arm_stop` is called once. The next goal releases the arm.
     6. When a callback fails in a way that nobody foresaw, or a second simulator comes, the goal ends with
        the reason, whatever its core believes (`give_up`).
@@ -92,13 +90,11 @@ class GoalNode(CellNode, ABC):
     @property
     def is_cancel_requested(self) -> bool:
         """Whether the client wants the goal in progress to end."""
-        goal = self._goal
-        return goal is not None and goal.is_cancel_requested
+        return (goal := self._goal) is not None and goal.is_cancel_requested
 
     def publish_feedback(self, feedback: Any) -> None:
         """Tell the client of the goal in progress where it stands; may be called from any thread."""
-        goal = self._goal
-        if goal is not None:
+        if (goal := self._goal) is not None:
             goal.publish_feedback(feedback)
 
     async def until_goal_ends(self) -> None:
@@ -139,11 +135,10 @@ class GoalNode(CellNode, ABC):
 
     def on_failure(self, reason: str) -> None:
         """End the goal in progress with the reason."""
-        if self._goal is None or self._failure:
-            return
-        self._failure = reason
-        self.end_goal()
-        self.give_up()
+        if self._goal is not None and not self._failure:
+            self._failure = reason
+            self.end_goal()
+            self.give_up()
 
     def on_peer(self, peer: str, is_alive: bool) -> None:
         """A watched peer fell silent or was heard of again; called from the executor or another thread."""
@@ -200,7 +195,6 @@ class GoalNode(CellNode, ABC):
         return result
 
     def _check_peers(self) -> None:
-        if self._goal is None:
-            return
-        if lost := self.silent_peers.lasting(self._fault_time, time.monotonic()):
+        lost = self.silent_peers.lasting(self._fault_time, time.monotonic())
+        if lost and self._goal is not None:
             self.on_lost_peers(lost)

@@ -12,15 +12,13 @@ from typing import Any
 import numpy as np
 
 from pack_bringup.cell_goal import CellGoal
-from pack_bringup.faults.arm_record import ArmRecord
 from pack_bringup.faults.fault import FREEZE_TIME, Fault, FaultCase, FaultReport
 from pack_bringup.faults.ros.fault_witness import FaultWitness
+from pack_bringup.faults.ros.recording import lacking
 from pack_bringup.graph.graph import Graph
 from pack_bringup.graph.processes import ProcessGroup
 from pack_bringup.recording.run_record import BAG_FOLDER
-from pack_core.errors import BagError, PackError
-from pack_core.ros.conversions import from_stamp
-from pack_evaluation.bag import read_bag
+from pack_core.errors import PackError
 
 START_TIMEOUT = 120.0
 """For a node to come up [s of wall clock]."""
@@ -36,7 +34,6 @@ GOAL_TIMEOUT = 10.0
 """A goal that has not ended so long after a fault goes on [s of wall clock]."""
 BEFORE = 0.5
 """Time before a fault of which speeds are kept [s simulated]."""
-RECORDED = "/joint_states"
 
 
 class FaultBench:
@@ -115,7 +112,7 @@ class FaultBench:
         found["named_by"] = tuple(sorted({by for _, by in named}))
         found["named_after"] = min((at for at, _ in named), default=math.nan)
         if case.node == "recorder" and not is_freeze:
-            found["bag_lost"] = _lacking(recording, witness.arm, struck_ns)
+            found["bag_lost"] = lacking(recording, witness.arm, struck_ns)
         found["next_works"] = self._try_next(case)
 
     def _watch(self, struck: float, struck_ns: int, least: float, *, is_lost: bool) -> dict[str, Any]:
@@ -199,13 +196,3 @@ class FaultBench:
     @property
     def _bag(self) -> Path:
         return self._folder / f"recording_{self._recordings}" / BAG_FOLDER
-
-
-def _lacking(bag: Path, arm: ArmRecord, struck_ns: int) -> float:
-    """Simulated time before a moment of the wall clock that a recording lacks [s], if need be all of it."""
-    try:
-        messages = read_bag(bag.parent).of(RECORDED)
-        newest = max((from_stamp(message.header.stamp) for message in messages), default=0.0)
-    except BagError:
-        newest = 0.0
-    return max(0.0, arm.simulated(struck_ns) - newest)

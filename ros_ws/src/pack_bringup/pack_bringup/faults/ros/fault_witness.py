@@ -14,7 +14,6 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
-from sensor_msgs.msg import JointState
 
 from pack_bringup.cell_goal import CellGoal
 from pack_bringup.faults.arm_record import ArmRecord
@@ -131,7 +130,7 @@ class FaultWitness:
         """When [s of wall clock after `since`] and by whom a node was called silent."""
         return [(at - since, by) for at, by, text in self.diagnosed if at >= since and f"'{name}'" in text]
 
-    def _on_joints(self, message: JointState, info: dict[str, int]) -> None:
+    def _on_joints(self, message: Any, info: dict[str, int]) -> None:
         speed = max(abs(v) for v in message.velocity)
         self.arm.add(from_stamp(message.header.stamp), info["source_timestamp"], speed)
 
