@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -12,23 +12,21 @@ from pack_core.joints import JointSample, JointSetpoint
 from pack_core.motion.moves import JointMove, Mode, Path
 from pack_core.motion.target import Acceptance, MotionStatus, MotionTarget
 from pack_core.motion.world import Obstacle
-from pack_core.rotations import Array, Pose, from_matrix
+from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
 from pack_motion.interruption import left_of, rising, standing_plan
 from pack_motion.move_monitor import MoveMonitor
 from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.spheres import arm_spheres
-from pack_motion.target_planner import PreparedTarget, TargetPlanner
+from pack_motion.target_planner import PreparedTarget, TargetPlanner, unwound
 from pack_motion.tracking.config import MotionSet, Reference
 from pack_motion.tracking.governor import Threat
+from pack_motion.tracking.moving_obstacles import MovingObstacles
 from pack_motion.tracking.obstacle_field import ObstacleField
 from pack_motion.tracking.pursuit import Pursuit, pursuit_of
 from pack_motion.tracking.tracker import PolicyInputs, Tracker
 
-NEAR = 1.0
-"""An obstacle that moves nearer to the arm than this may drive it off its planned way [m]."""
-TURN = 2.0 * np.pi
 LONGEST_STEP = 0.1
 """Longest step that is integrated [s]; a longer one is a gap in the measurements and an error."""
 
@@ -59,8 +57,7 @@ class MotionController:
         self._pursuit: Pursuit
         self._tracker = Tracker(self._arm, self._config, np.array(q, dtype=float))
         self._monitor = MoveMonitor(self._arm, self._config.stuck)
-        self._moving: dict[str, Obstacle] = {}
-        self._observed = time
+        self._moving = MovingObstacles(self._arm, time)
         standing = MotionTarget(0, Path((JointMove(self._tracker.state.q),)), is_checked=False)
         self._follow(standing, self._planner.plan(self._tracker.state, standing))
         self._monitor.stand()
@@ -101,7 +98,10 @@ class MotionController:
         """Plan a target from the commanded state; changes nothing, and may run in another thread."""
         X_WT = self._arm.chain.forward(self.commanded.q)
         others = rising(target, X_WT) if target is self._resumed else ()
-        return self._planner.prepare(self._planning_start(), target, others)
+        start = self.commanded
+        if self._config.reference is Reference.STATIC:
+            start = unwound(start, self._arm.limits)
+        return self._planner.prepare(start, target, others)
 
     def take(self, prepared: PreparedTarget) -> Acceptance:
         """Follow a prepared target from the next step on; no step may have moved the arm since."""
@@ -162,8 +162,7 @@ class MotionController:
             obstacles: the obstacles.
             time: when they were where they are said to be [s]; None: now.
         """
-        self._moving = {item.name: item for item in obstacles}
-        self._observed = self._time if time is None else time
+        self._moving.observe(obstacles, self._time if time is None else time)
         self._refresh_field()
 
     def step(self, time: float, sample: JointSample) -> JointSetpoint:
@@ -206,37 +205,13 @@ class MotionController:
         self._refresh_field()
         self._monitor.begin(target.id)
 
-    def _planning_start(self) -> JointState:
-        """The state that plans begin in: the commanded one.
-
-        A static reference knows no way between its goals, so its joints may have wound up beyond their
-        ranges; they are planned for as if they had been turned back by whole turns.
-        """
-        state, limits = self.commanded, self._arm.limits
-        if self._config.reference is not Reference.STATIC:
-            return state
-        turns = np.where((state.q < limits.lower) | (state.q > limits.upper), np.round(state.q / TURN), 0.0)
-        return JointState(np.clip(state.q - TURN * turns, limits.lower, limits.upper), state.v, state.a)
-
     def _refresh_field(self) -> None:
-        age = max(self._time - self._observed, 0.0)
-        moving = {name: item.after(age) for name, item in self._moving.items()}
-        # What may be touched must not push the arm away from it.
-        apart = (item for item in self._target.obstacles if item.name not in self._target.contacts)
-        known = {item.name: item for item in apart} | moving
-        is_avoiding = bool(moving) and self._tracker.least_distance < NEAR
-        around = [*known.values(), *(self._own_base() if is_avoiding else ())]
-        policy = self._config.policies(self._mode).collision
-        self._field: ObstacleField = ObstacleField.of(around, policy, is_avoiding=is_avoiding)
-
-    def _own_base(self) -> Iterator[Obstacle]:
-        """The arm's first link, which turns on its base, where it is now: its other links may run into it."""
-        bodies = self._arm.bodies
-        R, p = bodies.moved(*self._arm.chain.links(self.commanded.q))
-        for i in np.flatnonzero(bodies.link == 0):
-            yield Obstacle(bodies.names[i], Pose(p[i], from_matrix(R[i])), 2.0 * bodies.half[i])
+        policy, tracker = self._config.policies(self._mode).collision, self._tracker
+        self._field: ObstacleField = self._moving.field(
+            self._time, self._target, policy, tracker.state.q, tracker.least_distance
+        )
 
     def _threat(self) -> Threat:
         """The nearest obstacle that the policies react to, as the governor sees it."""
-        is_blind = bool(self._moving) and self._time - self._observed > self._config.governor.blind
+        is_blind = self._moving.is_silent(self._time, self._config.governor.blind)
         return Threat(self._tracker.least_distance, self._tracker.threat_speed, is_blind)

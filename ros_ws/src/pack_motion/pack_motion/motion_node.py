@@ -22,7 +22,8 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import NEWEST
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state, to_trajectory
-from pack_core.ros.motion_messages import from_obstacles, from_target, to_status
+from pack_core.ros.motion_messages import from_target, to_status
+from pack_core.ros.obstacle_messages import from_obstacles
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.stamp_check import StampCheck
@@ -125,14 +126,13 @@ class MotionNode(CellNode):
     def _on_peer(self, peer: str, is_alive: bool) -> None:
         """Have the arm brake while a node is silent; the move goes on when all are heard again."""
         with self._stepping:
-            self._silent.discard(peer) if is_alive else self._silent.add(peer)
+            self._silent = self._silent - {peer} if is_alive else self._silent | {peer}
             self._bar()
 
     def _bar(self) -> None:
-        if self._stream is not None and self._silent:
-            self._stream.bar(f"silent: {', '.join(sorted(self._silent))}")
-        elif self._stream is not None:
-            self._stream.is_barred = False
+        if self._stream is not None:
+            names = ", ".join(sorted(self._silent))
+            self._stream.bar(names and f"silent: {names}")
 
     def on_peer_end(self, peer: str) -> None:
         if peer == COMMANDER:

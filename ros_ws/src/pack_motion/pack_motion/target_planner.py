@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from pack_core.motion.moves import JointMove, Path
 from pack_core.motion.target import MotionTarget
+from pack_core.robots.joint_limits import JointLimits
 from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
 from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.refusal import MoveRefused
 from pack_motion.reference.trajectory import JointState
+
+TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
@@ -76,3 +81,14 @@ class TargetPlanner:
         trajectory = self._paths.stop(start)
         goal = JointMove(trajectory.end.q, label="stop")
         return MotionPlan(trajectory, (goal,), self._arm.chain.forward(trajectory.end.q))
+
+
+def unwound(state: JointState, limits: JointLimits) -> JointState:
+    """The state with joints that are beyond their range turned back by whole turns.
+
+    A static reference knows no way between its goals, and its joints may wind up beyond their ranges where
+    nothing stops them. Plans must begin within.
+    """
+    is_beyond = (state.q < limits.lower) | (state.q > limits.upper)
+    q = state.q - np.where(is_beyond, TURN * np.round(state.q / TURN), 0.0)
+    return JointState(np.clip(q, limits.lower, limits.upper), state.v, state.a)

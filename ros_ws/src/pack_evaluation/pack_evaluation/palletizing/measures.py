@@ -9,9 +9,9 @@ from typing import Annotated
 
 import numpy as np
 
-from pack_core.config import Config
 from pack_core.rotations import Array, angle_between
-from pack_evaluation.palletizing.run import BoxRecord, PalletRun, ToolTrack
+from pack_evaluation.palletizing.box_measures import BoxMeasures, PlacementCriteria, measure_box
+from pack_evaluation.palletizing.run import PalletRun, ToolTrack
 from pack_evaluation.palletizing.state_times import StateTime, near_contact_peak, state_times
 from pack_evaluation.palletizing.visitor_measures import VisitorMeasures, measure_visitors, visitors_text
 from pack_evaluation.table import MeasureText, mean_and_max, number, yes_or_no
@@ -20,42 +20,6 @@ CLEAR_STATE = "17 pre deposit"
 """Shifts are measured between two entries of this state: a box is about to come down on the stack."""
 GOAL_STATES = ("4 lift", "9 step back", "13 lift table", "19 retreat")
 """States that are entered when a goal was reached and the gripper has acted."""
-
-
-class PlacementCriteria(Config):
-    """Largest errors, in position [m] and orientation [deg], of a correctly placed box."""
-
-    position: float = 0.005
-    orientation_deg: float = 1.0
-
-
-@dataclass(frozen=True)
-class BoxMeasures:
-    """The measures of one box.
-
-    Attributes:
-        name: name of the box.
-        handling: none, flip or table.
-        outcome: placed, skipped, lost or pending.
-        is_ok: whether it was placed and meets the criteria at the end.
-        error_mm: distance from its planned position at the end; None if it was not placed.
-        angle_deg: angle from its planned orientation at the end; None if it was not placed.
-        cycle_s: cycle time; None if it was not placed.
-        coaxial_N: largest coaxial force of its grips; None if it was not gripped.
-        shear_N: largest shear force of its grips; None if it was not gripped.
-        moment_Nm: largest bending moment of its grips; None if it was not gripped.
-    """
-
-    name: str
-    handling: str
-    outcome: str
-    is_ok: bool
-    error_mm: float | None
-    angle_deg: float | None
-    cycle_s: float | None
-    coaxial_N: float | None
-    shear_N: float | None
-    moment_Nm: float | None
 
 
 def _errors(boxes: Sequence[BoxMeasures]) -> str:
@@ -156,7 +120,7 @@ class OrderMeasures:
 
 def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> OrderMeasures:
     """Measure a run of an order."""
-    boxes = tuple(_measure_box(run, box, criteria or PlacementCriteria()) for box in run.boxes)
+    boxes = tuple(measure_box(run, box, criteria or PlacementCriteria()) for box in run.boxes)
     position_mm, angle_deg = tracking_errors(run.tool)
     goals = [visit.time for visit in run.visits if visit.state in GOAL_STATES]
     at_goals = position_mm[np.clip(run.tool.times.searchsorted(goals), 0, len(position_mm) - 1)]
@@ -205,21 +169,6 @@ def shifts_mm(run: PalletRun) -> tuple[float, ...]:
             found.append(max(moved))
         placed.append(name)
     return tuple(found)
-
-
-def _measure_box(run: PalletRun, box: BoxRecord, criteria: PlacementCriteria) -> BoxMeasures:
-    error_mm = angle_deg = None
-    is_ok = False
-    if box.outcome == "placed":
-        X_WB = run.tracks[box.name].at(float("inf"))
-        error_mm = 1e3 * float(np.linalg.norm(X_WB.p - box.X_WB.p))
-        angle_deg = float(np.degrees(angle_between(X_WB.q, box.X_WB.q)))
-        is_ok = error_mm <= 1e3 * criteria.position and angle_deg <= criteria.orientation_deg
-    coaxial, shear, moment = run.grip_peaks.get(box.name, (None, None, None))
-    return BoxMeasures(
-        box.name, box.handling, box.outcome, is_ok, error_mm, angle_deg, run.cycles.get(box.name),
-        coaxial, shear, moment,
-    )  # fmt: skip
 
 
 def _of_way_points(values: Sequence[float]) -> tuple[float, float] | None:

@@ -18,7 +18,7 @@ from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import to_stamp
 from pack_core.ros.joint_messages import to_joint_state
-from pack_core.ros.motion_messages import to_obstacles
+from pack_core.ros.obstacle_messages import to_obstacles
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
 from pack_core.ros.scene_messages import to_scene
 from pack_core.topics import steps_between

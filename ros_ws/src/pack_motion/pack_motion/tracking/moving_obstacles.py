@@ -1,0 +1,72 @@
+"""Obstacles that move: where they are now, by the newest observation of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from pack_core.motion.target import MotionTarget
+from pack_core.motion.world import Obstacle
+from pack_core.rotations import Array, Pose, from_matrix
+from pack_motion.arm.arm import MotionArm
+from pack_motion.rmpflow.parameters import Collision
+from pack_motion.tracking.obstacle_field import ObstacleField
+
+NEAR = 1.0
+"""An obstacle that moves nearer to the arm than this may drive it off its planned way [m]."""
+
+
+class MovingObstacles:
+    """Keeps the newest observation, and makes the field of what the policies react to.
+
+    Args:
+        arm: the arm that moves among them.
+        time: now [s].
+    """
+
+    def __init__(self, arm: MotionArm, time: float) -> None:
+        self._arm, self._seen_at = arm, time
+        self._seen: dict[str, Obstacle] = {}
+
+    def observe(self, obstacles: Iterable[Obstacle], time: float) -> None:
+        """Take an observation made at `time` [s]; obstacles that are not in it are gone."""
+        self._seen, self._seen_at = {item.name: item for item in obstacles}, time
+
+    def __bool__(self) -> bool:
+        return bool(self._seen)
+
+    def is_silent(self, time: float, longest: float) -> bool:
+        """Whether some were seen, and nothing has been heard of them for longer than `longest` [s]."""
+        return bool(self._seen) and time - self._seen_at > longest
+
+    def field(
+        self, time: float, target: MotionTarget, policy: Collision, q: Array, distance: float
+    ) -> ObstacleField:
+        """What a policy reacts to at `time` [s].
+
+        Those seen are taken to go on at their velocities. Once one of them is near, the arm may leave its
+        planned way, and what stands, and its own base, are felt, too.
+
+        Args:
+            time: now [s].
+            target: with the obstacles that stand.
+            policy: the policy.
+            q: commanded joint positions `(n,)` [rad].
+            distance: from the arm to the nearest of those that move [m].
+        """
+        age = max(time - self._seen_at, 0.0)
+        moving = {name: item.after(age) for name, item in self._seen.items()}
+        # What may be touched must not push the arm away from it.
+        apart = (item for item in target.obstacles if item.name not in target.contacts)
+        known = {item.name: item for item in apart} | moving
+        is_avoiding = bool(moving) and distance < NEAR
+        around = [*known.values(), *(self._own_base(q) if is_avoiding else ())]
+        return ObstacleField.of(around, policy, is_avoiding=is_avoiding)
+
+    def _own_base(self, q: Array) -> Iterator[Obstacle]:
+        """The arm's first link, which turns on its base, where it is now: its other links may run into it."""
+        bodies = self._arm.bodies
+        R, p = bodies.moved(*self._arm.chain.links(q))
+        for i in np.flatnonzero(bodies.link == 0):
+            yield Obstacle(bodies.names[i], Pose(p[i], from_matrix(R[i])), 2.0 * bodies.half[i])
