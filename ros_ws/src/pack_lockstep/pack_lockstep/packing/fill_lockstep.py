@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from pack_core.errors import MessageError
+from pack_core.joints import Setpoints
 from pack_core.packing.arrangement import Arrangement, FillMethod
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import is_packed
@@ -99,7 +102,7 @@ class FillLockstep:
             command = self.job.step(self._observe(answer))
             answer = None if command.request is None else self._serve(command.request, on_step)
             if command.setpoints is not None:
-                self.simulator.accept(command.setpoints)
+                self._send(command.setpoints)
             if answer is None:
                 self.cell.advance(PERIOD)
             if on_step is not None:
@@ -124,6 +127,11 @@ class FillLockstep:
         seen = self._look()
         force, _ = self.simulator.external_wrench()
         return FillObservation(seen.joints, seen.scene, force, seen.is_held, answer)
+
+    def _send(self, setpoints: Setpoints) -> None:
+        """Hand setpoints to the driver; one that it refuses leaves the arm braking, as in the running cell."""
+        with suppress(MessageError):
+            self.simulator.accept(setpoints)
 
     def _look(self) -> PackingObservation:
         """What is known now; the forces count for the peak of the whole job."""
@@ -187,9 +195,9 @@ class FillLockstep:
             plan = session.step(seen, config.latency)
             self.cell.advance(config.latency)
             if plan is not None:
-                self.simulator.accept(plan.setpoints)
+                self._send(plan.setpoints)
             if on_step is not None:
                 on_step(self)
-        self.simulator.accept(hold(self.simulator.joints()))
+        self._send(hold(self.simulator.joints()))
         tried = session.task.tried
         return Packed(session.task.outcome, tried[-1] if tried else None)
