@@ -11,7 +11,7 @@ LONGEST = 200
 """Lines of a file that can be read at one go."""
 LONGER = {
     "pack_planner/pack_planner/rearrangement/beam/tables.py": "every field of one record is explained",
-    "pack_motion/pack_motion/controller.py": "what is asked of the motion in one place: moves, stops, obstacles",
+    "pack_motion/pack_motion/controller.py": "all that is asked of the motion, in one place",
     "pack_sim/pack_sim/packing/simulator.py": "one step of the whole cell, to be read from top to bottom",
 }
 """Files that may be longer, with the reason."""

@@ -41,6 +41,12 @@ def benchmark(
             help="Find boxes in rendered pictures, or (--no-vision) take true poses with added noise."
         ),
     ] = True,
+    limits: Annotated[
+        bool,
+        typer.Option(
+            help="Keep the limits of joints and grip, or (--no-limits) simulate without, as the thesis does."
+        ),
+    ] = True,
     visitors: Annotated[
         str,
         typer.Option(
@@ -85,8 +91,9 @@ def benchmark(
     from pack_lockstep.palletizing.settings import set_up
 
     setup = set_up(
-        profile=profile, motion=motion, preset=preset, vision=vision, visitors=visitors, gap_mm=gap
-    )
+        profile=profile, motion=motion, preset=preset, vision=vision, visitors=visitors, gap_mm=gap,
+        has_limits=limits,
+    )  # fmt: skip
     files = list(dict.fromkeys(order or ())) or order_files(orders or config_path("orders"))
     wanted = order_jobs(files, seeds, setup.cell, first_seed)
     numbers = range(first_seed, first_seed + seeds)
