@@ -23,8 +23,8 @@ from pack_sim.palletizing.simulator import PalletSimulator
 
 BOX = BoxBody("test box", (0.40, 0.30, 0.20), 8.0)
 PUTS = ((0.05, 0.05, np.pi), (-0.05, -0.05, 1.5 * np.pi))
-"""Where the box is put down: x and y from the middle of the table [m], yaw [rad]. It is turned by half
-a turn and a quarter: one that is not turned comes out right with a camera that sees all too far to one side."""
+"""Where the box is put down: x and y from the middle of the table [m], yaw [rad]. It is turned by half a turn
+and a quarter: one that is not turned comes out right with a camera that sees all too far to one side."""
 ALLOWED_LOOK, ALLOWED_TOUCH = 1.0, 0.5
 """Largest distances with which the calibration still holds [mm]: a third of the cell's largest placing error,
 and a quarter of the height from which boxes are let go."""
