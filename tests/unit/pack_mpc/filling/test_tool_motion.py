@@ -8,7 +8,7 @@ import pytest
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.rotations import angle_between, from_yaw, multiply
-from pack_mpc.filling.tool_motion import PERIOD, Leg, ToolArm, legs
+from pack_mpc.filling.tool_motion import PERIOD, PathLeg, ToolArm, legs
 
 CELL = packing_cell()
 ARM = ToolArm(CELL)
@@ -38,7 +38,7 @@ def test_the_cup_keeps_its_speed_and_the_joints_their_limits() -> None:
 
 
 def test_setpoints_follow_the_clock_and_hold_the_end() -> None:
-    motion = ARM.plan(HOME, 1.0, [Leg(np.array([0.0, 0.0, 0.05]), 0.0, 0.4)])
+    motion = ARM.plan(HOME, 1.0, [PathLeg(np.array([0.0, 0.0, 0.05]), 0.0, 0.4)])
     rows = motion.setpoints(1.205)
     assert rows.time == pytest.approx(1.2)
     np.testing.assert_array_equal(rows.q[0], motion.q[10])
@@ -50,5 +50,5 @@ def test_setpoints_follow_the_clock_and_hold_the_end() -> None:
 def test_a_position_just_outside_a_limit_is_brought_back_inside() -> None:
     beyond = HOME.copy()
     beyond[6] = CELL.robot.arm.limits.upper[6] + 1e-4
-    motion = ARM.plan(beyond, 0.0, [Leg(np.array([0.0, 0.0, 0.01]), 0.0, 0.2)])
+    motion = ARM.plan(beyond, 0.0, [PathLeg(np.array([0.0, 0.0, 0.01]), 0.0, 0.2)])
     assert np.all(motion.q <= CELL.robot.arm.limits.upper)

@@ -60,14 +60,17 @@ def demo(
 
     check_scene(scene)
     folder = output or default_folder("packing", seed, datetime.now())
-    conditions = {
-        "folder": folder, "real_time_factor": real_time_factor, "command": command_line(), "preset": preset,
-    }  # fmt: skip
     job: PackingJob
     if fill or given:
         from pack_bringup.packing.fill_job import packing_fill_job
 
-        job = packing_fill_job(seed, given, **conditions)
+        job = packing_fill_job(
+            seed, given, folder=folder, real_time_factor=real_time_factor, command=command_line(),
+            preset=preset,
+        )  # fmt: skip
     else:
-        job = PackingJob(seed, scene, method.value, **conditions)
+        job = PackingJob(
+            seed, scene, method.value, folder=folder, real_time_factor=real_time_factor,
+            command=command_line(), preset=preset,
+        )  # fmt: skip
     run_live(job, video=video, domain=domain, page=page_process("packing", live, port))

@@ -51,7 +51,7 @@ class PackingFillJob(PackingJob):
 
 
 def packing_fill_job(
-    seed: int, given: Path | None, *, folder: Path, preset: str, **conditions: Any
+    seed: int, given: Path | None, *, folder: Path, preset: str, real_time_factor: float | None, command: str
 ) -> PackingFillJob:
     """The job for a list file or, without one, for objects drawn from the catalogue.
 
@@ -64,7 +64,9 @@ def packing_fill_job(
     folder.mkdir(parents=True, exist_ok=True)
     start = folder / START
     start.write_text(listed.start(cell).to_yaml())
-    return PackingFillJob(seed, start, folder=folder, preset=preset, list_text=_text(listed), **conditions)
+    return PackingFillJob(seed, start, folder=folder, preset=preset, list_text=_text(listed),
+        real_time_factor=real_time_factor, command=command,
+    )  # fmt: skip
 
 
 def _text(given: PackingList) -> str:

@@ -20,7 +20,7 @@ from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_mpc.filling.fill_job import FillJob
 from pack_mpc.filling.fill_report import Fill, FillReport, fill_of
-from pack_mpc.filling.requests import Arrange, FillRequest, Grip, Judge, Pack, Packed, Present, Presented
+from pack_mpc.filling.requests import Arrange, FillRequest, Judge, Pack, Packed, Present, Presented, UsePump
 from pack_mpc.filling.steps import FillObservation
 from pack_mpc.force_record import ForceRecord
 from pack_mpc.look import unseen_of
@@ -129,7 +129,7 @@ class FillLockstep:
         return FillObservation(seen.joints, seen.scene, force, seen.is_held, answer)
 
     def _send(self, setpoints: Setpoints) -> None:
-        """Hand setpoints to the driver; one that it refuses leaves the arm braking, as in the running cell."""
+        """Hand setpoints to the driver; refused ones leave the arm braking, as in the running cell."""
         with suppress(MessageError):
             self.simulator.accept(setpoints)
 
@@ -149,7 +149,7 @@ class FillLockstep:
                 reason = self.simulator.present(item)
                 self.cell.estimator.change_scene(self.simulator.description)
                 return Presented(None if reason else self.simulator.description, reason)
-            case Grip(close):
+            case UsePump(close):
                 return self._grip(close=close)
             case Pack():
                 return self._pack(request, on_step)

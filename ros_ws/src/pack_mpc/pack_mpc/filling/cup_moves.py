@@ -11,7 +11,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.steps import FillCommand, FillObservation, Steps, Until
-from pack_mpc.filling.tool_motion import PEAK, Leg, ToolArm, legs
+from pack_mpc.filling.tool_motion import PEAK, PathLeg, ToolArm, legs
 from pack_mpc.stages import nearest_heading
 
 OVERLAP = 0.35
@@ -66,7 +66,7 @@ class CupMoves:
         return (yield from self.rise(seen, missing))
 
     def down(self, seen: FillObservation, way: float, until: Until) -> Steps[FillObservation]:
-        path = [Leg(np.array([0.0, 0.0, -way]), 0.0, PEAK * way / self._config.touch_speed)]
+        path = [PathLeg(np.array([0.0, 0.0, -way]), 0.0, PEAK * way / self._config.touch_speed)]
         return (yield from self.move(seen, path, until=until))
 
     def rise(
@@ -76,7 +76,11 @@ class CupMoves:
         return (yield from self.move(seen, path, until=until))
 
     def move(
-        self, seen: FillObservation, path: list[Leg], q_WT: Array | None = None, until: Until | None = None
+        self,
+        seen: FillObservation,
+        path: list[PathLeg],
+        q_WT: Array | None = None,
+        until: Until | None = None,
     ) -> Steps[FillObservation]:
         """Follow a path to its end, or until a condition holds."""
         motion = self.arm.plan(seen.joints.q, seen.joints.time, path, q_WT)

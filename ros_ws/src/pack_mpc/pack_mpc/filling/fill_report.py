@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -85,7 +86,7 @@ class FillReport:
         return any(row.has_fault for row in self.objects)
 
 
-def fill_of(container: Container, standing: list[tuple[SceneItem, Pose]]) -> Fill:
+def fill_of(container: Container, standing: Sequence[tuple[SceneItem, Pose]]) -> Fill:
     """How full the container is with objects at X_WO.
 
     An object's volume is that of its outline, seen from above, times its height below the rim.

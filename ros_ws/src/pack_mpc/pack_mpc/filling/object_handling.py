@@ -10,7 +10,7 @@ from pack_core.packing.objects import SceneItem
 from pack_core.rotations import Pose, rotate
 from pack_mpc.filling.cup_moves import CupMoves
 from pack_mpc.filling.fill_config import FillConfig
-from pack_mpc.filling.requests import Grip
+from pack_mpc.filling.requests import UsePump
 from pack_mpc.filling.steps import FillObservation, Steps, ask, wait
 from pack_mpc.filling.tool_motion import legs
 from pack_mpc.stages import UP
@@ -29,7 +29,7 @@ class ObjectHandling:
         self._moves, self._cell, self._config, self._scene = moves, cell, config, moves.scene
 
     def pick(self, seen: FillObservation) -> Steps[tuple[str, FillObservation]]:
-        """Grip the object that was handed over, and lift it a little; returns why it failed, if it did."""
+        """UsePump the object that was handed over, and lift it a little; returns why it failed, if it did."""
         item, config = self._scene.new_object, self._config
         announced = self._cell.hand_over.pose_of(item)
         seen = yield from self._moves.go_over(seen, item, announced)
@@ -53,7 +53,7 @@ class ObjectHandling:
         config = self._config
         touches = self._moves.contact(seen)
         seen = yield from self._moves.down(seen, config.approach + config.overshoot, touches)
-        refusal, seen = yield from ask(seen, Grip(close=True), str)
+        refusal, seen = yield from ask(seen, UsePump(close=True), str)
         if not refusal:
             found, seen = yield from wait(seen, lambda s: s.is_gripped, config.sight_time)
             refusal = "" if found else "no vacuum was seen"
@@ -90,7 +90,7 @@ class ObjectHandling:
     def release(self, seen: FillObservation) -> Steps[tuple[str, FillObservation]]:
         """Open the pump, draw back without dragging, and see where the object rests."""
         item, config = self._scene.new_object, self._config
-        _, seen = yield from ask(seen, Grip(close=False), str)
+        _, seen = yield from ask(seen, UsePump(close=False), str)
         _, seen = yield from wait(seen, lambda s: not s.is_gripped, config.sight_time)
         drags = self._moves.contact(seen, config.retreat_force)
         dragged = False
@@ -125,7 +125,7 @@ class ObjectHandling:
             seen, config.approach + config.overshoot,
             lambda s: touches(s) or _height(s, item) < config.standing,
         )  # fmt: skip
-        _, seen = yield from ask(seen, Grip(close=False), str)
+        _, seen = yield from ask(seen, UsePump(close=False), str)
         _, seen = yield from wait(seen, lambda s: not s.is_gripped, config.sight_time)
         return (yield from self._moves.rise(seen, config.clearance))
 

@@ -38,7 +38,7 @@ class Judge:
 
 
 @dataclass(frozen=True)
-class Grip:
+class UsePump:
     """Close the pump, or open it; answered by the reason why not, empty if it is done."""
 
     close: bool
@@ -57,7 +57,7 @@ class Pack:
     grip: Pose
 
 
-FillRequest: TypeAlias = Arrange | Present | Judge | Grip | Pack
+FillRequest: TypeAlias = Arrange | Present | Judge | UsePump | Pack
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ ROUNDS = 3
 
 
 @dataclass(frozen=True)
-class Leg:
+class PathLeg:
     """A straight part of a path: the displacement `(3,)` [m] from `start` [s] on, over `duration` [s]."""
 
     way: Array
@@ -45,7 +45,7 @@ class Leg:
     duration: float
 
 
-def legs(ways: Sequence[Array], speed: float, overlap: float = 0.0) -> list[Leg]:
+def legs(ways: Sequence[Array], speed: float, overlap: float = 0.0) -> list[PathLeg]:
     """Legs one after the other, each begun when a share `overlap` of the one before is still to come.
 
     Args:
@@ -53,17 +53,17 @@ def legs(ways: Sequence[Array], speed: float, overlap: float = 0.0) -> list[Leg]
         speed: largest speed of a leg [m/s].
         overlap: share of a leg's time, from 0 (stop at every corner) to below 1.
     """
-    found: list[Leg] = []
+    found: list[PathLeg] = []
     start = 0.0
     for way in ways:
         duration = max(SHORTEST, PEAK * float(np.linalg.norm(way)) / speed)
-        found.append(Leg(way, start, duration))
+        found.append(PathLeg(way, start, duration))
         start += (1.0 - overlap) * duration
     return found
 
 
 @dataclass(frozen=True)
-class ToolMotion:
+class CupMotion:
     """A motion of the arm: joint positions, velocities and torques, a row every `PERIOD`, from `start` on.
 
     Attributes:
@@ -91,7 +91,7 @@ class ToolMotion:
         is_over = (rows > last)[:, None]
         at = np.minimum(rows, last)
         return Setpoints(
-            self.start + PERIOD * first, PERIOD * np.arange(len(rows)), self.q[at],
+            self.start + PERIOD * first, np.asarray(PERIOD * np.arange(len(rows)), dtype=float), self.q[at],
             np.where(is_over, 0.0, self.v[at]), np.where(is_over, 0.0, self.tau[at]),
         )  # fmt: skip
 
@@ -123,7 +123,7 @@ class ToolArm:
         """Heading of the cup, turned upright, at the arm's home pose [rad]."""
         return yaw_of(multiply(self.cup(self._home).q, np.array(UPSIDE_DOWN)))
 
-    def plan(self, q: Array, start: float, path: Sequence[Leg], q_WT: Array | None = None) -> ToolMotion:
+    def plan(self, q: Array, start: float, path: Sequence[PathLeg], q_WT: Array | None = None) -> CupMotion:
         """The motion along a path.
 
         Args:
@@ -146,7 +146,7 @@ class ToolArm:
         v[0], v[-1] = 0.0, 0.0
         a = np.gradient(v, PERIOD, axis=0)
         limit = self._limits.velocity
-        return ToolMotion(start, qs, np.clip(v, -limit, limit), self._torques(qs, v, a))
+        return CupMotion(start, qs, np.clip(v, -limit, limit), self._torques(qs, v, a))
 
     def _follow(self, q: Array, X_WT: Pose) -> Array:
         """Joint positions near `q` `(7,)` at which the cup is at X_WT, by damped least squares."""

@@ -17,7 +17,7 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.conversions import to_pose
 from pack_core.ros.scene_messages import to_scene
-from pack_mpc.filling.requests import Arrange, Grip, Judge, Present, Presented
+from pack_mpc.filling.requests import Arrange, Judge, Present, Presented, UsePump
 from pack_mpc.ros.fill_clients import FillClients, arrangement_in, reason_in
 from pack_mpc.session import PackingObservation
 
@@ -57,7 +57,7 @@ class FillRequests:
         self._seed += 1
         return self._seed
 
-    def begin(self, request: Arrange | Present | Judge | Grip) -> Poll:
+    def begin(self, request: Arrange | Present | Judge | UsePump) -> Poll:
         """Send a request; what is returned gives the answer once there is one."""
         match request:
             case Arrange():
@@ -66,7 +66,7 @@ class FillRequests:
                 return self._present(item)
             case Judge():
                 return self._judge()
-            case Grip(close):
+            case UsePump(close):
                 future = self._call(contracts.GRIPPER_COMMAND, GripperCommand.Request(close=close))
                 return lambda: reason_in(future.result()) if future.done() else None
 
