@@ -29,7 +29,7 @@ class ObjectHandling:
         self._moves, self._cell, self._config, self._scene = moves, cell, config, moves.scene
 
     def pick(self, seen: FillObservation) -> Steps[tuple[str, FillObservation]]:
-        """UsePump the object that was handed over, and lift it a little; returns why it failed, if it did."""
+        """Grip the object that was handed over, and lift it a little; returns why it failed, if it did."""
         item, config = self._scene.new_object, self._config
         announced = self._cell.hand_over.pose_of(item)
         seen = yield from self._moves.go_over(seen, item, announced)
