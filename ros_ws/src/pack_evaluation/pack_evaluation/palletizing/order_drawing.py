@@ -5,7 +5,6 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -54,7 +53,7 @@ def draw_order(order: Order, reasons: Sequence[str]) -> Figure:
 
 
 def _draw_space(figure: Figure, place: object, order: Order, wrong: set[str]) -> None:
-    axes = figure.add_subplot(place, projection="3d")  # type: ignore[arg-type]
+    axes = figure.add_subplot(place, projection="3d")
     pallet = order.pallet
     axes.bar3d(0, 0, -pallet.deck_height, pallet.length, pallet.width, pallet.deck_height,
                color="#c8b48f", edgecolor="#8a7a58", linewidth=0.4, alpha=0.6)  # fmt: skip
@@ -86,15 +85,20 @@ def _draw_side(axes: Axes, order: Order, wrong: set[str], plane: tuple[int, int]
 
 
 def _draw_outline(axes: Axes, item: PlacedBox, plane: tuple[int, int], rank: int, *, is_wrong: bool) -> None:
-    lower, size = item.lower[list(plane)], item.size[list(plane)]
+    (x, y), (width, height) = item.lower[list(plane)].tolist(), item.size[list(plane)].tolist()
     colour = WRONG if is_wrong else CARD
-    axes.add_patch(Rectangle(lower, *size, facecolor=colour, edgecolor=EDGE, linewidth=0.8, zorder=rank))
-    middle = lower + 0.5 * size
+    axes.add_patch(
+        Rectangle((x, y), width, height, facecolor=colour, edgecolor=EDGE, linewidth=0.8, zorder=rank)
+    )
     # With the rank of its box, so that a box in front of it covers it.
-    axes.text(*middle, item.id, ha="center", va="center", fontsize=5.5, clip_on=True, zorder=rank)
+    axes.text(
+        x + 0.5 * width, y + 0.5 * height, item.id, ha="center", va="center", fontsize=5.5, clip_on=True,
+        zorder=rank,
+    )  # fmt: skip
 
 
 def _draw_deck(axes: Axes, pallet: OrderPallet, plane: tuple[int, int]) -> None:
-    edges = np.array([pallet.length, pallet.width, pallet.deck_height])[list(plane)]
-    lower = np.array([0.0, -pallet.deck_height if plane[1] == 2 else 0.0])
-    axes.add_patch(Rectangle(lower, *edges, fill=False, edgecolor="#888888", linestyle="--"))
+    edges = (pallet.length, pallet.width, pallet.deck_height)
+    lower = (0.0, -pallet.deck_height if plane[1] == 2 else 0.0)
+    width, height = edges[plane[0]], edges[plane[1]]
+    axes.add_patch(Rectangle(lower, width, height, fill=False, edgecolor="#888888", linestyle="--"))

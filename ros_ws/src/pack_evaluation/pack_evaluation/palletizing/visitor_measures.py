@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from pack_core.rotations import Array
 from pack_evaluation.palletizing.run import PalletRun
 from pack_evaluation.palletizing.state_times import tool_speeds
 
@@ -68,7 +68,7 @@ def visitors_text(found: VisitorMeasures | None) -> str:
     return f"{found.crossings} crossings, {nearest}; {found.touches} contacts"
 
 
-def _stretches(flags: Array) -> list[tuple[int, int]]:
+def _stretches(flags: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First index, and index beyond the last, of every run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return [(int(edges[k]), int(edges[k + 1])) for k in range(0, len(edges), 2)]

@@ -147,7 +147,8 @@ def _cost(
     """What a place costs; the smallest is taken."""
     upper = np.max([p + size, *(box.upper for box in stack)], axis=0)
     lower = np.min([p, *(box.lower for box in stack)], axis=0)
-    length, width, height = *(upper - lower)[:2], upper[2]
+    length, width = (float(edge) for edge in (upper - lower)[:2])
+    height = float(upper[2])
     surface = 2.0 * (length * width + (length + width) * height)
     price = config.handling_price * PRICE[turn.handling]
     near = float(p[0] + p[1])

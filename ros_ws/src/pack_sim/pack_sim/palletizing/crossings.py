@@ -12,8 +12,8 @@ RANDOM = "random"
 """Name of the visitors that are drawn from the seed of a run."""
 TOGETHER = 2
 """Visitors that come in one run, each again and again."""
-PERSON = {"radius": 0.25, "length": 1.3}
-"""Shoulders 0.5 m wide, 1.8 m tall."""
+SHOULDERS, TALL = 0.25, 1.3
+"""Radius and length of a person's capsule [m]: 0.5 m wide, 1.8 m tall."""
 BREAST = 0.9
 """Height of the middle of a person [m]."""
 
@@ -37,14 +37,22 @@ def _walks_in(rng: np.random.Generator) -> Visitor:
     """A person goes in between table B and the pallet, stops there, and comes out again."""
     y, x = rng.uniform(1.45, 1.75), rng.uniform(-0.1, 0.6)
     way = ((3.0, y, BREAST), (x, y, BREAST), (3.0, y, BREAST))
-    return _visitor(rng, "person between", way, rng.uniform(0.8, 1.6), pause=rng.uniform(0.5, 2.5), **PERSON)
+    return _visitor(
+        rng,
+        "person between",
+        way,
+        rng.uniform(0.8, 1.6),
+        pause=rng.uniform(0.5, 2.5),
+        radius=SHOULDERS,
+        length=TALL,
+    )
 
 
 def _walks_past(rng: np.random.Generator) -> Visitor:
     """A person goes along the pallet's far end and table B."""
     x = rng.uniform(0.95, 1.25)
     way = ((x, -2.5, BREAST), (x, 3.5, BREAST))
-    return _visitor(rng, "person passing", way, rng.uniform(0.8, 1.6), **PERSON)
+    return _visitor(rng, "person passing", way, rng.uniform(0.8, 1.6), radius=SHOULDERS, length=TALL)
 
 
 def _drives_up(rng: np.random.Generator) -> Visitor:
