@@ -89,6 +89,7 @@ def benchmark(
     - `pack evaluate bags/benchmarks/*` puts the results of several benchmarks side by side
     """
     from pack_core.config import validate_config
+    from pack_core.errors import ConfigError
     from pack_lockstep.benchmarking.pools import cores
     from pack_lockstep.packing.benchmark import PackingBenchmark
     from pack_lockstep.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
@@ -96,6 +97,15 @@ def benchmark(
     options = RunOptions(jobs, ray, output, fresh, json_file, pictures, video_failures)
     cores_each = threads or max(1, cores() // jobs)
     if fill:
+        others = {
+            "--method": method != "pack_it_in", "--optimizer": optimizer, "--weights": weights,
+            "--container": container, "--scene-dir": scene_dir,
+        }  # fmt: skip
+        if given_too := [name for name, value in others.items() if value]:
+            raise ConfigError(
+                f"{', '.join(given_too)} beside --fill; allowed: --places, --preset, --scenes, --seed, and "
+                "the options of every benchmark; the rest is for scenes"
+            )
         from pack_lockstep.packing.fill_benchmark import PackingFillBenchmark, fill_setup, list_jobs
 
         filling = fill_setup(places, preset, cores_each)

@@ -13,6 +13,7 @@ from pack_bringup.cli.live import command_line, run_live
 from pack_bringup.cli.page_options import PORT, Live, Port, page_process
 from pack_bringup.packing.goal_command import Method, SceneFile, Seed, check_scene
 from pack_bringup.recording.run_record import default_folder
+from pack_core.errors import ConfigError
 from pack_core.packing.method import PackingMethod
 
 
@@ -62,6 +63,8 @@ def demo(
     folder = output or default_folder("packing", seed, datetime.now())
     job: PackingJob
     if fill or given:
+        if scene is not None or method is not PackingMethod.PACK_IT_IN:
+            raise ConfigError("--scene or --method beside --fill; allowed: LIST, which has its own container")
         from pack_bringup.packing.fill_job import packing_fill_job
 
         job = packing_fill_job(
