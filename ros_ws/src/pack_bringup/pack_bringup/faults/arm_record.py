@@ -69,7 +69,7 @@ class ArmRecord:
     def stop_after(self, time: float) -> Stop:
         """How the arm came to rest after a moment of simulated time [s]."""
         rows = self.between(time, float("inf"))
-        return stop_of(*rows.T, time) if len(rows) else Stop()
+        return stop_of(rows[:, 0], rows[:, 1], time) if len(rows) else Stop()
 
 
 def stop_of(stamps: Array, speeds: Array, time: float) -> Stop:

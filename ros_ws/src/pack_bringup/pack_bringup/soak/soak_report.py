@@ -38,7 +38,7 @@ def growth_per_hour(times: Sequence[float], values: Sequence[float], warm_up: fl
 
 def growth_table(samples: Samples) -> list[tuple[str, ...]]:
     """For each node and quantity: first, after the warm-up, last, and growth an hour [%]."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for node in samples[-1]["nodes"]:
         kept = [sample for sample in samples if node in sample["nodes"]]
         times = [sample["time"] for sample in kept]
