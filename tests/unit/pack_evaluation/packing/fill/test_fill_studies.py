@@ -52,5 +52,5 @@ def test_tables_and_the_figure_show_every_list(tmp_path: Path) -> None:
     overview, lists = STUDIES.tables(studies)
     assert overview.rows[0][:3] == ("fill contact ideal", "2/2", "6.00")
     assert [row[0] for row in lists.rows] == ["seed_0", "seed_1"]
-    (figure,) = STUDIES.figures(studies, tmp_path)
+    (figure,) = STUDIES.figures(studies, tmp_path / "figures")
     assert figure.stat().st_size > 1000

@@ -14,7 +14,7 @@ Fills = Sequence[Sequence[float]]
 
 
 def plot_fills(jobs: Mapping[str, Sequence[Fills]], folder: Path) -> list[Path]:
-    """Draw the covered share of the base over time, one line a job, one colour a study."""
+    """Draw the covered share of the base over time, one line a job, one colour a study; makes the folder."""
     figure = Figure(figsize=(7.0, 3.6), layout="constrained")
     axes = figure.subplots()
     for i, (name, fills) in enumerate(jobs.items()):
@@ -30,6 +30,7 @@ def plot_fills(jobs: Mapping[str, Sequence[Fills]], folder: Path) -> list[Path]:
     axes.grid(alpha=0.3)
     if jobs:
         axes.legend(loc="lower right")
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / "fill.png"
     figure.savefig(path, dpi=120)
     return [path]
