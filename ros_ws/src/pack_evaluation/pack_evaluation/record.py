@@ -40,7 +40,9 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         return load_values(path)
     except ConfigError as error:
-        raise BagError(f"{path} is broken: it should be YAML, a key a line; was it cut off?\n{error}") from error
+        raise BagError(
+            f"{path} is broken: it should be YAML, a key a line; was it cut off?\n{error}"
+        ) from error
 
 
 def cell_of(recording: Path) -> str:

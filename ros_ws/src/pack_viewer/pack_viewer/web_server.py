@@ -80,7 +80,7 @@ def open_server(port: int, label: str, *, host: str = LOOPBACK, token: str = "")
         ConfigError: the port is taken, or others could reach the page without a token.
     """
     _check(host, token)
-    # It logs a traceback for everybody who connects and asks for nothing, as whatever looks for open ports does.
+    # It logs a traceback for everybody who connects and asks for nothing, as who looks for open ports does.
     logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
     with _guarded(ConnectionGuard(port, token)) as is_guarded, redirect_stdout(StringIO()):
         server = PrivateServer(host=host, port=port, label=label, verbose=False)

@@ -66,8 +66,9 @@ def _check_new_object(scene: Scene, cell: PackingCell) -> None:
         place = cell.hand_over.centre
         if np.linalg.norm(np.subtract(item.pose.position[:2], place)) > HAND_OVER_REACH:
             raise ConfigError(
-                f"key 'new_object.pose' is {list(item.pose.position)}; allowed: none, it hangs from the pump, "
-                f"or at most {HAND_OVER_REACH} m from where objects are handed over, x {place[0]}, y {place[1]}"
+                f"key 'new_object.pose' is {list(item.pose.position)}; allowed: none, it hangs from the "
+                f"pump, or at most {HAND_OVER_REACH} m from where objects are handed over, "
+                f"x {place[0]}, y {place[1]}"
             )
     if item.mass > limit:
         raise ConfigError(
