@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 
@@ -36,6 +37,16 @@ def write_plots(run: PalletRun, folder: Path) -> list[Path]:
         paths.append(folder / f"{name}.png")
         figure.savefig(paths[-1], dpi=110)
     return paths
+
+
+def visitors_picture(run: PalletRun) -> bytes | None:
+    """The plot of visitors as PNG; None where nobody came."""
+    if not run.visitors:
+        return None
+    figure, picture = Figure(figsize=SIZE, layout="constrained"), BytesIO()
+    draw_visitors(figure, run)
+    figure.savefig(picture, format="png", dpi=110)
+    return picture.getvalue()
 
 
 def draw_position(figure: Figure, run: PalletRun) -> None:

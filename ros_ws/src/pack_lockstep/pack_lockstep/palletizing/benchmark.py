@@ -16,12 +16,16 @@ from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_evaluation.palletizing.measures import measure_order
+from pack_evaluation.palletizing.plots import visitors_picture
 from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
 from pack_lockstep.palletizing.lockstep import PalletLockstep, PalletLockstepConfig
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 from pack_sim.palletizing.crossings import visitors_of
+
+PICTURE = "visitors_picture"
+"""Key of a result that becomes a file, and no part of the results."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,7 @@ def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
     predicted = {} if calibration is None else {"predicted_mm": calibration.predicted.model_dump()}
     return {
         "name": job.name, "order": job.path.stem, "seed": job.seed, "reason": run.reason,
-        "measures": measures, "hold_mm": hold_mm, **predicted,
+        "measures": measures, "hold_mm": hold_mm, **predicted, PICTURE: visitors_picture(run),
     }  # fmt: skip
 
 
@@ -153,8 +157,12 @@ class PalletBenchmark(Benchmark[OrderJob, dict[str, Any]]):
         return partial(run_order, self.setup)
 
     def keep(self, result: dict[str, Any], folder: Path) -> Mapping[str, Any]:
-        """The measures of the trial; no further files are kept."""
-        return result
+        """The measures of the trial; the plot of its visitors, if there were any, is kept as a file."""
+        if (picture := result.get(PICTURE)) is not None:
+            plots = folder / "visitors"
+            plots.mkdir(parents=True, exist_ok=True)
+            (plots / f"{result['name']}.png").write_bytes(picture)
+        return {key: value for key, value in result.items() if key != PICTURE}
 
     def verdict(self, trial: Mapping[str, Any]) -> Verdict:
         """One line: placed boxes, largest error, mean cycle time, tracking error, contacts and all faults."""
