@@ -39,7 +39,7 @@ class RealLens:
         errors = self._errors
         seen = cv2.remap(picture, *self._maps, cv2.INTER_LINEAR).astype(np.float32)
         if errors.blur:
-            seen = cv2.GaussianBlur(seen, (0, 0), errors.blur)
+            seen = np.asarray(cv2.GaussianBlur(seen, (0, 0), errors.blur), dtype=np.float32)
         seen = seen * self._light
         # Shot noise: of n electrons the standard deviation is sqrt(n); read noise adds to it (EMVA 1288).
         electrons = errors.exposure * errors.full_well / 255.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -80,16 +81,16 @@ def estimate(model: CellModel, measured: Measurements) -> Estimate:
     held = [model.sag(view.q, loaded=True) for view in views]
     free = [sag_at(model, contact) for contact in contacts]
     expected = np.array([_touch_sigma(model, contact) for contact in contacts])
-    whiteners: list[Array] = [np.eye(2 * len(view.ids)) / CORNER for view in views]
-    x, scale = start(), prior_sigmas()
-    weights = whiteners
-    fit = least_squares(
-        lambda y: _residuals(model, y, views, held, weights, contacts, free, expected), x, x_scale=scale
-    )
-    whiteners = [_whitener(model, fit.x, view, sag) for view, sag in zip(views, held, strict=True)]
-    fit = least_squares(
-        lambda y: _residuals(model, y, views, held, whiteners, contacts, free, expected), fit.x, x_scale=scale
-    )
+
+    def fitted(x: Array, whiteners: list[Array]) -> Any:
+        def residuals(y: Array) -> Array:
+            return _residuals(model, y, views, held, whiteners, contacts, free, expected)
+
+        return least_squares(residuals, x, x_scale=prior_sigmas())
+
+    first = fitted(start(), [np.eye(2 * len(view.ids)) / CORNER for view in views])
+    whiteners = [_whitener(model, first.x, view, sag) for view, sag in zip(views, held, strict=True)]
+    fit = fitted(first.x, whiteners)
     x = fit.x
     of_views = _view_residuals(model, x, views, held)
     weighted = [W @ r.ravel() for W, r in zip(whiteners, of_views, strict=True)]

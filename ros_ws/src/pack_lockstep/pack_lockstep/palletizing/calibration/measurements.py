@@ -59,7 +59,7 @@ def corners_in(picture: Picture, board: CalibrationBoard) -> tuple[Array, Array]
     corners, ids, _, _ = detector.detectBoard(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
     if ids is None:
         return np.zeros(0, dtype=int), np.zeros((0, 2))
-    return ids.ravel(), np.asarray(corners, dtype=float).reshape(-1, 2)
+    return np.asarray(ids, dtype=int).ravel(), np.asarray(corners, dtype=float).reshape(-1, 2)
 
 
 def contact_of(touch: Touch, arm: SerialChain, period: float) -> Contact:

@@ -87,7 +87,7 @@ class Sag:
 
     def links(self, x: Array) -> Array:
         """Angles of the links `(6,)` for a vector of parameters."""
-        return self.q + self.lead * (1.0 - shares_of(x)) - x[PLAY] * self.play
+        return np.asarray(self.q + self.lead * (1.0 - shares_of(x)) - x[PLAY] * self.play)
 
 
 class CellModel:
