@@ -16,7 +16,8 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.packing_list import PackingList, draw_list, load_list
 from pack_core.paths import config_path
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
-from pack_lockstep.packing.fill_lockstep import FillLockstep, FillResult
+from pack_lockstep.packing.fill_lockstep import FillLockstep
+from pack_lockstep.packing.fill_result import FillResult
 from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_config
 from pack_lockstep.packing.presets import PackingPreset, load_preset
 
