@@ -8,7 +8,12 @@ from pack_core.palletizing.displacement import Displacement
 from pack_core.rotations import Array, Pose, log
 from pack_lockstep.palletizing.calibration.calibrate import calibrate
 from pack_lockstep.palletizing.calibration.measurements import contact_of
-from pack_lockstep.palletizing.calibration.model import GEARS, PLACE, CellModel, sag_at, start
+from pack_lockstep.palletizing.calibration.model import CellModel, sag_at
+from pack_lockstep.palletizing.calibration.parameters import (
+    GEARS,
+    PLACE,
+    start,
+)
 from pack_lockstep.palletizing.calibration.procedure import DOWN, TRAVEL, from_above
 from pack_lockstep.palletizing.calibration.quick_check import quick_check
 from pack_lockstep.palletizing.calibration.rig import CalibrationRig

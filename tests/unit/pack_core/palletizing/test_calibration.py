@@ -10,10 +10,10 @@ from pack_core.errors import ConfigError
 from pack_core.palletizing.calibration import (
     CalibratedCamera,
     CellCalibration,
-    Estimate,
+    EstimatedNumber,
+    FitResiduals,
     KnownCell,
     PlacingError,
-    Residuals,
     known_cell,
     load_calibration,
 )
@@ -31,8 +31,8 @@ FOUND = CellCalibration(
     pallet=Displacement(shift=(0.003, 0.0, 0.0)),
     gears=GearCompensation(stiffness=(4e6, 4e6, 2.5e6, 6e5, 6e5, 3e5)),
     predicted=PlacingError(mean=0.4, p95=0.9), simulated_s=280.0,
-    estimates=(Estimate(name="pallet x", value=0.003, sigma=0.0001, unit="m"),), covariance=((1e-8,),),
-    residuals=(Residuals(name="touches", count=3, rms=0.05, expected=0.08, worst=0.1, unit="mm"),),
+    estimates=(EstimatedNumber(name="pallet x", value=0.003, sigma=0.0001, unit="m"),), covariance=((1e-8,),),
+    residuals=(FitResiduals(name="touches", count=3, rms=0.05, expected=0.08, worst=0.1, unit="mm"),),
 )  # fmt: skip
 
 

@@ -27,7 +27,7 @@ class CalibratedCamera(Config):
     lens: LensDistortion
 
 
-class Estimate(Config):
+class EstimatedNumber(Config):
     """One estimated number."""
 
     name: str
@@ -37,7 +37,7 @@ class Estimate(Config):
     unit: str
 
 
-class Residuals(Config):
+class FitResiduals(Config):
     """How well one kind of measurement fits the estimate."""
 
     name: str
@@ -75,10 +75,10 @@ class CellCalibration(Config):
     """What boxes that are placed with this calibration are expected to have."""
     simulated_s: NonNegativeFloat
     """Time that the calibration took [s]."""
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[EstimatedNumber, ...]
     covariance: tuple[tuple[float, ...], ...]
     """Of the estimates, in their sequence."""
-    residuals: tuple[Residuals, ...]
+    residuals: tuple[FitResiduals, ...]
 
     def applied(self, cell: PalletizingCell) -> PalletizingCell:
         """The cell as it is known by this calibration."""

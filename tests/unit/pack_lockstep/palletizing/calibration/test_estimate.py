@@ -9,14 +9,13 @@ import pytest
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array, Pose, exp, multiply
 from pack_lockstep.palletizing.calibration.calibrate import conclude, model_of
-from pack_lockstep.palletizing.calibration.estimate import CORNER, Estimate, estimate
-from pack_lockstep.palletizing.calibration.measurements import BoardView, Contact
-from pack_lockstep.palletizing.calibration.model import (
+from pack_lockstep.palletizing.calibration.estimate import CORNER, CalibrationFit, estimate
+from pack_lockstep.palletizing.calibration.measurements import BoardView, FeltContact
+from pack_lockstep.palletizing.calibration.model import CellModel, sag_at
+from pack_lockstep.palletizing.calibration.parameters import (
     GEARS,
     PLACE,
-    CellModel,
     prior_sigmas,
-    sag_at,
     start,
 )
 from pack_lockstep.palletizing.calibration.prediction import predict
@@ -56,12 +55,12 @@ def views(model: CellModel, x: Array, rng: np.random.Generator) -> list[BoardVie
     return found
 
 
-def contact(model: CellModel, x: Array, what: str, axis: int, at: float, p: Array, n: Array) -> Contact:
+def contact(model: CellModel, x: Array, what: str, axis: int, at: float, p: Array, n: Array) -> FeltContact:
     """A touch of a true surface: the reported joints at which the corner lies on it."""
     p_TC, q_WT = np.array([0.055, 0.055, 0.0]), rotated_down(0.7)
     touched = Touch(what, axis, at, n, p_TC, np.zeros((1, 6)), np.zeros((1, 6)))
     bears = np.full(6, 0.5) * 100.0
-    c = Contact(touched, np.zeros(6), 1e-5, 1.0, bears)
+    c = FeltContact(touched, np.zeros(6), 1e-5, 1.0, bears)
     along = 0.0
     for _ in range(6):  # the gap depends on the way nearly linearly
         q = reached(model, Pose(p + along * n, q_WT))
@@ -71,7 +70,7 @@ def contact(model: CellModel, x: Array, what: str, axis: int, at: float, p: Arra
     return replace(c, q=q, gives=model.give(x, c))
 
 
-def contacts(model: CellModel, x: Array) -> list[Contact]:
+def contacts(model: CellModel, x: Array) -> list[FeltContact]:
     down, found = np.array([0.0, 0.0, -1.0]), []
     for name in PLACE:
         place = getattr(REAL, name)
@@ -98,7 +97,7 @@ def made_up(seed: int) -> tuple[Measurements, Array]:
 
 
 @cache
-def fitted(seed: int) -> Estimate:
+def fitted(seed: int) -> CalibrationFit:
     measured, _ = made_up(seed)
     return estimate(model_of(REAL, measured), measured)
 

@@ -6,16 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_core.palletizing.calibration import CellCalibration
-from pack_core.palletizing.calibration import Estimate as NamedEstimate
+from pack_core.palletizing.calibration import CellCalibration, EstimatedNumber
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.displacement import Displacement
-from pack_lockstep.palletizing.calibration.estimate import Estimate, estimate
-from pack_lockstep.palletizing.calibration.model import (
+from pack_lockstep.palletizing.calibration.estimate import CalibrationFit, estimate
+from pack_lockstep.palletizing.calibration.model import CellModel
+from pack_lockstep.palletizing.calibration.parameters import (
     PARAMETERS,
     PLACE,
     PLACES,
-    CellModel,
     camera_of,
     gears_of,
 )
@@ -38,7 +37,7 @@ class CalibrationRun:
     """What a calibration leaves: the file's content, and what it was found from."""
 
     calibration: CellCalibration
-    found: Estimate
+    found: CalibrationFit
     measured: Measurements
 
 
@@ -83,7 +82,7 @@ def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> C
         gears=gears_of(found.x, model.assumed, model.backlash_deg),
         predicted=predicted, simulated_s=seconds,
         estimates=tuple(
-            NamedEstimate(name=p.name, value=float(value), sigma=float(sigma), unit=p.unit)
+            EstimatedNumber(name=p.name, value=float(value), sigma=float(sigma), unit=p.unit)
             for p, value, sigma in zip(PARAMETERS, found.x, sigmas, strict=True)
         ),
         covariance=tuple(tuple(float(c) for c in row) for row in found.covariance),
@@ -102,7 +101,7 @@ def model_of(cell: PalletizingCell, measured: Measurements) -> CellModel:
     return CellModel(cell, load_arm("palletizing").chain, gears.assumed, measured.X_TB)
 
 
-def doubts(found: Estimate) -> list[str]:
+def doubts(found: CalibrationFit) -> list[str]:
     """Why the estimate should not be used; empty when nothing speaks against it."""
     reasons = [
         f"{line.name}: rms {line.rms:.3g} {line.unit}, expected {line.expected:.3g}"

@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from pack_core.palletizing.calibration import Residuals
+from pack_core.palletizing.calibration import FitResiduals
 from pack_core.rotations import Array
-from pack_lockstep.palletizing.calibration.measurements import BoardView, Contact
-from pack_lockstep.palletizing.calibration.model import (
-    CellModel,
-    Sag,
+from pack_lockstep.palletizing.calibration.measurements import BoardView, FeltContact
+from pack_lockstep.palletizing.calibration.model import CellModel, Sag, sag_at
+from pack_lockstep.palletizing.calibration.parameters import (
     prior_sigmas,
-    sag_at,
     start,
 )
 from pack_lockstep.palletizing.calibration.procedure import Measurements
@@ -34,7 +32,7 @@ JOINTS = np.array([1.0, 0.3, 0.3, 1.0, 0.5, 1.0]) * LOOSE
 
 
 @dataclass(frozen=True)
-class Estimate:
+class CalibrationFit:
     """What was found.
 
     Attributes:
@@ -55,7 +53,7 @@ class Estimate:
     expected: Array
     view_errors: Array
 
-    def residuals(self) -> tuple[Residuals, ...]:
+    def residuals(self) -> tuple[FitResiduals, ...]:
         """A line for each kind of measurement."""
         share = self.contacts / self.expected
         return (
@@ -66,12 +64,12 @@ class Estimate:
         )
 
 
-def _line(name: str, values: Array, expected: float, unit: str) -> Residuals:
+def _line(name: str, values: Array, expected: float, unit: str) -> FitResiduals:
     rms, worst = float(np.sqrt(np.mean(values**2))), float(np.max(np.abs(values)))
-    return Residuals(name=name, count=len(values), rms=rms, expected=expected, worst=worst, unit=unit)
+    return FitResiduals(name=name, count=len(values), rms=rms, expected=expected, worst=worst, unit=unit)
 
 
-def estimate(model: CellModel, measured: Measurements) -> Estimate:
+def estimate(model: CellModel, measured: Measurements) -> CalibrationFit:
     """Fit all parameters to all measurements.
 
     Each view's corners share the error of the arm that holds the board. They are weighted by the covariance
@@ -96,7 +94,7 @@ def estimate(model: CellModel, measured: Measurements) -> Estimate:
     weighted = [W @ r.ravel() for W, r in zip(whiteners, of_views, strict=True)]
     gaps = np.array([model.gap(x, c, s.links(x)) for c, s in zip(contacts, free, strict=True)])
     gives = np.array([model.give(x, c) / c.gives - 1.0 for c in contacts])
-    return Estimate(
+    return CalibrationFit(
         x, np.linalg.inv(fit.jac.T @ fit.jac), tuple(of_views), gaps, gives, expected,
         np.array([np.sqrt(np.mean(w**2)) for w in weighted]),
     )  # fmt: skip
@@ -104,7 +102,7 @@ def estimate(model: CellModel, measured: Measurements) -> Estimate:
 
 def _residuals(
     model: CellModel, x: Array, views: Sequence[BoardView], held: Sequence[Sag], whiteners: Sequence[Array],
-    contacts: Sequence[Contact], free: Sequence[Sag], expected: Array,
+    contacts: Sequence[FeltContact], free: Sequence[Sag], expected: Array,
 ) -> Array:  # fmt: skip
     corners = [W @ r.ravel() for W, r in zip(whiteners, _view_residuals(model, x, views, held), strict=True)]
     gaps = [model.gap(x, c, sag.links(x)) for c, sag in zip(contacts, free, strict=True)]
@@ -127,7 +125,7 @@ def _whitener(model: CellModel, x: Array, view: BoardView, sag: Sag) -> Array:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
 
 
-def _touch_sigma(model: CellModel, contact: Contact) -> float:
+def _touch_sigma(model: CellModel, contact: FeltContact) -> float:
     chain, normal = model.arm, contact.touch.normal
     slopes = normal @ chain.jacobian(contact.q)[:3]
     return float(np.sqrt(FEEL**2 + contact.sigma**2 + np.sum((slopes * JOINTS) ** 2)))

@@ -32,7 +32,7 @@ class BoardView:
 
 
 @dataclass(frozen=True)
-class Contact:
+class FeltContact:
     """The moment of a touch.
 
     Attributes:
@@ -62,7 +62,7 @@ def corners_in(picture: Picture, board: CalibrationBoard) -> tuple[Array, Array]
     return np.asarray(ids, dtype=int).ravel(), np.asarray(corners, dtype=float).reshape(-1, 2)
 
 
-def contact_of(touch: Touch, arm: SerialChain, period: float) -> Contact:
+def contact_of(touch: Touch, arm: SerialChain, period: float) -> FeltContact:
     """When a surface was touched, and how far the arm gives while it presses.
 
     The force is fitted by f = max(0, k (s - s_0)) over the way s along the approach. Before the contact the
@@ -95,7 +95,7 @@ def contact_of(touch: Touch, arm: SerialChain, period: float) -> Contact:
     gives = float(weights @ (way[pressing] - s_0))
     slopes = np.einsum("j,kji->ki", touch.normal, J[pressing])
     bears = weights @ (slopes * np.einsum("kji,kj->ki", J[pressing], forces[pressing]))
-    return Contact(touch, q, sigma, gives, bears)
+    return FeltContact(touch, q, sigma, gives, bears)
 
 
 def _onset(way: Array, felt: Array, noise: float) -> tuple[float, float]:

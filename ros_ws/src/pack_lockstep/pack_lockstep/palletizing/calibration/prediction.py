@@ -13,8 +13,11 @@ import numpy as np
 
 from pack_core.palletizing.calibration import PlacingError
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pack_lockstep.palletizing.calibration.estimate import JOINTS, Estimate
-from pack_lockstep.palletizing.calibration.model import CellModel, lens_of
+from pack_lockstep.palletizing.calibration.estimate import JOINTS, CalibrationFit
+from pack_lockstep.palletizing.calibration.model import CellModel
+from pack_lockstep.palletizing.calibration.parameters import (
+    lens_of,
+)
 from pack_lockstep.palletizing.calibration.rig import rotated_down
 from pack_motion.arm.arms import load_arm
 
@@ -37,7 +40,7 @@ class Handled:
     height: float
 
 
-def predict(model: CellModel, found: Estimate, rng: np.random.Generator) -> PlacingError:
+def predict(model: CellModel, found: CalibrationFit, rng: np.random.Generator) -> PlacingError:
     """Mean and 95th percentile of the distance of placed boxes from their places."""
     roots = np.linalg.cholesky(found.covariance)
     errors = [

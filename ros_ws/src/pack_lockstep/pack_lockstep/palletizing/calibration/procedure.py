@@ -10,7 +10,7 @@ import numpy as np
 from pack_core.motion.world import CarriedBox
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.rotations import Array, Pose, exp, from_yaw, multiply, rotate
-from pack_lockstep.palletizing.calibration.measurements import BoardView, Contact, contact_of, corners_in
+from pack_lockstep.palletizing.calibration.measurements import BoardView, FeltContact, contact_of, corners_in
 from pack_lockstep.palletizing.calibration.rig import CalibrationFailed, CalibrationRig, rotated_down
 from pack_lockstep.palletizing.calibration.touch import touch
 from pallet_fsm.surroundings import furniture
@@ -35,7 +35,7 @@ FEWEST_VIEWS = 15
 class Measurements:
     """Everything that was measured."""
 
-    contacts: list[Contact] = field(default_factory=list)
+    contacts: list[FeltContact] = field(default_factory=list)
     views: list[BoardView] = field(default_factory=list)
     X_TB: Pose = field(default_factory=lambda: Pose(np.zeros(3)))
     """Nominal pose of the board in the gripper."""
