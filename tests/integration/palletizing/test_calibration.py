@@ -36,6 +36,7 @@ def true_place(name: str) -> Array:
     return np.concatenate([moved.apply(place.middle) - place.middle, log(moved.q)])
 
 
+@pytest.mark.long
 @pytest.mark.timeout(120)
 def test_a_touch_finds_a_table_as_well_as_the_gears_are_known() -> None:
     setup = set_up(profile="blended", motion="shipped", preset="real", vision=True)
