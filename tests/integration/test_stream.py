@@ -9,6 +9,7 @@ from functools import partial
 import pytest
 import rclpy
 from builtin_interfaces.msg import Time
+from rclpy.event_handler import EventHandler
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
@@ -153,3 +154,11 @@ def test_a_second_node_of_a_name_is_refused_where_names_are_unique(graph: Graph)
         graph.start(partial(CellNode, "planner"))
     graph.stop(node)
     graph.start(partial(CellNode, "planner"))
+
+
+def test_nothing_waits_for_events_of_a_clock_that_nobody_reads(graph: Graph) -> None:
+    """Fast DDS would wake the executor for every tick that was not taken: a node would use up a core."""
+    node = graph.start(ListeningNode, use_sim_time=True)
+    (ticks,) = (found for found in node.subscriptions if found.topic_name == "/clock")
+    assert not ticks.event_handlers
+    assert not any(isinstance(waitable, EventHandler) for waitable in node.waitables)

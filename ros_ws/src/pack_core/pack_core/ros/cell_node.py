@@ -1,4 +1,4 @@
-"""Base of every node: simulated time, sign of life, health, and watch over its peers."""
+"""Base of every node: sign of life, health, and watch over its peers."""
 
 from __future__ import annotations
 
@@ -10,21 +10,16 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
-from rclpy.time_source import TimeSource
 from std_msgs.msg import Empty
 
 from pack_core.errors import ConfigError
+from pack_core.ros.clocked_node import ClockedNode
 from pack_core.ros.contracts import shared
-from pack_core.ros.guarded_node import GuardedNode
 from pack_core.ros.node_status import StatusTeller
 from pack_core.ros.params import unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
 from pack_core.ros.silence_log import SilenceLog
-from pack_core.ros.simulated_time import SimulatedTime
-from pack_core.ros.sole_publisher import SolePublisher
-from pack_core.ros.stream import TakenByHand
 from pack_core.ros.watch_connection import WatchSocket, check_name_is_free
 
 ASSERTION_PERIOD = 0.05
@@ -33,24 +28,20 @@ READINESS_PERIOD = 0.1
 """How often a node that has just started looks whether it is ready [s of wall clock]."""
 
 
-class CellNode(GuardedNode):
+class CellNode(ClockedNode):
     """A node of a cell, or one that talks to a cell. Its health is published on /diagnostics once a second.
 
     Attributes:
-        wall: a clock of wall time that never jumps, for timers that must not wait for simulated time.
         may_be_repeated: whether a domain may have several nodes of its name.
     """
 
     may_be_repeated = False
-    _simulated_time: SimulatedTime | None = None
-    _sole_clock: SolePublisher | None = None
 
     def __init__(self, name: str, **kwargs: Any) -> None:
         super().__init__(name, **kwargs)
         if not self.may_be_repeated:
             check_name_is_free(self.context.get_domain_id(), self.get_name())
         self._diagnostics = self.advertise(shared.DIAGNOSTICS)
-        self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._status_teller = StatusTeller(self)
         self._silences = SilenceLog(self.get_logger())
         self.create_timer(1.0, self._look_around, clock=self.wall)
@@ -59,7 +50,7 @@ class CellNode(GuardedNode):
         self._watches: list[PeerWatch] = []
         self._heart: threading.Thread | None = None
         # Not guarded: a node that was configured wrongly ends here.
-        self._birth = super(GuardedNode, self).create_timer(0.001, self._come_alive, clock=self.wall)
+        self._birth = self.create_bare_timer(0.001, self._come_alive, clock=self.wall)
         self._readiness = self.create_timer(READINESS_PERIOD, self._look_whether_ready, clock=self.wall)
 
     @property
@@ -124,41 +115,11 @@ class CellNode(GuardedNode):
             while not self._ended.wait(ASSERTION_PERIOD) and self.context.ok():
                 self._alive.assert_liveliness()
 
-    def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **kwargs: Any) -> Any:
-        """As of every node, but that of rclpy to /clock costs nothing until somebody asks for the time."""
-        is_clock = isinstance(getattr(callback, "__self__", None), TimeSource)
-        if is_clock:
-            kwargs["callback_group"] = TakenByHand()
-        subscription = super().create_subscription(msg_type, topic, callback, *args, **kwargs)
-        if is_clock:
-            self._simulated_time = SimulatedTime(self, subscription)
-            self._sole_clock = SolePublisher(self, subscription, self._on_clocks)
-        return subscription
-
-    def get_clock(self) -> Any:
-        """The node's clock; under `use_sim_time` it is set to the last /clock now.
-
-        A timer must not use it, as nobody sets it in between: `wall` is for timers.
-        """
-        if self._simulated_time is not None:
-            self._simulated_time.update()
-        return super().get_clock()
-
-    def _on_clocks(self, publishers: str) -> None:
-        """While there are two clocks no stamp can be trusted: whoever commands the arm stops."""
-        if not publishers:
-            self.health.faults.pop(shared.CLOCK.name, None)
-            return
-        trouble = self.health.faults[shared.CLOCK.name] = f"a second simulator: {publishers}; end one of them"
-        self.get_logger().error(trouble)
-        self.react_to_failure(trouble)
-
     def watch(self, peers: Iterable[str], on_change: Callable[[str, bool], None] | None = None) -> None:
         """Report peers that die; `on_change(peer, is_alive)` is called when one dies or comes (back)."""
         for peer in peers:
             watch = PeerWatch(self, peer, partial(self._on_peer_change, on_change), self._on_peer_end)
-            if self._sole_clock is not None:
-                self._sole_clock.track(peer)
+            self.expect_clock_of(peer)
             self._watches.append(watch)
             if self.is_up:
                 watch.begin()
@@ -172,8 +133,7 @@ class CellNode(GuardedNode):
 
     def _on_peer_end(self, peer: str) -> None:
         try:
-            if self._sole_clock is not None:
-                self._sole_clock.forget(peer)
+            self.forget_clock_of(peer)
             self.on_peer_end(peer)
         except Exception as error:
             self.fail(f"watch over {peer}", error)

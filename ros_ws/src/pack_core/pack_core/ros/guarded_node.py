@@ -83,6 +83,12 @@ class GuardedNode(ParameterNode):
         where = f"timer {getattr(callback, '__name__', callback)}"
         return super().create_timer(period, partial(self._call_guarded, where, callback), *args, **kwargs)
 
+    def create_bare_timer(
+        self, period: float, callback: Callable[[], None], *args: Any, **kwargs: Any
+    ) -> Timer:
+        """A timer whose callback ends the node where it raises, as one of rclpy does."""
+        return super().create_timer(period, callback, *args, **kwargs)
+
     def create_service(self, srv_type: Any, name: str, serve: Callable[..., Any], **kwargs: Any) -> Service:
         """As of every node, but a request that fails is answered, with the reason, and does not end it."""
         return super().create_service(srv_type, name, partial(self._serve_guarded, name, serve), **kwargs)

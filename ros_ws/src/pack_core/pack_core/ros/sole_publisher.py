@@ -20,11 +20,11 @@ GUID_BYTES = 16
 
 
 class SolePublisher:
-    """Watches who publishes what a subscription listens to.
+    """Watches who publishes a topic: whenever `look` is called, or by itself after `look_at_every_match`.
 
     Args:
-        node: whose subscription it is.
-        subscription: of the topic.
+        node: that listens to the topic.
+        topic: its name.
         on_change: is told, in words, who publishes when that is more than one, and "" when it is one again;
             called from the executor.
 
@@ -32,19 +32,26 @@ class SolePublisher:
         trouble: who publishes, in words, while that is more than one; else empty.
     """
 
-    def __init__(self, node: Node, subscription: Subscription, on_change: Callable[[str], None]) -> None:
-        self._node, self._topic, self._on_change = node, subscription.topic_name, on_change
+    def __init__(self, node: Node, topic: str, on_change: Callable[[str], None]) -> None:
+        self._node, self._topic, self._on_change = node, topic, on_change
         self._left_over: set[bytes] = set()
         self._tracked: set[str] = set()
         self.trouble = ""
+
+    def look_at_every_match(self, subscription: Subscription) -> None:
+        """Look whenever a publisher meets a subscription to the topic, or leaves it.
+
+        Only for a subscription that the executor serves: Fast DDS wakes whoever waits for this event for a
+        message that nobody has taken, too, so that the executor would turn without a pause.
+        """
         handler = EventHandler(
-            callback_group=node.default_callback_group,
+            callback_group=self._node.default_callback_group,
             callback=lambda _: self.look(),
             event_type=QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED,
             parent_impl=subscription.handle,
         )
         subscription.event_handlers.append(handler)  # so that it ends with the subscription
-        node.add_waitable(handler)
+        self._node.add_waitable(handler)
 
     def track(self, name: str) -> None:
         """Count every publisher of the nodes of this name, since `forget` will tell of their ends.

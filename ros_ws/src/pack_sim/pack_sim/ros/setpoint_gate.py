@@ -38,7 +38,8 @@ class SetpointGate:
         self._accept, self._drop, self._lock = accept, drop, lock
         self._is_abandoned = False
         subscription = node.listen(contract, self._on_setpoints)
-        self._publishers = SolePublisher(node, subscription, self._on_publishers)
+        self._publishers = SolePublisher(node, subscription.topic_name, self._on_publishers)
+        self._publishers.look_at_every_match(subscription)
         self._publishers.track(sender)
         node.watch((sender,), self._on_sender)
 
