@@ -96,13 +96,14 @@ def test_a_message_type_that_has_changed_since_is_refused(playback: Playback) ->
     for topic in playback.topics.values():
         if topic.type.startswith("pack_interfaces"):
             other.register(get_types_from_msg("float64 something_else", topic.type))
-    with pytest.raises(BagError, match=r"MocapMarkers of /mocap/markers has changed since"):
+    with pytest.raises(BagError, match=r"GripperState of /gripper/state has changed since"):
         BagPlayer(replace(playback, types=other), clock=False)
 
 
 def test_a_node_hears_what_the_wiring_table_says() -> None:
     assert set(heard_by("perception", wiring_of("packing"))) == {
         contracts.DESCRIPTION.name, contracts.JOINT_STATES.name, contracts.MARKERS.name,
+        contracts.GRIPPER_STATE.name,
     }  # fmt: skip
     with pytest.raises(ConfigError, match=r"node 'vision'; allowed: .*perception"):
         heard_by("vision", wiring_of("packing"))

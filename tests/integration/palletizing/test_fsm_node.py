@@ -20,6 +20,7 @@ from pack_core.paths import config_path
 from pack_core.ros.contracts import motion as motion_contracts
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts import shared
+from pack_core.ros.goal_markers import GOALS, VERTICES
 from pack_core.ros.motion_messages import to_status
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
 from pack_core.rotations import Pose
@@ -111,7 +112,7 @@ def spoiled(change: str) -> str:
     [
         ({"order": "no JSON"}, "JSON"),
         ({}, "the goal holds no order"),
-        ({"file": "/nowhere/order.json"}, "/nowhere/order.json: cannot be read: No such file"),
+        ({"file": "/nowhere/order.json"}, "/nowhere/order.json: no such file"),
         ({"file": "/dev"}, "/dev: cannot be read: Is a directory"),
         ({"order": spoiled("overlap")}, "00101323-5"),
         ({"order": spoiled("twice")}, "00102400-4"),
@@ -175,10 +176,12 @@ def test_the_places_of_an_order_s_boxes_are_shown(graph: Graph, fsm: PalletFsmNo
     graph.probe.listen(motion_contracts.GOAL_MARKERS)
     accepted(graph, fsm, file=str(ORDER))
     graph.wait_until(lambda: graph.probe.last(motion_contracts.GOAL_MARKERS) or tell(graph))
-    _, *markers = graph.probe.last(motion_contracts.GOAL_MARKERS).markers
+    shown = graph.probe.last(motion_contracts.GOAL_MARKERS).markers
+    _, *markers = (marker for marker in shown if marker.ns == GOALS)
     boxes = {marker.text: cube for cube, marker in zip(markers[::2], markers[1::2], strict=True)}
     order = {box["id"]: box for box in json.loads(ORDER.read_text())["boxes"]}
     assert boxes.keys() == order.keys()
+    assert [len(dots.points) for dots in shown if dots.ns == VERTICES] == [8] * len(boxes)
     deck = palletizing_cell().pallet.X_WP.p[2]
     lowest = min(cube.pose.position.z - 0.5 * cube.scale.z for cube in boxes.values())
     assert lowest == pytest.approx(deck, abs=1e-6)

@@ -57,7 +57,7 @@ def test_bad_orders_are_refused_in_words_and_the_next_one_is_served(graph: Graph
     twice = json.loads(DENSE.read_text())
     twice["boxes"][1]["id"] = twice["boxes"][0]["id"]
     for order, words in [
-        ("not json", "the order of the request: is no JSON"),
+        ("not json", "the order of the request, line 1: is no JSON"),
         ("{}", "key 'order_id' is missing"),
         (json.dumps(twice), "is given 2 times"),
         (stress, "box '00104636-5': 46.2% of its base is carried"),

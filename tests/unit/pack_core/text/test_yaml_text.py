@@ -11,9 +11,11 @@ from pack_core.paths import config_path
 from pack_core.text.limits import MOST_BYTES, MOST_VALUES
 from pack_core.text.yaml_text import parse_yaml
 
+# PyYAML writes this line break so that it reads it as a space itself.
+TEXTS = st.text(st.characters(codec="utf-8", exclude_characters="\x85"))
 VALUES = st.recursive(
-    st.none() | st.booleans() | st.floats(allow_nan=False) | st.integers(-(2**62), 2**62) | st.text(),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
+    st.none() | st.booleans() | st.floats(allow_nan=False) | st.integers(-(2**62), 2**62) | TEXTS,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(TEXTS, inner, max_size=4),
     max_leaves=20,
 )
 

@@ -26,6 +26,10 @@ def _errors(boxes: Sequence[BoxMeasures]) -> str:
     return _mean_and_max([box.error_mm for box in boxes if box.error_mm is not None], "mm")
 
 
+def _peak_near_contact(states: Mapping[str, StateTime]) -> str:
+    return f"{near_contact_peak(states):.2f} m/s"
+
+
 def _cycles(boxes: Sequence[BoxMeasures]) -> str:
     return _mean_and_max([box.cycle_s for box in boxes if box.cycle_s is not None], "s")
 
@@ -108,7 +112,7 @@ class OrderMeasures:
         Mapping[str, StateTime],
         MeasureText(
             "speed near contact",
-            lambda states: f"{near_contact_peak(states):.2f} m/s",
+            _peak_near_contact,
             "highest speed of the tool within 0.1 m of where the gripper acts",
         ),
     ] = field(default_factory=dict)
