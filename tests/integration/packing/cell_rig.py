@@ -37,7 +37,9 @@ def _flat(values: dict[str, Any], prefix: str = "") -> dict[str, Any]:
 class Cell(Witness):
     """Its nodes, up and ready for a goal, and a witness."""
 
-    def __init__(self, graph: Graph, factor: float, scene: Path = EASY, facts: str = "{}") -> None:
+    def __init__(
+        self, graph: Graph, factor: float, scene: Path = EASY, facts: str = "{}", unseen: str = "none"
+    ) -> None:
         super().__init__(graph)
         # What lies over config/cells/packing.yaml, the same for all nodes.
         cell = {"cell": facts}
@@ -49,8 +51,8 @@ class Cell(Witness):
         self.planner = graph.start(PlannerNode, **parameters_of("planner", **cell))
         self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched, **cell))
         graph.wait_until(lambda: not self.mpc.waits_for and not self.planner.waits_for)
-        # With an object unseen a goal begins with a look for it.
-        graph.wait_until(lambda: self.perception.health.values.get("not seen yet") == "none")
+        # With an object unseen a goal begins with a look for it: `unseen` names those that are hidden.
+        graph.wait_until(lambda: self.perception.health.values.get("not seen yet") == unseen)
         graph.connect(contracts.JOINT_STATES, subscribers=3)
         graph.connect(contracts.SCENE, subscribers=2)
 

@@ -37,7 +37,7 @@ def test_what_the_held_object_hides_is_looked_for_and_then_it_is_packed(tmp_path
 def test_the_node_says_what_it_is_looking_for_and_asks_for_a_placement_afterwards(
     graph: Graph, tmp_path: Path
 ) -> None:
-    cell = Cell(graph, FACTOR, write_hidden_scene(tmp_path), FROM_ABOVE)
+    cell = Cell(graph, FACTOR, write_hidden_scene(tmp_path), FROM_ABOVE, unseen="soup_can, tea_box")
     handle = cell.pack()
     assert handle.accepted
     graph.wait_until(lambda: cell.feedback and cell.feedback[-1].stage != "LOOK", timeout=60.0)
