@@ -70,7 +70,8 @@ class CellNode(ClockedNode):
 
     def tell_status(self) -> None:
         """Say on /node_status where the node stands, if that has changed; to be called from the executor."""
-        self._status_teller.tell("" if self.is_busy else self.waits_for, is_busy=self.is_busy)
+        if self.is_up:  # before that its configuration may still turn out to be wrong
+            self._status_teller.tell("" if self.is_busy else self.waits_for, is_busy=self.is_busy)
 
     def destroy_node(self) -> None:
         """Stop saying that the node is alive, then end."""
