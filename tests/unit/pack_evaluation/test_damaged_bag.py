@@ -9,24 +9,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzz.mutations import mutated
-from pack_bringup.recording import recorder
 from pack_core.errors import BagError
 from pack_evaluation.bag import Bag, read_bag
 from pack_evaluation.mcap_file import HEAD, Opcode, read_mcap
 from pack_evaluation.packing.from_bag import load_run
-from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 
 
 @pytest.fixture(scope="module")
-def data(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+def data(recording: Path) -> bytes:
     """An MCAP file of many chunks."""
-    folder = tmp_path_factory.mktemp("run")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(recorder, "FLUSH_PERIOD", 1e-4)
-        writer = GoalWriter(folder)
-        writer.write_goal(1.0, OUTCOME)
-        writer.close()
-    return (folder / "bag" / "bag.mcap").read_bytes()
+    return (recording / "bag" / "bag.mcap").read_bytes()
 
 
 def chunks(data: bytes) -> list[tuple[int, int]]:

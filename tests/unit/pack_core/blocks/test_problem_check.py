@@ -47,4 +47,4 @@ def test_generated_problems_pass(blocks: int, density: float) -> None:
     cell = blocks_cell()
     for seed in range(10, 13):
         problem = make_instance(blocks, density, seed, centre=cell.workspace.centre)
-        parse_problem(problem_text(problem), "test", cell)
+        assert len(parse_problem(problem_text(problem), "test", cell).blocks) == blocks

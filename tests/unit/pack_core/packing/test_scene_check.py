@@ -37,7 +37,8 @@ def test_objects_that_nothing_carries_are_refused(height: float, words: str) -> 
 
 
 def test_an_object_as_high_as_a_measurement_is_wrong_is_allowed() -> None:
-    parse_scene(moved((0.0, 0.0, 0.008)).to_yaml(), "scene")
+    scene = moved((0.0, 0.0, 0.008))
+    assert parse_scene(scene.to_yaml(), "scene").objects == scene.objects
 
 
 def test_an_object_on_another_is_carried() -> None:
@@ -76,7 +77,8 @@ def test_a_quaternion_of_few_digits_is_brought_to_length_one() -> None:
 
 @pytest.mark.parametrize("seed", range(100, 112))
 def test_scenes_of_the_generator_pass(seed: int) -> None:
-    parse_scene(generate_scene(seed, packing_cell()).to_yaml(), "scene")
+    scene = generate_scene(seed, packing_cell())
+    assert parse_scene(scene.to_yaml(), "scene").names == scene.names
 
 
 @pytest.mark.parametrize(

@@ -105,7 +105,8 @@ class ObjectHandling:
         is_still = float(np.linalg.norm(state.v_WO_W)) < config.rest_speed
         if not is_packed(self._scene, state.X_WO):
             return "it is not in the container", seen
-        return ("" if is_still else "it was still moving") + ("the cup dragged" if dragged else ""), seen
+        noted = ["" if is_still else "it was still moving", "the cup dragged" if dragged else ""]
+        return ", ".join(filter(None, noted)), seen
 
     def put_aside(self, seen: FillObservation) -> Steps[FillObservation]:
         """Carry the held object back to the hand-over place and let it go there."""

@@ -76,5 +76,6 @@ def test_names_as_warehouses_give_them_are_allowed(name: str) -> None:
 
 
 def test_the_shipped_orders_pass() -> None:
-    for path in sorted(config_path("orders").glob("*.json")):
-        load_order(path, palletizing_cell())
+    paths = sorted(config_path("orders").glob("*.json"))
+    assert len(paths) == 25
+    assert all(load_order(path, palletizing_cell()).boxes for path in paths)
