@@ -70,8 +70,16 @@ class PageInBrowser:
 
 
 @contextmanager
-def open_page(address: str, *, size: dict[str, int] | None = None) -> Iterator[PageInBrowser]:
-    """The page in a browser of its own; the test is skipped where there is none."""
+def open_page(
+    address: str, *, size: dict[str, int] | None = None, script: str = ""
+) -> Iterator[PageInBrowser]:
+    """The page in a browser of its own; the test is skipped where there is none.
+
+    Args:
+        address: of the page.
+        size: of the window [px].
+        script: runs in the page before its own.
+    """
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
         pytest.skip(f"needs a browser: {INSTALL}")
@@ -80,6 +88,7 @@ def open_page(address: str, *, size: dict[str, int] | None = None) -> Iterator[P
         page = browser.new_page(viewport=size or SIZE)
         shown = PageInBrowser(page)
         page.on("request", lambda request: shown.requests.append(request.url))
+        page.add_init_script(script)
         page.goto(address, timeout=PATIENCE)
         try:
             yield shown
