@@ -25,6 +25,8 @@ from pack_mpc.outcome import PackingOutcome
 
 SEED = 0
 FACTOR = 0.3
+SETTLED = 0.03
+"""A goal ends 15 mm from the packing pose as estimated, with the arm still on its way [m]."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,12 @@ def test_the_nodes_reach_the_same_outcome(graph: Graph, record: Record) -> None:
     assert record.outcome.success
     assert (result.success, result.exit_reason) == (True, record.outcome.exit_reason.value)
     assert result.placements == record.outcome.placements
-    assert result.execution_time == pytest.approx(record.outcome.execution_time, rel=0.5)
+    # Not how long it took: simulated time goes on while a busy machine keeps the nodes from planning.
+    target = from_pose(graph.probe.last(contracts.MPC_STATUS).target)
+    assert target.p[2] == pytest.approx(record.placement.p[2], abs=0.001)
+    simulator = cell.sim.simulator
+    found = simulator.truth().objects[simulator.scene.new_object.name].X_WO.p
+    assert np.linalg.norm(found - target.p) < SETTLED
 
 
 def test_the_nodes_choose_the_same_placement_where_there_is_a_best_one(graph: Graph) -> None:
