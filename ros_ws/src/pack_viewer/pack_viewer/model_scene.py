@@ -11,8 +11,9 @@ from viser import GlbHandle, SceneApi
 from pack_core.rotations import Array, Pose
 from pack_viewer.geom_meshes import body_glb, visible_geoms
 
-STILL = 1e-5
-"""A body whose position [m] and orientation changed by less is not sent again."""
+STILL = 2e-4
+"""A body whose position [m] and orientation (a quaternion's elements) are off what was sent by less is not
+sent again: at a metre a pixel is 1 mm wide, and estimates never stand quite still."""
 
 
 class ModelScene:
