@@ -43,6 +43,9 @@ NEXT_GOAL = Changeable("from the next goal on")
 
 C = TypeVar("C", bound=BaseModel)
 
+FOLDER = "folder"
+"""Key of pydantic's validation context: the folder of the files that values name."""
+
 
 def load_config(cls: type[C], path: Path) -> C:
     """Read a YAML file into a configuration class.
@@ -50,12 +53,19 @@ def load_config(cls: type[C], path: Path) -> C:
     Raises:
         ConfigError: the file is missing, is not YAML, or has a key or value that is not allowed.
     """
-    return parse_config(cls, read_text(path), str(path))
+    return parse_config(cls, read_text(path), str(path), path.parent)
 
 
-def parse_config(cls: type[C], text: str, source: str) -> C:
-    """Read YAML text into a configuration class; `source` names it in errors."""
-    return validate_config(cls, parse_values(text, source), source, text)
+def parse_config(cls: type[C], text: str, source: str, folder: Path | None = None) -> C:
+    """Read YAML text into a configuration class.
+
+    Args:
+        cls: the class.
+        text: the text.
+        source: names it in errors.
+        folder: where files are that the text names; None: it may name none.
+    """
+    return validate_config(cls, parse_values(text, source), source, text, folder)
 
 
 def load_values(path: Path) -> dict[str, Any]:
@@ -83,7 +93,9 @@ def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]
     return result
 
 
-def validate_config(cls: type[C], data: Mapping[str, Any], source: str, text: str = "") -> C:
+def validate_config(
+    cls: type[C], data: Mapping[str, Any], source: str, text: str = "", folder: Path | None = None
+) -> C:
     """Turn keys and values into a configuration class.
 
     Args:
@@ -91,8 +103,9 @@ def validate_config(cls: type[C], data: Mapping[str, Any], source: str, text: st
         data: keys and values.
         source: names them in errors.
         text: the text that `data` was read from, for the numbers of lines; empty: from no single one.
+        folder: where files are that the values name; None: they may name none.
     """
     try:
-        return cls.model_validate(data)
+        return cls.model_validate(data, context={FOLDER: folder})
     except ValidationError as error:
         raise ConfigError(explanation(error, source, text)) from error

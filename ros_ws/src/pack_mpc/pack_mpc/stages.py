@@ -6,8 +6,8 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Scene
+from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_mpc.placement import ChosenPlacement
 from pack_mpc.target import PackingTarget

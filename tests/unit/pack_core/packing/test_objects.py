@@ -9,12 +9,24 @@ from pydantic import ValidationError
 
 from pack_core.config import parse_config
 from pack_core.errors import ConfigError
-from pack_core.packing.objects import TOP_MARKERS, Box, Cylinder, ObjectModel, SceneItem
+from pack_core.packing.capsule import Capsule
+from pack_core.packing.convex_mesh import ConvexMesh
+from pack_core.packing.hull import hull_of
+from pack_core.packing.objects import Box, Cylinder, ObjectModel
 from pack_core.packing.scene import Scene
+from pack_core.packing.scene_item import MARKER_HEIGHT, TOP_MARKERS, SceneItem
 
 BRICK = Box(name="brick", shape="box", size=(0.10, 0.06, 0.08), mass=0.3)
 CAN = Cylinder(name="can", shape="cylinder", radius=0.03, height=0.11, mass=0.3)
-ITEMS: tuple[SceneItem, ...] = (BRICK, CAN)
+SAUSAGE = Capsule(name="sausage", shape="capsule", radius=0.03, length=0.16, axis="x", mass=0.3)
+TUBE = Capsule(name="tube", shape="capsule", radius=0.03, length=0.16, mass=0.3)
+WEDGE = ConvexMesh(
+    name="wedge", shape="mesh", mass=0.3,
+    vertices=tuple(
+        (x, y, z) for y in (-0.03, 0.03) for x, z in ((-0.05, -0.04), (0.05, -0.04), (0.02, 0.04))
+    ),
+)  # fmt: skip
+ITEMS: tuple[SceneItem, ...] = (BRICK, CAN, SAUSAGE, TUBE, WEDGE)
 
 
 def test_every_shape_is_tried_here() -> None:
@@ -26,9 +38,16 @@ def test_hull_bounds_spans_and_geometry_are_of_one_body(item: SceneItem) -> None
     np.testing.assert_allclose(np.ptp(item.hull(), axis=0), 2 * item.half_extents, rtol=1e-12)
     np.testing.assert_allclose(item.half_spans(np.zeros(1))[0], item.half_extents[:2], rtol=1e-12)
     spec = mujoco.MjSpec()
-    spec.worldbody.add_geom(name=item.name, type=item.geom_type, size=item.geom_size)
+    spec.worldbody.add_body(name=item.name).add_geom(name=item.name, mass=item.mass, **item.geometry(spec))
     model = spec.compile()
-    np.testing.assert_allclose(model.geom_aabb[0, 3:], item.half_extents, rtol=1e-12)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    hull, normals = hull_of(item.hull()), np.concatenate([np.eye(3), -np.eye(3)])
+    points, _ = hull.exits(hull.centroid, normals)
+    for p, n in zip(points, normals, strict=True):
+        way = mujoco.mj_ray(model, data, p + 0.1 * n, -n, None, True, -1, np.zeros(1, np.int32), None)
+        assert way == pytest.approx(0.1, abs=1e-4)
+    np.testing.assert_allclose(model.body(item.name).ipos, item.centre_of_mass, atol=1e-6)
 
 
 @pytest.mark.parametrize("item", ITEMS, ids=lambda item: item.name)
@@ -41,13 +60,14 @@ def test_a_turn_by_its_symmetry_changes_no_outline(item: SceneItem) -> None:
 def test_markers_stand_off_the_surface_the_first_ones_on_top(item: SceneItem) -> None:
     p_BM = item.markers()
     assert p_BM.shape == (6, 3)
-    assert np.all(p_BM[:TOP_MARKERS, 2] > item.half_extents[2])
-    assert np.all(p_BM[TOP_MARKERS:, 2] < item.half_extents[2])
+    np.testing.assert_allclose(hull_of(item.hull()).heights(p_BM), MARKER_HEIGHT, atol=2e-4)
+    assert p_BM[:TOP_MARKERS, 2].min() > p_BM[TOP_MARKERS:, 2].max()
 
 
 @pytest.mark.parametrize("item", ITEMS, ids=lambda item: item.name)
 def test_a_resized_object_differs_by_the_change(item: SceneItem) -> None:
-    change = np.array([0.002, 0.002, -0.001])
+    # a capsule that lies is as high as it is wide
+    change = np.array([0.002, 0.001, 0.001]) if item is SAUSAGE else np.array([0.002, 0.002, -0.001])
     np.testing.assert_allclose(
         2 * (item.resized(change).half_extents - item.half_extents), change, atol=1e-15
     )
@@ -57,7 +77,7 @@ def test_a_shape_that_leaves_something_out_cannot_be_made() -> None:
     class Blob(SceneItem):
         pass
 
-    with pytest.raises(TypeError, match=r"abstract.*geom_size"):
+    with pytest.raises(TypeError, match=r"abstract.*geometry"):
         Blob(name="blob", mass=1.0)  # type: ignore[abstract]
 
 
@@ -66,7 +86,7 @@ def test_a_scene_file_with_an_unknown_shape_is_refused_with_the_known_ones() -> 
         "{container: {size: [0.3, 0.2], height: 0.1}, friction: 0.4, objects: [], "
         "new_object: {name: egg, shape: egg, mass: 0.1}}"
     )
-    with pytest.raises(ConfigError, match=r"'box', 'cylinder'"):
+    with pytest.raises(ConfigError, match=r"'box', 'cylinder', 'capsule', 'mesh'"):
         parse_config(Scene, text, "scene")
     with pytest.raises(ValidationError):
         Box(name="egg", shape="egg", size=(0.1, 0.1, 0.1), mass=0.1)  # type: ignore[arg-type]

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.objects import TOP_MARKERS, Box, Cylinder
+from pack_core.packing.objects import Box, Cylinder
+from pack_core.packing.scene_item import TOP_MARKERS
 from pack_core.rotations import Array, Pose, angle_between, exp, from_yaw, log, multiply, rotate
 from pack_perception.mocap.alignment import Mask
 from pack_perception.mocap.axis_fit import AxisFitConfig, Z, fit_with_axis

@@ -1,28 +1,27 @@
 """A placement as markers: every shape has one, and the cheapest sample stands as it settled."""
 
-from typing import get_args
-
 import numpy as np
-import pytest
 from visualization_msgs.msg import Marker
 
+from pack_core.packing.capsule import Capsule
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.objects import Box, ObjectModel
 from pack_core.packing.scene import Scene
 from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
 from pack_planner.placement.placement_config import PlacementConfig
-from pack_planner.placement.ros.placement_markers import KINDS, SETTLED, _kind, to_visual_markers
+from pack_planner.placement.ros.placement_markers import SETTLED, to_visual_markers
 
 
-def test_every_shape_has_a_marker() -> None:
-    shapes = get_args(get_args(ObjectModel)[0])
-    assert {shape.geom_type for shape in shapes} == set(KINDS)
-
-
-def test_a_shape_without_a_marker_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(KINDS, Box.geom_type)
-    with pytest.raises(NotImplementedError, match="no marker for shape mjGEOM_BOX"):
-        _kind(Box(name="brick", shape="box", size=(0.1, 0.1, 0.1), mass=0.1))
+def test_a_shape_that_rviz_does_not_know_is_drawn_as_triangles_of_its_size(example: Scene, state_of) -> None:
+    tube = Capsule(name="tube", shape="capsule", radius=0.03, length=0.16, mass=0.3)
+    scene = example.model_copy(update={"new_object": tube})
+    planner = Algorithm1Planner(scene.description(), packing_cell(), PlacementConfig(samples=30))
+    placement = planner.plan(state_of(scene), np.random.default_rng(0))
+    markers = to_visual_markers(1.0, placement, scene, placement.samples.spread(3)[0]).markers
+    (drawn,) = [marker for marker in markers if marker.ns == "placement"]
+    assert drawn.type == Marker.TRIANGLE_LIST
+    corners = np.array([[p.x, p.y, p.z] for p in drawn.points])
+    assert len(corners) % 3 == 0
+    np.testing.assert_allclose(np.ptp(corners, axis=0), 2 * tube.half_extents, atol=1e-9)
 
 
 def test_the_cheapest_sample_is_shown_as_a_settled_scene_with_its_cost(example: Scene, state_of) -> None:

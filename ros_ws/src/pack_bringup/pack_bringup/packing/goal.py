@@ -40,10 +40,10 @@ class PackingGoal:
         """The service that puts the cell into the goal's scene, and its request."""
         from pack_interfaces.srv import ResetScene
 
+        from pack_core.packing.scene_file import scene_text
         from pack_core.ros.contracts.packing import RESET
-        from pack_core.text.reader import read_text
 
-        text = "" if self.scene is None else read_text(self.scene)
+        text = "" if self.scene is None else scene_text(self.scene)
         return RESET, ResetScene.Request(scene=text, seed=self.seed)
 
     def progress(self, feedback: Any, real_time_factor: float) -> Progress:

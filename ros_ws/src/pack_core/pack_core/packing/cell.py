@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config, load_values, merged, parse_values, validate_config
-from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Scene
+from pack_core.packing.scene_item import SceneItem
 from pack_core.paths import config_path
 from pack_core.robots.arm_drive import ArmDrive
 from pack_core.robots.pump import Pump

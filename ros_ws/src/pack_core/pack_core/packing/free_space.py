@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Container, Scene
+from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Pose, from_yaw
 
 YAW_STEP = np.deg2rad(1.0)

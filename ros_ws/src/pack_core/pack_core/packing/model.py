@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 
 from pack_core.packing.cell import PackingCell, Tip
-from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Container, Scene
+from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.steering import add_steering
 from pack_core.packing.surroundings import add_surroundings
 from pack_core.packing.tip import add_tip
@@ -88,7 +88,7 @@ def build_model(
     _add_table(spec, scene.friction, surroundings)
     _add_container(spec, scene.container, scene.friction)
     for item in scene.objects:
-        _add_object(spec.worldbody.add_body(name=item.name), item, scene, free=True)
+        _add_object(spec, spec.worldbody.add_body(name=item.name), item, scene, free=True)
     tool = None if arm is ArmRole.ABSENT else _add_arm(spec, cell)
     if lip_touches:
         cup = spec.geom("pump_cup")
@@ -163,13 +163,13 @@ def _add_new_object(
     if held in (HeldRole.FREE, HeldRole.STEERED):
         is_steered = held is HeldRole.STEERED
         body = spec.worldbody.add_body(name=item.name, gravcomp=is_steered)
-        _add_object(body, item, scene, free=True)
+        _add_object(spec, body, item, scene, free=True)
         if is_steered:
             add_steering(spec, body)
     elif held is not HeldRole.ABSENT and tool is not None:
         X_TN, is_rigid = held_pose(scene), held is HeldRole.RIGID
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)
-        _add_object(body, item, scene, free=False)
+        _add_object(spec, body, item, scene, free=False)
         if not is_rigid:
             add_tip(body, tip, cup_point(scene))
         body.add_site(name="tip", pos=cup_point(scene))
@@ -187,11 +187,14 @@ def _add_sensors(spec: mujoco.MjSpec, held: str) -> None:
         spec.add_sensor(name=name, type=kind, objtype=on, objname=target)
 
 
-def _add_object(body: mujoco.MjsBody, item: SceneItem, scene: Scene, *, free: bool) -> None:
+def _add_object(
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, item: SceneItem, scene: Scene, *, free: bool
+) -> None:
     if free:
         body.add_freejoint(name=item.name)
     friction = scene.friction if item.friction is None else item.friction
     body.add_geom(
-        name=item.name, type=item.geom_type, size=item.geom_size,
-        mass=item.mass, friction=(friction, 0.005, 0.0001), condim=3, rgba=(*item.colour, 1.0),
+        name=item.name, **item.geometry(spec), mass=item.mass,
+        friction=(friction, 0.005, item.rolling_friction), condim=item.contact_dimension,
+        rgba=(*item.colour, 1.0),
     )  # fmt: skip

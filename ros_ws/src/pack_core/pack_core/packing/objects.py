@@ -1,81 +1,23 @@
 """The objects that are packed: shapes with known size and mass.
 
-Everything that depends on a shape is in its class here; other code never asks for an object's type. A
-further shape is one more subclass of `SceneItem`, listed in `ObjectModel`. Python refuses to create an object
-of a subclass that leaves a method out.
+Everything that depends on a shape is in its class; other code never asks for an object's type. A further
+shape is one more subclass of `SceneItem`, listed in `ObjectModel`. Python refuses to create an object of a
+subclass that leaves a method out.
 """
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import mujoco
 import numpy as np
 from pydantic import Field
 
 from pack_core.config import Config, parse_values, validate_config
-from pack_core.pose_config import PoseConfig
+from pack_core.packing.capsule import Capsule
+from pack_core.packing.convex_mesh import ConvexMesh
+from pack_core.packing.scene_item import MARKER_HEIGHT, SceneItem, Size, circle
 from pack_core.rotations import Array
-from pack_core.text.limits import Number, ObjectName, Share
-
-Mass = Annotated[Number, Field(ge=0.001, le=20.0)]
-Size = Annotated[Number, Field(gt=0.005, lt=2.0)]
-Friction = Annotated[Number, Field(ge=0.01, le=2.0)]
-Colour = tuple[Share, Share, Share]
-
-MARKER_HEIGHT = 0.004
-"""How far a marker's centre stands off the surface it is glued to [m]."""
-TOP_MARKERS = 4
-"""Number of markers on an object's top; they come first in `markers()`."""
-CORNERS = 64
-"""Corners of the polygon inscribed in a circle; its sides cut 0.12 % of the radius: 1 - cos(pi / CORNERS)."""
-
-
-class SceneItem(Config):
-    """An object of a scene: the origin is its centre, z the axis that stands upright."""
-
-    name: ObjectName
-    mass: Mass
-    friction: Friction | None = Field(default=None, description="None: the scene's")
-    colour: Colour = (0.7, 0.7, 0.7)
-    pose: PoseConfig | None = None
-
-    @property
-    @abstractmethod
-    def geom_type(self) -> mujoco.mjtGeom:
-        """MuJoCo's geometry type of the shape."""
-
-    @property
-    @abstractmethod
-    def geom_size(self) -> Array:
-        """MuJoCo's size parameters `(3,)` for this geometry type [m]."""
-
-    @property
-    @abstractmethod
-    def half_extents(self) -> Array:
-        """Half edge lengths of the bounding box `(3,)` [m]."""
-
-    @property
-    @abstractmethod
-    def symmetry(self) -> float:
-        """The smallest yaw that maps the upright object onto itself [rad]; 0: every yaw does."""
-
-    @abstractmethod
-    def half_spans(self, yaws: Array) -> Array:
-        """Half the extents `(n, 2)` along the world's x and y of the upright object at each yaw [m]."""
-
-    @abstractmethod
-    def hull(self) -> Array:
-        """Points `(n, 3)` in the object's frame whose convex hull is the object [m]."""
-
-    @abstractmethod
-    def markers(self) -> Array:
-        """Marker centres `(6, 3)` [m], those on the top first, then one each on two upper sides."""
-
-    @abstractmethod
-    def resized(self, change: Array) -> Self:
-        """The same object with lengths along x, y and z that differ by `change` `(3,)` [m]."""
 
 
 class Box(SceneItem):
@@ -83,11 +25,9 @@ class Box(SceneItem):
 
     shape: Literal["box"]
     size: tuple[Size, Size, Size]
-    geom_type: ClassVar[mujoco.mjtGeom] = mujoco.mjtGeom.mjGEOM_BOX
 
-    @property
-    def geom_size(self) -> Array:
-        return self.half_extents
+    def geometry(self, spec: mujoco.MjSpec) -> dict[str, Any]:
+        return {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": self.half_extents}
 
     @property
     def half_extents(self) -> Array:
@@ -106,6 +46,9 @@ class Box(SceneItem):
         x, y, z = self.half_extents
         return np.array([[sx * x, sy * y, sz * z] for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)])
 
+    def top_face(self) -> Array:
+        return self.hull()[1::2, :2]
+
     def markers(self) -> Array:
         """Markers at the corners of the top, and one on each of two sides."""
         return _markers(self.half_extents, inset=1.0)
@@ -120,11 +63,9 @@ class Cylinder(SceneItem):
     shape: Literal["cylinder"]
     radius: Size
     height: Size
-    geom_type: ClassVar[mujoco.mjtGeom] = mujoco.mjtGeom.mjGEOM_CYLINDER
 
-    @property
-    def geom_size(self) -> Array:
-        return np.array([self.radius, 0.5 * self.height, 0.0])
+    def geometry(self, spec: mujoco.MjSpec) -> dict[str, Any]:
+        return {"type": mujoco.mjtGeom.mjGEOM_CYLINDER, "size": (self.radius, 0.5 * self.height, 0.0)}
 
     @property
     def half_extents(self) -> Array:
@@ -141,6 +82,9 @@ class Cylinder(SceneItem):
         rim = circle(self.radius)
         return np.concatenate([np.insert(rim, 2, side * 0.5 * self.height, axis=1) for side in (-1, 1)])
 
+    def top_face(self) -> Array:
+        return circle(self.radius)
+
     def markers(self) -> Array:
         """Markers on the rim of the top, at 45 degrees: x and y are there sqrt(1/2) of the radius."""
         return _markers(self.half_extents, inset=np.sqrt(0.5))
@@ -152,7 +96,7 @@ class Cylinder(SceneItem):
         )
 
 
-ObjectModel = Annotated[Box | Cylinder, Field(discriminator="shape")]
+ObjectModel = Annotated[Box | Cylinder | Capsule | ConvexMesh, Field(discriminator="shape")]
 """Every shape that a scene file can name."""
 
 
@@ -169,12 +113,6 @@ def parse_object(text: str, source: str) -> ObjectModel:
         ConfigError: a key or value is not allowed.
     """
     return validate_config(_OneObject, {"object": parse_values(text, source)}, source).object
-
-
-def circle(radius: float) -> Array:
-    """Corners `(CORNERS, 2)` of the polygon that approximates a circle about the origin [m]."""
-    angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
-    return np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=1)
 
 
 def _markers(half: Array, inset: float) -> Array:

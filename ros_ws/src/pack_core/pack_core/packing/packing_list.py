@@ -17,6 +17,9 @@ from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Container, Scene
 from pack_core.pose_config import PoseConfig
 
+ROUNDING = 0.998
+"""A circle's polygon holds a disc of this share of its radius."""
+
 
 class PackingOrder(Enum):
     """Which object of a list comes next."""
@@ -65,7 +68,7 @@ class PackingList(Config):
         """Refuse objects that the arm cannot carry or the cup cannot grip.
 
         Raises:
-            ConfigError: an object is too heavy, or its top narrower than the cup.
+            ConfigError: an object is too heavy, or its flat top narrower than the cup.
         """
         limit, width = cell.robot.arm.payload - cell.pump.mass, 2.0 * cell.pump.cup_radius
         for item in self.objects:
@@ -74,10 +77,10 @@ class PackingList(Config):
                     f"{source}: mass of '{item.name}' is {item.mass} kg; allowed: up to {limit:.1f} kg, the "
                     "arm's payload less the pump"
                 )
-            if 2.0 * min(item.half_extents[:2]) < width:
+            if item.flat_top < ROUNDING * cell.pump.cup_radius:
                 raise ConfigError(
-                    f"{source}: the top of '{item.name}' is {2e3 * min(item.half_extents[:2]):.0f} mm wide; "
-                    f"allowed: from {1e3 * width:.0f} mm on, the width of the cup"
+                    f"{source}: the top of '{item.name}' is flat over {2e3 * item.flat_top:.0f} mm about its "
+                    f"middle; allowed: from {1e3 * width:.0f} mm on, the width of the cup"
                 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.packing.objects import SceneItem
+from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Pose
 
 PARKED = np.array([-5.0, 0.0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -10,7 +11,8 @@ from pydantic import Field, model_validator
 
 from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
-from pack_core.packing.objects import Friction, ObjectModel, SceneItem
+from pack_core.packing.objects import ObjectModel
+from pack_core.packing.scene_item import Friction, SceneItem
 from pack_core.pose_config import PoseConfig
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.rotations import Array, Pose
@@ -126,6 +128,6 @@ class Scene(Config):
         return yaml.safe_dump(self.model_dump(mode="json", exclude_none=True), sort_keys=False)
 
     @classmethod
-    def from_yaml(cls, text: str, source: str = "scene") -> Scene:
-        """Read a scene file's text; `source` names it in errors."""
-        return parse_config(cls, text, source)
+    def from_yaml(cls, text: str, source: str = "scene", folder: Path | None = None) -> Scene:
+        """Read a scene file's text; `source` names it in errors, `folder` has the meshes that it names."""
+        return parse_config(cls, text, source, folder)

@@ -19,6 +19,11 @@ LARGEST_INTEGER = 2**63 - 1
 MOST_CHARACTERS_OF_NAME = 64
 MOST_OBJECTS = 40
 """Objects in a container, beside the new one."""
+MOST_BYTES_OF_MESH = 20_000_000
+MOST_MESH_VERTICES = 1_000_000
+"""Of a mesh file, before its hull is taken; STL files repeat each vertex for every triangle."""
+MOST_MESH_CORNERS = 120
+"""Of the convex hull that an object is."""
 MOST_BLOCKS = 100
 MOST_CORNERS = 100
 """Corners of a workspace."""

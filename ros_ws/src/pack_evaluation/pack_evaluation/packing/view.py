@@ -90,11 +90,16 @@ class View:
 
     def _add_ghost(self, X_WT: Pose) -> None:
         """Add the held object's shape at its packing pose, translucent."""
-        item, scene = self._run.scene.new_object, self._renderer.scene
+        model, scene = self._model, self._renderer.scene
+        geom = model.geom(self._run.scene.new_object.name)
+        X_WG = X_WT @ Pose(geom.pos, geom.quat)
+        ghost = scene.geoms[scene.ngeom]
         mujoco.mjv_initGeom(
-            scene.geoms[scene.ngeom], item.geom_type, item.geom_size, X_WT.p,
-            to_matrix(X_WT.q).ravel(), np.array(GHOST, dtype=np.float32),
+            ghost, int(geom.type[0]), geom.size, X_WG.p, to_matrix(X_WG.q).ravel(),
+            np.array(GHOST, dtype=np.float32),
         )  # fmt: skip
+        # MuJoCo draws two pictures of each mesh: the mesh itself, and after it its convex hull
+        ghost.dataid = 2 * int(geom.dataid[0])
         scene.ngeom += 1
 
 

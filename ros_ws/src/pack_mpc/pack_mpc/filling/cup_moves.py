@@ -6,8 +6,8 @@ import numpy as np
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import UPSIDE_DOWN
-from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Scene
+from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.steps import FillCommand, FillObservation, Steps, Until

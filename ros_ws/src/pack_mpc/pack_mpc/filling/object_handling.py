@@ -6,7 +6,7 @@ import numpy as np
 
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import base_height, is_packed
-from pack_core.packing.objects import SceneItem
+from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Pose, rotate
 from pack_mpc.filling.cup_moves import CupMoves
 from pack_mpc.filling.fill_config import FillConfig

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 
 from pack_core.packing.free_space import footprint
-from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Container
+from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, from_yaw
 
 COARSE = 0.0003

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pack_core.packing.fit import fitting_yaws
-from pack_core.packing.objects import SceneItem
 from pack_core.packing.scene import Container
+from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, yaw_of
 
 

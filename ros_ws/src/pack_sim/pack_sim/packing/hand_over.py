@@ -7,8 +7,7 @@ import shapely
 from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
-from pack_core.packing.free_space import footprint
-from pack_core.packing.objects import SceneItem
+from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Pose, angle_between, exp, from_yaw, multiply
 
 SEAL_GAP = 0.003
@@ -46,7 +45,7 @@ def seal_fault(X_TN: Pose, item: SceneItem, cup_radius: float) -> str:
     if tilt > SEAL_TILT:
         return f"the cup is tilted by {np.rad2deg(tilt):.1f} degrees; allowed: {np.rad2deg(SEAL_TILT):.0f}"
     lip = shapely.Point(X_NT.p[:2]).buffer(LIP * cup_radius)
-    if not footprint(item, Pose(np.zeros(3))).covers(lip):
+    if not shapely.MultiPoint(item.top_face()).convex_hull.covers(lip):
         x, y = 1e3 * X_NT.p[:2]
         return f"the lip is not on the object's top, its middle at x {x:.0f}, y {y:.0f} mm of it"
     return ""

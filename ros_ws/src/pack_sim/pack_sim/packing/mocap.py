@@ -13,8 +13,8 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 from pack_core.config import AT_ONCE, Config
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.markers import MarkerFrame
-from pack_core.packing.objects import TOP_MARKERS
 from pack_core.packing.scene import Scene
+from pack_core.packing.scene_item import TOP_MARKERS
 from pack_core.packing.topics import MARKER_RATE
 from pack_core.rotations import Array
 

@@ -91,5 +91,5 @@ def _place(handle: GlbHandle, pose: Any) -> None:
 def _model_of(scene: Scene) -> mujoco.MjModel:
     """A model of the new object alone."""
     spec, item = mujoco.MjSpec(), scene.new_object
-    spec.worldbody.add_geom(type=item.geom_type, size=item.geom_size)
+    spec.worldbody.add_geom(**item.geometry(spec))
     return spec.compile()

@@ -8,8 +8,9 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from pack_core.packing.objects import SceneItem
+from pack_core.packing.hull import hull_of, with_fewer_corners
 from pack_core.packing.scene import Scene
+from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.ros.conversions import WORLD, to_point, to_pose, to_stamp
 from pack_core.rotations import Array, Pose
@@ -21,7 +22,9 @@ SETTLED_OPACITY = 0.3
 INFEASIBLE = ColorRGBA(r=0.4, g=0.4, b=0.4, a=0.35)
 CHOSEN = ColorRGBA(r=0.1, g=0.8, b=0.3, a=0.45)
 KINDS = {mujoco.mjtGeom.mjGEOM_BOX: Marker.CUBE, mujoco.mjtGeom.mjGEOM_CYLINDER: Marker.CYLINDER}
-"""Marker types by geometry type; their scale is the bounding box's edge lengths."""
+"""Marker types by geometry type, scaled to the bounding box; other shapes are drawn as triangles."""
+MARKER_CORNERS = 60
+"""Corners at most of a shape that is drawn as triangles."""
 SAMPLE_DIAMETER = 0.004
 SAMPLE_HEIGHT = 0.002
 """Diameter of a sample's dot and height of its centre over the base [m]."""
@@ -80,17 +83,19 @@ def _chosen(time: float, placement: PlannedPlacement, item: SceneItem) -> Marker
 def _shape(time: float, namespace: str, item: SceneItem, X_WO: Pose) -> Marker:
     """An object's shape at a pose, still without a colour."""
     marker = _marker(time, namespace, _kind(item))
-    x, y, z = (2 * item.half_extents).tolist()
-    marker.pose, marker.scale = to_pose(X_WO), Vector3(x=x, y=y, z=z)
+    marker.pose = to_pose(X_WO)
+    if marker.type == Marker.TRIANGLE_LIST:
+        marker.scale = Vector3(x=1.0, y=1.0, z=1.0)
+        hull = with_fewer_corners(hull_of(item.hull()), MARKER_CORNERS, 0.0)
+        marker.points = [to_point(corner) for corner in hull.triangles.reshape(-1, 3)]
+    else:
+        x, y, z = (2 * item.half_extents).tolist()
+        marker.scale = Vector3(x=x, y=y, z=z)
     return marker
 
 
 def _kind(item: SceneItem) -> int:
-    if item.geom_type not in KINDS:
-        raise NotImplementedError(
-            f"no marker for shape {item.geom_type.name}; add one to KINDS in {__name__}"
-        )
-    return KINDS[item.geom_type]
+    return KINDS.get(item.geometry(mujoco.MjSpec())["type"], Marker.TRIANGLE_LIST)
 
 
 def _marker(time: float, namespace: str, kind: int) -> Marker:

@@ -1,0 +1,104 @@
+"""Convex hulls of points, by Qhull: facets, volume, and hulls with fewer corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import ConvexHull, QhullError
+
+from pack_core.rotations import Array
+
+
+@dataclass(frozen=True)
+class Hull:
+    """A convex polyhedron with its facets as triangles.
+
+    Attributes:
+        corners: `(n, 3)` [m].
+        faces: numbers of each triangle's corners `(m, 3)`, counter-clockwise as seen from outside.
+        normals: outward normals of the triangles `(m, 3)`.
+        offsets: a point p is inside if `normals @ p <= offsets`, `(m,)` [m].
+    """
+
+    corners: Array
+    faces: npt.NDArray[np.int_]
+    normals: Array
+    offsets: Array
+
+    @property
+    def triangles(self) -> Array:
+        """Corners of each triangle `(m, 3, 3)` [m]."""
+        return np.asarray(self.corners[self.faces])
+
+    @property
+    def centroid(self) -> Array:
+        """Centre of the volume `(3,)` [m]: that of the tetrahedra which the triangles span with one point."""
+        apex = self.corners.mean(axis=0)
+        volumes = np.linalg.det(self.triangles - apex)
+        middles = (self.triangles.sum(axis=1) + apex) / 4.0
+        return np.asarray(volumes @ middles / volumes.sum())
+
+    def heights(self, points: Array) -> Array:
+        """How far each of `points` `(k, 3)` is outside [m]; negative inside, where it is the distance."""
+        return np.asarray((points @ self.normals.T - self.offsets).max(axis=1))
+
+    def exits(self, start: Array, directions: Array) -> tuple[Array, Array]:
+        """Where rays from a point inside leave, `(k, 3)` [m], and the normals there `(k, 3)`.
+
+        Args:
+            start: the point `(3,)` [m].
+            directions: of the rays, `(k, 3)`.
+        """
+        rates = directions @ self.normals.T
+        room = self.offsets - self.normals @ start
+        ways = np.where(rates > 1e-12, room / np.maximum(rates, 1e-12), np.inf)
+        facets = np.argmin(ways, axis=1)
+        length = ways[np.arange(len(facets)), facets]
+        return start + length[:, None] * directions, self.normals[facets]
+
+
+def hull_of(points: Array) -> Hull:
+    """The convex hull of points `(k, 3)`.
+
+    Raises:
+        ValueError: they have no volume, or are no finite numbers.
+    """
+    try:
+        found = ConvexHull(points)
+    except QhullError:
+        raise ValueError("points that span a volume; these lie in a plane, a line or a point") from None
+    number = np.full(len(points), -1)
+    number[found.vertices] = np.arange(len(found.vertices))
+    normals, offsets = found.equations[:, :3], -found.equations[:, 3]
+    faces, a, b, c = number[found.simplices], *np.moveaxis(points[found.simplices], 1, 0)
+    # Qhull's triangles run either way round
+    is_inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals) < 0.0
+    faces[is_inward] = faces[is_inward][:, ::-1]
+    return Hull(points[found.vertices], faces, normals, offsets)
+
+
+def with_fewer_corners(hull: Hull, most: int, tolerance: float) -> Hull:
+    """A hull of some of the corners, chosen one by one, always the one that is farthest outside so far.
+
+    Args:
+        hull: the hull.
+        most: corners that the result has at most.
+        tolerance: no more corners are taken once all are this close [m].
+    """
+    corners = hull.corners
+    # two along each axis are on the bounding box, so that its size stays; the rest makes it a volume
+    chosen = list(dict.fromkeys([*corners.argmin(axis=0), *corners.argmax(axis=0)]))
+    while len(chosen) < 4 or np.linalg.matrix_rank(corners[chosen] - corners[chosen[0]], tol=1e-6) < 3:
+        centred = corners - corners[chosen[0]]
+        _, _, axes = np.linalg.svd(centred[chosen], full_matrices=True)
+        rank = int(np.linalg.matrix_rank(centred[chosen], tol=1e-6))
+        chosen.append(int(np.argmax(np.abs(centred @ axes[rank]))))
+    while True:
+        found = hull_of(corners[chosen])
+        heights = found.heights(corners)
+        farthest = int(np.argmax(heights))
+        if heights[farthest] <= tolerance or len(chosen) >= most:
+            return found
+        chosen.append(farthest)
