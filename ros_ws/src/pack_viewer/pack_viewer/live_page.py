@@ -60,12 +60,12 @@ class LivePage:
 
     def turn(self) -> None:
         """Take in the news and show it; to be called for every frame."""
-        news = self._source.take()
         with self._server.atomic():  # a frame of the scene is never half old
-            if news.restarted:
-                self._forget()
-            self._take(news)
-            self.cell.update(news)
+            for news in self._source.take():
+                if news.restarted:
+                    self._forget()
+                self._take(news)
+                self.cell.update(news)
         if (now := time.monotonic()) >= self._next_show:
             self._next_show = now + SHOW_PERIOD
             self.show()

@@ -38,14 +38,17 @@ class Topics:
     Attributes:
         states: topics of which only the newest message counts.
         events: topics of which every message counts.
+        followed: those of the states whose course counts, such as what is plotted. After a jump in time they
+            are handed out as they were on the way, others only as they are at its end.
     """
 
     states: tuple[str, ...]
     events: tuple[str, ...] = ()
+    followed: tuple[str, ...] = ()
 
     def __add__(self, other: Topics) -> Topics:
         """These and those of `other`."""
-        return Topics(self.states + other.states, self.events + other.events)
+        return Topics(self.states + other.states, self.events + other.events, self.followed + other.followed)
 
     @property
     def all(self) -> tuple[str, ...]:
@@ -56,8 +59,8 @@ class Topics:
 class NewsSource(Protocol):
     """Where news comes from."""
 
-    def take(self) -> News:
-        """What has come since the last call."""
+    def take(self) -> Sequence[News]:
+        """What has come since the last call, oldest first: one, or several pieces after a jump in time."""
 
 
 def seconds(message: Any) -> float:

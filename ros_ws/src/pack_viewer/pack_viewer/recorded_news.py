@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,12 @@ from pack_core import stamps
 from pack_core.errors import BagError
 from pack_evaluation.raw_bag import RawMessage, read_raw_bag
 from pack_viewer.news import News, Topics
+
+PIECE = stamps.to_ns(0.05)
+"""After a jump, what lies on the way is handed out in pieces of so much simulated time [ns]: two for each
+point of a plot."""
+WAY = stamps.to_ns(60.0)
+"""What is older than so much at the end of a jump is one piece [ns of simulated time]: plots end there."""
 
 
 class RecordedNews:
@@ -44,7 +50,7 @@ class RecordedNews:
         for message in raw.messages:
             self._tracks[message.topic].append(message)
         self._times = {name: [m.time_ns for m in track] for name, track in self._tracks.items()}
-        self._read = dict.fromkeys(self._tracks, 0)
+        self._read, self._told = dict.fromkeys(self._tracks, 0), raw.messages[0].time_ns
         self.rate, self.is_paused = 1.0, False
         self._lock = threading.Lock()
         self._time = self.start if start is None else start
@@ -73,8 +79,8 @@ class RecordedNews:
             self._went_back |= target < self._time
             self._time = target
 
-    def take(self) -> News:
-        """What was recorded since the time of the last call."""
+    def take(self) -> list[News]:
+        """What was recorded since the time of the last call; from the beginning if time went back."""
         with self._lock:
             now = self._clock()
             if not self.is_paused and self._seen_at is not None:
@@ -82,9 +88,21 @@ class RecordedNews:
             self._seen_at = now
             restarted, self._went_back = self._went_back, False
             if restarted:
-                self._read = dict.fromkeys(self._tracks, 0)
+                self._read, self._told = dict.fromkeys(self._tracks, 0), self._raw.messages[0].time_ns
             until = stamps.to_ns(self._time)
-            return News({name: self._until(name, until) for name in self._tracks}, self._time, restarted)
+            pieces = list(self._on_the_way(until, restarted))
+            self._told = until
+            newest = {name: self._until(name, until) for name in self._tracks}
+            return [*pieces, News(newest, self._time, restarted and not pieces)]
+
+    def _on_the_way(self, until_ns: int, restarted: bool) -> Iterator[News]:
+        """Events and what is followed, from the time told last to shortly before another [ns]."""
+        names = [name for name in (*self._topics.events, *self._topics.followed) if name in self._tracks]
+        for end in range(max(self._told + PIECE, until_ns - WAY), until_ns, PIECE):
+            messages = {name: self._until(name, end) for name in names}
+            if any(messages.values()):
+                yield News(messages, stamps.to_seconds(end), restarted)
+                restarted = False
 
     def _until(self, topic: str, time_ns: int) -> list[Any]:
         """Messages of a topic up to a time that were not handed out yet."""

@@ -9,6 +9,7 @@ import numpy as np
 from pack_core.cells import cell_part
 from pack_evaluation.record import cell_of
 from pack_viewer.cell_page import CellPage
+from pack_viewer.cell_scene import CellScene
 from pack_viewer.recorded_news import RecordedNews
 from pack_viewer.web_server import open_server
 
@@ -37,15 +38,20 @@ def write_replay(recording: Path, path: Path) -> None:
         server.initial_camera.position = page.presets[0].position
         server.initial_camera.look_at = page.presets[0].look_at
         scene = page.scene_type(server.scene)
-        scene.update(news.take())
+        _draw(scene, news)
         recorder = server.get_scene_serializer()
         for time, pause in _frames(news.start, news.end):
             recorder.insert_sleep(pause)
             news.seek(time)
-            scene.update(news.take())
+            _draw(scene, news)
         path.write_text(recorder.as_html())
     finally:
         server.stop()
+
+
+def _draw(scene: CellScene, source: RecordedNews) -> None:
+    for news in source.take():
+        scene.update(news)
 
 
 def _frames(start: float, end: float) -> list[tuple[float, float]]:

@@ -46,6 +46,11 @@ class RollingPlot:
             scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(auto=True)},
         )  # fmt: skip
 
+    @property
+    def points(self) -> np.ndarray:
+        """Times and values `(n, 1 + curves)`, oldest first."""
+        return np.array(self._rows, dtype=float).reshape(-1, self._width)
+
     def add(self, at: float, *values: float) -> None:
         """Add a point to every curve at simulated time `at` [s]; NaN leaves a gap."""
         if self._rows and at < self._rows[-1][0] + self._period:

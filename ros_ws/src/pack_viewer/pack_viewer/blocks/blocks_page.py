@@ -33,6 +33,7 @@ class BlocksPage(CellPage):
             *BlocksScene.topics.all, motion.MOTION_STATUS, topics.BLOCK_POSES,
         ),
         events=(topics.STATUS, topics.RESULT),
+        followed=(motion.MOTION_STATUS, topics.JAW_STATE),
     )  # fmt: skip
     scene_type = BlocksScene
     presets = (
@@ -96,6 +97,7 @@ class BlocksPage(CellPage):
     def forget(self) -> None:
         """Begin anew without a plan."""
         self._status, self._unseen = None, ()
+        self._jaws, self._motion = None, None
         self.headline = IDLE
         self.scene.set_goals(())
         for plot in (self._error, self._opening):

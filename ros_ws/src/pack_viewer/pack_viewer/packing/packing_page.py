@@ -29,6 +29,7 @@ class PackingPage(CellPage):
             *PackingScene.topics.all, topics.GRIPPER_STATE, topics.WRENCH, topics.SETTLED_SAMPLES,
         ),
         events=(topics.MPC_STATUS, topics.RESULT),
+        followed=(topics.WRENCH, topics.SETTLED_SAMPLES),
     )  # fmt: skip
     scene_type = PackingScene
     presets = (
@@ -98,6 +99,7 @@ class PackingPage(CellPage):
     def forget(self) -> None:
         """Begin anew with an empty task."""
         self._stage, self._visited, self._status = "", [], None
+        self._grip, self._force = None, float("nan")
         self.headline = IDLE
         self._ghosts.clear()
         self._clear_plots()

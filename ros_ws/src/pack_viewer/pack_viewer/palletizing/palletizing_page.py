@@ -24,6 +24,8 @@ from pack_viewer.rolling_plot import RollingPlot
 
 DETECTED = 1
 """BoxDetection's status of a box that was found."""
+NO_PICTURE = np.full((120, 160, 3), 40, dtype=np.uint8)
+"""Shown before the camera has seen a box."""
 
 
 class PalletizingPage(CellPage):
@@ -35,6 +37,7 @@ class PalletizingPage(CellPage):
             motion.GOAL_MARKERS,
         ),
         events=(topics.PALLET_STATE, topics.BOX_DETECTION, topics.CONTACTS, topics.RESULT),
+        followed=(motion.MOTION_STATUS, topics.GRIPPER_STATE),
     )  # fmt: skip
     scene_type = PalletScene
     presets = (
@@ -99,7 +102,8 @@ class PalletizingPage(CellPage):
         """Begin anew with no box placed."""
         self._progress = OrderProgress()
         self._places.clear()
-        self._contacts = 0
+        self._contacts, self._grip, self._motion = 0, None, None
+        self._picture.image = NO_PICTURE
         self.headline = IDLE
         for plot in (self._error, self._load):
             plot.clear()
@@ -136,8 +140,8 @@ class PalletizingPage(CellPage):
         self._cycles = gui.add_html("")
 
     def _add_camera(self) -> None:
-        empty = np.full((120, 160, 3), 40, dtype=np.uint8)
-        self._picture = self.server.gui.add_image(empty, label="what box vision found", format="jpeg")
+        gui = self.server.gui
+        self._picture = gui.add_image(NO_PICTURE, label="what box vision found", format="jpeg")
 
     def _add_plots(self) -> None:
         gui = self.server.gui

@@ -41,14 +41,14 @@ class LiveNews:
         self._streams = {name: _stream(node, known[name], name in topics.states) for name in topics.all}
         self._time: float | None = None
 
-    def take(self) -> News:
+    def take(self) -> tuple[News]:
         """What has come since the last call."""
         messages = {name: stream.take_all() for name, stream in self._streams.items()}
         before = self._time
         if joints := messages[JOINT_STATES]:
             self._time = seconds(joints[-1])
         restarted = before is not None and self._time is not None and self._time < before - RESTART
-        return News({name: found for name, found in messages.items() if found}, self._time, restarted)
+        return (News({name: found for name, found in messages.items() if found}, self._time, restarted),)
 
 
 def _stream(node: Node, contract: Contract, is_state: bool) -> Any:
