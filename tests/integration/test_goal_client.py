@@ -12,9 +12,9 @@ from std_srvs.srv import Trigger
 
 from integration.harness import Graph
 from integration.test_goal_node import ACTION, Waiter
-from pack_bringup.ros import goal_client
 from pack_bringup.ros.goal_client import GoalClient
 from pack_core.errors import PackError
+from pack_core.ros import goal_sender
 from pack_core.ros.contracts.contract import Contract, Kind
 
 RESET = Contract("/start_over", Trigger, ("user",), ("sim",), "begin anew", kind=Kind.SERVICE)
@@ -22,7 +22,7 @@ RESET = Contract("/start_over", Trigger, ("user",), ("sim",), "begin anew", kind
 
 @pytest.fixture(autouse=True)
 def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(goal_client, "SETTLE", 0.1)
+    monkeypatch.setattr(goal_sender, "SETTLE", 0.1)
 
 
 def client(graph: Graph, *, order: str = "", reset: bool = False) -> GoalClient:

@@ -77,9 +77,8 @@ class LiveNode(CellNode):
 
     def _add_controls(self, log: EventLog) -> Callable[[], None]:
         self.form: RunForm = cell_part(self._cell, "run_form")(self._server.gui, log)
-        # the first action of a cell's wiring table is the one that the run form fills in
-        action = next(contract for contract in wiring_of(self._cell) if contract.kind is Kind.ACTION)
-        self.operator = LiveOperator(self, action, self.form, log)
+        actions = [contract for contract in wiring_of(self._cell) if contract.kind is Kind.ACTION]
+        self.operator = LiveOperator(self, actions, self.form, log)
         return RunPanel(self._server.gui, log, self.operator, self.form.add).show
 
     def _turn(self) -> None:

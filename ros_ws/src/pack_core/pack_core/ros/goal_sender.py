@@ -1,0 +1,153 @@
+"""Sends goals to a running cell: the cell is put into the goal's scene, the goal sent and followed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Generator
+from typing import Any
+
+from rclpy.action import ActionClient
+from rclpy.task import Future
+
+from pack_core.errors import PackError
+from pack_core.ros.cell_node import CellNode
+from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.goal_refusal import REFUSED
+
+SETTLE = 1.0
+"""Wait before a goal is sent [s of wall clock], so that all nodes have heard each other, and of what a reset
+has changed."""
+ANSWER = 60.0
+"""Longest wait for an answer [s of wall clock]; a reset builds a model, on a machine that may be busy."""
+PERIOD = 0.05
+"""Between two looks whether there is an answer [s of wall clock]."""
+
+Steps = Generator[None, None, Any]
+"""Goes on with each look, and returns what it has waited for."""
+
+
+class GoalSender:
+    """Sends the goals of an action, one at a time.
+
+    It looks for answers in a timer of its node, which must be spun; `send` may be called from any thread.
+
+    Args:
+        node: who sends.
+        action: where goals go.
+        reset: the service that puts the cell into a goal's scene; None: the cell is taken as it stands.
+        on_feedback: is called with each feedback.
+        on_change: is called when a goal has been taken, has ended or has failed.
+
+    Attributes:
+        is_accepted: whether the goal was taken.
+        feedback: the newest, if any.
+        result: once the goal has ended.
+        failure: why the goal could not be sent or was refused, in words; empty while nothing went wrong.
+    """
+
+    def __init__(
+        self, node: CellNode, action: Contract, reset: Contract | None = None, *,
+        on_feedback: Callable[[Any], None] = lambda _: None, on_change: Callable[[], None] = lambda: None,
+    ) -> None:  # fmt: skip
+        self._node, self._on_feedback, self._on_change = node, on_feedback, on_change
+        self._name = action.name
+        self._action = ActionClient(node, action.type, action.name)
+        self._reset = node.create_client(reset.type, reset.name) if reset else None
+        self._timer: Any = None
+        self._handle: Any = None
+        self._is_cancel_wanted = False
+        self.is_accepted, self.failure = False, ""
+        self.feedback: Any = None
+        self.result: Any = None
+
+    @property
+    def is_starting(self) -> bool:
+        """Whether a goal is on its way that has not been taken yet."""
+        return self._timer is not None and not self.is_accepted
+
+    def send(self, goal: Any, reset: Any = None) -> None:
+        """Begin with a goal, and the request that puts the cell into its scene; an earlier one is let go."""
+        self._end_timer()
+        self.is_accepted, self._is_cancel_wanted, self.failure = False, False, ""
+        self.feedback = self.result = None
+        steps = self._steps(goal, reset)
+        self._timer = self._node.create_timer(PERIOD, lambda: self._go_on(steps), clock=self._node.wall)
+
+    def cancel(self) -> None:
+        """Have the goal ended as soon as it has been taken; its result comes as of any goal."""
+        self._is_cancel_wanted = True
+
+    def _go_on(self, steps: Steps) -> None:
+        try:
+            next(steps)
+        except StopIteration:
+            self._end()
+        except PackError as error:
+            self.failure = str(error)
+            self._end()
+
+    def _end(self) -> None:
+        self._end_timer()
+        self._on_change()
+
+    def _end_timer(self) -> None:
+        if self._timer is not None:
+            self._node.destroy_timer(self._timer)
+            self._timer = None
+
+    def _steps(self, goal: Any, reset: Any) -> Steps:
+        """All that is done for a goal; raises PackError where it does not come to its result."""
+        if self._reset is not None:
+            yield from self._put_into_scene(reset)
+        yield from _wait(lambda: False, SETTLE)
+        if not (yield from _wait(self._action.server_is_ready, ANSWER)):
+            raise PackError(f"nobody takes goals of {self._name}")
+        sent = self._action.send_goal_async(goal, feedback_callback=self._take_feedback)
+        self._handle = yield from _answer(sent)
+        if not self._handle.accepted:
+            raise PackError("the goal was rejected; the log of the node that takes it says why")
+        self.is_accepted = True
+        self._on_change()
+        yield from self._reach_end(self._handle.get_result_async())
+
+    def _put_into_scene(self, request: Any) -> Steps:
+        assert self._reset is not None
+        if not (yield from _wait(self._reset.service_is_ready, SETTLE)):
+            raise PackError(
+                f"no service {self._reset.srv_name}, which puts the cell into the goal's scene: "
+                "no simulator? `pack goal --no-reset` takes the scene as it stands"
+            )
+        answer = yield from _answer(self._reset.call_async(request))
+        if not answer.success:
+            raise PackError(f"the cell cannot be put into the goal's scene: {answer.message}")
+
+    def _reach_end(self, ending: Future) -> Steps:
+        while not ending.done():
+            if self._is_cancel_wanted:
+                self._is_cancel_wanted = False
+                self._handle.cancel_goal_async()
+            yield
+        self.result = ending.result().result
+        if self.result.message.startswith(REFUSED):
+            raise PackError(f"the goal was {self.result.message}")
+
+    def _take_feedback(self, message: Any) -> None:
+        self.feedback = message.feedback
+        self._on_feedback(message.feedback)
+
+
+def _wait(condition: Callable[[], object], limit: float) -> Steps:
+    """Until a condition holds, and whether it came to hold within `limit` [s of wall clock]."""
+    end = time.monotonic() + limit
+    while not condition():
+        if time.monotonic() >= end:
+            return False
+        yield
+    return True
+
+
+def _answer(future: Future) -> Steps:
+    """What a request is answered; raises PackError where nobody answers."""
+    if not (yield from _wait(future.done, ANSWER)):
+        raise PackError(f"no answer within {ANSWER:.0f} s")
+    return future.result()
