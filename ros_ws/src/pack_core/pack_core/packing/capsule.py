@@ -9,13 +9,15 @@ import numpy as np
 from pydantic import model_validator
 
 from pack_core.packing.scene_item import CORNERS, MARKER_HEIGHT, SceneItem, Size, circle
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose, from_matrix, rotate
 
 RINGS = np.deg2rad(np.arange(0.0, 90.0, 15.0))
 """Latitudes of the rings of points that stand for each half ball [rad]."""
 TOP_NORMALS = np.array([[sx, sy, 1.4] for sx in (-1, 1) for sy in (-1, 1)]) / np.sqrt(3.96)
 """Where the markers of the top are glued to: normals `(4, 3)`, 45 degrees off the vertical."""
 SIDE_NORMALS = np.array([[1.0, 0.0, 0.3], [0.0, 1.0, 0.3]]) / np.sqrt(1.09)
+UPENDED = 0.1
+"""Cosine of the elevation from which a capsule that should lie stands on its end."""
 LYING = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)
 """Quaternion wxyz that turns MuJoCo's axis of a capsule, z, into x."""
 
@@ -72,6 +74,15 @@ class Capsule(SceneItem):
         normals = np.concatenate([TOP_NORMALS, SIDE_NORMALS])
         feet = np.concatenate([ends, np.sign(SIDE_NORMALS) * self._core])
         return np.asarray(feet + (self.radius + MARKER_HEIGHT) * normals)
+
+    def standing(self, X_WO: Pose) -> Pose:
+        """A capsule that lies looks alike however far it has rolled."""
+        x = rotate(X_WO.q, [1.0, 0.0, 0.0])
+        up = np.array([0.0, 0.0, 1.0]) - x[2] * x
+        if not self._lies or np.linalg.norm(up) < UPENDED:
+            return X_WO
+        z = up / np.linalg.norm(up)
+        return Pose(X_WO.p, from_matrix(np.column_stack([x, np.cross(z, x), z])))
 
     def resized(self, change: Array) -> Self:
         """The same capsule, its diameter changed as across the axis and its length as along it."""

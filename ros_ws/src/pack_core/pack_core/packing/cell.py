@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config, load_values, merged, parse_values, validate_config
+from pack_core.packing.object_set import DrawnObjects
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.paths import config_path
@@ -90,6 +91,8 @@ class PackingCell(Config):
     """Where objects of a list are handed over."""
     scene: Scene
     """The container, the objects in it and the new object, without poses."""
+    drawn: DrawnObjects | None = None
+    """What generated scenes have in the container instead; None: the objects of `scene`, all of them."""
 
     def with_arm(self, model: str) -> PackingCell:
         """The same cell with another arm model, for pictures only: home pose and gains are left unchanged."""
@@ -108,4 +111,5 @@ def packing_cell(over: str = "{}") -> PackingCell:
     """
     path, source = config_path("cells", "packing.yaml"), "what lies over the packing cell"
     facts = merged(load_values(path), parse_values(over, source))
-    return validate_config(PackingCell, facts, str(path) if over == "{}" else f"{path} and {source}")
+    given = str(path) if over == "{}" else f"{path} and {source}"
+    return validate_config(PackingCell, facts, given, folder=path.parent)

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from pack_core.config import FOLDER
-from pack_core.packing.hull import Hull, hull_of
+from pack_core.hull import Hull, hull_of
 from pack_core.packing.mesh_file import read_corners
 from pack_core.packing.scene_item import MARKER_HEIGHT, SceneItem
 from pack_core.rotations import Array
@@ -81,6 +81,7 @@ class ConvexMesh(SceneItem):
         if not isinstance(name, str) or not isinstance(scale, int | float) or not 1e-6 <= scale <= 1e3:
             raise ValueError("`file`, a text, and `scale`, a number from 1e-6 to 1000")
         corners = read_corners(Path(folder) / name, float(scale))
+        _check_size(corners)
         kept = {key: value for key, value in values.items() if key not in ("file", "scale")}
         return {**kept, "vertices": tuple(map(tuple, corners.tolist()))}
 
@@ -88,10 +89,7 @@ class ConvexMesh(SceneItem):
     @classmethod
     def _is_a_body(cls, vertices: tuple[Corner, ...]) -> tuple[Corner, ...]:
         points = np.array(vertices)
-        sides = np.ptp(points, axis=0)
-        if np.any(sides <= SMALLEST) or np.any(sides >= LARGEST):
-            size = " x ".join(f"{1e3 * side:.4g}" for side in sides)
-            raise ValueError(f"5 mm to 2 m along x, y and z, not {size} mm; `scale` turns units into metres")
+        _check_size(points)
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
         if np.any(np.abs(middle) > OFF_CENTRE):
             raise ValueError(f"corners about the middle of their bounding box, which is at {middle.tolist()}")
@@ -143,6 +141,13 @@ class ConvexMesh(SceneItem):
     @property
     def _form(self) -> _Form:
         return _form_of(self.vertices)
+
+
+def _check_size(points: Array) -> None:
+    sides = np.ptp(points, axis=0)
+    if np.any(sides <= SMALLEST) or np.any(sides >= LARGEST):
+        size = " x ".join(f"{1e3 * side:.4g}" for side in sides)
+        raise ValueError(f"5 mm to 2 m along x, y and z, not {size} mm; `scale` turns units into metres")
 
 
 @lru_cache(maxsize=256)

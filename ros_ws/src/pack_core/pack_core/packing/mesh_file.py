@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pack_core.packing.hull import hull_of, with_fewer_corners
+from pack_core.hull import hull_of, with_fewer_corners
 from pack_core.rotations import Array
 from pack_core.text.limits import MOST_BYTES_OF_MESH, MOST_MESH_CORNERS, MOST_MESH_VERTICES
 

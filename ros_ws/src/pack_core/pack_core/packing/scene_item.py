@@ -12,7 +12,7 @@ from pydantic import Field
 
 from pack_core.config import Config
 from pack_core.pose_config import PoseConfig
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_core.text.limits import Number, ObjectName, Share
 
 Mass = Annotated[Number, Field(ge=0.001, le=20.0)]
@@ -79,6 +79,10 @@ class SceneItem(Config):
     @abstractmethod
     def resized(self, change: Array) -> Self:
         """The same object with lengths along x, y and z that differ by `change` `(3,)` [m]."""
+
+    def standing(self, X_WO: Pose) -> Pose:
+        """The pose with the markers on top at which the body looks as it does at X_WO, if it can lie so."""
+        return X_WO
 
     @property
     def flat_top(self) -> float:

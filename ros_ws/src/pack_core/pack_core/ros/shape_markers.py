@@ -10,12 +10,21 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from pack_core.ros.conversions import to_pose
+from pack_core.hull import hull_of
+from pack_core.ros.conversions import to_point, to_pose
 from pack_core.rotations import Array, Pose
 
 HIDDEN_GROUP = 3
 """Geoms of this group and above are for collisions alone, and are not drawn."""
 AT_ORIGIN = Pose(np.zeros(3))
+AS_THEY_ARE = (Marker.TRIANGLE_LIST, np.ones(3), AT_ORIGIN)
+"""Kind, scale and place of triangles."""
+LATITUDES, LONGITUDES = np.meshgrid(np.deg2rad(np.arange(-90, 91, 30)), np.deg2rad(np.arange(0, 360, 30)))
+LEVEL = np.cos(LATITUDES)
+BALL = np.stack([LEVEL * np.cos(LONGITUDES), LEVEL * np.sin(LONGITUDES), np.sin(LATITUDES)], -1).reshape(
+    -1, 3
+)
+"""Points on the unit ball `(84, 3)`, which the ends of a drawn capsule are made of."""
 SHEET = 0.004
 """Thickness with which a plane is drawn [m]; its top is the plane."""
 
@@ -33,7 +42,8 @@ def shape_markers(model: mujoco.MjModel, body: int, namespace: str) -> Iterator[
     start, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
     for geom in range(start, start + count):
         r, g, b, a = (float(value) for value in model.geom_rgba[geom])
-        found = _kind_and_scale(model, geom)
+        triangles = _triangles(model, geom)
+        found = _kind_and_scale(model, geom) if triangles is None else AS_THEY_ARE
         if found is None or a == 0.0 or model.geom_group[geom] >= HIDDEN_GROUP:
             continue
         kind, scale, X_GM = found
@@ -42,7 +52,24 @@ def shape_markers(model: mujoco.MjModel, body: int, namespace: str) -> Iterator[
         marker.pose = to_pose(Pose(model.geom_pos[geom], model.geom_quat[geom]) @ X_GM)
         marker.scale = Vector3(x=float(scale[0]), y=float(scale[1]), z=float(scale[2]))
         marker.color = ColorRGBA(r=r, g=g, b=b, a=a)
+        if triangles is not None:
+            marker.points = [to_point(corner) for corner in triangles.reshape(-1, 3)]
         yield marker
+
+
+def _triangles(model: mujoco.MjModel, geom: int) -> Array | None:
+    """Corners `(n, 3, 3)` [m] in the geom's frame, of what RViz has no shape for; None for the rest."""
+    kind = mujoco.mjtGeom(model.geom_type[geom])
+    if kind == mujoco.mjtGeom.mjGEOM_MESH:
+        mesh = int(model.geom_dataid[geom])
+        v, f = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
+        vertices = model.mesh_vert[v : v + model.mesh_vertnum[mesh]]
+        return np.asarray(vertices[model.mesh_face[f : f + model.mesh_facenum[mesh]]])
+    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+        radius, half_core, _ = model.geom_size[geom]
+        ends = [radius * BALL + [0.0, 0.0, side * half_core] for side in (-1, 1)]
+        return hull_of(np.concatenate(ends)).triangles
+    return None
 
 
 def _kind_and_scale(model: mujoco.MjModel, geom: int) -> tuple[int, Array, Pose] | None:
@@ -54,8 +81,6 @@ def _kind_and_scale(model: mujoco.MjModel, geom: int) -> tuple[int, Array, Pose]
         return Marker.CYLINDER, 2.0 * size[[0, 0, 1]], AT_ORIGIN
     if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
         return Marker.SPHERE, 2.0 * size[[0, 0, 0]], AT_ORIGIN
-    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:  # RViz has no capsules: a cylinder of the whole length
-        return Marker.CYLINDER, 2.0 * np.array([size[0], size[0], size[1] + size[0]]), AT_ORIGIN
     if kind == mujoco.mjtGeom.mjGEOM_PLANE and size[0] > 0.0:  # size 0 is a plane without end
         scale = np.array([2.0 * size[0], 2.0 * size[1], SHEET])
         return Marker.CUBE, scale, Pose(np.array([0.0, 0.0, -0.5 * SHEET]))

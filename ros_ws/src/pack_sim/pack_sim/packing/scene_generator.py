@@ -1,4 +1,4 @@
-"""Random scenes: the cell's objects, dropped into the container and shaken together.
+"""Random scenes: the cell's objects, or some of a set, dropped into the container and shaken together.
 
 Objects are dropped upright where there is room, with random yaws. They are then shaken by a gravity that
 keeps changing its direction, while friction is low. A scene is kept if everything stands upright on the base,
@@ -16,6 +16,7 @@ from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import base_height, footprint, free_places, is_blocked, is_inside
 from pack_core.packing.model import ArmRole, HeldRole, build_model
+from pack_core.packing.object_set import draw_scene
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, rotate
 
@@ -54,10 +55,12 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
         PackError: no such scene was found; the objects are too few, or too many, for the container.
     """
     description = cell.scene.description()
-    slippery = description.model_copy(update={"friction": SHAKING_FRICTION})
-    model = build_model(slippery, cell, timestep=TIMESTEP, arm=ArmRole.ABSENT, held=HeldRole.ABSENT)
+    model = _slippery_model(description, cell)
     for attempt in range(MAX_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
+        if cell.drawn is not None:
+            description = draw_scene(cell.drawn, cell, rng)
+            model = _slippery_model(description, cell)
         dropped = _drop(description, rng)
         if dropped is None:
             continue
@@ -68,6 +71,11 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
         f"seed {seed}: no {'blocked ' * blocked}scene in {MAX_ATTEMPTS} attempts; change the container "
         "or the objects under `scene` in config/cells/packing.yaml"
     )
+
+
+def _slippery_model(scene: Scene, cell: PackingCell) -> mujoco.MjModel:
+    slippery = scene.model_copy(update={"friction": SHAKING_FRICTION})
+    return build_model(slippery, cell, timestep=TIMESTEP, arm=ArmRole.ABSENT, held=HeldRole.ABSENT)
 
 
 def _drop(scene: Scene, rng: np.random.Generator) -> dict[str, Pose] | None:
@@ -107,7 +115,7 @@ def _shake(
     model.opt.gravity = (0.0, 0.0, -9.81)
     mujoco.mj_step(model, data, round(SETTLE_TIME / TIMESTEP))
     mujoco.mj_forward(model, data)
-    settled = {name: body_pose(data, name) for name in scene.names}
+    settled = {name: scene.model_of(name).standing(body_pose(data, name)) for name in scene.names}
     at_rest = np.all(np.abs(data.qvel.reshape(-1, 6)) < REST_SPEED * np.array([1, 1, 1, 10, 10, 10]))
     return scene.with_poses(settled) if at_rest and _is_orderly(scene, settled) else None
 

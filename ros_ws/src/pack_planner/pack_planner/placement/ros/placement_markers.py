@@ -8,7 +8,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from pack_core.packing.hull import hull_of, with_fewer_corners
+from pack_core.hull import hull_of, with_fewer_corners
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.settled_sample import SettledSample

@@ -1,0 +1,95 @@
+"""Sets of objects that scenes are drawn from: `config/object_sets/*.yaml`."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from pack_core.config import Config, load_config
+from pack_core.errors import PackError
+from pack_core.packing.fit import fitting_yaws
+from pack_core.packing.free_space import footprint
+from pack_core.packing.objects import ObjectModel
+from pack_core.packing.scene import Scene
+from pack_core.paths import config_path
+from pack_core.rotations import Pose
+from pack_core.text.limits import MOST_OBJECTS, Share
+
+if TYPE_CHECKING:
+    from pack_core.packing.cell import PackingCell
+
+MOST_DRAWS = 1000
+"""Draws after which no scene of the wanted area is expected any more."""
+
+
+class ObjectSet(Config):
+    """Objects to draw from, without poses."""
+
+    objects: Annotated[list[ObjectModel], Field(min_length=2, max_length=100)]
+
+
+class DrawnObjects(Config):
+    """How the objects of a generated scene are drawn.
+
+    Attributes:
+        object_set: name of a file of config/object_sets.
+        base_area: least and most share of the base that all objects, the new one included, cover.
+    """
+
+    object_set: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=64)]
+    base_area: tuple[Share, Share]
+
+    @model_validator(mode="after")
+    def _least_first(self) -> DrawnObjects:
+        if self.base_area[0] >= self.base_area[1]:
+            raise ValueError("a `base_area` of two shares, the smaller one first")
+        return self
+
+
+@cache
+def load_set(name: str) -> ObjectSet:
+    """The set `config/object_sets/<name>.yaml`; raises ConfigError."""
+    return load_config(ObjectSet, config_path("object_sets", f"{name}.yaml"))
+
+
+def draw_scene(drawn: DrawnObjects, cell: PackingCell, rng: np.random.Generator) -> Scene:
+    """A description with a new object and others, drawn without repetition until they cover enough.
+
+    Raises:
+        PackError: the set has no objects that cover as much, or none that can be packed.
+    """
+    items = load_set(drawn.object_set).objects
+    area = float(np.prod(cell.scene.container.size))
+    shares = {item.name: footprint(item, Pose(np.zeros(3))).area / area for item in items}
+    packable = [item for item in items if can_be_packed(item, cell)]
+    least, most = drawn.base_area
+    for _ in range(MOST_DRAWS if packable else 0):
+        new = packable[rng.integers(len(packable))]
+        chosen: list[ObjectModel] = []
+        covered = shares[new.name]
+        for i in rng.permutation(len(items)):
+            item = items[int(i)]
+            if item.name != new.name and covered + shares[item.name] <= most and len(chosen) < MOST_OBJECTS:
+                chosen.append(item)
+                covered += shares[item.name]
+            if covered >= least:
+                return cell.scene.model_copy(update={"objects": chosen, "new_object": new})
+    raise PackError(
+        f"no objects of config/object_sets/{drawn.object_set}.yaml cover {least} to {most} of the base, one "
+        "that can be packed among them; change `drawn` of the cell"
+    )
+
+
+def can_be_packed(item: ObjectModel, cell: PackingCell) -> bool:
+    """Whether the pump carries an object by a flat top, and puts it down without diving below the rim."""
+    container, pump = cell.scene.container, cell.pump
+    try:
+        fitting_yaws(item, container, 0.0)
+    except PackError:
+        return False
+    is_high = 2.0 * float(item.half_extents[2]) + pump.stem_length >= container.height
+    is_held = item.flat_top >= pump.cup_radius and item.mass <= cell.robot.arm.payload - pump.mass
+    return is_high and is_held
