@@ -160,6 +160,30 @@ def _packing_list(path: Path) -> None:
     load_list(path, packing_cell())
 
 
+def _object_set(path: Path) -> None:
+    from pack_core.packing.object_set import load_set
+
+    load_set.cache_clear()
+    load_set(path.stem)
+
+
+def _meshes(folder: Path) -> list[Sample]:
+    import trimesh
+
+    stl = trimesh.creation.box((60, 40, 90)).export(file_type="stl")
+    return [*_shipped("object_sets/meshes/*.obj")(folder), Sample(stl, "box.stl")]
+
+
+def _mesh(path: Path) -> None:
+    from pack_core.errors import ConfigError
+    from pack_core.packing.mesh_file import read_corners
+
+    try:
+        read_corners(path, 0.001)
+    except ValueError as error:  # pydantic turns it into a refusal that names the key
+        raise ConfigError(str(error)) from error
+
+
 def _visitors(path: Path) -> None:
     from pack_core.palletizing.visitors import load_visitors
 
@@ -296,6 +320,8 @@ TARGETS = (
     Target("weights", "yaml", _shipped("weights/*.yaml"), _weights),
     Target("motion", "yaml", _shipped("motion/*.yaml"), _motion),
     Target("packing list", "yaml", _shipped("packing_lists/*.yaml"), _packing_list),
+    Target("object set", "yaml", _shipped("object_sets/*.yaml"), _object_set),
+    Target("mesh", "binary", _meshes, _mesh),
     Target("visitors", "yaml", _shipped("visitors/*.yaml"), _visitors),
     Target("list of boxes", "binary", _one(ITEMS, "items.csv"), _items),
     Target("presets", "yaml", _shipped("presets/*.yaml"), _presets),

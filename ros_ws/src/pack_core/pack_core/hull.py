@@ -79,6 +79,21 @@ def hull_of(points: Array) -> Hull:
     return Hull(points[found.vertices], faces, normals, offsets)
 
 
+def extremes(hull: Hull, most: int = 2000) -> Hull:
+    """The hull of the corners that are the farthest in one of `most` directions; of few corners the same."""
+    if len(hull.corners) <= most:
+        return hull
+    # directions evenly spread over the ball, on a spiral that turns by the golden angle
+    k = np.arange(most)
+    z, turn = 1.0 - (2 * k + 1) / most, np.pi * (3.0 - np.sqrt(5.0)) * k
+    level = np.sqrt(1.0 - z * z)
+    directions = np.column_stack([level * np.cos(turn), level * np.sin(turn), z])
+    directions = np.concatenate([directions, np.eye(3), -np.eye(3)])  # so that the size stays
+    # in parts, since all at once would take gigabytes
+    farthest = [np.argmax(hull.corners @ part.T, axis=0) for part in np.array_split(directions, most // 50)]
+    return hull_of(hull.corners[np.unique(np.concatenate(farthest))])
+
+
 def with_fewer_corners(hull: Hull, most: int, tolerance: float) -> Hull:
     """A hull of some of the corners, chosen one by one, always the one that is farthest outside so far.
 

@@ -16,6 +16,8 @@ RINGS = np.deg2rad(np.arange(0.0, 90.0, 15.0))
 TOP_NORMALS = np.array([[sx, sy, 1.4] for sx in (-1, 1) for sy in (-1, 1)]) / np.sqrt(3.96)
 """Where the markers of the top are glued to: normals `(4, 3)`, 45 degrees off the vertical."""
 SIDE_NORMALS = np.array([[1.0, 0.0, 0.3], [0.0, 1.0, 0.3]]) / np.sqrt(1.09)
+SHORTEST = 0.001
+"""Least length of the straight part [m]."""
 UPENDED = 0.1
 """Cosine of the elevation from which a capsule that should lie stands on its end."""
 LYING = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)
@@ -34,8 +36,10 @@ class Capsule(SceneItem):
 
     @model_validator(mode="after")
     def _is_longer_than_wide(self) -> Self:
-        if self.length <= 2.0 * self.radius:
-            raise ValueError(f"a `length` over two `radius`, half balls included; given {self.length}")
+        if self.length < 2.0 * self.radius + SHORTEST:
+            raise ValueError(
+                f"a `length`, from end to end, of two `radius` and 1 mm or more, not {self.length}"
+            )
         return self
 
     def geometry(self, spec: mujoco.MjSpec) -> dict[str, Any]:
@@ -87,8 +91,10 @@ class Capsule(SceneItem):
     def resized(self, change: Array) -> Self:
         """The same capsule, its diameter changed as across the axis and its length as along it."""
         across, along = (change[1], change[0]) if self._lies else (change[0], change[2])
-        update = {"radius": self.radius + 0.5 * across, "length": self.length + along}
-        return self.model_copy(update=update)
+        radius = self.radius + 0.5 * across
+        # a ball is no capsule to MuJoCo
+        length = max(self.length + along, 2.0 * radius + 0.1 * SHORTEST)
+        return self.model_copy(update={"radius": radius, "length": length})
 
     @property
     def _lies(self) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pack_core.hull import hull_of, with_fewer_corners
+from pack_core.hull import extremes, hull_of, with_fewer_corners
 from pack_core.rotations import Array
 from pack_core.text.limits import MOST_BYTES_OF_MESH, MOST_MESH_CORNERS, MOST_MESH_VERTICES
 
@@ -32,7 +32,7 @@ def read_corners(path: Path, scale: float) -> Array:
     """
     points = scale * _vertices(path)
     try:
-        hull = with_fewer_corners(hull_of(points), MOST_MESH_CORNERS, CLOSE)
+        hull = with_fewer_corners(extremes(hull_of(points)), MOST_MESH_CORNERS, CLOSE)
     except ValueError as error:
         raise ValueError(f"a mesh in `file` '{path.name}' of {error}") from error
     lower, upper = hull.corners.min(axis=0), hull.corners.max(axis=0)

@@ -48,15 +48,21 @@ class FileChoice:
         label: what the files are.
         files: those that are there, by name; an empty path stands for none.
         check: raises PackError for a text that must not be used; called with the text and the file's name.
+        read: the text that a file of the list stands for.
     """
 
     def __init__(
-        self, form: RunForm, label: str, files: Mapping[str, Path | None], check: Callable[[str, str], Any]
+        self,
+        form: RunForm,
+        label: str,
+        files: Mapping[str, Path | None],
+        check: Callable[[str, str], Any],
+        read: Callable[[Path], str] = read_text,
     ) -> None:
-        self._log, self._files, self._check = form.log, dict(files), check
+        self._log, self._files, self._check, self._read = form.log, dict(files), check, read
         self._uploaded: dict[str, str] = {}
         self._list = form.gui.add_dropdown(label, tuple(files))
-        button = form.gui.add_upload_button(f"upload {label}", color="gray")
+        self._button = button = form.gui.add_upload_button(f"upload {label}", color="gray")
         button.on_upload(lambda _: self.take(button.value))
 
     @property
@@ -70,7 +76,11 @@ class FileChoice:
         if self.name in self._uploaded:
             return self._uploaded[self.name]
         path = self._files[self.name]
-        return read_text(path) if path else ""
+        return self._read(path) if path else ""
+
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide it."""
+        self._list.visible = self._button.visible = visible
 
     def take(self, file: UploadedFile) -> None:
         """Choose a file that a browser has uploaded, unless it must not be used."""
