@@ -10,8 +10,8 @@ from pack_interfaces.action import Palletize
 from pack_interfaces.msg import NodeStatus
 from std_srvs.srv import Trigger
 
+from integration.goal_rig import ACTION, Waiter
 from integration.harness import Graph
-from integration.test_goal_node import ACTION, Waiter
 from pack_bringup.ros.goal_client import GoalClient
 from pack_core.errors import PackError
 from pack_core.ros import goal_sender

@@ -7,8 +7,8 @@ from typing import Any
 
 from pack_interfaces.msg import NodeStatus
 
+from integration.goal_rig import Waiter, send
 from integration.harness import Graph
-from integration.test_goal_node import Waiter, send
 from pack_bringup.ros.status_listener import StatusListener
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
