@@ -16,6 +16,7 @@ from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene_file import load_scene
+from pack_core.paths import config_path
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose
 from pack_core.rotations import Array, Pose, angle_between
@@ -65,6 +66,11 @@ def test_the_same_seed_gives_the_same_outcome_and_setpoints_bit_for_bit(record: 
         assert ours.time == theirs.time
         for name in ("offsets", "q", "v", "tau"):
             np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
+
+
+def test_a_scene_of_every_shape_is_packed_with_a_mesh_on_the_cup() -> None:
+    packed = run(config_path("scenarios", "packing", "shapes.yaml"))
+    assert packed.outcome.success
 
 
 def test_another_seed_gives_other_setpoints(record: Record) -> None:

@@ -75,7 +75,7 @@ def draw_scene(drawn: DrawnObjects, cell: PackingCell, rng: np.random.Generator)
             if item.name != new.name and covered + shares[item.name] <= most and len(chosen) < MOST_OBJECTS:
                 chosen.append(item)
                 covered += shares[item.name]
-            if covered >= least:
+            if least <= covered <= most:
                 return cell.scene.model_copy(update={"objects": chosen, "new_object": new})
     raise PackError(
         f"no objects of config/object_sets/{drawn.object_set}.yaml cover {least} to {most} of the base, one "
