@@ -10,8 +10,10 @@ from pack_core.bodies import body_pose, set_object_poses
 from pack_core.packing.cell import PackingCell, packing_cell
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.model import ArmRole, HeldRole, build_model
+from pack_core.packing.object_set import load_set
 from pack_core.packing.objects import Cylinder
 from pack_core.packing.scene import Scene
+from pack_core.packing.scene_item import SceneItem
 from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose
 from pack_sim.packing.mocap import MocapConfig, MocapSystem
@@ -25,7 +27,7 @@ LOW = Cylinder(name="can", shape="cylinder", radius=0.03, height=0.04, mass=0.2)
 OVERHEAD, BESIDE = (0.5, 0.0, 2.4), (1.5, 0.0, 0.35)
 
 
-def scene_with(item: Cylinder) -> Scene:
+def scene_with(item: SceneItem) -> Scene:
     return CELL.scene.model_copy(update={"objects": [item]})
 
 
@@ -62,6 +64,17 @@ def test_an_object_under_the_held_object_is_not_seen_until_the_arm_rises() -> No
     scene, top = scene_with(CAN), {0, 1, 2, 3}
     assert markers_of(frame_of(scene, HOME), "can").isdisjoint(top)
     assert markers_of(frame_of(scene, RAISED), "can") >= top
+
+
+@pytest.mark.parametrize("item", load_set("household").objects, ids=lambda item: item.name)
+def test_every_marker_of_every_shape_is_seen_while_nothing_is_in_the_way(item: SceneItem) -> None:
+    """Beside the container none of an object's own surface hides a marker that is glued to it."""
+    scene = scene_with(item)
+    model, data = posed(scene, RAISED)
+    set_object_poses(model, data, {item.name: Pose(np.array([0.5, 0.3, item.half_extents[2]]))})
+    mujoco.mj_forward(model, data)
+    frame = MocapSystem(scene, CELL, MocapConfig(), np.random.default_rng(0)).capture(model, data, 0.0)
+    assert markers_of(frame, item.name) == set(range(6))
 
 
 def test_the_held_object_is_tracked_on_the_cup_and_off_it_alike() -> None:
