@@ -1,24 +1,26 @@
-"""Runs of live cells with the page open in a browser, beside the same runs without it.
+"""Runs of live cells with the page open, beside the same runs without it.
 
 `pytest -m benchmark -s tests/benchmarks/test_page_success.py` prints a line for each run and a sum for each
-cell. The browser takes every message but draws only once a second: drawing in software takes a core that the
-cell needs, and that a graphics card would have spared.
+cell. In the place of the browser stands a client that takes every message of the page and draws nothing:
+drawing in software takes a core that the cell needs, and that a graphics card would have spared.
 """
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import pytest
+import viser
 from pytest_benchmark.fixture import BenchmarkFixture
+from websockets.sync.client import connect
 
 from benchmarks.ports import free_port, wait_for_port
+from pack_core.cells import cell_part
 from pack_core.paths import project_root
-from page_browser import open_page
 
 pytestmark = pytest.mark.benchmark
 ORDER = str(project_root() / "config" / "orders" / "order_17.json")
@@ -34,7 +36,8 @@ MEASURES = {
     "blocks": ("success", "failed_grasps", "disturbances", "duration_s"),
 }
 """What is printed of a run; the first is whether it succeeded."""
-DRAW_ONCE_A_SECOND = "window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 1000)"
+MUCH = 100_000
+"""The page without a scene is less [bytes]."""
 
 
 @pytest.mark.timeout(3600)
@@ -53,7 +56,7 @@ def successes(cell: str, folder: Path) -> dict[str, int]:
             output = folder / f"{cell}_{number}_{how.replace(' ', '_')}"
             command = ["pack", "demo", cell, *options, "--no-video", "-o", str(output)]
             run(command, folder / "demo.log")
-            shown = {name: measures_of(output)[name] for name in MEASURES[cell]}
+            shown = {name: measures_of(cell, output)[name] for name in MEASURES[cell]}
             succeeded[how] += shown[MEASURES[cell][0]]
             sys.stdout.write(f"\n{cell:12}{' '.join(options[-1:]):3}{how:8}{shown}")
             sys.stdout.flush()
@@ -67,19 +70,19 @@ def run_alone(command: list[str], log: Path) -> None:
 
 
 def run_shown(command: list[str], log: Path) -> None:
-    """A run with the page open in a browser from the page's start to the run's end."""
+    """A run whose page has a client from the page's start to the run's end."""
     port = free_port()
     with log.open("w") as output:
         demo = subprocess.Popen([*command, "--live", "--port", str(port)], stdout=output)
         wait_for_port(port)
-        with open_page(f"http://127.0.0.1:{port}", script=DRAW_ONCE_A_SECOND):
-            demo.wait()
+        version = f"viser-v{viser.__version__}"
+        with connect(f"ws://127.0.0.1:{port}", subprotocols=[version], max_size=None) as page:
+            received = sum(len(message) for message in page)  # until the page closes
+        demo.wait()
+    assert received > MUCH, "the page has sent next to nothing"
 
 
-def measures_of(folder: Path) -> dict[str, Any]:
+def measures_of(cell: str, folder: Path) -> dict[str, Any]:
     """The measures of a recorded run."""
-    file = folder / "measures.json"
-    command = ["pack", "evaluate", str(folder), "--no-video", "--json", str(file)]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    measures: dict[str, Any] = json.loads(file.read_text())
-    return measures
+    evaluator = cell_part(cell, "evaluator")
+    return asdict(evaluator.measure(evaluator.load(folder)))
