@@ -30,7 +30,7 @@ FLOORS = (
 OF_ALL_CELLS = ("pack_evaluation", "pack_lockstep", "pack_viewer", "pack_bringup", "pack_core", "pack_sim")
 """Packages that serve all cells."""
 DRAWING = {"matplotlib", "jinja2", "imageio_ffmpeg", "PIL"}
-THE_PAGE = {"viser", "trimesh", "websockets"}
+THE_PAGE = {"viser", "websockets"}
 """What the page in the browser is made with."""
 
 
