@@ -60,6 +60,7 @@ def test_the_nodes_fill_a_container_and_report_every_object(graph: Graph, tmp_pa
         contracts.FILL_CONTAINER, FillContainer.Goal(list=text, seed=3),
         feedback=lambda message: feedback.append(message.feedback),
     )  # fmt: skip
+    graph.probe.listen(contracts.FILL_PROGRESS)
     result = graph.result_of(handle, timeout=200.0)
     assert (result.exit_reason, result.packed, result.given) == ("done", 2, 3), result.report
     assert not result.success
@@ -69,6 +70,9 @@ def test_the_nodes_fill_a_container_and_report_every_object(graph: Graph, tmp_pa
     assert fates["carton"]["packed"]
     assert not fates["giant"]["packed"]
     assert {"can", "carton"} <= {message.object for message in feedback}
+    told = [json.loads(message.data) for message in graph.probe.mail[contracts.FILL_PROGRESS.name]]
+    assert {"pick", "pack", "set_down", "release"} <= {row["stage"] for row in told}
+    assert [row["name"] for row in told[-1]["objects"]] == list(fates)
     simulator = cell.sim.simulator
     assert set(simulator.scene.names) | {simulator.scene.new_object.name} == {"can", "carton"}
 

@@ -6,17 +6,22 @@ from types import SimpleNamespace
 import pytest
 from pack_interfaces.msg import ArmState, NodeStatus, SimulationState
 from pack_interfaces.srv import ResetScene, SetSimulationState, StopArm
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from integration.harness import Graph
 from pack_core.errors import ConfigError, PackError
-from pack_core.packing.scene_file import load_scene
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.packing_list import parse_list
+from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.paths import config_path
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
+from pack_mpc.mpc_node import MpcNode
 from pack_viewer.live_node import LiveNode
+from pack_viewer.packing.ros.packing_run_form import FILL
 
 ARM = PACKING_ARMS["panda"]
 
@@ -100,7 +105,7 @@ def test_a_goal_in_progress_can_be_cancelled_and_no_other_started(graph: Graph, 
 
 
 def test_an_upload_that_is_no_scene_is_refused_with_the_reason(graph: Graph, node: LiveNode) -> None:
-    choice = node.form.scene
+    choice = node.form.file
     for content in (b"objects: [", b"\xff\xfe", b"x" * 2_000_000):
         choice.take(SimpleNamespace(name="mine.yaml", content=content))
     assert node.page.log.text.count("upload refused") == 3
@@ -111,6 +116,39 @@ def test_an_upload_that_is_no_scene_is_refused_with_the_reason(graph: Graph, nod
     )
     assert choice.name == "mine.yaml (uploaded)"
     assert "new_object" in choice.text
+
+
+def test_a_container_to_be_filled_is_emptied_first(graph: Graph, node: LiveNode) -> None:
+    node.form.task.value = FILL
+    asked = serve(graph, contracts.RESET, ResetScene.Response(success=False, message="seen"))
+    graph.wait_until(lambda: node.count_services(contracts.RESET.name))
+    node.operator.start("browser 1")
+    graph.wait_until(lambda: asked)
+    start = parse_scene(asked[0].scene, "request", packing_cell())
+    assert not start.objects
+    assert start.new_object.pose is not None  # handed over beside the container, not at the pump
+    action, goal = node.form.goal()
+    assert action is contracts.FILL_CONTAINER
+    assert len(parse_list(goal.list, "goal", packing_cell()).objects) == 8
+
+
+def test_weights_of_the_cost_are_those_of_the_controller_and_can_be_changed(
+    graph: Graph, node: LiveNode
+) -> None:
+    assert node.sliders is not None
+    sliders = node.sliders.sliders
+    mpc = graph.start(MpcNode)
+    graph.wait_until(lambda: "obstacle" in sliders)
+    assert (sliders["force"].value, sliders["force"].min, sliders["force"].max) == (1.0, 0.0, 10.0)
+    node.sliders.set("force", 2.5, "browser 1")
+    graph.wait_until(lambda: "browser 1: force x 2.5, counts from the next goal on" in node.page.log.text)
+    assert mpc.get_parameter("weight_factors.force").value == 2.5
+    # as others change it, such as `ros2 param set`
+    mpc.set_parameters_atomically([Parameter("weight_factors.yaw", value=3.0)])
+    graph.wait_until(lambda: sliders["yaw"].value == 3.0 and sliders["force"].value == 2.5)
+    node.sliders.set("yaw", 99.0, "browser 1")
+    graph.wait_until(lambda: "weight_factors.yaw" in node.page.log.text)
+    assert mpc.get_parameter("weight_factors.yaw").value == 3.0
 
 
 def test_an_unknown_cell_is_refused(graph: Graph) -> None:

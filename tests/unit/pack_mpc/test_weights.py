@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError
 from pack_mpc.residual_terms import RESIDUALS
+from pack_mpc.weight_factors import WeightFactors
 from pack_mpc.weights import Stage, StageWeights, load_weights
 
 NAMES = [term.name for term in RESIDUALS]
@@ -75,3 +76,19 @@ def test_force_and_horizontal_position_are_scaled_and_nothing_else(part: str) ->
     assert after["force"] == pytest.approx(before["force"] * tuned.force_relief**1.5)
     np.testing.assert_allclose(after["position"], np.multiply(before["position"], [4, 4, 1]))
     assert {name for name in NAMES if after[name] != before[name]} == {"force", "position"}
+
+
+@pytest.mark.parametrize("part", ["running", "terminal"])
+def test_a_factor_counts_in_every_stage_and_for_its_residual_alone(part: str) -> None:
+    tuned = load_weights("tuned")
+    changed = tuned.times(WeightFactors(upright=0.5, position=0.0))
+    for stage in Stage:
+        before, after = (getattr(weights.of(stage), part) for weights in (tuned, changed))
+        assert after["upright"] == 0.5 * before["upright"]
+        assert not np.any(after["position"])
+        assert {name for name in NAMES if after[name] != before[name]} == {"upright", "position"}
+
+
+def test_every_residual_has_a_factor_and_without_any_the_weights_are_those_of_the_file() -> None:
+    assert set(WeightFactors.model_fields) == set(NAMES)
+    assert load_weights("tuned").times(WeightFactors()) == load_weights("tuned")

@@ -120,6 +120,8 @@ class MpcNode(GoalNode):
         if self.is_cancel_requested:
             goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
         turn = goal.turn(seen, self._mailbox.force, latency)
+        if isinstance(goal, FillGoal):
+            self._fills.tell(goal, seen.joints.time)
         if goal.is_ended:
             self._end(goal)
             return None

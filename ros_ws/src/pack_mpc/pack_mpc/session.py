@@ -21,6 +21,7 @@ from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.look import LookMachine, unseen_of, with_parked
 from pack_mpc.task import PackingTask
 from pack_mpc.task_config import TaskConfig
+from pack_mpc.weight_factors import WeightFactors
 from pack_mpc.weights import load_weights
 
 
@@ -30,6 +31,7 @@ class SessionConfig(Config):
     changeable: ClassVar[Changeable] = NEXT_GOAL
 
     weights: str = Field(default="tuned", description="weights of the cost: a file of config/weights")
+    weight_factors: WeightFactors = WeightFactors()
     controller: ControllerConfig = ControllerConfig()
     task: TaskConfig = TaskConfig()
     fill: FillConfig = FillConfig()
@@ -74,7 +76,7 @@ class PackingSession:
         timeout: float = 0.0,
     ) -> None:
         self.scene, self.method = scene, method
-        weights = load_weights(config.weights)
+        weights = load_weights(config.weights).times(config.weight_factors)
         self.task = PackingTask(
             scene, config.task, time, timeout, weights.lean, knows_objects=method.knows_objects
         )

@@ -19,6 +19,7 @@ from pack_core.paths import config_path
 from pack_mpc.norms import AnyNorm, Linear
 from pack_mpc.residual_base import ResidualOptions
 from pack_mpc.residual_terms import RESIDUALS
+from pack_mpc.weight_factors import WeightFactors
 
 
 class Stage(Enum):
@@ -119,6 +120,12 @@ class WeightSet(ResidualOptions):
         own = Stage.PRE_PACK if stage is Stage.LOOK else stage
         weights: StageWeights = getattr(self, own.value)
         return weights
+
+    def times(self, factors: WeightFactors) -> WeightSet:
+        """The same set with the weights of every stage multiplied by factors."""
+        changed = {name: factor for name, factor in factors.model_dump().items() if factor != 1.0}
+        stages = (Stage.PRE_PACK, Stage.INSERT, Stage.FINE_TUNE)
+        return self.model_copy(update={stage.value: self.of(stage).times(changed) for stage in stages})
 
     def in_force(
         self, stage: Stage, stage_age: float, *, reliefs: float = 0.0, is_rehearsed: bool = False

@@ -22,6 +22,7 @@ from pack_viewer.event_log import EventLog
 from pack_viewer.live_page import SHARED_TOPICS, LivePage
 from pack_viewer.ros.live_news import LiveNews
 from pack_viewer.ros.live_operator import LiveOperator
+from pack_viewer.ros.parameter_sliders import ParameterSliders
 from pack_viewer.ros.run_form import RunForm
 from pack_viewer.run_panel import RunPanel
 from pack_viewer.web_server import DEFAULT_PORT, LOOPBACK, open_server, page_address
@@ -50,9 +51,11 @@ class LiveNode(CellNode):
         page: what is shown.
         form: what can be chosen for the next goal.
         operator: asks the cell for what is pressed.
+        sliders: parameters that can be changed; None in a cell without.
     """
 
     may_be_repeated = True
+    sliders: ParameterSliders | None = None
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("live", **kwargs)
@@ -79,7 +82,12 @@ class LiveNode(CellNode):
         self.form: RunForm = cell_part(self._cell, "run_form")(self._server.gui, log)
         actions = [contract for contract in wiring_of(self._cell) if contract.kind is Kind.ACTION]
         self.operator = LiveOperator(self, actions, self.form, log)
-        return RunPanel(self._server.gui, log, self.operator, self.form.add).show
+        return RunPanel(self._server.gui, log, self.operator, lambda: self._add_form(log)).show
+
+    def _add_form(self, log: EventLog) -> None:
+        self.form.add()
+        if self.form.tuned is not None:
+            self.sliders = ParameterSliders(self, self._server.gui, log, self.form.tuned)
 
     def _turn(self) -> None:
         begun = time.monotonic()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from datetime import datetime
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,9 +10,8 @@ import typer
 from pack_bringup.cli.demo_options import Domain, Output, RealTimeFactor, Video
 from pack_bringup.cli.live import command_line, run_live
 from pack_bringup.cli.page_options import PORT, Live, Port, page_process
-from pack_bringup.packing.goal_command import Method, SceneFile, Seed, check_scene
+from pack_bringup.packing.goal_command import Fill, ListFile, Method, SceneFile, Seed, check_scene, is_fill
 from pack_bringup.recording.run_record import default_folder
-from pack_core.errors import ConfigError
 from pack_core.packing.method import PackingMethod
 
 
@@ -29,17 +27,8 @@ def demo(
     ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
-    fill: Annotated[
-        bool,
-        typer.Option(
-            "--fill",
-            help="Fill an empty container from LIST, or from 8 supermarket objects of the seed.",
-        ),
-    ] = False,
-    given: Annotated[
-        Path | None,
-        typer.Argument(metavar="LIST", help="With --fill: a list file (docs/packing/filling.md)."),
-    ] = None,
+    fill: Fill = False,
+    given: ListFile = None,
     live: Live = False,
     port: Port = PORT,
     output: Output = None,
@@ -62,9 +51,7 @@ def demo(
     check_scene(scene)
     folder = output or default_folder("packing", seed, datetime.now())
     job: PackingJob
-    if fill or given:
-        if scene is not None or method is not PackingMethod.PACK_IT_IN:
-            raise ConfigError("--scene or --method beside --fill; allowed: LIST, which has its own container")
+    if is_fill(fill, given, scene, method):
         from pack_bringup.packing.fill_job import packing_fill_job
 
         job = packing_fill_job(

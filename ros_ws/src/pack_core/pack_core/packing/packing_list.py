@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
+import yaml
 from pydantic import Field, model_validator
 
 from pack_core.config import Config, load_config, parse_config
@@ -15,8 +16,13 @@ from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Container, Scene
+from pack_core.paths import config_path
 from pack_core.pose_config import PoseConfig
 
+CATALOGUE = ("packing_lists", "supermarket.yaml")
+"""Objects of which lists are drawn where none is given: a file of config/."""
+DRAWN = 8
+"""Objects in a list that is drawn."""
 ROUNDING = 0.998
 """A circle's polygon holds a disc of this share of its radius."""
 
@@ -64,6 +70,11 @@ class PackingList(Config):
             new_object=handed_over(self.objects[0], cell),
         )  # fmt: skip
 
+    def to_yaml(self) -> str:
+        """The text of a list file."""
+        text: str = yaml.safe_dump(self.model_dump(mode="json", exclude_none=True), sort_keys=False)
+        return text
+
     def check(self, cell: PackingCell, source: str) -> None:
         """Refuse objects that the arm cannot carry or the cup cannot grip.
 
@@ -99,6 +110,11 @@ def draw_list(seed: int, count: int, catalogue: PackingList) -> PackingList:
         name = item.name if number == 1 else f"{item.name}_{number}"
         objects.append(item.model_copy(update={"name": name}))
     return catalogue.model_copy(update={"objects": objects})
+
+
+def supermarket_list(seed: int, cell: PackingCell) -> PackingList:
+    """The list of `DRAWN` supermarket objects that a seed stands for."""
+    return draw_list(seed, DRAWN, load_list(config_path(*CATALOGUE), cell))
 
 
 def handed_over(item: ObjectModel, cell: PackingCell) -> ObjectModel:

@@ -5,7 +5,7 @@ from __future__ import annotations
 DESCRIPTION, SCENE, TRUTH, MARKERS = "/cell_description", "/scene", "/sim/truth", "/mocap/markers"
 JOINT_STATES, SETPOINTS, WRENCH = "/joint_states", "/joint_torque_setpoints", "/wrench"
 GRIPPER_STATE, MPC_STATUS, RESULT = "/gripper/state", "/mpc/status", "/pack_object/result"
-FILL_RESULT = "/fill_container/result"
+FILL_PROGRESS, FILL_RESULT = "/fill_container/progress", "/fill_container/result"
 SETTLED_SAMPLES = "/placement/settled_samples"
 
 JOINT_RATE = 500.0

@@ -9,12 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
-import yaml
-
 from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.packing_list import PackingList, draw_list, load_list
-from pack_core.paths import config_path
+from pack_core.packing.packing_list import PackingList, supermarket_list
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
 from pack_lockstep.packing.fill_lockstep import FillLockstep
 from pack_lockstep.packing.fill_result import FillResult
@@ -22,9 +19,6 @@ from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_confi
 from pack_lockstep.packing.presets import PackingPreset, load_preset
 
 LISTS = "lists"
-OBJECTS = 8
-"""Objects in a generated list."""
-CATALOGUE = ("packing_lists", "supermarket.yaml")
 
 
 @dataclass(frozen=True)
@@ -91,8 +85,7 @@ class PackingFillBenchmark(Benchmark[ListJob, tuple[ListJob, FillResult, float]]
         """Write the list as a file to run again, and return the measures."""
         job, found, wall_time = result
         (folder / LISTS).mkdir(parents=True, exist_ok=True)
-        given = job.given.model_dump(mode="json", exclude_none=True)
-        (folder / LISTS / f"{job.name}.yaml").write_text(yaml.safe_dump(given, sort_keys=False))
+        (folder / LISTS / f"{job.name}.yaml").write_text(job.given.to_yaml())
         return {
             "name": job.name, "seed": job.seed, **found.measures(),
             "rows": [row.row() for row in found.report.objects], "threads": self.threads,
@@ -131,7 +124,5 @@ def fill_setup(method: FillMethod, preset: str, threads: int) -> FillSetup:
 
 
 def list_jobs(seed: int, count: int, cell: PackingCell) -> tuple[ListJob, ...]:
-    """Lists of `OBJECTS` supermarket objects, the first drawn with `seed`, each with the next."""
-    catalogue = load_list(config_path(*CATALOGUE), cell)
-    seeds = range(seed, seed + count)
-    return tuple(ListJob(f"seed_{n}", n, draw_list(n, OBJECTS, catalogue)) for n in seeds)
+    """Lists of supermarket objects, the first drawn with `seed`, each with the next."""
+    return tuple(ListJob(f"seed_{n}", n, supermarket_list(n, cell)) for n in range(seed, seed + count))

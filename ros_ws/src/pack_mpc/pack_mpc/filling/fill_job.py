@@ -43,9 +43,9 @@ class FillJob:
         self.is_done = False
 
     @property
-    def remaining(self) -> int:
-        """How many objects are still to come."""
-        return len(self._remaining)
+    def remaining(self) -> list[str]:
+        """Names of the objects that are still to come."""
+        return [item.name for item in self._remaining]
 
     def step(self, seen: FillObservation) -> FillCommand:
         """Go on with the newest observation."""

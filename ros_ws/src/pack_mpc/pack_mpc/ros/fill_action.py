@@ -15,7 +15,7 @@ from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_mpc.ros.fill_clients import FillClients
 from pack_mpc.ros.fill_goal import FillGoal
-from pack_mpc.ros.fill_messages import to_fill_report, to_fill_result
+from pack_mpc.ros.fill_messages import to_fill_progress, to_fill_report, to_fill_result
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.placement_client import PlacementClient
 from pack_mpc.session import SessionConfig
@@ -34,6 +34,8 @@ class FillAction:
         self._placements, self._cell = placements, cell
         self._clients = FillClients(node)
         self._result = node.advertise(contracts.FILL_RESULT)
+        self._progress = node.advertise(contracts.FILL_PROGRESS)
+        self._told: object = None
 
     def refusal(self, request: FillContainer.Goal, scene: Scene | None, mailbox: Mailbox) -> str:
         """Why a job cannot begin, in words; empty if it can.
@@ -56,6 +58,14 @@ class FillAction:
         return FillGoal(
             self._clients, self._placements, self._cell, config, given, method, request.seed, scene, time
         )
+
+    def tell(self, goal: FillGoal, time: float) -> None:
+        """Publish where a job stands at `time` [s], if that has changed."""
+        job = goal.job
+        now = (job.stage, job.current, len(job.report.objects), len(job.report.fills))
+        if now != self._told:
+            self._told = now
+            self._progress.publish(String(data=to_fill_progress(goal, time)))
 
     def report(self, goal: FillGoal, time: float) -> FillContainer.Result:
         """Publish what became of a job that ended at `time` [s], and return the action's result."""

@@ -122,7 +122,7 @@ class FillGoal:
         return FillContainer.Feedback(
             object=job.current, stage=stage, elapsed=seen.joints.time - self.start,
             base_area=fill.base_area, volume=fill.volume, packed=len(job.report.packed),
-            remaining=job.remaining,
+            remaining=len(job.remaining),
         )  # fmt: skip
 
     def _take_answer(self) -> object | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,13 @@ from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import GREY, ORANGE, boxed, chips, facts, put, signed_list
 from pack_viewer.news import News, Topics, seconds
+from pack_viewer.packing.fill_panel import FillPanel
 from pack_viewer.packing.ghosts import Ghosts
 from pack_viewer.packing.packing_scene import ESTIMATE, TRUTH, PackingScene
 from pack_viewer.rolling_plot import RollingPlot
 
+ENDS = ("placed", "done")
+"""Exit reasons of a goal, and of a fill job, that came to its end."""
 STAGES = ("LOOK", "PRE_PACK", "INSERT", "FINE_TUNE")
 
 
@@ -28,7 +32,7 @@ class PackingPage(CellPage):
         states=(
             *PackingScene.topics.all, topics.GRIPPER_STATE, topics.WRENCH, topics.SETTLED_SAMPLES,
         ),
-        events=(topics.MPC_STATUS, topics.RESULT),
+        events=(topics.MPC_STATUS, topics.RESULT, topics.FILL_PROGRESS, topics.FILL_RESULT),
         followed=(topics.WRENCH, topics.SETTLED_SAMPLES),
     )  # fmt: skip
     scene_type = PackingScene
@@ -43,14 +47,16 @@ class PackingPage(CellPage):
         super().__init__(server, log)
         self.scene = PackingScene(server.scene)
         self._ghosts = Ghosts(server.scene)
+        self._fill = FillPanel()
         self._stage, self._visited = "", list[str]()
         self._status: Any = None
         self._grip: Any = None
         self._force = float("nan")
 
     def tabs(self) -> dict[str, Callable[[], None]]:
-        """Stages and what may be pushed, and plots over time."""
-        return {"Task": self._add_task, "Plots": self._add_plots}
+        """Stages and what may be pushed, plots over time, and the container that is filled."""
+        add_fill = partial(self._fill.add, self.server.gui)
+        return {"Task": self._add_task, "Plots": self._add_plots, "Fill": add_fill}
 
     def view_options(self) -> None:
         """Choose where objects are drawn, and which ghosts are."""
@@ -75,10 +81,13 @@ class PackingPage(CellPage):
                 self._force_plot.add(seconds(wrench), self._force)
         if samples := news.newest(topics.SETTLED_SAMPLES):
             self._ghosts.set_samples(samples.samples)
+        for progress in news.all(topics.FILL_PROGRESS):
+            self._take_progress(parse_json(progress.data, topics.FILL_PROGRESS))
         for status in news.all(topics.MPC_STATUS):
             self._take_status(status)
-        for result in news.all(topics.RESULT):
-            self._take_result(parse_json(result.data, topics.RESULT), news.time)
+        for topic in (topics.RESULT, topics.FILL_RESULT):
+            for result in news.all(topic):
+                self._take_result(parse_json(result.data, topic), news.time)
 
     def show(self) -> None:
         """Bring the task and the plots up to date."""
@@ -93,6 +102,7 @@ class PackingPage(CellPage):
             rest += [("placements", str(status.placements)), ("cost", f"{status.cost:.3g}")]
             rest += [("iteration", f"{status.iteration_ms:.0f} ms")]
         put(self._values, facts(rest))
+        self._fill.show()
         for plot in (self._force_plot, *self._iteration_plots):
             plot.send()
 
@@ -102,9 +112,24 @@ class PackingPage(CellPage):
         self._grip, self._force = None, float("nan")
         self.headline = IDLE
         self._ghosts.clear()
+        self._fill.clear()
         self._clear_plots()
 
+    def _take_progress(self, progress: dict[str, Any]) -> None:
+        """Take up where a fill job stands; while an object is packed, the controller tells more."""
+        now = float(progress["time"])
+        for row in self._fill.take(progress):
+            kind = "info" if row["packed"] else "warning"
+            self.log.add(f"{row['name']}: {row['reason']}", kind, now)
+        stage = str(progress["stage"]).replace("_", " ")
+        self.headline = Headline(" ".join(filter(None, (stage, self._fill.object))), self._fill.in_words)
+        if not self._fill.is_packing:
+            self._stage, self._status = "", None
+            self._ghosts.clear()
+
     def _take_status(self, status: Any) -> None:
+        if self._fill.object and not self._fill.is_packing:
+            return  # of the iteration that was on its way when the object was packed
         now = seconds(status)
         if self._status is not None and status.elapsed < self._status.elapsed:  # another goal has begun
             self._visited = []
@@ -115,9 +140,10 @@ class PackingPage(CellPage):
         if status.warning and (self._status is None or status.warning != self._status.warning):
             self.log.add(status.warning, "warning", now)
         self._stage, self._status = status.stage, status
+        held = f"{self._fill.object}: " if self._fill.object else ""
         self.headline = Headline(
             status.stage.replace("_", "-"),
-            status.warning or f"{100 * status.distance:.1f} cm to go, {status.elapsed:.1f} s",
+            status.warning or f"{held}{100 * status.distance:.1f} cm to go, {status.elapsed:.1f} s",
         )
         self._ghosts.set_target(status.target)
         values = (100 * status.distance, status.iteration_ms, status.cost)
@@ -130,10 +156,11 @@ class PackingPage(CellPage):
 
     def _take_result(self, result: dict[str, Any], time: float | None) -> None:
         reason, message = str(result.get("exit_reason", "")), str(result.get("message", ""))
-        is_success = reason == "placed"
+        is_success = reason in ENDS
         self.log.add(f"goal ended: {message or reason}", "info" if is_success else "error", time)
         self.headline = Headline(reason or "ended", message, is_fault=not is_success)
         self._stage, self._status = "", None
+        self._fill.end()
         self._ghosts.clear()
 
     def _add_task(self) -> None:

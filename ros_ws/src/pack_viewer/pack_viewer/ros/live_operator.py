@@ -102,8 +102,6 @@ class LiveOperator:
         self._note(is_starting=sender.is_starting)
         if sender.failure:
             self._log.add(sender.failure, "error")
-        elif sender.result is not None and not sender.result.success:
-            self._log.add(f"goal ended: {sender.result.message}", "error")
 
     def _ask(self, client: Any, request: Any, problem: Callable[[Any], str] = lambda _: "") -> None:
         """Call a service; `problem` finds in the answer why it was refused."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from viser import GuiApi, UploadedFile
 
@@ -16,6 +17,21 @@ from pack_core.text.shown import on_one_line
 from pack_viewer.event_log import EventLog
 
 
+@dataclass(frozen=True)
+class TunedParameters:
+    """Parameters of a node that can be changed on the page.
+
+    Attributes:
+        node: whose they are.
+        prefix: what their names begin with, before a dot.
+        title: above them.
+    """
+
+    node: str
+    prefix: str
+    title: str
+
+
 class RunForm(ABC):
     """The widgets of a cell's goal.
 
@@ -23,6 +39,9 @@ class RunForm(ABC):
         gui: where `add` puts them.
         log: is told of files that are refused.
     """
+
+    tuned: ClassVar[TunedParameters | None] = None
+    """Parameters that sliders are made of."""
 
     def __init__(self, gui: GuiApi, log: EventLog) -> None:
         self.gui, self.log = gui, log
@@ -40,30 +59,44 @@ class RunForm(ABC):
         """The action, and the chosen goal; raises PackError."""
 
 
-class FileChoice:
-    """A file from a list, or one that a browser has uploaded.
+@dataclass(frozen=True)
+class FileKind:
+    """Files of one kind.
 
-    Args:
-        form: where it is shown.
-        label: what the files are.
+    Attributes:
+        label: what they are.
         files: those that are there, by name; an empty path stands for none.
         check: raises PackError for a text that must not be used; called with the text and the file's name.
         read: the text that a file of the list stands for.
     """
 
-    def __init__(
-        self,
-        form: RunForm,
-        label: str,
-        files: Mapping[str, Path | None],
-        check: Callable[[str, str], Any],
-        read: Callable[[Path], str] = read_text,
-    ) -> None:
-        self._log, self._files, self._check, self._read = form.log, dict(files), check, read
+    label: str
+    files: Mapping[str, Path | None]
+    check: Callable[[str, str], Any]
+    read: Callable[[Path], str] = read_text
+
+
+class FileChoice:
+    """A file from a list, or one that a browser has uploaded.
+
+    Args:
+        form: where it is shown.
+        kind: what can be chosen.
+    """
+
+    def __init__(self, form: RunForm, kind: FileKind) -> None:
+        self._log, self._kind = form.log, kind
         self._uploaded: dict[str, str] = {}
-        self._list = form.gui.add_dropdown(label, tuple(files))
-        self._button = button = form.gui.add_upload_button(f"upload {label}", color="gray")
-        button.on_upload(lambda _: self.take(button.value))
+        self._list = form.gui.add_dropdown(kind.label, tuple(kind.files))
+        self._button = form.gui.add_upload_button(f"upload {kind.label}", color="gray")
+        self._button.on_upload(lambda _: self.take(self._button.value))
+
+    def offer(self, kind: FileKind) -> None:
+        """Let files of another kind be chosen instead; what was uploaded is forgotten."""
+        self._kind, self._uploaded = kind, {}
+        self._list.label, self._button.label = kind.label, f"upload {kind.label}"
+        self._list.options = tuple(kind.files)
+        self._list.value = next(iter(kind.files))
 
     @property
     def name(self) -> str:
@@ -75,19 +108,15 @@ class FileChoice:
         """The chosen file's text; empty where none is chosen."""
         if self.name in self._uploaded:
             return self._uploaded[self.name]
-        path = self._files[self.name]
-        return self._read(path) if path else ""
-
-    def set_visible(self, visible: bool) -> None:
-        """Show or hide it."""
-        self._list.visible = self._button.visible = visible
+        path = self._kind.files[self.name]
+        return self._kind.read(path) if path else ""
 
     def take(self, file: UploadedFile) -> None:
         """Choose a file that a browser has uploaded, unless it must not be used."""
         name = on_one_line(file.name)
         try:
             text = decoded(file.content, name)
-            self._check(text, name)
+            self._kind.check(text, name)
         except PackError as error:
             self._log.add(f"upload refused: {error}", "error")
             return

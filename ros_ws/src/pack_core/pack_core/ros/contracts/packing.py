@@ -81,6 +81,10 @@ PACK_OBJECT = Contract(
 FILL_CONTAINER = Contract(
     "/fill_container", FillContainer, ("user",), ("mpc",),
     "pack the objects of a list, one after the other", kind=Kind.ACTION)
+FILL_PROGRESS = Contract(
+    topics.FILL_PROGRESS, String, ("mpc",), ("recorder", "user"),
+    "where a fill job stands: object, stage, the objects handled so far and to come, and the fill, as JSON",
+    qos=LATCHED, rate="each stage of each object", recorded=True)
 FILL_RESULT = Contract(
     topics.FILL_RESULT, String, ("mpc",), ("recorder", "user"),
     "each object's fate in the last fill job, and the fill over time, as JSON", qos=LATCHED,

@@ -14,7 +14,7 @@ from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.methods import METHODS
-from pack_viewer.ros.run_form import FileChoice, RunForm
+from pack_viewer.ros.run_form import FileChoice, FileKind, RunForm
 
 GENERATED = "generated from the seed"
 DENSITY = 0.2
@@ -27,10 +27,10 @@ class BlocksRunForm(RunForm):
     def add(self) -> None:
         """Add the widgets."""
         files = sorted(config_path("scenarios", "blocks").glob("*.yaml"))
-        self._problem = FileChoice(
-            self, "problem", {**{file.stem: file for file in files}, GENERATED: None},
+        self._problem = FileChoice(self, FileKind(
+            "problem", {**{file.stem: file for file in files}, GENERATED: None},
             lambda text, name: parse_problem(text, name, blocks_cell()),
-        )  # fmt: skip
+        ))  # fmt: skip
         self._blocks = self.gui.add_number("blocks", 4, min=1, max=25, step=1)
         self._seed = self.gui.add_number("seed", 0, min=0, max=2**31 - 1, step=1)
         self._method = self.gui.add_dropdown("planner", METHODS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from pack_interfaces.action import FillContainer, PackObject
@@ -10,43 +11,46 @@ from pack_interfaces.srv import ResetScene
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.packing_list import parse_list, supermarket_list
-from pack_core.packing.scene_file import parse_scene
+from pack_core.packing.scene_file import parse_scene, scene_text
 from pack_core.paths import config_path
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_viewer.ros.run_form import FileChoice, RunForm
+from pack_viewer.ros.run_form import FileChoice, FileKind, RunForm, TunedParameters
 
 ONE, FILL = "pack one object", "fill a container"
-GENERATED = "generated from the seed"
-DRAWN = "8 objects drawn by the seed"
+
+
+def _files(none: str, *folder: str) -> dict[str, Path | None]:
+    """What stands for no file, and the files of a folder of config/, by name."""
+    return {none: None, **{file.stem: file for file in sorted(config_path(*folder).glob("*.yaml"))}}
+
+
+SCENES = FileKind("scene", _files("generated from the seed", "scenarios", "packing"), parse_scene, scene_text)
+LISTS = FileKind(
+    "list", _files("8 objects drawn by the seed", "packing_lists"),
+    lambda text, name: parse_list(text, name, packing_cell()),
+)  # fmt: skip
 
 
 class PackingRunForm(RunForm):
     """Task and seed; for one object its scene and the method, for a container the list."""
 
+    tuned = TunedParameters("mpc", "weight_factors", "weights of the cost")
+
     def add(self) -> None:
         """Add the widgets."""
         self.task = self.gui.add_dropdown("task", (ONE, FILL))
         self._seed = self.gui.add_number("seed", 0, min=0, max=2**31 - 1, step=1)
-        scenes = sorted(config_path("scenarios", "packing").glob("*.yaml"))
-        self.scene = FileChoice(
-            self, "scene", {GENERATED: None, **{file.stem: file for file in scenes}}, parse_scene
-        )
+        self.file = FileChoice(self, SCENES)
         self._method = self.gui.add_dropdown("method", tuple(method.value for method in PackingMethod))
-        lists = sorted(config_path("packing_lists").glob("*.yaml"))
-        self.list = FileChoice(
-            self, "list", {DRAWN: None, **{file.stem: file for file in lists}},
-            lambda text, name: parse_list(text, name, packing_cell()),
-        )  # fmt: skip
-        self.task.on_update(lambda _: self._show_choices())
-        self._show_choices()
+        self.task.on_update(lambda _: self._offer_choices())
 
     def reset(self) -> tuple[Contract, Any]:
         """The scene, or the seed that one is generated from; for a list an empty container and pump."""
-        scene = self.scene.text
+        scene = self.file.text
         if self._is_fill:
             cell = packing_cell()
-            scene = parse_list(self._list_text(), self.list.name, cell).start(cell).to_yaml()
+            scene = parse_list(self._list_text(), self.file.name, cell).start(cell).to_yaml()
         return contracts.RESET, ResetScene.Request(scene=scene, seed=int(self._seed.value))
 
     def goal(self) -> tuple[Contract, Any]:
@@ -61,12 +65,11 @@ class PackingRunForm(RunForm):
         return bool(self.task.value == FILL)
 
     def _list_text(self) -> str:
-        return self.list.text or supermarket_list(int(self._seed.value), packing_cell()).to_yaml()
+        return self.file.text or supermarket_list(int(self._seed.value), packing_cell()).to_yaml()
 
-    def _show_choices(self) -> None:
+    def _offer_choices(self) -> None:
         """Show what belongs to the task."""
-        self.list.set_visible(self._is_fill)
-        self.scene.set_visible(not self._is_fill)
+        self.file.offer(LISTS if self._is_fill else SCENES)
         self._method.visible = not self._is_fill
 
 

@@ -12,7 +12,7 @@ from pack_core.palletizing.orders.order_file import parse_order
 from pack_core.paths import config_path
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_viewer.ros.run_form import FileChoice, RunForm
+from pack_viewer.ros.run_form import FileChoice, FileKind, RunForm
 from pallet_fsm.profile import PROFILES
 
 CONFIGURED = "as configured"
@@ -26,10 +26,10 @@ class PalletizingRunForm(RunForm):
     def add(self) -> None:
         """Add the widgets."""
         files = sorted(config_path("orders").glob("*.json"), key=lambda file: file.stem != FIRST)
-        self._order = FileChoice(
-            self, "order", {file.stem: file for file in files},
+        self._order = FileChoice(self, FileKind(
+            "order", {file.stem: file for file in files},
             lambda text, name: parse_order(text, name, cell=palletizing_cell()),
-        )  # fmt: skip
+        ))  # fmt: skip
         self._seed = self.gui.add_number("seed", 0, min=0, max=2**31 - 1, step=1)
         self._profile = self.gui.add_dropdown("profile", (CONFIGURED, *PROFILES))
 
