@@ -56,7 +56,7 @@ class Capsule(SceneItem):
 
     def half_spans(self, yaws: Array) -> Array:
         along = np.stack([np.abs(np.cos(yaws)), np.abs(np.sin(yaws))], axis=1)
-        return self.radius + self._core[0] * along
+        return np.asarray(self.radius + self._core[0] * along)
 
     def hull(self) -> Array:
         rings = [
