@@ -21,6 +21,8 @@ from pack_core.text.limits import MOST_MESH_CORNERS
 HOUSEHOLD = {item.name: item for item in load_set("household").objects}
 WEDGE = np.array([[x, y, z] for y in (0, 40) for x, z in ((0, 0), (90, 0), (60, 70))], float)
 
+BOX = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+
 
 def write_scene(folder: Path, **item: object) -> Path:
     """A scene file whose new object is a mesh."""
@@ -66,7 +68,7 @@ def test_the_text_that_is_sent_has_corners_and_describes_the_same_scene(tmp_path
 def test_a_text_without_a_folder_may_name_no_file(tmp_path: Path) -> None:
     write_mesh(tmp_path, "wedge.stl")
     text = write_scene(tmp_path, file="wedge.stl", scale=0.001).read_text()
-    with pytest.raises(ConfigError, match=r"request.*`vertices`; `file` 'wedge\.stl' is for files alone"):
+    with pytest.raises(ConfigError, match=r"request.*`vertices`; `file` 'wedge\.stl' is for files"):
         parse_scene(text, "request")
 
 
@@ -88,11 +90,14 @@ FLAT = WEDGE * [1.0, 1.0, 0.0]
         ({"file": "large.stl", "scale": 0.001}, "up to 20 MB"),
         ({"file": "nan.obj", "scale": 0.001}, "finite"),
         ({"file": ["wedge.stl"]}, "a text"),
-        ({"file": "wedge.stl", "vertices": [[0, 0, 0]] * 4}, "not both"),
+        ({"file": "wedge.stl", "vertices": [[0, 0, 0]] * 4}, "either `file`"),
         ({"vertices": [[0, 0, 0]] * 4}, "5 mm to 2 m"),
         ({"vertices": [[0, 0, 0]] * 3}, "at least 4"),
         ({"vertices": (WEDGE / 1000).tolist()}, "middle of their bounding box"),
-        ({}, "vertices' is missing"),
+        ({}, "either `file`, an STL or OBJ file, or `vertices`"),
+        ({"vertices": (0.1 * BOX).tolist(), "scale": 0.001}, "scale' is not known"),
+        ({"file": "a\0b.stl"}, "`file` that is there"),
+        ({"file": "."}, "`file` that is there"),
     ],
 )
 def test_what_is_no_sound_mesh_is_refused_with_the_reason(

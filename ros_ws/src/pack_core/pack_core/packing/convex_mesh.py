@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import mujoco
@@ -13,15 +12,12 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from pack_core.config import FOLDER
 from pack_core.hull import Hull, hull_of
-from pack_core.packing.mesh_file import read_corners
+from pack_core.packing.mesh_file import check_size, corners_of
 from pack_core.packing.scene_item import MARKER_HEIGHT, SceneItem
 from pack_core.rotations import Array
-from pack_core.text.limits import MOST_MESH_CORNERS, Coordinate, Number
+from pack_core.text.limits import MOST_MESH_CORNERS, Coordinate
 
 Corner = tuple[Coordinate, Coordinate, Coordinate]
-Scale = Annotated[Number, Field(ge=1e-6, le=1e3)]
-SMALLEST, LARGEST = 0.005, 2.0
-"""Lengths between which every side of the bounding box is, as for every shape [m]."""
 OFF_CENTRE = 1e-4
 """Farthest that the middle of the bounding box may be from the origin [m]."""
 ALIKE = 0.0005
@@ -55,41 +51,30 @@ class _Form:
 class ConvexMesh(SceneItem):
     """The convex hull of `vertices` [m], whose bounding box has its middle at the origin.
 
-    A file may name a mesh instead: `file`, an STL or OBJ file beside it, and `scale`, metres for each of the
-    mesh's units. What is written or sent has vertices.
+    A file may name a mesh in their place: `file`, an STL or OBJ file beside it, and `scale`, metres for each
+    of the mesh's units, 1 by default. What is written or sent has vertices.
     """
 
     shape: Literal["mesh"]
-    file: str | None = Field(default=None, exclude=True)
-    scale: Scale = Field(default=1.0, exclude=True)
     vertices: Annotated[tuple[Corner, ...], Field(min_length=4, max_length=MOST_MESH_CORNERS)]
 
     @model_validator(mode="before")
     @classmethod
     def _read(cls, values: Any, info: ValidationInfo) -> Any:
         """Put the vertices of a mesh file in the place of its name."""
-        if not isinstance(values, dict) or values.get("file") is None:
+        if not isinstance(values, dict) or ("vertices" in values and "file" not in values):
             return values
-        if "vertices" in values:
-            raise ValueError("`file` or `vertices`, not both")
-        folder = (info.context or {}).get(FOLDER)
-        if folder is None:
-            raise ValueError(
-                f"`vertices`; `file` '{values['file']}' is for files alone, a text has none beside it"
-            )
-        name, scale = values["file"], values.get("scale", 1.0)
-        if not isinstance(name, str) or not isinstance(scale, int | float) or not 1e-6 <= scale <= 1e3:
-            raise ValueError("`file`, a text, and `scale`, a number from 1e-6 to 1000")
-        corners = read_corners(Path(folder) / name, float(scale))
-        _check_size(corners)
+        if "vertices" in values or "file" not in values:
+            raise ValueError("either `file`, an STL or OBJ file, or `vertices`")
         kept = {key: value for key, value in values.items() if key not in ("file", "scale")}
+        corners = corners_of(values["file"], values.get("scale", 1.0), (info.context or {}).get(FOLDER))
         return {**kept, "vertices": tuple(map(tuple, corners.tolist()))}
 
     @field_validator("vertices")
     @classmethod
     def _is_a_body(cls, vertices: tuple[Corner, ...]) -> tuple[Corner, ...]:
         points = np.array(vertices)
-        _check_size(points)
+        check_size(points)
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
         if np.any(np.abs(middle) > OFF_CENTRE):
             raise ValueError(f"corners about the middle of their bounding box, which is at {middle.tolist()}")
@@ -141,13 +126,6 @@ class ConvexMesh(SceneItem):
     @property
     def _form(self) -> _Form:
         return _form_of(self.vertices)
-
-
-def _check_size(points: Array) -> None:
-    sides = np.ptp(points, axis=0)
-    if np.any(sides <= SMALLEST) or np.any(sides >= LARGEST):
-        size = " x ".join(f"{1e3 * side:.4g}" for side in sides)
-        raise ValueError(f"5 mm to 2 m along x, y and z, not {size} mm; `scale` turns units into metres")
 
 
 @lru_cache(maxsize=256)
