@@ -11,7 +11,8 @@ from typing import Any, ClassVar
 from pack_evaluation.packing.run_file import SUFFIX, save_run
 from pack_evaluation.packing.studies import RUNS
 from pack_evaluation.packing.study.trial import trial_of
-from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
+from pack_lockstep.benchmarking.benchmark import Verdict
+from pack_lockstep.packing.controlled_benchmark import ControlledBenchmark
 from pack_lockstep.packing.settings import PackingSetup, SceneJob
 from pack_lockstep.packing.trial import SceneResult, run_scene, trial_line
 
@@ -19,24 +20,13 @@ SCENES = "scenes"
 
 
 @dataclass(frozen=True)
-class PackingBenchmark(Benchmark[SceneJob, SceneResult]):
+class PackingBenchmark(ControlledBenchmark[SceneJob, SceneResult]):
     """Runs many scenes under one setting."""
 
-    cell: ClassVar[str] = "packing"
     files: ClassVar[tuple[str, ...]] = (f"{RUNS}/*{SUFFIX}", f"{SCENES}/*.yaml")
 
     setup: PackingSetup
     jobs: tuple[SceneJob, ...]
-
-    @property
-    def threads(self) -> int:
-        """Number of threads that the controller of each scene plans with."""
-        return self.setup.config.session.controller.threads
-
-    @property
-    def folder_name(self) -> str:
-        """Method, optimizer, weights and conditions."""
-        return self.setup.name.replace(" ", "_")
 
     def settings(self) -> Mapping[str, Any]:
         """Everything that decides the results: settings, cell, parameters of all nodes, and weights."""

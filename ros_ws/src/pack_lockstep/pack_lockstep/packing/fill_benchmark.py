@@ -12,7 +12,8 @@ from typing import Any, ClassVar
 from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.packing_list import PackingList, supermarket_list
-from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
+from pack_lockstep.benchmarking.benchmark import Verdict
+from pack_lockstep.packing.controlled_benchmark import ControlledBenchmark
 from pack_lockstep.packing.fill_lockstep import FillLockstep
 from pack_lockstep.packing.fill_result import FillResult
 from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_config
@@ -46,25 +47,14 @@ class FillSetup:
 
 
 @dataclass(frozen=True)
-class PackingFillBenchmark(Benchmark[ListJob, tuple[ListJob, FillResult, float]]):
+class PackingFillBenchmark(ControlledBenchmark[ListJob, tuple[ListJob, FillResult, float]]):
     """Fills many containers under one setting."""
 
-    cell: ClassVar[str] = "packing"
     studies: ClassVar[str] = "fill_studies"
     files: ClassVar[tuple[str, ...]] = (f"{LISTS}/*.yaml",)
 
     setup: FillSetup
     jobs: tuple[ListJob, ...]
-
-    @property
-    def threads(self) -> int:
-        """Number of threads that the controller of each list plans with."""
-        return self.setup.config.session.controller.threads
-
-    @property
-    def folder_name(self) -> str:
-        """Method and conditions."""
-        return self.setup.name.replace(" ", "_")
 
     def settings(self) -> Mapping[str, Any]:
         """Everything that decides the results; threads do not."""
