@@ -113,3 +113,17 @@ def test_what_presses_on_the_empty_cup_is_felt() -> None:
         cell.step()
     force, _ = cell.external_wrench()
     assert force[2] > 1.0
+
+
+def test_the_wrench_is_less_the_weight_of_the_object_that_hangs_now() -> None:
+    cell, heavy = simulator(), Box(name="heavy", shape="box", size=(0.09, 0.06, 0.1), mass=0.9)
+    for item in (CARTON, heavy):
+        if item is heavy:
+            cell.release()
+            assert cell.present(handed_over(heavy, CELL)) == ""
+        put(cell, under_the_cup(cell))
+        cell.step()
+        assert cell.grip() == ""
+        for _ in range(1000):
+            cell.step()
+        assert np.linalg.norm(cell.external_wrench()[0]) < 0.05 * 9.81 * item.mass

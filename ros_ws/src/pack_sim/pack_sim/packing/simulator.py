@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import mujoco
 import numpy as np
 
@@ -86,7 +84,7 @@ class Simulator:
         """Simulated time [s]."""
         return float(self.data.time)
 
-    @cached_property
+    @property
     def _weight(self) -> Array:
         gravity = float(self.model.opt.gravity[2])
         return np.array([0.0, 0.0, -gravity * self.description.new_object.mass])
