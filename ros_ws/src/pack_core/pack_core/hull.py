@@ -33,6 +33,25 @@ class Hull:
         return np.asarray(self.corners[self.faces])
 
     @property
+    def volume(self) -> float:
+        """Volume [m^3]: that of the tetrahedra which the triangles span with one point."""
+        return float(np.linalg.det(self.triangles - self.corners.mean(axis=0)).sum() / 6.0)
+
+    def volume_below(self, height: float) -> float:
+        """Volume of what is below z = `height` [m^3]."""
+        above = self.corners[:, 2] > height
+        if not above.any() or above.all():
+            return 0.0 if above.all() else self.volume
+        ends = self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 3)
+        lower, upper = ends[(ends[:, 0, 2] <= height) & (ends[:, 1, 2] > height)].swapaxes(0, 1)
+        shares = (height - lower[:, 2]) / (upper[:, 2] - lower[:, 2])
+        crossings = lower + shares[:, None] * (upper - lower)
+        try:
+            return hull_of(np.concatenate([self.corners[~above], crossings])).volume
+        except ValueError:  # it reaches below by next to nothing
+            return 0.0
+
+    @property
     def centroid(self) -> Array:
         """Centre of the volume `(3,)` [m]: that of the tetrahedra which the triangles span with one point."""
         apex = self.corners.mean(axis=0)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from pack_core.hull import hull_of
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Container
 from pack_core.packing.scene_item import SceneItem
@@ -87,16 +88,10 @@ class FillReport:
 
 
 def fill_of(container: Container, standing: Sequence[tuple[SceneItem, Pose]]) -> Fill:
-    """How full the container is with objects at X_WO.
-
-    An object's volume is that of its outline, seen from above, times its height below the rim.
-    """
+    """How full the container is with objects at X_WO; of an object's volume the part below the rim counts."""
     outlines = [footprint(item, X_WO) for item, X_WO in standing]
     area = float(np.prod(container.size))
     box = shapely.box(*container.lower, *container.upper)
     covered = shapely.union_all(outlines).intersection(box).area if outlines else 0.0
-    volumes = [
-        outline.area * min(2.0 * float(item.half_extents[2]), container.height)
-        for (item, _), outline in zip(standing, outlines, strict=True)
-    ]
+    volumes = [hull_of(X_WO.apply(item.hull())).volume_below(container.height) for item, X_WO in standing]
     return Fill(float(covered) / area, float(sum(volumes)) / (area * container.height))
