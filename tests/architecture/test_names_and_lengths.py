@@ -12,7 +12,6 @@ LONGEST = 200
 LONGER = {
     "pack_planner/pack_planner/rearrangement/beam/tables.py": "every field of one record is explained",
     "pack_motion/pack_motion/controller.py": "all that is asked of the motion, in one place",
-    "pack_sim/pack_sim/packing/simulator.py": "one step of the whole cell, to be read from top to bottom",
     "pack_sim/pack_sim/palletizing/simulator.py": "one step of the whole cell, and all that is asked of it",
 }
 """Files that may be longer, with the reason."""

@@ -7,6 +7,8 @@ import shapely
 from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
+from pack_core.packing.objects import ObjectModel
+from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Pose, angle_between, exp, from_yaw, multiply
 
@@ -14,6 +16,8 @@ SEAL_GAP = 0.003
 """Largest distance between the cup's lip and the object's top at which suction draws them together [m]."""
 SEAL_TILT = np.deg2rad(5.0)
 """Largest angle between the cup's axis and the normal of the top: a bellows adapts to so much [rad]."""
+HANG_DISTANCE, HANG_ANGLE = 0.005, np.deg2rad(2.0)
+"""An object that was let go hangs again if it is at most this far from where it would [m] and [rad]."""
 LIP = 0.9
 """Share of the cup's radius that must be on the top; the lip's outer tenth may stand over an edge."""
 
@@ -32,6 +36,17 @@ def presented_pose(X_WN: Pose, config: HandOverConfig, rng: np.random.Generator)
     return Pose(X_WN.p + shift, multiply(from_yaw(turn * np.deg2rad(config.yaw_deg)), X_WN.q))
 
 
+def present_fault(item: ObjectModel, scene: Scene, *, is_held: bool) -> str:
+    """Why an object cannot arrive in a scene, whose new object the pump may hold; empty if it can."""
+    if item.pose is None:
+        return f"'{item.name}' has no pose; allowed: where it is handed over"
+    if is_held:
+        return f"the pump holds '{scene.new_object.name}'; pack or release it first"
+    if item.name in scene.names:
+        return f"'{item.name}' is in the container already; allowed: another name"
+    return ""
+
+
 def seal_fault(X_TN: Pose, item: SceneItem, cup_radius: float) -> str:
     """Why a cup T does not seal on the top of an object N at X_TN; empty if it does."""
     X_NT = X_TN.inverse()
@@ -48,4 +63,12 @@ def seal_fault(X_TN: Pose, item: SceneItem, cup_radius: float) -> str:
     if not shapely.MultiPoint(item.top_face()).convex_hull.covers(lip):
         x, y = 1e3 * X_NT.p[:2]
         return f"the lip is not on the object's top, its middle at x {x:.0f}, y {y:.0f} mm of it"
+    return ""
+
+
+def hang_fault(X_TN: Pose, nominal: Pose) -> str:
+    """Why an object N at X_TN cannot hang from a cup T as described, at `nominal`; empty if it can."""
+    distance = float(np.linalg.norm(X_TN.p - nominal.p))
+    if distance > HANG_DISTANCE or angle_between(X_TN.q, nominal.q) > HANG_ANGLE:
+        return f"the object is {1000 * distance:.0f} mm off the cup; allowed: 5 mm and 2 degrees"
     return ""
