@@ -13,7 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from fuzz.mutations import mutated
-from fuzz.targets import TARGETS, Sample, Target, copy_config
+from fuzz.samples import Sample, copy_config
+from fuzz.targets import TARGETS, Target
 
 MOST_MEMORY = 500e6
 """Address space that a reading may take beyond what the process has after a sound file [byte]."""
