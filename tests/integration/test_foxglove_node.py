@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
-import json
-import struct
-import threading
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from std_msgs.msg import Float64
 
+from integration.foxglove_client import FoxgloveClient
 from integration.harness import Graph
 from pack_bringup.foxglove_node import FoxgloveNode
 from pack_bringup.recording.message_types import message_types
@@ -20,50 +17,8 @@ from pack_core.ros.contracts.contract import Kind
 from pack_core.ros.contracts.table import wiring_of
 
 pytest.importorskip("foxglove", reason="an extra: see docs/rviz_and_foxglove.md")
-connect = pytest.importorskip("websockets.asyncio.client").connect
 
 PORT = 18765
-PROTOCOL = "foxglove.sdk.v1"
-MESSAGE = struct.Struct("<BIQ")
-"""A message to a client: opcode 1, number of the subscription, time [ns]; the payload follows."""
-
-
-class Client:
-    """Subscribes to one topic, and keeps what it is sent."""
-
-    def __init__(self, topic: str) -> None:
-        self.info: dict[str, Any] = {}
-        self.channels: dict[str, dict[str, Any]] = {}
-        self.payloads: list[bytes] = []
-        self._topic, self._ended = topic, threading.Event()
-        self._thread = threading.Thread(target=lambda: asyncio.run(self._follow()), daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        self._ended.set()
-        self._thread.join()
-
-    async def _follow(self) -> None:
-        async with connect(f"ws://127.0.0.1:{PORT}", subprotocols=[PROTOCOL]) as socket:
-            while not self._ended.is_set():
-                try:
-                    message = await asyncio.wait_for(socket.recv(), 0.05)
-                except TimeoutError:
-                    continue
-                if isinstance(message, bytes):
-                    self._take(message)
-                elif (command := json.loads(message))["op"] == "serverInfo":
-                    self.info = command
-                elif command["op"] == "advertise":
-                    self.channels |= {channel["topic"]: channel for channel in command["channels"]}
-                    if self._topic in self.channels:
-                        wanted = {"id": 7, "channelId": self.channels[self._topic]["id"]}
-                        await socket.send(json.dumps({"op": "subscribe", "subscriptions": [wanted]}))
-
-    def _take(self, message: bytes) -> None:
-        opcode, number, _ = MESSAGE.unpack_from(message) if len(message) >= MESSAGE.size else (0, 0, 0)
-        if (opcode, number) == (1, 7):
-            self.payloads.append(message[MESSAGE.size :])
 
 
 @pytest.fixture
@@ -72,14 +27,14 @@ def node(graph: Graph) -> FoxgloveNode:
 
 
 @pytest.fixture
-def client(node: FoxgloveNode) -> Iterator[Client]:
-    opened = Client(shared.REAL_TIME_FACTOR.name)
+def client(node: FoxgloveNode) -> Iterator[FoxgloveClient]:
+    opened = FoxgloveClient(shared.REAL_TIME_FACTOR.name, PORT)
     yield opened
     opened.close()
 
 
 def test_a_client_sees_every_topic_and_gets_the_bytes_of_those_that_it_wants(
-    graph: Graph, node: FoxgloveNode, client: Client
+    graph: Graph, node: FoxgloveNode, client: FoxgloveClient
 ) -> None:
     def heard() -> bool:
         graph.probe.send(shared.REAL_TIME_FACTOR, Float64(data=0.75))
@@ -96,6 +51,6 @@ def test_a_client_sees_every_topic_and_gets_the_bytes_of_those_that_it_wants(
     graph.wait_until(lambda: not any(topic.is_heard for topic in node.topics))
 
 
-def test_a_client_may_read_only(graph: Graph, client: Client) -> None:
+def test_a_client_may_read_only(graph: Graph, client: FoxgloveClient) -> None:
     graph.wait_until(lambda: client.info)
     assert client.info["capabilities"] == ["time"]
