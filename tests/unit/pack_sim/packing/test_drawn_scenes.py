@@ -6,7 +6,7 @@ import pytest
 from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell, packing_cell
 from pack_core.packing.free_space import footprint, is_blocked
-from pack_core.packing.object_set import DrawnObjects, can_be_packed, draw_scene
+from pack_core.packing.object_set import DrawnObjects, can_be_packed, draw_new_object, draw_scene
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import parse_scene
 from pack_core.rotations import Pose, rotate
@@ -59,4 +59,12 @@ def test_a_capsule_that_has_rolled_has_its_markers_on_top(scenes: list[Scene]) -
 def test_a_share_of_the_base_that_no_draw_covers_is_refused() -> None:
     tight = DrawnObjects(object_set="household", base_area=(0.001, 0.002))
     with pytest.raises(PackError, match=r"household\.yaml cover 0\.001 to 0\.002 of the base"):
-        draw_scene(tight, packing_cell(), np.random.default_rng(0))
+        draw_scene(tight, packing_cell(), packing_cell().scene.new_object, np.random.default_rng(0))
+
+
+def test_a_set_of_which_nothing_can_be_packed_is_refused(cell: PackingCell) -> None:
+    container = cell.scene.container.model_copy(update={"height": 0.4})
+    deep = cell.model_copy(update={"scene": cell.scene.model_copy(update={"container": container})})
+    assert deep.drawn is not None
+    with pytest.raises(PackError, match=r"no object of .*household\.yaml can be packed"):
+        draw_new_object(deep.drawn, deep, np.random.default_rng(0))

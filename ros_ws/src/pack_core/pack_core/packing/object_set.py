@@ -55,31 +55,44 @@ def load_set(name: str) -> ObjectSet:
     return load_config(ObjectSet, config_path("object_sets", f"{name}.yaml"))
 
 
-def draw_scene(drawn: DrawnObjects, cell: PackingCell, rng: np.random.Generator) -> Scene:
-    """A description with a new object and others, drawn without repetition until they cover enough.
+def draw_new_object(drawn: DrawnObjects, cell: PackingCell, rng: np.random.Generator) -> ObjectModel:
+    """One object of the set that can be packed, each as likely as the others.
 
     Raises:
-        PackError: the set has no objects that cover as much, or none that can be packed.
+        PackError: none can be packed.
     """
-    items = load_set(drawn.object_set).objects
+    packable = [item for item in load_set(drawn.object_set).objects if can_be_packed(item, cell)]
+    if not packable:
+        raise PackError(
+            f"no object of config/object_sets/{drawn.object_set}.yaml can be packed: none fits, is as high as "
+            "the walls less the pump's stem, and has a flat top as wide as the cup; change `drawn` of the cell"
+        )
+    return packable[rng.integers(len(packable))]
+
+
+def draw_scene(drawn: DrawnObjects, cell: PackingCell, new: ObjectModel, rng: np.random.Generator) -> Scene:
+    """A description with others beside the new object, drawn without repetition until they cover enough.
+
+    Raises:
+        PackError: the set has no objects that cover as much.
+    """
+    items = [item for item in load_set(drawn.object_set).objects if item.name != new.name]
     area = float(np.prod(cell.scene.container.size))
-    shares = {item.name: footprint(item, Pose(np.zeros(3))).area / area for item in items}
-    packable = [item for item in items if can_be_packed(item, cell)]
+    shares = {item.name: footprint(item, Pose(np.zeros(3))).area / area for item in (*items, new)}
     least, most = drawn.base_area
-    for _ in range(MOST_DRAWS if packable else 0):
-        new = packable[rng.integers(len(packable))]
+    for _ in range(MOST_DRAWS):
         chosen: list[ObjectModel] = []
         covered = shares[new.name]
         for i in rng.permutation(len(items)):
             item = items[int(i)]
-            if item.name != new.name and covered + shares[item.name] <= most and len(chosen) < MOST_OBJECTS:
+            if covered + shares[item.name] <= most and len(chosen) < MOST_OBJECTS:
                 chosen.append(item)
                 covered += shares[item.name]
             if least <= covered <= most:
                 return cell.scene.model_copy(update={"objects": chosen, "new_object": new})
     raise PackError(
-        f"no objects of config/object_sets/{drawn.object_set}.yaml cover {least} to {most} of the base, one "
-        "that can be packed among them; change `drawn` of the cell"
+        f"no objects of config/object_sets/{drawn.object_set}.yaml cover {least} to {most} of the base "
+        f"together with '{new.name}'; change `drawn` of the cell"
     )
 
 

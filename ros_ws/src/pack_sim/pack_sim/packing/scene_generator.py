@@ -16,7 +16,7 @@ from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import base_height, footprint, free_places, is_blocked, is_inside
 from pack_core.packing.model import ArmRole, HeldRole, build_model
-from pack_core.packing.object_set import draw_scene
+from pack_core.packing.object_set import draw_new_object, draw_scene
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, rotate
 
@@ -59,7 +59,9 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
     for attempt in range(MAX_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
         if cell.drawn is not None:
-            description = draw_scene(cell.drawn, cell, rng)
+            # the new object stays, or objects that are rarely blocked would be rare
+            new = draw_new_object(cell.drawn, cell, np.random.default_rng([seed, MAX_ATTEMPTS]))
+            description = draw_scene(cell.drawn, cell, new, rng)
             model = _slippery_model(description, cell)
         dropped = _drop(description, rng)
         if dropped is None:
