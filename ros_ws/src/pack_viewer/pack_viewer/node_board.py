@@ -66,17 +66,18 @@ class NodeBoard:
         return bool(self.silent) or any(node.level > WARN for node in self._nodes.values())
 
     def html(self) -> str:
-        """A line a node."""
-        silent = self.silent
-        rows = []
+        """A line for each node that has something to say, and one for all that are well."""
+        silent, rows, well = self.silent, [], []
         for name, node in sorted(self._nodes.items()):
             if name in silent:
                 rows.append(("✕", RED, f"{name}: silent for {self._clock() - node.heard_at:.0f} s"))
             elif node.level == OK:
-                rows.append(("✓", GREEN, name))
+                well.append(name)
             else:
                 sign, colour = ("✕", RED) if node.level > WARN else ("▲", ORANGE)
                 rows.append((sign, colour, f"{name}: {node.message}"))
+        if well:
+            rows.append(("✓", GREEN, ", ".join(well)))
         return signed_list(rows, "no node has reported yet")
 
 

@@ -19,6 +19,8 @@ KEPT = 600
 SEND_PERIOD = 0.5
 """Least time between two pictures of a plot [s of wall clock]: each carries all of its points."""
 HEIGHT = 150
+PADDING = (10, 24, 0, 0)
+"""Room above and to the right of the curves [pixel], without which the last labels of the axes are cut."""
 
 
 class RollingPlot:
@@ -43,7 +45,7 @@ class RollingPlot:
         axis = uplot.Axis(stroke=GREY, grid={"stroke": f"{GREY}40", "width": 1})
         self._handle = gui.add_uplot(
             self._data(), tuple(series), title=title, height=HEIGHT, axes=(axis, axis),
-            scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(auto=True)},
+            scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(auto=True)}, padding=PADDING,
         )  # fmt: skip
 
     @property
@@ -62,6 +64,11 @@ class RollingPlot:
         """Forget all points."""
         self._rows.clear()
         self._changed = True
+
+    def set_visible(self, visible: bool) -> None:
+        """Show or hide it."""
+        if self._handle.visible != visible:
+            self._handle.visible = visible
 
     def send(self) -> None:
         """Show what was added, unless it was shown a moment ago."""

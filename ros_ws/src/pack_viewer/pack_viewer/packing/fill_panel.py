@@ -70,6 +70,7 @@ class FillPanel:
         """Bring texts and plot up to date."""
         progress = self._progress
         put(self._objects, signed_list(self._rows(), "no container was filled yet"))
+        self._plot.set_visible(progress is not None)
         self._plot.send()
         if progress is None:
             put(self._chips, "")

@@ -22,7 +22,7 @@ from pack_viewer.rolling_plot import RollingPlot
 
 ENDS = ("placed", "done")
 """Exit reasons of a goal, and of a fill job, that came to its end."""
-STAGES = ("LOOK", "PRE_PACK", "INSERT", "FINE_TUNE")
+STAGES = ("LOOK", "PRE-PACK", "INSERT", "FINE-TUNE")
 
 
 class PackingPage(CellPage):
@@ -97,7 +97,9 @@ class PackingPage(CellPage):
         rows = [("→", ORANGE, name) for name in names]
         put(self._collisions, signed_list(rows, "nothing may be pushed aside now"))
         held = self._grip.object if self._grip and self._grip.is_closed else ""
-        rest = [("pump", f"holds {held}" if held else "open"), ("force", f"{self._force:.1f} N")]
+        rest = [("pump", f"holds {held}" if held else "open")]
+        if np.isfinite(self._force):
+            rest += [("force", f"{self._force:.1f} N")]
         if status:
             rest += [("placements", str(status.placements)), ("cost", f"{status.cost:.3g}")]
             rest += [("iteration", f"{status.iteration_ms:.0f} ms")]
@@ -130,19 +132,19 @@ class PackingPage(CellPage):
     def _take_status(self, status: Any) -> None:
         if self._fill.object and not self._fill.is_packing:
             return  # of the iteration that was on its way when the object was packed
-        now = seconds(status)
+        now, stage = seconds(status), status.stage.replace("_", "-")
         if self._status is not None and status.elapsed < self._status.elapsed:  # another goal has begun
             self._visited = []
             self._clear_plots()
-        if status.stage != self._stage or not self._visited:
-            self.log.add(f"stage {status.stage}", time=now)
-            self._visited.append(status.stage)
+        if stage != self._stage or not self._visited:
+            self.log.add(f"stage {stage}", time=now)
+            self._visited.append(stage)
         if status.warning and (self._status is None or status.warning != self._status.warning):
             self.log.add(status.warning, "warning", now)
-        self._stage, self._status = status.stage, status
+        self._stage, self._status = stage, status
         held = f"{self._fill.object}: " if self._fill.object else ""
         self.headline = Headline(
-            status.stage.replace("_", "-"),
+            stage,
             status.warning or f"{held}{100 * status.distance:.1f} cm to go, {status.elapsed:.1f} s",
         )
         self._ghosts.set_target(status.target)

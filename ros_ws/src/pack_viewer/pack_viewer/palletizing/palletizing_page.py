@@ -54,6 +54,7 @@ class PalletizingPage(CellPage):
         self._progress = OrderProgress()
         self._grip: Any = None
         self._motion: Any = None
+        self._detection: Any = None
         self._contacts = 0
 
     def tabs(self) -> dict[str, Callable[[], None]]:
@@ -71,6 +72,7 @@ class PalletizingPage(CellPage):
             self._take_state(state)
         self._places.take(self._progress.placed)
         for detection in news.all(topics.BOX_DETECTION):
+            self._detection = detection
             if detection.status != DETECTED:
                 self.log.add(f"camera: {detection.reason}", "warning", seconds(detection))
         for contact in news.all(topics.CONTACTS):
@@ -95,6 +97,7 @@ class PalletizingPage(CellPage):
                 rows.append(("because", self._motion.reason))
         put(self._values, facts(rows))
         put(self._cycles, self._progress.cycles_html())
+        put(self._found, facts(_detection_rows(self._detection)) if self._detection else "")
         for plot in (self._error, self._load):
             plot.send()
 
@@ -102,7 +105,7 @@ class PalletizingPage(CellPage):
         """Begin anew with no box placed."""
         self._progress = OrderProgress()
         self._places.clear()
-        self._contacts, self._grip, self._motion = 0, None, None
+        self._contacts, self._grip, self._motion, self._detection = 0, None, None, None
         self._picture.image = NO_PICTURE
         self.headline = IDLE
         for plot in (self._error, self._load):
@@ -142,6 +145,7 @@ class PalletizingPage(CellPage):
     def _add_camera(self) -> None:
         gui = self.server.gui
         self._picture = gui.add_image(NO_PICTURE, label="what box vision found", format="jpeg")
+        self._found = gui.add_html("")
 
     def _add_plots(self) -> None:
         gui = self.server.gui
@@ -153,6 +157,18 @@ def _grip_text(grip: Any) -> str:
     if grip.object:
         return f"holds {grip.object}"
     return str(grip.release_reason or ("closed on nothing" if grip.is_closed else "open"))
+
+
+def _detection_rows(detection: Any) -> list[tuple[str, str]]:
+    """What box vision says of the last picture."""
+    if detection.status != DETECTED:
+        return [("box", detection.box_id), ("not found", detection.reason)]
+    p, q, (length, width) = detection.pose.position, detection.pose.orientation, detection.size
+    yaw = 2.0 * np.rad2deg(np.arctan2(q.z, q.w))
+    return [
+        ("box", detection.box_id), ("top face", f"{1000 * length:.0f} x {1000 * width:.0f} mm"),
+        ("centre", f"{p.x:.3f}, {p.y:.3f}, {p.z:.3f} m"), ("heading", f"{yaw:.1f} degrees"),
+    ]  # fmt: skip
 
 
 PAGE = PalletizingPage
