@@ -64,8 +64,8 @@ def draw_new_object(drawn: DrawnObjects, cell: PackingCell, rng: np.random.Gener
     packable = [item for item in load_set(drawn.object_set).objects if can_be_packed(item, cell)]
     if not packable:
         raise PackError(
-            f"no object of config/object_sets/{drawn.object_set}.yaml can be packed: none fits, is as high as "
-            "the walls less the pump's stem, and has a flat top as wide as the cup; change `drawn` of the cell"
+            f"no object of config/object_sets/{drawn.object_set}.yaml can be packed: none fits, is as high "
+            "as the walls less the pump's stem, and has a flat top as wide as the cup; change `drawn`"
         )
     return packable[rng.integers(len(packable))]
 
