@@ -80,9 +80,9 @@ class BlocksPage(CellPage):
         put(self._plan, signed_list(_steps(status) if status else (), "there is no plan yet"))
         rows = []
         if self._jaws is not None:
-            opening, force = 1000 * self._jaws.opening, self._jaws.force
+            opening, force = 1000 * self._jaws.opening, round(self._jaws.force)
             words = JAWS[self._jaws.status] if self._jaws.status < len(JAWS) else "?"
-            rows.append(("jaws", f"{words}, {opening:.0f} mm, {force:.0f} N"))
+            rows.append(("jaws", f"{words}, {opening:.0f} mm, {force} N"))
         if self._motion is not None:
             rows.append(("motion", self._motion.reason or self._motion.state))
         if self._unseen:
