@@ -12,8 +12,8 @@ from pack_viewer.news import News
 from pack_viewer.packing.packing_page import PackingPage
 from pack_viewer.web_server import open_server
 
-CAN = {"name": "can", "packed": True, "reason": "packed"}
-GIANT = {"name": "giant", "packed": False, "reason": "put aside: <too big>"}
+CAN = {"name": "can", "packed": True, "reason": "packed", "start": 1.0, "duration": 6.5}
+GIANT = {"name": "giant", "packed": False, "reason": "put aside: <too big>", "start": 2.0, "duration": 0.0}
 
 
 def progress(stage: str, item: str, done: list[dict[str, object]], to_come: list[str], **more: object) -> str:
@@ -50,7 +50,7 @@ def test_the_object_in_work_and_the_fill_are_shown(page: PackingPage) -> None:
 def test_what_became_of_an_object_is_logged_once(page: PackingPage) -> None:
     tell(page, progress("pick", "tea", [CAN], []))
     tell(page, progress("pack", "tea", [CAN], []))
-    assert page.log.text.count("can: packed") == 1
+    assert page.log.text.count("7.50 s  can: packed") == 1
     tell(page, progress("pick", "tea", [CAN], [], start=9.0))  # another job with the same list
     assert page.log.text.count("can: packed") == 2
 

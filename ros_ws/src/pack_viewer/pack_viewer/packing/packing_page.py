@@ -119,10 +119,9 @@ class PackingPage(CellPage):
 
     def _take_progress(self, progress: dict[str, Any]) -> None:
         """Take up where a fill job stands; while an object is packed, the controller tells more."""
-        now = float(progress["time"])
         for row in self._fill.take(progress):
             kind = "info" if row["packed"] else "warning"
-            self.log.add(f"{row['name']}: {row['reason']}", kind, now)
+            self.log.add(f"{row['name']}: {row['reason']}", kind, row["start"] + row["duration"])
         stage = str(progress["stage"]).replace("_", " ")
         self.headline = Headline(" ".join(filter(None, (stage, self._fill.object))), self._fill.in_words)
         if not self._fill.is_packing:
