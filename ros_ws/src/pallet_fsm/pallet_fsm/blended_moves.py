@@ -106,12 +106,16 @@ class BlendedMoves:
     def _departs(self, state: State, item: WorkItem) -> list[Retreat | None]:
         """The first lines that are tried: from a box on table B straight back or obliquely up, else up.
 
-        The oblique ones are for places where the arm cannot fold far enough to go straight back.
+        The oblique ones are for places where the arm cannot fold far enough to go straight back. Up from the
+        pallet is along its own vertical.
         """
         if state is State.STEP_BACK and item.approach is not None:
             length = self._config.step_back
             return [self._retreat(rise * UP - item.approach, length) for rise in (0.0, 0.5, 1.0)]
-        return [None if state is State.ABOVE_BOX else self._lift()]
+        if state is State.ABOVE_BOX:
+            return [None]
+        up = self._goals.in_world(UP) if state in (State.RETREAT, State.RETURN) else UP
+        return [self._retreat(up, self._config.lift)]
 
     def _to_table(self, item: WorkItem, X_WT: Pose) -> list[Leg]:
         config, above = self._config, self._config.final_height * UP
@@ -126,13 +130,15 @@ class BlendedMoves:
         ]  # fmt: skip
 
     def _to_place(self, item: WorkItem, X_WT: Pose) -> list[Leg]:
-        """Along the planned insertion; where that is not clear, straight down."""
+        """Along the planned insertion; where that is not clear, straight down onto the pallet."""
         config, insertion = self._config, item.plan.insertion
+        hover = self._retreat(self._goals.in_world(UP), config.hover)
         offsets = [insertion.offset(config.standoff, config.final_height), config.final_height * UP]
         return [
-            Leg(Transfer(self._lines(goal, offset), self._hover(), self._lift()), goal, State.DEPOSIT)
+            Leg(Transfer(lines, hover, self._lift()), goal, State.DEPOSIT)
             for offset in offsets[: 2 if insertion.corridor > 0.0 else 1]
             for goal in self._goals.placements(item, X_WT)
+            for lines in [self._lines(goal, self._goals.in_world(offset))]
         ]
 
     def _home(self, X_WT: Pose) -> Leg:

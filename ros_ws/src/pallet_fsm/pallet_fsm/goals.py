@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from pack_core.motion.moves import Move
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Array, Pose, to_matrix
 from pallet_fsm.orientations import by_turning
 from pallet_fsm.states import State
 from pallet_fsm.tool_poses import Stand, ToolPoseConfig, grasps, placements, stands
@@ -60,6 +62,14 @@ class Goals:
         return self._sorted(
             placements(item.plan.placed, item.box, item.X_TB, pallet.X_WP, self._config), X_WT
         )
+
+    def in_world(self, v_P: Array) -> Array:
+        """A vector `(3,)` that is given along the pallet's axes, along the world's.
+
+        A pallet stands a little askew, and the boxes on it with it: a box that came down along the world's
+        vertical would come nearer to a tall neighbour on its way than it is at its place.
+        """
+        return np.asarray(to_matrix(self._cell.pallet.X_WP.q) @ v_P)
 
     def _sorted(self, goals: list[Pose], X_WT: Pose) -> list[Pose]:
         return by_turning(goals, X_WT, self._cell.arm.X_WB.p)

@@ -127,12 +127,12 @@ def _turned_to_place(now: Situation) -> list[Pose]:
 
 
 def _over_place(now: Situation) -> list[ToolTarget]:
-    offset = _before_insertion(now) + now.config.above * UP
+    offset = now.goals.in_world(_before_insertion(now) + now.config.above * UP)
     return _at([raised(X_WT, offset) for X_WT in now.goals.placements(now.item, now.X_WT)])
 
 
 def _beside_place(now: Situation) -> list[ToolTarget]:
-    offset = _before_insertion(now)
+    offset = now.goals.in_world(_before_insertion(now))
     return _at([raised(X_WT, offset) for X_WT in now.goals.placements(now.item, now.X_WT)])
 
 
@@ -141,7 +141,10 @@ def _on_place(now: Situation) -> list[ToolTarget]:
 
 
 def _before_insertion(now: Situation) -> Array:
-    """Offset from the box's place to where its insertion begins `(3,)` [m]: Eq. 6.6, p_start = c + L d."""
+    """From the box's place to where its insertion begins, along the pallet's axes `(3,)` [m].
+
+    Eq. 6.6, p_start = c + L d.
+    """
     standoff = np.inf if now.config.standoff is None else now.config.standoff
     return now.item.plan.insertion.offset(standoff, now.config.final_height)
 

@@ -1,0 +1,63 @@
+"""Boxes come down along the vertical of the pallet: what stands on it is passed at one distance."""
+
+import numpy as np
+import pytest
+
+from pack_core.motion.moves import UP, Transfer
+from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
+from pack_core.palletizing.displacement import Displacement
+from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.rotations import Pose, from_yaw
+from pallet_fsm.blended_moves import BlendedConfig, BlendedMoves
+from pallet_fsm.goals import Goals
+from pallet_fsm.states import State
+from pallet_fsm.targets import Situation, targets_of
+from pallet_fsm.thesis_config import ThesisConfig
+from pallet_fsm.tool_poses import ToolPoseConfig, grasps
+from pallet_fsm.work_item import WorkItem
+from unit.pallet_fsm.fake_cell import given_order
+
+ASKEW = Displacement(shift=(0.002, -0.003, 0.004), turn=(-0.0016, -0.0026, -0.0039))
+BOX = given_order(17).boxes[0]
+
+
+def cell_with(displacement: Displacement) -> PalletizingCell:
+    cell = palletizing_cell()
+    pallet = cell.pallet.model_copy(update={"displacement": displacement})
+    return cell.model_copy(update={"pallet": pallet})
+
+
+def held_item() -> WorkItem:
+    """A box in the gripper, with a place on the pallet to which it comes along its x axis."""
+    placed = PlacedBox(BOX.id, np.array([0.3, 0.2, 0.4]), np.array(BOX.dims), BOX.weight)
+    along_x = Insertion("East", np.array([1.0, 0.0, 0.0]), 0.2)
+    X_WB = Pose(np.array([-2.4, 2.6, 0.8]))
+    X_TB = grasps(X_WB, np.array(BOX.dims), ToolPoseConfig())[0].inverse() @ X_WB
+    return WorkItem(BOX, PlannedBox(placed, along_x), X_TB=X_TB)
+
+
+def on_pallet(cell: PalletizingCell, v_W: np.ndarray) -> np.ndarray:
+    """A vector in the world, along the pallet's axes."""
+    return (cell.pallet.X_WP.inverse() @ Pose(cell.pallet.X_WP.p + v_W)).p
+
+
+@pytest.mark.parametrize("displacement", [Displacement(), ASKEW], ids=["level", "askew"])
+def test_blended_moves_come_down_along_the_pallets_vertical(displacement: Displacement) -> None:
+    cell, config = cell_with(displacement), BlendedConfig()
+    moves = BlendedMoves(Goals(cell, ToolPoseConfig()), config, ThesisConfig())
+    legs = moves.legs(State.LIFT, State.DEPOSIT, held_item(), Pose(np.zeros(3), from_yaw(0.0)))
+    outs = {tuple(on_pallet(cell, leg.move.lines[0].X_WT.p - leg.X_WT.p).round(9)) for leg in legs}
+    assert outs == {(config.standoff, 0.0, config.final_height), (0.0, 0.0, config.final_height)}
+    for leg in legs:
+        assert isinstance(leg.move, Transfer)
+        assert on_pallet(cell, leg.move.hover.direction) == pytest.approx(UP)
+
+
+def test_way_points_over_the_pallet_are_along_its_vertical() -> None:
+    cell, config = cell_with(ASKEW), ThesisConfig()
+    now = Situation(Goals(cell, ToolPoseConfig()), config, held_item(), Pose(np.zeros(3), from_yaw(0.0)))
+    over, beside = targets_of(State.ABOVE_PALLET, now), targets_of(State.PRE_DEPOSIT, now)
+    for above, before in zip(over, beside, strict=True):
+        rise = on_pallet(cell, above.X_WT.p - before.X_WT.p)
+        assert rise == pytest.approx([0.0, 0.0, config.above])
