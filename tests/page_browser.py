@@ -39,6 +39,11 @@ class PageInBrowser:
         expect(button).to_be_enabled(timeout=PATIENCE)
         button.click(timeout=PATIENCE)
 
+    def choose(self, shown: str, wanted: str) -> None:
+        """Choose from the list that shows an entry now."""
+        self.page.locator(f'input[role=combobox][value="{shown}"]').click(timeout=PATIENCE)
+        self.page.get_by_role("option", name=wanted, exact=True).click(timeout=PATIENCE)
+
     def can_press(self, name: str) -> bool:
         """Whether a button can be pressed now."""
         return self.page.get_by_role("button", name=name, exact=True).is_enabled()

@@ -122,6 +122,28 @@ def test_a_packing_goal_is_started_stopped_and_run_again_and_a_dead_node_is_seen
 @pytest.mark.e2e
 @pytest.mark.long
 @pytest.mark.alone
+@pytest.mark.timeout(500)
+def test_a_container_is_filled_stopped_and_filled_again(graph: Graph, tmp_path: Path) -> None:
+    with shown("packing", graph, tmp_path) as cell, open_page(cell.address) as browser:
+        browser.choose("pack one object", "fill a container")
+        browser.choose("8 objects drawn by the seed", "example")
+        browser.press("start")
+        browser.page.get_by_role("tab", name="Fill").click()
+        browser.wait_for_headline("pick")
+        browser.wait_for_text("1 of 3")  # packed
+        stop_in_the_middle(browser, cell)
+        browser.wait_for_headline("fault")
+        browser.press("start")  # with an empty container again
+        browser.wait_for_text("0 of 3")
+        browser.wait_for_headline("pick")
+        browser.press("cancel")
+        browser.wait_for_headline("canceled")
+        assert browser.foreign_requests == []
+
+
+@pytest.mark.e2e
+@pytest.mark.long
+@pytest.mark.alone
 @pytest.mark.timeout(400)
 @pytest.mark.parametrize(("cell_name", "moving"), [("palletizing", "detect"), ("blocks", "PICK")])
 def test_a_goal_is_started_and_stopped(graph: Graph, tmp_path: Path, cell_name: str, moving: str) -> None:

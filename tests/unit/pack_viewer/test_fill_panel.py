@@ -61,3 +61,5 @@ def test_a_job_that_ended_says_how(page: PackingPage) -> None:
     tell(page, json.dumps(result), topics.FILL_RESULT)
     assert (page.headline.title, page.headline.is_fault) == ("canceled", True)
     assert "▶" not in page._fill._objects.content
+    assert "tea: not finished" in page._fill._objects.content
+    assert "1 of 2" in page._fill._values.content

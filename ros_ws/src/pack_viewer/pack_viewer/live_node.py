@@ -82,12 +82,10 @@ class LiveNode(CellNode):
         self.form: RunForm = cell_part(self._cell, "run_form")(self._server.gui, log)
         actions = [contract for contract in wiring_of(self._cell) if contract.kind is Kind.ACTION]
         self.operator = LiveOperator(self, actions, self.form, log)
-        return RunPanel(self._server.gui, log, self.operator, lambda: self._add_form(log)).show
-
-    def _add_form(self, log: EventLog) -> None:
-        self.form.add()
-        if self.form.tuned is not None:
+        panel = RunPanel(self._server.gui, log, self.operator, self.form.add)
+        if self.form.tuned is not None:  # below the buttons, so that STOP stays where it is
             self.sliders = ParameterSliders(self, self._server.gui, log, self.form.tuned)
+        return panel.show
 
     def _turn(self) -> None:
         begun = time.monotonic()

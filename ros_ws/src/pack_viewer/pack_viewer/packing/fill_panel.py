@@ -25,7 +25,7 @@ class FillPanel:
 
     def __init__(self) -> None:
         self._progress: Progress | None = None
-        self.object = ""
+        self.object, self._unfinished = "", ""
 
     def add(self, gui: GuiApi) -> None:
         """Add it to the container that is open."""
@@ -39,19 +39,19 @@ class FillPanel:
         before = self._progress
         is_another = before is None or before["start"] != progress["start"]
         known = 0 if before is None or is_another else len(before["objects"])
-        self._progress, self.object = progress, str(progress["object"])
+        self._progress, self.object, self._unfinished = progress, str(progress["object"]), ""
         self._plot.clear()
         for at, base, volume in progress["fills"]:
             self._plot.add(at, 100.0 * base, 100.0 * volume)
         return list(progress["objects"][known:])
 
     def end(self) -> None:
-        """The job has ended."""
-        self.object = ""
+        """The job has ended, maybe with an object in work."""
+        self.object, self._unfinished = "", self.object
 
     def clear(self) -> None:
         """There was no job yet."""
-        self._progress, self.object = None, ""
+        self._progress, self.object, self._unfinished = None, "", ""
         self._plot.clear()
 
     @property
@@ -93,7 +93,8 @@ class FillPanel:
     @property
     def _to_come(self) -> int:
         """How many objects are not done with, the one in work included."""
-        return len(self._progress["to_come"]) + bool(self.object) if self._progress else 0
+        in_work = bool(self.object or self._unfinished)
+        return len(self._progress["to_come"]) + in_work if self._progress else 0
 
     @property
     def _fill(self) -> tuple[float, float]:
@@ -110,4 +111,6 @@ class FillPanel:
             for row in self._progress["objects"]
         ]
         now = [("▶", ORANGE, self.object)] if self.object else []
+        if self._unfinished:
+            now = [("✕", RED, f"{self._unfinished}: not finished")]
         return [*done, *now, *(("·", GREY, str(name)) for name in self._progress["to_come"])]
