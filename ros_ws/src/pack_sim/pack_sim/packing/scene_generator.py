@@ -7,6 +7,8 @@ at rest. A `blocked` scene has no place where the new object would stand without
 
 from __future__ import annotations
 
+import itertools
+
 import mujoco
 import numpy as np
 import shapely
@@ -21,6 +23,8 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, rotate
 
 MAX_ATTEMPTS = 500
+MAX_ROUNDS = 5
+"""New objects that are drawn for a seed, one after the other, if none is blocked in `MAX_ATTEMPTS`."""
 TIMESTEP = 0.004
 DROP_HEIGHT = 0.01
 """Height over the base from which objects are dropped [m]."""
@@ -56,11 +60,13 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
     """
     description = cell.scene.description()
     model = _slippery_model(description, cell)
-    for attempt in range(MAX_ATTEMPTS):
-        rng = np.random.default_rng([seed, attempt])
+    rounds = 1 if cell.drawn is None else MAX_ROUNDS
+    for k, attempt in itertools.product(range(rounds), range(MAX_ATTEMPTS)):
+        # numpy gives [seed, attempt, 0] the stream of [seed, attempt]
+        rng = np.random.default_rng([seed, attempt, k])
         if cell.drawn is not None:
-            # the new object stays, or objects that are rarely blocked would be rare
-            new = draw_new_object(cell.drawn, cell, np.random.default_rng([seed, MAX_ATTEMPTS]))
+            # the new object stays for a round, or objects that are rarely blocked would be rare
+            new = draw_new_object(cell.drawn, cell, np.random.default_rng([seed, MAX_ATTEMPTS, k]))
             description = draw_scene(cell.drawn, cell, new, rng)
             model = _slippery_model(description, cell)
         dropped = _drop(description, rng)
@@ -70,8 +76,8 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
         if scene is not None and (not blocked or is_blocked(scene)):
             return scene
     raise PackError(
-        f"seed {seed}: no {'blocked ' * blocked}scene in {MAX_ATTEMPTS} attempts; change the container "
-        "or the objects under `scene` in config/cells/packing.yaml"
+        f"seed {seed}: no {'blocked ' * blocked}scene in {rounds * MAX_ATTEMPTS} attempts; change the "
+        "container or the objects under `scene` in config/cells/packing.yaml"
     )
 
 
