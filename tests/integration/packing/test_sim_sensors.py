@@ -56,7 +56,9 @@ def test_messages_say_what_the_cell_is_like(graph: Graph) -> None:
 def test_the_clock_runs_as_fast_as_it_is_told(graph: Graph) -> None:
     start_sim(graph)
     graph.probe.listen(shared.REAL_TIME_FACTOR)
-    graph.wait_until(lambda: graph.probe.last(shared.REAL_TIME_FACTOR))
-    assert graph.probe.last(shared.REAL_TIME_FACTOR).data == pytest.approx(SLOW, rel=0.1)
+    reports = graph.probe.mail[shared.REAL_TIME_FACTOR.name]
+    # A busy machine holds it up for a while, and never makes it run faster.
+    graph.wait_until(lambda: any(r.data == pytest.approx(SLOW, rel=0.1) for r in reports), timeout=30.0)
+    assert max(report.data for report in reports) < 1.1 * SLOW
     clocks = [from_stamp(message.clock) for message in graph.probe.mail[shared.CLOCK.name]]
     assert all(later > earlier for earlier, later in pairwise(clocks))
