@@ -102,17 +102,18 @@ def test_a_packing_goal_is_started_stopped_and_run_again_and_a_dead_node_is_seen
         browser.wait_for_headline("fault")
         browser.press("start")  # a new goal ends the stop
         browser.wait_for_headline("PRE-PACK")
-        browser.press("pause")
-        browser.press("go on")
+        browser.press("pause")  # so that the goal lasts until both pages have been loaded
         browser.page.reload()
-        browser.wait_for_text("a goal is in progress")
+        browser.wait_for_text("paused")
         window = browser.page.context.browser
         assert window is not None
         other = PageInBrowser(window.new_page())
         other.page.goto(cell.address)
-        other.wait_for_text("a goal is in progress")  # both are told the same
-        other.page.close()
+        other.wait_for_text("paused")  # both are told the same
+        other.press("go on")
+        other.wait_for_text("a goal is in progress")
         browser.press("cancel")
+        other.page.close()
         browser.wait_for_headline("canceled")
         cell.processes.signal("planner", signal.SIGKILL)
         browser.wait_for_text("planner: silent")
