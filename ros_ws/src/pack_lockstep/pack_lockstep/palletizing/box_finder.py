@@ -56,7 +56,13 @@ class NoisyBoxFinder:
 
     def detect(self, expected: ExpectedBox, simulator: PalletSimulator) -> BoxDetection:
         """A detection at the box's true pose plus noise; the size is the expected one."""
-        X_WB = simulator.truth().objects[expected.id].X_WO
+        state = simulator.truth().objects.get(expected.id)
+        if state is None:
+            reason = f"box '{expected.id}' is not there"
+            return BoxDetection(
+                simulator.time, expected.id, DetectionStatus.NOT_FOUND, reason, None, None, (0.0, 0.0)
+            )
+        X_WB = state.X_WO
         offset = np.array([*self._rng.normal(0.0, self._config.position, 2), 0.0])
         yaw = np.deg2rad(self._rng.normal(0.0, self._config.yaw_deg))
         seen = Pose(X_WB.p + offset, multiply(from_yaw(yaw), X_WB.q))

@@ -142,7 +142,8 @@ class PalletLockstep:
                 self.simulator.spawn(BoxBody(name, dims, mass))
                 self._spawned = name
             case DiscardBox(name):
-                self.simulator.remove(name)
+                if name in self.simulator.truth().objects:  # else somebody has taken it already
+                    self.simulator.remove(name)
             case TakePicture(expected):
                 detection = finder.detect(expected, self.simulator)
                 self._pending = self.simulator.time + self._latency(), detection

@@ -186,8 +186,7 @@ class PalletSimulator:
     def remove(self, name: str) -> None:
         """Take a box out of the cell, also if it is gripped; raises PackError when there is no such box."""
         if self.gripper.state.held == name:
-            self.gripper.open()
-            self.gripper.update(self._physics.model, self._physics.data, [])
+            self.gripper.let_go(self._physics.model, self._physics.data, f"box '{name}' was taken away")
             self._tell_load("")
         self._physics.remove(name)
         self.contacts.index(self._physics.model)

@@ -54,11 +54,19 @@ class SurfaceGripper:
         """Carry out the last command after a step, with the positions and forces of that step."""
         if self._is_opening:
             self._is_opening = False
-            self._let_go(model, data, ASKED)
+            self.let_go(model, data, ASKED)
         elif self.state.is_closing:
             self._seek(model, data, boxes)
         elif self.state.is_closed:
             self._watch(model, data)
+
+    def let_go(self, model: mujoco.MjModel, data: mujoco.MjData, reason: str) -> None:
+        """Lose the box at once, or give up a try to grip one, for a reason in words."""
+        if self.state.is_open:
+            return
+        if self.state.is_closed:
+            detach(model, data, self.state.held)
+        self.state = GripState(peak=self.state.peak, reason=reason)
 
     def _seek(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:
         if self._deadline is None:
@@ -82,14 +90,7 @@ class SurfaceGripper:
         reason = self._excess(load)
         self._steps_over = self._steps_over + 1 if reason else 0
         if self._steps_over >= self._limits.tolerated_steps:
-            self._let_go(model, data, reason)
-
-    def _let_go(self, model: mujoco.MjModel, data: mujoco.MjData, reason: str) -> None:
-        if self.state.is_open:
-            return
-        if self.state.is_closed:
-            detach(model, data, self.state.held)
-        self.state = GripState(peak=self.state.peak, reason=reason)
+            self.let_go(model, data, reason)
 
     def _excess(self, load: GripLoad) -> str:
         """The first limit that the load exceeds, in words; empty where it exceeds none."""

@@ -72,7 +72,10 @@ class CellClient:
                 request = SpawnBox.Request(name=name, size=list(dims), mass=mass)
                 self._call(self._spawn, request, f"box {name} cannot come", lambda: self._on_spawned(name))
             case DiscardBox(name):
-                self._call(self._remove, RemoveBox.Request(name=name), f"box {name} cannot be taken out")
+                # Somebody may have taken it already: it is out of the way either way.
+                warn = self._node.get_logger().warning
+                what = f"box {name} was not taken out"
+                self._call(self._remove, RemoveBox.Request(name=name), what, on_failure=warn)
             case CloseGripper() | OpenGripper():
                 close = isinstance(command, CloseGripper)
                 self._call(
@@ -86,13 +89,14 @@ class CellClient:
         return self._node.create_client(contract.type, contract.name)
 
     def _call(
-        self, client: Client, request: Any, what: str, on_success: Callable[[], None] = lambda: None
-    ) -> None:
+        self, client: Client, request: Any, what: str, on_success: Callable[[], None] = lambda: None,
+        on_failure: Callable[[str], object] | None = None,
+    ) -> None:  # fmt: skip
         def answered(future: Future) -> None:
             response = future.result()
             if response.success:
                 on_success()
             else:
-                self._on_failure(f"{what}: {response.message}")
+                (on_failure or self._on_failure)(f"{what}: {response.message}")
 
         client.call_async(request).add_done_callback(answered)
