@@ -71,6 +71,10 @@ PARTS = {
     "preset": CellPart(
         "pack_bringup.{cell}.graph_preset", "preset_overrides", "presets for the nodes", is_optional=True
     ),
+    "calibration": CellPart(
+        "pack_bringup.{cell}.graph_calibration", "calibration_overrides", "calibration files for the nodes",
+        is_optional=True,
+    ),
     "run_files": CellPart(
         "pack_bringup.{cell}.ros.run_files", "RunFiles", "files that the recorder writes beside the bag",
         is_optional=True,

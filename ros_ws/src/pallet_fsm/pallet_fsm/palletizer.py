@@ -39,7 +39,7 @@ class Palletizer:
     def __init__(
         self, order: Order, plan: LayoutPlan, cell: PalletizingCell, config: PalletizerConfig, time: float
     ) -> None:
-        self._order, self._config = order.order_id, config
+        self._order, self._config, self._X_WP = order.order_id, config, cell.pallet.X_WP
         self._profile = profile_of(config.profile)
         self._book = OrderBook(order, plan, cell)
         self._feeder = Feeder(config.feeder)
@@ -64,7 +64,7 @@ class Palletizer:
         boxes = self._book.reports()
         is_complete = all(box.outcome is BoxOutcome.PLACED for box in boxes)
         reason = self.machine.reason if self.machine.state is State.SAFE_STOP else ""
-        return OrderReport(self._order, is_complete, reason, boxes, tuple(self.machine.visits))
+        return OrderReport(self._order, is_complete, reason, boxes, tuple(self.machine.visits), self._X_WP)
 
     def halt(self, reason: str) -> None:
         """Stop safely at the next step."""

@@ -56,6 +56,7 @@ class OrderReport:
         reason: why the order stopped before its end; empty if it did not.
         boxes: report of each box, in the sequence of the plan.
         visits: every state that was entered, in order.
+        X_WP: pose of the pallet as the cell is known.
     """
 
     order: str
@@ -63,6 +64,7 @@ class OrderReport:
     reason: str
     boxes: tuple[BoxReport, ...]
     visits: tuple[Visit, ...]
+    X_WP: Pose
 
     @property
     def faults(self) -> tuple[Visit, ...]:
@@ -81,7 +83,10 @@ class OrderReport:
             }
             for box in self.boxes
         ]  # fmt: skip
-        return {"order": self.order, "is_complete": self.is_complete, "reason": self.reason, "boxes": boxes}
+        return {
+            "order": self.order, "is_complete": self.is_complete, "reason": self.reason, "boxes": boxes,
+            "pallet": [*self.X_WP.p, *self.X_WP.q],
+        }  # fmt: skip
 
     def cycle_times(self) -> dict[str, float]:
         """Cycle time of each placed box [s]: from its state 0 to that of the next box.

@@ -10,9 +10,9 @@ import numpy as np
 
 from pack_core.motion.topics import JOINT_STATES, SETPOINTS
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose, from_yaw
 from pack_evaluation.bag import Bag, Recorded
-from pack_evaluation.palletizing.from_bag import interruptions_of, tool_of
+from pack_evaluation.palletizing.from_bag import DECK, TF_STATIC, interruptions_of, tool_of, true_of_known
 
 PERIOD_NS = 4_000_000
 HOME = np.array(palletizing_cell().arm.home)
@@ -61,3 +61,16 @@ def test_each_time_that_the_driver_held_the_arm_counts_once() -> None:
     states = ["MOVING", "HELD", "HELD", "MOVING", "REACHED", "HELD", "IDLE"]
     assert interruptions_of([SimpleNamespace(state=state) for state in states]) == 2
     assert interruptions_of([]) == 0
+
+
+def test_boxes_belong_where_the_pallet_truly_lies() -> None:
+    known, box = Pose(np.array([1.0, 2.0, 0.1])), Pose(np.array([0.3, 0.2, 0.1]))
+    true = Pose(known.p + np.array([0.003, 0.0, 0.0]), from_yaw(0.01))
+    (x, y, z), (w, i, j, k) = true.p, true.q
+    transform = SimpleNamespace(
+        translation=SimpleNamespace(x=x, y=y, z=z), rotation=SimpleNamespace(w=w, x=i, y=j, z=k)
+    )
+    message = SimpleNamespace(transforms=[SimpleNamespace(child_frame_id=DECK, transform=transform)])
+    recorded = Bag(Path("run"), (Recorded(TF_STATIC, 0, message),), False)
+    moved = true_of_known(recorded, {"pallet": [*known.p, *known.q]}) @ known @ box
+    np.testing.assert_allclose(moved.p, true.apply(box.p), atol=1e-12)

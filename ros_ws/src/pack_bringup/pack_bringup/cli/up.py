@@ -17,7 +17,7 @@ from pack_bringup.cli.foxglove_option import FOXGLOVE_ADDRESS, Foxglove, foxglov
 from pack_bringup.cli.network_option import Network, environment_of
 from pack_bringup.cli.page_options import HOST, PORT, Host, Live, Port, Token, page_process
 from pack_bringup.cli.terminal import notice
-from pack_bringup.graph.graph import load_graph, parse_overrides, preset_overrides
+from pack_bringup.graph.graph import conditions, load_graph, parse_overrides
 from pack_bringup.graph.node_log import Tee
 from pack_bringup.graph.processes import ProcessGroup
 from pack_bringup.graph.restarts import Restarts
@@ -44,9 +44,15 @@ def up(
     preset: Annotated[
         str,
         typer.Option(
-            help="Run under the conditions of this file of config/presets (docs/packing/presets.md)."
+            help="Conditions: a file of config/presets (packing), or one of docs/palletizing/presets.md."
         ),
     ] = "",
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Calibration of the cell, made under this preset (`pack calibrate`)."
+        ),
+    ] = None,
     record: Annotated[
         Record | None,
         typer.Option(help="Record while goals run, always, or never (docs/recordings.md). Default: goals."),
@@ -72,6 +78,7 @@ def up(
     - `pack up packing`
     - `pack up packing --set sim.seed=3 --set sim.real_time_factor=0.5`
     - `pack up packing --preset hardware`
+    - `pack up palletizing --preset real --calibration calibration.yaml --set sim.seed=3`
     - `pack up packing --record never`
     - `pack up packing --only sim --only perception --domain 7`
     - `pack up packing --live`, to watch and operate the cell in the browser (docs/viewing.md)
@@ -82,10 +89,10 @@ def up(
     graph = load_graph(cell)
     graph = graph.only(only) if only else graph
     names = [node.name for node in graph.nodes]
-    conditions = {name: given for name, given in preset_overrides(cell, preset).items() if name in names}
+    given = {name: rest for name, rest in conditions(cell, preset, calibration).items() if name in names}
     if record is not None and "recorder" in names:
-        conditions = merged(conditions, {"recorder": {"record": record}})
-    commands = graph.commands(merged(conditions, parse_overrides(settings or [])))
+        given = merged(given, {"recorder": {"record": record}})
+    commands = graph.commands(merged(given, parse_overrides(settings or [])))
     where = domain_of(domain)
     check_domain_is_free(where, cell, names)
     environment = {**environment_of(network), "ROS_DOMAIN_ID": str(where)}

@@ -118,6 +118,27 @@ def parse_overrides(settings: Iterable[str]) -> dict[str, dict[str, str]]:
     return overrides
 
 
+def conditions(cell: str, preset: str, calibration: Path | None) -> dict[str, dict[str, str]]:
+    """What a preset and a calibration file change, by node and parameter, as YAML text.
+
+    Args:
+        cell: one of the register's cells.
+        preset: what the cell is like; empty: the configuration files as they are.
+        calibration: a file that was made under this preset; None: none.
+
+    Raises:
+        ConfigError: the cell has no such preset, takes no calibration, or not this one.
+    """
+    overrides = preset_overrides(cell, preset)
+    if calibration is None:
+        return overrides
+    if (part := optional_cell_part(cell, "calibration")) is None:
+        raise ConfigError(
+            f"cell '{cell}' takes no calibration; cells that do: {', '.join(cells_with('calibration'))}"
+        )
+    return merged(overrides, part(preset, calibration))
+
+
 def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
     """What a preset of a cell changes, by node and parameter, as YAML text; nothing where `name` is empty.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -22,6 +23,14 @@ def demo(
         str,
         typer.Option(help="Who comes near the arm: a file of config/visitors, or `random`. Default: nobody."),
     ] = "",
+    preset: Annotated[
+        str,
+        typer.Option(help="What the cell is like (docs/palletizing/presets.md). Default: the ideal one."),
+    ] = "",
+    calibration: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Calibration of the cell; `pack calibrate palletizing` makes it."),
+    ] = None,
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
     live: Live = False,
@@ -37,6 +46,7 @@ def demo(
     - `pack demo palletizing --order config/orders/order_16.json`
     - `pack demo palletizing --profile thesis --no-video`
     - `pack demo palletizing --visitors person --live`
+    - `pack demo palletizing --preset real --seed 3 --calibration /tmp/cell3/calibration.yaml`
     """
     from pack_bringup.palletizing.job import PalletizingJob
     from pack_sim.palletizing.crossings import visitors_of
@@ -46,6 +56,6 @@ def demo(
     folder = output or default_folder("palletizing", seed, datetime.now())
     job = PalletizingJob(
         file, seed, profile, folder=folder, real_time_factor=real_time_factor, command=command_line(),
-        visitors=visitors,
+        visitors=visitors, preset=preset, calibration=calibration,
     )  # fmt: skip
     run_live(job, video=video, domain=domain, page=page_process("palletizing", live, port))

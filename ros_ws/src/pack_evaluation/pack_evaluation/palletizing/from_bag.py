@@ -27,7 +27,11 @@ from pack_evaluation.palletizing.run import (
 )
 from pack_evaluation.palletizing.tool_track import tool_track
 
-TOPICS = (JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS)
+TF_STATIC, DECK = "/tf_static", "pallet_deck"
+"""Where the true pallet is: the frame's name, and the topic that has it."""
+TOPICS = (
+    JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS, TF_STATIC,
+)  # fmt: skip
 NEAR = 0.75
 """Share of the usual time between setpoints; a moment farther from all setpoints had none to follow."""
 
@@ -48,7 +52,7 @@ def load_pallet_run(path: Path, goal: int | None = None) -> PalletRun:
 
 def _pallet_run(path: Path, goal: int | None) -> PalletRun:
     bag, number = goal_of(
-        read_bag(path, TOPICS), goal, result=RESULT,
+        read_bag(path, TOPICS), goal, result=RESULT, latched=(TF_STATIC,),
         has_begun=lambda rest: any(item.topic == PALLET_STATE for item in rest),
     )  # fmt: skip
     missing = [topic for topic in (JOINT_STATES, SETPOINTS, TRUTH, PALLET_STATE, RESULT) if not bag.of(topic)]
@@ -56,13 +60,14 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         lacks = f"no message on {', '.join(missing)}"
         raise BagError(f"{bag.path}: order {number} has {lacks}; did it run to its end?")
     result = result_in(bag.of(RESULT)[-1].data, bag.path)
+    X_true = true_of_known(bag, result)
     visits = tuple(
         StateVisit(message.state, _seconds(message.header.stamp), message.box, message.reason)
         for message in bag.of(PALLET_STATE)
     )
     return PalletRun(
         order=result["order"], seed=0, reason=result["reason"],
-        boxes=tuple(_box(box) for box in result["boxes"]), visits=visits,
+        boxes=tuple(_box(box, X_true) for box in result["boxes"]), visits=visits,
         tool=tool_of(bag, visits[0].time), tracks=_tracks(bag.of(TRUTH)),
         touches=tuple(
             UnwantedTouch(_seconds(item.header.stamp), (item.bodies[0], item.bodies[1]), item.force)
@@ -74,11 +79,25 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
     )  # fmt: skip
 
 
-def _box(box: dict[str, Any]) -> BoxRecord:
+def true_of_known(bag: Bag, result: dict[str, Any]) -> Pose:
+    """The transform from the world as the cell knows it to the true one, at the pallet.
+
+    A real cell knows where the pallet lies only relative to its arm, and boxes count as placed where they
+    belong on the pallet as it truly lies. It is the identity where a recording does not say.
+    """
+    deck = [item.transform for m in bag.of(TF_STATIC) for item in m.transforms if item.child_frame_id == DECK]
+    if not deck or "pallet" not in result:
+        return Pose(np.zeros(3))
+    p, q = deck[-1].translation, deck[-1].rotation
+    true, known = Pose(np.array([p.x, p.y, p.z]), np.array([q.w, q.x, q.y, q.z])), np.array(result["pallet"])
+    return true @ Pose(known[:3], known[3:]).inverse()
+
+
+def _box(box: dict[str, Any], X_true: Pose) -> BoxRecord:
     pose = np.array(box["pose"])
     return BoxRecord(
         box["name"], (box["dims"][0], box["dims"][1], box["dims"][2]), box["mass"], box["handling"],
-        box["outcome"], box["reason"], box["direction"], Pose(pose[:3], pose[3:]),
+        box["outcome"], box["reason"], box["direction"], X_true @ Pose(pose[:3], pose[3:]),
     )  # fmt: skip
 
 
