@@ -23,11 +23,11 @@ from pack_core.cells import cell_part
 from pack_core.paths import project_root
 
 pytestmark = pytest.mark.benchmark
-ORDER = str(project_root() / "config" / "orders" / "order_17.json")
+ORDER = str(project_root() / "config" / "orders" / "order_03.json")
 RUNS = {
     "packing": [["--seed", str(seed)] for seed in range(10)],
     "palletizing": [["--order", ORDER]],
-    "blocks": [["--blocks", "2", "--seed", str(seed)] for seed in range(2)],
+    "blocks": [["--blocks", "2", "--seed", str(seed)] for seed in range(1)],
 }
 """What `pack demo` is told."""
 MEASURES = {

@@ -39,7 +39,7 @@ class SpawnBox:
 
 @dataclass(frozen=True)
 class DiscardBox:
-    """Take a box out of the cell, wherever it stands."""
+    """Take a box out of the cell, wherever it stands; one that somebody has taken already is no fault."""
 
     name: str
 
