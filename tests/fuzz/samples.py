@@ -106,12 +106,10 @@ def trials(_: Path) -> list[Sample]:
 @cache
 def packing_bag() -> Path:
     """The folder of a recorded goal, in many chunks."""
-    from pack_bringup.recording import recorder
     from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 
-    recorder.FLUSH_PERIOD = 1e-4  # many chunks
     folder = Path(os.environ["PACKCELL_ROOT"]) / "recorded"
-    writer = GoalWriter(folder)
+    writer = GoalWriter(folder, chunk=20)
     writer.write_goal(1.0, OUTCOME)
     writer.close()
     return folder

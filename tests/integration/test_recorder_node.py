@@ -11,6 +11,7 @@ from std_msgs.msg import String
 
 from integration.harness import Graph
 from pack_bringup.recording.recorder_node import RecorderNode
+from pack_core.errors import BagError
 from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
@@ -99,6 +100,28 @@ def test_a_failing_disk_is_reported_as_a_fault(graph: Graph, recorder: RecorderN
             for message in graph.probe.mail[shared.DIAGNOSTICS.name]
         )
     )
+
+
+def test_a_folder_that_cannot_be_written_is_a_fault_with_which_the_cell_goes_on(
+    graph: Graph, tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    graph.probe.listen(shared.DIAGNOSTICS)
+    node = graph.start(RecorderNode, path=str(tmp_path / "file" / "run"))
+    graph.wait_until(
+        lambda: any(
+            "cannot record to" in message.status[0].message and message.status[0].level == b"\x02"
+            for message in graph.probe.mail[shared.DIAGNOSTICS.name]
+        )
+    )
+    assert "goals go on unrecorded" in node.health.faults["bag"]
+    assert node.is_up
+
+
+def test_a_recorder_that_is_required_ends_where_it_cannot_write(graph: Graph, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(BagError, match="Not a directory"):
+        graph.start(RecorderNode, path=str(tmp_path / "file" / "run"), required=True)
 
 
 class Packer(GoalNode):

@@ -95,7 +95,7 @@ def _check_recording(run: Run) -> None:
 def test_a_node_that_fails_at_start_ends_the_cell_with_its_reason_and_the_log() -> None:
     failing = pack("up", "packing", "--domain", str(own_domain()), "--set", "sim.sed=3")
     said = output_of(failing)
-    assert failing.returncode == 2
+    assert failing.returncode == 2, said
     last = said.splitlines()[-1]
     assert "node 'sim' ended with exit code 2: node 'sim' has no parameter 'sed'; did you mean 'seed'" in last
     log = Path(re.search(r"\(log: (.*)\)", last).group(1))

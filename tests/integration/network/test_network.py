@@ -1,45 +1,19 @@
 """Nothing of ours can be reached from another machine, unless it is opened deliberately."""
 
 import os
-import shutil
-import socket
-import struct
-import subprocess
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
+import network_rig
 from integration.harness import Graph
-from pack_bringup.graph.network import DISCOVERY_VARIABLE, PROFILE_VARIABLE, network_warning
+from network_rig import HERE, NOT_HEARD, bound_addresses, start, stranger, without_profile
+from pack_bringup.faults.ros.fault_witness import FaultWitness
+from pack_bringup.graph.network import network_warning
+from pack_bringup.recording.playback import load_playback
+from pack_bringup.recording.ros.bag_player import BagPlayer
 from pack_core.errors import PackError
-
-PEER = Path(__file__).with_name("peer.py")
-HERE, THERE = "packcell_here", "packcell_there"
-ADDRESSES = {HERE: "10.213.7.1", THERE: "10.213.7.2"}
-OWN_MEMORY = "mount -t tmpfs tmpfs /dev/shm && exec "
-"""Another machine does not share our memory."""
-NOT_HEARD = 3
-SECONDS = 6.0
-"""Longer than discovery takes where it can succeed; `test_an_opened_cell_is_heard` is the proof."""
-
-
-def bound_addresses() -> set[str]:
-    """The local IPv4 addresses and IPv6 words that this process' UDP and TCP sockets are bound to."""
-    links = [str(fd.readlink()) for fd in Path("/proc/self/fd").iterdir() if fd.is_symlink()]
-    inodes = {link[8:-1] for link in links if link.startswith("socket:[")}
-    addresses = set()
-    for table in ("udp", "udp6", "tcp", "tcp6"):
-        for line in Path("/proc/self/net", table).read_text().splitlines()[1:]:
-            fields = line.split()
-            if fields[9] in inodes:
-                addresses.add(_readable(fields[1].partition(":")[0]))
-    return addresses
-
-
-def _readable(word: str) -> str:
-    return socket.inet_ntoa(struct.pack("<I", int(word, 16))) if len(word) == 8 else word
+from pack_core.paths import bags_path
 
 
 def test_all_sockets_of_a_node_are_bound_to_loopback(graph: Graph) -> None:
@@ -47,41 +21,26 @@ def test_all_sockets_of_a_node_are_bound_to_loopback(graph: Graph) -> None:
     assert bound_addresses() == {"127.0.0.1"}
 
 
+def test_all_sockets_of_pack_play_are_bound_to_loopback(graph: Graph) -> None:
+    playback = load_playback(bags_path() / "samples" / "packing", ["/joint_states"], end=2.0)
+    with BagPlayer(playback, clock=True, stand_in=("sim",), domain=graph.context.get_domain_id()):
+        graph.wait_until(lambda: graph.probe.count_publishers("/joint_states"))
+        assert bound_addresses() == {"127.0.0.1"}
+
+
+def test_all_sockets_of_what_watches_in_benchmarks_of_running_cells_are_bound_to_loopback(
+    graph: Graph,
+) -> None:
+    with FaultWitness("packing", graph.context.get_domain_id()):
+        graph.wait_until(lambda: graph.probe.count_subscribers("/joint_states"))
+        assert bound_addresses() == {"127.0.0.1"}
+
+
 @pytest.fixture(scope="module")
 def two_machines() -> Iterator[None]:
-    """Two network namespaces joined by a cable, as two machines on one network are."""
-    if os.geteuid() != 0 or not shutil.which("ip"):
-        pytest.skip("network namespaces need root and the command `ip`")
-    commands = [f"netns add {name}" for name in ADDRESSES]
-    commands += [f"link add {HERE} netns {HERE} type veth peer name {THERE} netns {THERE}"]
-    for name, address in ADDRESSES.items():
-        commands += [f"-n {name} address add {address}/24 dev {name}"]
-        commands += [f"-n {name} link set {device} up" for device in ("lo", name)]
-    try:
-        for command in commands:
-            done = subprocess.run(["ip", *command.split()], capture_output=True, text=True, check=False)
-            if done.returncode:
-                pytest.skip(f"no network namespaces here: ip {command}: {done.stderr.strip()}")
+    """For the tests of this file; skipped where there are no network namespaces."""
+    with network_rig.two_machines():
         yield
-    finally:
-        for name in ADDRESSES:
-            subprocess.run(["ip", "netns", "delete", name], capture_output=True, check=False)
-
-
-def start(machine: str, environment: dict[str, str], *arguments: str) -> subprocess.Popen[bytes]:
-    command = ["ip", "netns", "exec", machine, "unshare", "--mount", "sh", "-c", OWN_MEMORY + '"$@"', "sh"]
-    command += [sys.executable, str(PEER), machine, str(SECONDS), *arguments]
-    return subprocess.Popen(command, env=environment | {"ROS_DOMAIN_ID": "0"})
-
-
-def without_profile(discovery_range: str) -> dict[str, str]:
-    environment = {name: value for name, value in os.environ.items() if name != PROFILE_VARIABLE}
-    return environment | {DISCOVERY_VARIABLE: discovery_range}
-
-
-def stranger() -> subprocess.Popen[bytes]:
-    """A machine on the network that names ours as its static peer, without any profile."""
-    return start(THERE, without_profile("SUBNET") | {"ROS_STATIC_PEERS": ADDRESSES[HERE]})
 
 
 @pytest.mark.usefixtures("two_machines")

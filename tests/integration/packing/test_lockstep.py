@@ -14,13 +14,15 @@ from integration.packing.cell_rig import EASY, Cell
 from integration.packing.sim_rig import EXAMPLE
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene_file import load_scene
 from pack_core.paths import config_path
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose
 from pack_core.rotations import Array, Pose, angle_between
-from pack_lockstep.packing.lockstep import Lockstep, Step
+from pack_lockstep.packing.hands import hide_all
+from pack_lockstep.packing.lockstep import HELD, Lockstep, Step
 from pack_lockstep.packing.lockstep_config import lockstep_config
 from pack_mpc.outcome import PackingOutcome
 
@@ -102,3 +104,18 @@ def test_the_nodes_choose_the_same_placement_where_there_is_a_best_one(graph: Gr
     chosen = from_pose(last().target)
     np.testing.assert_allclose(chosen.p, expected.p, atol=0.005)
     assert angle_between(chosen.q, expected.q) < np.deg2rad(3.0)
+
+
+def test_the_arm_holds_while_the_cameras_see_nothing() -> None:
+    config = lockstep_config()
+    task = config.session.task.model_copy(update={"timeout": 2.5})
+    config = config.model_copy(update={"session": config.session.model_copy(update={"task": task})})
+    lockstep = Lockstep(packing_cell(), load_scene(EASY), config, PackingMethod.PACK_IT_IN, SEED)
+    lockstep.deceive(lambda frame: hide_all(frame, ""))
+    steps: list[Step] = []
+    assert lockstep.run(steps.append).exit_reason is PackingExitReason.TIMEOUT
+    held = [step for step in steps if step.stage == HELD]
+    assert held[0].time - steps[0].time == pytest.approx(config.session.blind_time, abs=2 * config.latency)
+    speeds = np.array([np.abs(step.seen.joints.v).max() for step in held])
+    assert speeds[-1] < 1e-3
+    assert held[-1].seen.scene.objects[lockstep.session.scene.new_object.name].age > config.session.blind_time

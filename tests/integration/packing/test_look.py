@@ -20,7 +20,11 @@ FACTOR = 0.3
 
 def test_what_the_held_object_hides_is_looked_for_and_then_it_is_packed(tmp_path: Path) -> None:
     scene, steps = load_scene(write_hidden_scene(tmp_path)), list[Step]()
-    lockstep = Lockstep(packing_cell(FROM_ABOVE), scene, lockstep_config(), PackingMethod.PACK_IT_IN, 0)
+    config = lockstep_config()
+    # The held object hides the others again while it goes down between them, and no camera looks from a side.
+    session = config.session.model_copy(update={"blind_time": 5.0})
+    config = config.model_copy(update={"session": session})
+    lockstep = Lockstep(packing_cell(FROM_ABOVE), scene, config, PackingMethod.PACK_IT_IN, 0)
     outcome = lockstep.run(steps.append)
     assert outcome.exit_reason is PackingExitReason.PLACED, outcome.message
     assert list(dict.fromkeys(step.stage for step in steps)) == ["LOOK", "PRE_PACK", "INSERT", "FINE_TUNE"]

@@ -6,22 +6,23 @@ import pytest
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.displacement import Displacement
 from pack_core.rotations import Array, Pose, log
-from pack_lockstep.palletizing.calibration.calibrate import calibrate
-from pack_lockstep.palletizing.calibration.measurements import contact_of
-from pack_lockstep.palletizing.calibration.model import CellModel, sag_at
-from pack_lockstep.palletizing.calibration.parameters import (
+from pack_lockstep.palletizing.calibration_lockstep import CalibrationLockstep, calibrate, quick_check
+from pack_lockstep.palletizing.settings import set_up
+from pack_sim.palletizing.real_arm import true_base
+from pack_sim.palletizing.true_cell import true_cell
+from pallet_fsm.calibration.job import RigJob
+from pallet_fsm.calibration.measurements import FeltContact, contact_of
+from pallet_fsm.calibration.model import CellModel, sag_at
+from pallet_fsm.calibration.parameters import (
     GEARS,
     PLACE,
     start,
 )
-from pack_lockstep.palletizing.calibration.procedure import DOWN, TRAVEL, from_above
-from pack_lockstep.palletizing.calibration.quick_check import quick_check
-from pack_lockstep.palletizing.calibration.rig import CalibrationRig
-from pack_lockstep.palletizing.calibration.touch import touch
-from pack_lockstep.palletizing.settings import set_up
-from pack_sim.palletizing.real_arm import true_base
-from pack_sim.palletizing.simulator import PalletSimulator
-from pack_sim.palletizing.true_cell import true_cell
+from pallet_fsm.calibration.progress import Agenda, CalibrationState
+from pallet_fsm.calibration.rig import CalibrationRig
+from pallet_fsm.calibration.steps import Steps
+from pallet_fsm.calibration.touch import touch
+from pallet_fsm.calibration.touch_poses import DOWN, TRAVEL, from_above
 
 REAL = palletizing_cell("real")
 SEED = 12
@@ -40,14 +41,18 @@ def true_place(name: str) -> Array:
 @pytest.mark.timeout(120)
 def test_a_touch_finds_a_table_as_well_as_the_gears_are_known() -> None:
     setup = set_up(profile="blended", motion="shipped", preset="real", vision=True)
-    simulator = PalletSimulator(REAL, setup.config.simulator, SEED)
-    with simulator.open_camera(setup.config.sight.camera.model_copy(update={"width": 320})) as camera:
-        rig = CalibrationRig(simulator, camera, REAL, setup.config)
-        table = REAL.picking_table
+    rig = CalibrationRig(REAL, setup.config.period)
+    table = REAL.picking_table
+
+    def once(rig: CalibrationRig) -> Steps[FeltContact]:
         X_WT, normal, p_TC = from_above(rig, table.middle, 0.055)
-        rig.go(Pose(X_WT.p - 0.1 * DOWN, X_WT.q))
-        recorded = touch(rig, X_WT, normal, TRAVEL, ("picking_table", 2, table.height), p_TC)
-        found = contact_of(recorded, rig.arm.chain, rig.period)
+        yield from rig.go(Pose(X_WT.p - 0.1 * DOWN, X_WT.q))
+        surface = ("picking_table", 2, table.height)
+        recorded = yield from touch(rig, X_WT, normal, TRAVEL, surface, p_TC)
+        return contact_of(recorded, rig.arm.chain, rig.period)
+
+    agenda = Agenda({CalibrationState.TOUCH: 1})
+    found = CalibrationLockstep(REAL, REAL, setup.config, SEED).run(RigJob(rig, once), agenda)
     gears = REAL.imperfections.gears
     assert gears is not None
     model = CellModel(REAL, rig.arm.chain, gears.assumed, Pose(np.zeros(3)))

@@ -88,6 +88,17 @@ def test_a_node_that_dies_while_the_layout_is_planned_ends_the_order(
     graph.wait_until(lambda: fsm.is_busy)
 
 
+def test_an_order_whose_layout_never_comes_can_be_cancelled(
+    graph: Graph, fsm: PalletFsmNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fsm._layout, "call_async", lambda _: Future(executor=fsm.executor))
+    handle = accepted(graph, fsm, file=str(ORDER))
+    graph.wait_until(lambda: fsm.is_busy)
+    handle.cancel_goal_async()
+    assert graph.result_of(handle).message == "canceled on request"
+    assert not fsm.is_busy
+
+
 def spoiled(change: str) -> str:
     order = json.loads(ORDER.read_text())
     first, second = order["boxes"]

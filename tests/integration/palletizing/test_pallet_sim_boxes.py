@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import yaml
-from pack_interfaces.srv import GripperCommand, RemoveBox, ResetCell, SpawnBox
+from pack_interfaces.srv import GripperCommand, LayOnTable, RemoveBox, ResetCell, SpawnBox
 from std_srvs.srv import Trigger
 
 from integration.harness import Graph
 from integration.palletizing.pallet_rig import newest_joints, spawn, start_pallet_sim
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.conversions import from_stamp, to_pose
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Pose
 
@@ -43,6 +43,19 @@ def test_a_box_that_cannot_come_is_refused_with_the_reason(graph: Graph) -> None
     response = graph.call(contracts.SPAWN_BOX, request)
     assert not response.success
     assert "three extents and a mass above 0" in response.message
+
+
+def test_what_the_operator_lays_on_the_table_is_some_millimetres_from_where_it_was_asked_for(
+    graph: Graph,
+) -> None:
+    start_pallet_sim(graph)
+    X_NB = Pose(palletizing_cell().picking_table.middle + np.array([0.0, 0.0, 0.1]))
+    request = LayOnTable.Request(name="test box", size=[0.4, 0.3, 0.2], mass=8.0, pose=to_pose(X_NB))
+    assert graph.call(contracts.LAY_ON_TABLE, request).success
+    graph.wait_until(lambda: "test box" in boxes_of(graph))
+    off = boxes_of(graph)["test box"].p - X_NB.p
+    assert 0.001 < np.linalg.norm(off) < 0.01
+    assert "'test box' is in the cell already" in graph.call(contracts.LAY_ON_TABLE, request).message
 
 
 def test_a_box_is_removed_and_the_cell_is_reset(graph: Graph) -> None:

@@ -1,4 +1,4 @@
-"""Boxes that somebody takes out of the cell while an order is built: the cell says so and stands safely."""
+"""Boxes that somebody takes or turns while an order is built: the cell notices, and goes on or stops."""
 
 from collections.abc import Callable
 
@@ -7,6 +7,7 @@ import pytest
 
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
+from pack_core.rotations import Pose, angle_between, from_yaw, multiply
 from pack_lockstep.palletizing.benchmark import plan_order
 from pack_lockstep.palletizing.lockstep import PalletLockstep, Tick
 from pack_lockstep.palletizing.settings import set_up
@@ -19,8 +20,19 @@ INTO = 0.05
 Hand = Callable[[PalletSimulator, str], None]
 
 
-def run_with(hand: Hand, state: State) -> tuple[PalletLockstep, str]:
-    """Order 14, and what somebody does to its first box in a state; and why the order ended."""
+def turn(simulator: PalletSimulator, name: str) -> None:
+    """Turn a box that stands on a table by 20 degrees."""
+    X_WB = simulator.truth().objects[name].X_WO
+    body = next(box for box in simulator.boxes if box.name == name)
+    simulator.remove(name)
+    simulator.spawn(body, Pose(X_WB.p, multiply(from_yaw(np.deg2rad(20.0)), X_WB.q)))
+
+
+def run_with(hand: Hand, state: State, until: State | None = None) -> tuple[PalletLockstep, str]:
+    """Order 14, and what somebody does to its first box in a state; and why the order ended.
+
+    A state `until` that is entered after the hand ends the order.
+    """
     setup = set_up(profile="blended", motion="shipped", preset="rigid", vision=False)
     order = load_order(config_path("orders", "order_14.json"))
     cell = PalletLockstep(setup.cell, order, plan_order(order, setup.layout), setup.config, seed=0)
@@ -31,6 +43,8 @@ def run_with(hand: Hand, state: State) -> tuple[PalletLockstep, str]:
         if not done and (visit.box, visit.state) == (first, state) and tick.time > visit.time + INTO:
             done.append(tick.time)
             hand(cell.simulator, first)
+        if done and visit.state is until:
+            cell.palletizer.halt(f"in state {until.label}")
 
     reason = cell.run(watch).reason
     assert done, f"state {state} was not reached"
@@ -50,6 +64,19 @@ def test_a_box_that_is_taken_before_it_is_gripped_is_skipped_with_what_would_sta
     assert taken.reason
     assert upper.outcome is BoxOutcome.SKIPPED
     assert f"{taken.name}, which was skipped" in upper.reason
+
+
+@pytest.mark.timeout(300)
+def test_a_box_that_is_turned_on_the_way_to_it_is_looked_at_again_and_gripped_as_it_lies() -> None:
+    cell, _ = run_with(turn, State.ABOVE_BOX, until=State.LIFT)
+    (changed,) = cell.palletizer.report().faults
+    assert changed.state is State.BOX_CHANGED
+    assert "20.0 degrees from where it was" in changed.reason
+    item = cell.palletizer.item
+    assert item.X_TB is not None
+    true = cell.simulator.tool_pose().inverse() @ cell.simulator.truth().objects[item.name].X_WO
+    assert np.linalg.norm(true.p - item.X_TB.p) < 0.002
+    assert np.degrees(angle_between(true.q, item.X_TB.q)) < 0.5
 
 
 @pytest.mark.timeout(300)

@@ -50,6 +50,7 @@ class Table:
         unseen: how many pictures in a row miss a block.
         sighting: what is told of a picture, from the poses.
         stuck: label of a segment at which the arm gets stuck.
+        times: how often it still does.
         refuses: says of a move whether it is refused.
         known: what the executor gave as its plan whenever it asked for one.
     """
@@ -63,6 +64,7 @@ class Table:
         0.0, poses
     )
     stuck: str = ""
+    times: int = 1000
     refuses: Callable[[MoveArm], bool] = lambda move: False
     known: list[Plan | None] = field(default_factory=list)
     closings: int = 0
@@ -100,7 +102,8 @@ class Table:
         if self.refuses(request):
             return _status(MotionState.REFUSED, "", "'palm' would be 3 mm inside 'b'")
         for segment in request.path.segments:
-            if segment.label == self.stuck:
+            if segment.label == self.stuck and self.times:
+                self.times -= 1
                 return _status(MotionState.STUCK, segment.label, "something is in the way")
             if isinstance(segment, Line | PoseMove):
                 self._carry(segment.X_WT, segment.label == "push")

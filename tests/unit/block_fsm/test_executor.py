@@ -1,3 +1,4 @@
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,9 +12,20 @@ from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import Line
+from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
+from pack_planner.rearrangement.methods import RearrangementConfig
+from pack_planner.rearrangement.planner import plan
 from unit.block_fsm.table import Table, directly, staged
 
 GOALS = {"a": PlanarPose(0.65, 0.0, 0.0), "b": PlanarPose(0.70, 0.0, 0.0)}
+
+
+APART = {"a": PlanarPose(0.60, 0.0, 0.0), "b": PlanarPose(0.75, 0.0, 0.0)}
+
+
+def beam(problem: Problem) -> Plan:
+    """A plan of the planner that knows obstacles."""
+    return plan(problem, budget_s=20.0, config=RearrangementConfig(beam=BeamPlanner(rounds=2)))
 
 
 def scattered() -> dict[str, PlanarPose]:
@@ -41,6 +53,49 @@ def test_nothing_is_done_where_all_blocks_are_in_place() -> None:
     outcome = Table(dict(GOALS)).run(GOALS)
     assert outcome.success
     assert outcome.tally.actions == 0
+
+
+def with_stranger(pose: PlanarPose) -> Callable[[Mapping[str, PlanarPose]], BlockSighting]:
+    """What is seen where somebody has put a block whose tag nobody knows."""
+    return lambda poses: BlockSighting(0.0, {**poses, "tag 7": pose}, unknown=(7,))
+
+
+@pytest.mark.usefixtures("compiled")
+def test_a_strange_block_is_an_obstacle_to_plan_and_arm() -> None:
+    table = Table(scattered(), beam, sighting=with_stranger(PlanarPose(0.6, 0.2, 0.3)))
+    assert table.run(APART).success
+    problems = [request.problem for request in table.asked if isinstance(request, PlanFor)]
+    assert all(list(problem.obstacles) == ["tag 7"] for problem in problems)
+    moves = [request for request in table.asked if isinstance(request, MoveArm)]
+    assert all("tag 7" in {obstacle.name for obstacle in move.obstacles} for move in moves[1:])
+
+
+@pytest.mark.usefixtures("compiled")
+def test_a_strange_block_on_a_goal_ends_the_task_with_its_name() -> None:
+    outcome = Table(scattered(), beam, sighting=with_stranger(APART["b"])).run(APART)
+    assert outcome.exit_reason is ExitReason.NO_PLAN
+    assert "tag 7 stands on the goal of" in outcome.message
+
+
+@pytest.mark.usefixtures("compiled")
+def test_a_strange_block_that_comes_while_a_plan_is_carried_out_is_planned_around() -> None:
+    retreats: list[int] = []
+
+    def sighting(poses: Mapping[str, PlanarPose]) -> BlockSighting:
+        strange = with_stranger(PlanarPose(0.6, 0.2, 0.3))
+        return strange(poses) if len(retreats) > 1 else BlockSighting(0.0, poses)
+
+    table = Table(scattered(), beam, sighting=sighting, after=lambda _: retreats.append(0))
+    outcome = table.run(APART)
+    assert outcome.success
+    problems = [request.problem for request in table.asked if isinstance(request, PlanFor)]
+    assert [len(problem.obstacles) for problem in problems] == [0, 1, 1]
+
+
+def test_a_tag_on_something_that_is_no_block_ends_the_task_with_its_number() -> None:
+    outcome = Table(scattered(), sighting=lambda poses: BlockSighting(0.0, poses, unknown=(7,))).run(APART)
+    assert outcome.exit_reason is ExitReason.NOT_SEEN
+    assert outcome.message == "on top of no block: tag 7"
 
 
 def test_a_push_brings_a_block_home_along_its_line() -> None:
@@ -121,6 +176,14 @@ def test_without_a_plan_the_reason_is_passed_on() -> None:
     outcome = Table(scattered(), lambda problem: refusal).run(GOALS)
     assert outcome.exit_reason is ExitReason.NO_PLAN
     assert "INFEASIBLE: a and b cannot be moved" in outcome.message
+
+
+@pytest.mark.parametrize("label", ["down", "lower", "touch"])
+def test_an_arm_that_meets_what_nobody_saw_puts_the_block_back_and_looks_again(label: str) -> None:
+    table = Table(scattered(), stuck=label, times=1)
+    outcome = table.run(GOALS)
+    assert outcome.success
+    assert outcome.tally.plans == 3
 
 
 def test_an_arm_that_gets_stuck_ends_the_task() -> None:

@@ -14,7 +14,7 @@ from pack_core.palletizing.orders.layout_plan import Insertion, LayoutPlan, Layo
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
-from pack_core.rotations import Pose, angle_between, from_yaw
+from pack_core.rotations import Pose, angle_between, from_yaw, multiply
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ports import (
@@ -36,6 +36,16 @@ TICKS = 2
 HELD_TICKS = 10
 HOME = Pose(np.array([0.0, 0.5, 2.0]), LOOKING_DOWN)
 REACH = 0.01
+LAST_LINES = ("FINAL", "GRASP")
+STOPS = {
+    "held": (MotionState.HELD, ""),
+    "lost_ways": (MotionState.REFUSED, "the wrist would hit box 3"),
+    "stuck": (MotionState.STUCK, "no progress for 1 s"),
+    "stuck_at_box": (MotionState.STUCK, "no progress for 1 s"),
+}
+"""State and reason of the motion after each fault that stops it."""
+TURN = 0.3
+"""By which somebody turns a box [rad]."""
 MUTES = {
     SpawnBox: "feeder",
     TakePicture: "camera",
@@ -52,10 +62,12 @@ class Faults:
 
     Attributes:
         unseen: pictures in which there still will be no box.
+        turned: pictures after which the box still will be turned by somebody.
         wrong_size: pictures in which it still will have another size.
         slips: grips that still will fail at table A.
         table_slips: the same at table B.
         stuck: moves that still will stop on their way.
+        stuck_at_box: moves that still will stop on their last line down to a box on table A.
         refused: moves that still will be refused.
         refused_carrying: the same, counting only those with a box in the hand.
         held: how often the driver still will hold the arm.
@@ -66,10 +78,12 @@ class Faults:
     """
 
     unseen: int = 0
+    turned: int = 0
     wrong_size: int = 0
     slips: int = 0
     table_slips: int = 0
     stuck: int = 0
+    stuck_at_box: int = 0
     refused: int = 0
     refused_carrying: int = 0
     held: int = 0
@@ -135,6 +149,9 @@ class FakeCell:
         elif self.faults.wrong_size:
             self.faults.wrong_size -= 1
             status, reason, X_WB = DetectionStatus.WRONG_SIZE, "20 mm too long", None
+        if self.faults.turned and X_WB is not None:
+            self.faults.turned -= 1
+            self.boxes[expected.id] = Pose(X_WB.p, multiply(from_yaw(TURN), X_WB.q))
         self.detection = BoxDetection(self.time, expected.id, status, reason, X_WB, None, None)
 
     def _take(self, target: MotionTarget) -> None:
@@ -154,6 +171,8 @@ class FakeCell:
 
     def _stop(self) -> None:
         self.has_stopped, self._segments = True, []
+        if self._state is MotionState.MOVING:
+            self._state = MotionState.REACHED
 
     def _close(self) -> None:
         held = "" if self._slips() else self._under_pad()
@@ -195,17 +214,9 @@ class FakeCell:
         self._ticks += 1
         if self._ticks % TICKS:
             return
-        if self.faults.held:
-            self.faults.held -= 1
-            self._state = MotionState.HELD
-            return
-        if self.faults.lost_ways:
-            self.faults.lost_ways -= 1
-            self._state, self._reason = MotionState.REFUSED, "the wrist would hit box 3"
-            return
-        if self.faults.stuck:
-            self.faults.stuck -= 1
-            self._state, self._reason = MotionState.STUCK, "no progress for 1 s"
+        if (fault := self._fault()) is not None:
+            setattr(self.faults, fault, getattr(self.faults, fault) - 1)
+            self._state, self._reason = STOPS[fault]
             return
         label, self.X_WT = self._segments.pop(0)
         if label == self.faults.lost_at and self.grip.held:
@@ -214,6 +225,14 @@ class FakeCell:
             self.boxes[self.grip.held] = self.X_WT @ self._X_TB
         if not self._segments:
             self._state = MotionState.REACHED
+
+    def _fault(self) -> str | None:
+        """Which fault ends the present segment, if any."""
+        is_last_line = not self.grip.held and self._segments[0][0] in LAST_LINES
+        for name in STOPS:
+            if getattr(self.faults, name) and (name != "stuck_at_box" or is_last_line):
+                return name
+        return None
 
     def _status(self) -> MotionStatus:
         label = self._segments[0][0] if self._segments else ""

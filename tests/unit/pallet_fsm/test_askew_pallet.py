@@ -14,7 +14,7 @@ from pallet_fsm.goals import Goals
 from pallet_fsm.states import State
 from pallet_fsm.targets import Situation, targets_of
 from pallet_fsm.thesis_config import ThesisConfig
-from pallet_fsm.tool_poses import ToolPoseConfig, grasps
+from pallet_fsm.tool_poses import LOOKING_DOWN, ToolPoseConfig, grasps
 from pallet_fsm.work_item import WorkItem
 from unit.pallet_fsm.fake_cell import given_order
 
@@ -61,3 +61,19 @@ def test_way_points_over_the_pallet_are_along_its_vertical() -> None:
     for above, before in zip(over, beside, strict=True):
         rise = on_pallet(cell, above.X_WT.p - before.X_WT.p)
         assert rise == pytest.approx([0.0, 0.0, config.above])
+
+
+def test_the_empty_tool_rises_along_the_pallets_vertical_in_both_profiles() -> None:
+    cell, X_WT = cell_with(ASKEW), Pose(np.array([0.0, 0.5, 0.6]), LOOKING_DOWN)
+    goals = Goals(cell, ToolPoseConfig())
+    (home,) = BlendedMoves(goals, BlendedConfig(), ThesisConfig()).legs(
+        State.RETREAT, State.RETURN, None, X_WT
+    )
+    now = Situation(goals, ThesisConfig(), None, X_WT)
+    ends = [line.X_WT.p for line in home.move.segments[:2]]
+    ends += [target.X_WT.p for target in targets_of(State.RETREAT, now)]
+    assert len(ends) == 3
+    for end in ends:
+        rise = on_pallet(cell, end - X_WT.p)
+        assert rise / np.linalg.norm(rise) == pytest.approx(UP)
+    assert ends[1][2] == pytest.approx(BlendedConfig().safe[2])

@@ -62,8 +62,10 @@ def test_both_profiles_put_boxes_in_the_same_places() -> None:
     [
         (Faults(unseen=2), State.NO_DETECTION),
         (Faults(wrong_size=2), State.WRONG_SIZE),
+        (Faults(turned=3), State.BOX_CHANGED),
         (Faults(slips=2), State.GRIP_FAILED),
         (Faults(stuck=2), State.MOTION_STUCK),
+        (Faults(stuck_at_box=2), State.MOTION_STUCK),
         (Faults(lost_ways=2), State.MOTION_STUCK),
     ],
     ids=lambda value: value.name if isinstance(value, State) else "",
@@ -186,7 +188,7 @@ def test_a_box_that_cannot_be_gripped_at_table_b_is_skipped() -> None:
     [
         ("feeder", State.SAFE_STOP, "does not come"),
         ("motion", State.SAFE_STOP, "the motion does not answer"),
-        ("camera", State.DONE, "the camera does not answer"),
+        ("camera", State.SAFE_STOP, "the camera does not answer"),
         ("gripper", State.DONE, "the gripper does not close"),
     ],
 )

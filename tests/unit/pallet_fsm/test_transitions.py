@@ -122,7 +122,7 @@ def test_an_event_that_a_state_does_not_know_is_an_error_that_names_those_it_kno
 
 
 def test_a_fault_that_is_overcome_leads_back_to_where_it_came_from() -> None:
-    machine = Machine(0.0, lambda guard: True)
+    machine = Machine(0.0, lambda guard: guard is Guard.HAS_TRIES)
     for event in (Event.SPAWNED, Event.DETECTED, Event.MOTION_STUCK, Event.ASSESSED):
         machine.fire(event, 1.0, reason="no progress" if event is Event.MOTION_STUCK else "")
     assert machine.state is State.ABOVE_BOX

@@ -20,10 +20,13 @@ def displaced(seen: Poses, predicted: Poses, tolerance: ToleranceConfig) -> list
 
 
 def disturbed(before: Poses, after: Poses, moved: str, tolerance: ToleranceConfig) -> list[str]:
-    """Ids of the blocks other than `moved` that an action has shifted."""
+    """Ids of the blocks other than `moved` that an action has shifted, or that came or went meanwhile."""
     return [
-        name for name, pose in after.items()
-        if name != moved and pose.distance_to(before[name]) > tolerance.bystander
+        name for name in {**before, **after}
+        if name != moved and not (
+            name in before and name in after
+            and after[name].distance_to(before[name]) <= tolerance.bystander
+        )
     ]  # fmt: skip
 
 

@@ -128,7 +128,7 @@ class Executor:
         tolerance, seen = self._config.tolerance, self._skills.seen
         if isinstance(action, Push) and not is_on_line(action, seen[action.block], tolerance):
             return False
-        return not displaced(seen, predicted, tolerance)
+        return seen.keys() == predicted.keys() and not displaced(seen, predicted, tolerance)
 
     def _act(self, action: Action) -> Generator[ExecutorRequest, Any, bool]:
         """Carry out an action and look; False where the plan no longer holds."""

@@ -81,6 +81,10 @@ class Refused(Exception):
         self.primitive = primitive
 
 
+class Blocked(Exception):
+    """Raised where the arm got stuck at something that nobody saw; the message says in which move."""
+
+
 class Ended(Exception):
     """Raised where a rearrangement cannot go on; the message says what stood against it."""
 

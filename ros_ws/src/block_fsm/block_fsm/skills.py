@@ -12,7 +12,7 @@ from typing import Any
 from block_fsm.deviation import Poses
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
-from block_fsm.outcome import Ended, ExitReason, Refused
+from block_fsm.outcome import Blocked, Ended, ExitReason, Refused
 from block_fsm.phase import Phase
 from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers, NoPicture
 from block_fsm.surroundings import Surroundings
@@ -56,8 +56,7 @@ class Skills:
     ) -> None:
         self._config, self._motions, self._surroundings = config, motions, surroundings
         self._gripper, self._side, self._force = task.gripper, task.side, force
-        self._opening = task.gripper.max_opening
-        self._failed_in_a_row = 0
+        self._opening, self._failed_in_a_row = task.gripper.max_opening, 0
         self.phase = Phase.IDLE
         self.seen: Poses = {}
         self.failed_grasps = 0
@@ -78,7 +77,7 @@ class Skills:
             if isinstance(sighting, NoPicture):
                 reason = sighting.reason
                 continue
-            self.seen, reason = sighting.poses, _unclear(sighting)
+            self.seen, reason = sighting.poses, sighting.lacks
             if sighting.is_complete:
                 return
         raise Ended(ExitReason.NOT_SEEN, reason)
@@ -95,10 +94,13 @@ class Skills:
     def _pick_and_place(self, action: PickPlace) -> Asking:
         grip, release = self._motions.grasps(action)
         grasp, place = primitives_of(action)
-        wide = self._gripper.grasp_opening(self._side)
-        self.phase = Phase.PICK
+        self.phase, wide = Phase.PICK, self._gripper.grasp_opening(self._side)
         yield from self._fingers(wide)
-        yield from self._move(self._motions.approach(grip), primitive=grasp)
+        try:
+            yield from self._move(self._motions.approach(grip), primitive=grasp)
+        except Blocked as blocked:
+            yield from self._withdraw(grip, blocked)
+            return
         if not (yield from self._hold()):
             yield from self._let_go(grip, wide, action.block, action.start)
             return
@@ -109,6 +111,11 @@ class Skills:
         except Refused:
             yield from self._let_go(grip, wide, action.block, action.start)
             raise
+        except Blocked as blocked:
+            yield from self._move(self._motions.carry(release, grip), action.block, carried)
+            yield from self._let_go(grip, wide, action.block, action.start)
+            self._note_failure(ExitReason.MOTION_FAILED, str(blocked))
+            return
         if (yield from self._hold()):
             self._failed_in_a_row = 0
         yield from self._let_go(release, wide, action.block, action.end)
@@ -124,27 +131,42 @@ class Skills:
         (push,) = primitives_of(action)
         self.phase = Phase.PUSH
         yield from self._fingers(self._gripper.push_gap)
-        yield from self._move(self._motions.approach(start), primitive=push)
-        carried = self._surroundings.carried(end, action.end)
+        at, carried = start, self._surroundings.carried(end, action.end)
         try:
+            yield from self._move(self._motions.approach(start), primitive=push)
+            at = end
             yield from self._move(self._motions.push(end), action.block, carried, primitive=push)
+        except Blocked as blocked:
+            yield from self._withdraw(at, blocked)
+            return
         except Refused:
-            self.phase = Phase.RETREAT
-            yield from self._move(self._motions.retreat(start))
+            if at is end:  # behind the block; a refused approach has moved nothing
+                yield from self._withdraw(start)
             raise
-        self.phase = Phase.RETREAT
+        self._failed_in_a_row, self.phase = 0, Phase.RETREAT
         self.seen = {**self.seen, action.block: action.end}
         yield from self._move(self._motions.back_off(start, end), touched=action.block)
+
+    def _withdraw(self, X_WT: Pose, blocked: Blocked | None = None) -> Asking:
+        """Go up from a pose with nothing in the fingers, and count what blocked the arm there."""
+        self.phase = Phase.RETREAT
+        yield from self._move(self._motions.retreat(X_WT))
+        if blocked is not None:
+            self._note_failure(ExitReason.MOTION_FAILED, str(blocked))
+
+    def _note_failure(self, reason: ExitReason, message: str) -> None:
+        """Count an action that failed; raises Ended where too many did in a row."""
+        self._failed_in_a_row += 1
+        if self._failed_in_a_row >= self._config.grasps:
+            raise Ended(reason, message)
 
     def _hold(self) -> Generator[ExecutorRequest, Any, bool]:
         """Close the fingers; False where they hold nothing."""
         state = yield from self._fingers(self._side - self._config.grasp_squeeze)
         if state.status is FingerStatus.HOLDING:
             return True
-        self._failed_in_a_row += 1
         self.failed_grasps += 1
-        if self._failed_in_a_row >= self._config.grasps:
-            raise Ended(ExitReason.NO_PROGRESS, f"{self._failed_in_a_row} grasps in a row held nothing")
+        self._note_failure(ExitReason.NO_PROGRESS, f"{self._config.grasps} grasps in a row held nothing")
         return False
 
     def _move(
@@ -155,6 +177,7 @@ class Skills:
 
         Raises:
             Refused: the move is not possible, and was for a `primitive` that can be done without.
+            Blocked: the arm got stuck in a move for a `primitive`.
             Ended: it failed.
         """
         obstacles = self._surroundings.among(self.seen, without=moved)
@@ -166,15 +189,12 @@ class Skills:
             raise Refused(primitive, status.reason)
         if status.state is not MotionState.REACHED:
             where = "" if status.state is MotionState.REFUSED else f" in '{status.label}'"
-            raise Ended(ExitReason.MOTION_FAILED, f"{status.state.value}{where}: {status.reason}")
+            text = f"{status.state.value}{where}: {status.reason}"
+            if status.state is MotionState.STUCK and primitive is not None:
+                raise Blocked(text)
+            raise Ended(ExitReason.MOTION_FAILED, text)
 
     def _fingers(self, opening: float) -> Generator[ExecutorRequest, Any, FingerState]:
         state: FingerState = yield MoveFingers(FingerCommand(opening, self._force))
         self._opening = state.opening
         return state
-
-
-def _unclear(sighting: BlockSighting) -> str:
-    """What a picture lacks, in words."""
-    lacks = (("not seen", sighting.missing), ("seen more than once", sighting.doubled))
-    return "; ".join(f"{what}: {', '.join(names)}" for what, names in lacks if names)

@@ -32,9 +32,12 @@ class RearrangeTask:
     gripper: GripperFootprint = field(default_factory=GripperFootprint)
 
     def problem(self, poses: Mapping[str, PlanarPose], refused: tuple[PrimitiveAction, ...] = ()) -> Problem:
-        """What the planner is asked, from where the blocks are now, without what the arm `refused`."""
+        """What the planner is asked, from where the blocks are now, without what the arm `refused`.
+
+        Blocks that nobody knows are obstacles.
+        """
         return Problem(
-            blocks=tuple(PlacedBlock(name, poses[name]) for name in self.goals), goals=self.goals,
+            blocks=tuple(PlacedBlock(name, pose) for name, pose in poses.items()), goals=self.goals,
             workspace=self.workspace, side=self.side, symmetry=self.symmetry, gripper=self.gripper,
             starts_may_be_outside=True, refused=refused,
         )  # fmt: skip

@@ -107,6 +107,10 @@ class StudyEvaluator(ABC, Generic[StudyT, RecordingT]):
             PackError: the recording is missing, broken, or of another cell.
         """
 
+    def kind_of(self, path: Path) -> str:
+        """Name of the cell's part that measures a recording: these studies, or others of the same cell."""
+        return "studies"
+
     @abstractmethod
     def of_recordings(self, recordings: Sequence[RecordingT]) -> StudyT:
         """The study that recordings make together, named `RECORDINGS`."""

@@ -116,7 +116,8 @@ class MpcNode(GoalNode):
         self._worker.wake()  # again after this turn, until the goal has ended
         if not self._mailbox.wait_for_joints() or self.silent_peers:
             return None
-        seen = self._mailbox.observe()
+        session = goal.session
+        seen = self._mailbox.observe(self._config.blind_time if session is None else session.blind_time)
         if self.is_cancel_requested:
             goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
         turn = goal.turn(seen, self._mailbox.force, latency)

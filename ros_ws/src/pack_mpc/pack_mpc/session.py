@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 
 from pack_core.config import NEXT_GOAL, Changeable, Config
 from pack_core.joints import JointSample, Setpoints
@@ -35,6 +35,17 @@ class SessionConfig(Config):
     controller: ControllerConfig = ControllerConfig()
     task: TaskConfig = TaskConfig()
     fill: FillConfig = FillConfig()
+    blind_time: PositiveFloat = Field(
+        default=1.0,
+        description="the arm holds when the cameras have seen no object at all for so long, but in LOOK [s]",
+    )
+
+    def of_fill_job(self) -> SessionConfig:
+        """The parameters of the packing goals of a fill job."""
+        fill = self.fill
+        stages = self.task.stages.model_copy(update={"pre_pack_distance": fill.pre_pack_distance})
+        task = self.task.model_copy(update={"landing_reach": fill.landing_reach, "stages": stages})
+        return self.model_copy(update={"task": task})
 
 
 @dataclass(frozen=True)
@@ -75,7 +86,7 @@ class PackingSession:
         time: float,
         timeout: float = 0.0,
     ) -> None:
-        self.scene, self.method = scene, method
+        self.scene, self.method, self._config = scene, method, config
         weights = load_weights(config.weights).times(config.weight_factors)
         self.task = PackingTask(
             scene, config.task, time, timeout, weights.lean, knows_objects=method.knows_objects
@@ -108,14 +119,22 @@ class PackingSession:
         machine = task.machine
         if task.outcome is not None or machine is None:
             return None
-        is_looking = isinstance(machine, LookMachine)
-        scene = with_parked(self.scene, seen.scene) if is_looking else seen.scene
+        scene = with_parked(self.scene, seen.scene) if self._is_looking else seen.scene
         plan = self.controller.plan(
             seen.joints, scene, machine.stage, machine.target, time - machine.stage_start, latency,
             task.reliefs,
         )  # fmt: skip
         self.iterations_ms.append(plan.iteration_ms)
         return plan
+
+    @property
+    def blind_time(self) -> float:
+        """For how long the arm goes on when the cameras see nothing [s]: LOOK is what lets them see."""
+        return np.inf if self._is_looking else self._config.blind_time
+
+    @property
+    def _is_looking(self) -> bool:
+        return isinstance(self.task.machine, LookMachine)
 
     @property
     def iteration_ms(self) -> float:

@@ -78,7 +78,9 @@ class PackingTask:
             is_rehearsed: whether the way down was tried in simulation.
         """
         entry = (
-            plan_entry(self._scene, X_WN, collisions, scene.poses(), self.lean, over)
+            plan_entry(
+                self._scene, X_WN, collisions, scene.poses(), self.lean, over, self._config.landing_reach
+            )
             if self._knows_objects
             else Entry()
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pydantic import Field, PositiveFloat, PositiveInt
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
 from pack_mpc.look import LookConfig
@@ -25,6 +25,10 @@ class TaskConfig(Config):
     )
     placement_tries: PositiveInt = Field(
         default=3, description="refused placements in a row that end the goal"
+    )
+    landing_reach: NonNegativeFloat = Field(
+        default=0.0,
+        description="an object this near to a placement may be landed on: the way down is slow [m]",
     )
     look: LookConfig = LookConfig()
     stages: StageConfig = StageConfig()

@@ -31,11 +31,11 @@ class BlendedConfig(Config):
     )
     slow_speed: PositiveFloat = Field(default=0.24, description="of the tool on them there, at most [m/s]")
     pass_speed: PositiveFloat = Field(
-        default=0.5, description="where lines are left for a joint move, or the other way round [m/s]"
+        default=0.8, description="where lines are left for a joint move, or the other way round [m/s]"
     )
     final_height: PositiveFloat = Field(default=0.012, description="last stretch before a box is let go [m]")
-    final_speed: PositiveFloat = Field(default=0.08, description="on it [m/s]")
-    standoff: PositiveFloat = Field(default=0.04, description="beside the place, where an insertion begins")
+    final_speed: PositiveFloat = Field(default=0.12, description="on it [m/s]")
+    standoff: PositiveFloat = Field(default=0.02, description="beside the place, where an insertion begins")
     corner: PositiveFloat = Field(default=0.008, description="cut off where lines meet at an angle [m]")
     safe: Point = Field(default=(0.0, 0.5, 2.0), description="where to wait for a box [m]")
     heavy: PositiveFloat = Field(
@@ -142,19 +142,19 @@ class BlendedMoves:
         ]
 
     def _home(self, X_WT: Pose) -> Leg:
-        """Up, then to the safe position over the pallet."""
-        safe = np.array(self._config.safe)
+        """Up along the pallet's own vertical, then to the safe position over the pallet."""
+        safe, up = np.array(self._config.safe), self._goals.in_world(UP)
         goal = Pose(safe, X_WT.q)
-        up = Pose(np.array([*X_WT.p[:2], safe[2]]), X_WT.q)
         cross = PoseMove(goal, label=Part.CROSS.name)
         if X_WT.p[2] >= safe[2] - self._config.lift[0]:
             return Leg(Path((cross,)), goal, State.RETURN)
         config = self._config
         slow = Line(
-            raised(X_WT, config.slow_length * UP), min(config.speed, config.slow_speed), config.acceleration,
+            raised(X_WT, config.slow_length * up), min(config.speed, config.slow_speed), config.acceleration,
             exit_speed=config.slow_speed, label=Part.DEPART.name,
         )  # fmt: skip
-        lift = Line(up, config.speed, config.acceleration, label=Part.CROSS.name, mode=Mode.FAST)
+        over = raised(X_WT, (safe[2] - X_WT.p[2]) / up[2] * up)
+        lift = Line(over, config.speed, config.acceleration, label=Part.CROSS.name, mode=Mode.FAST)
         return Leg(Path((slow, lift, cross)), goal, State.RETURN)
 
     def _lines(self, goal: Pose, offset: Array) -> tuple[Line, Line]:

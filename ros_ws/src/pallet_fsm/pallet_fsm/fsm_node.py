@@ -1,16 +1,15 @@
-"""The palletizing machine as a ROS 2 node: action `/palletize` in, motion targets and grips out."""
+"""The palletizing machine as a ROS 2 node: orders and calibrations in, motion targets and grips out."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from pack_interfaces.action import Palletize
+from pack_interfaces.action import CalibrateCell, Palletize
 from pack_interfaces.srv import PlanLayout
 from pydantic import Field
-from rclpy.task import Future
 from std_msgs.msg import String
 
-from pack_core.errors import ConfigError, PackError
+from pack_core.errors import ConfigError
 from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
@@ -22,10 +21,12 @@ from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.palletizing.layout_messages import from_layout
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
+from pallet_fsm.joint_times import warm_up
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ports import StopArm
 from pallet_fsm.profile import profile_of
+from pallet_fsm.ros.calibration_action import CalibrationAction
 from pallet_fsm.ros.cell_client import CellClient
 from pallet_fsm.ros.observer import Observer
 from pallet_fsm.ros.order_run import OrderRun, StateTeller
@@ -49,20 +50,23 @@ class PalletFsmNodeConfig(PalletizerConfig):
 
 
 class PalletFsmNode(GoalNode):
-    """Builds one order at a time."""
+    """Builds one order at a time, or calibrates the cell."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("fsm", **kwargs)
         self._change(read_parameters(self, PalletFsmNodeConfig, self._change))
-        self._planning: Future | None = None
+        warm_up()
         self._run: OrderRun | None = None
         self._observer = Observer(self, self._step)
-        self._client = CellClient(self, self._on_spawned, self._on_failure)
+        self._client = CellClient(self, self._on_spawned, self._on_laid, self._on_failure)
+        self._calibration = CalibrationAction(self, self._observer, self._client.apply)
         self._teller = StateTeller(self)
         self._result = self.advertise(contracts.RESULT)
         self._goals = self.advertise(motion.GOAL_MARKERS)
         self._layout = self.create_client(contracts.PLAN_LAYOUT.type, contracts.PLAN_LAYOUT.name)
-        self.take_goals(contracts.PALLETIZE, self._config.watched, self._config.fault_time)
+        self.take_goals(
+            contracts.PALLETIZE, self._config.watched, self._config.fault_time, contracts.CALIBRATE
+        )
 
     def _change(self, config: PalletFsmNodeConfig) -> None:
         """Use these parameters from the next order on."""
@@ -77,28 +81,33 @@ class PalletFsmNode(GoalNode):
             return f"no service {contracts.PLAN_LAYOUT.name}: is layout up?"
         return ""
 
-    def refusal(self, _: Palletize.Goal) -> str:
+    def refusal(self, _: Palletize.Goal | CalibrateCell.Goal) -> str:
         return self.waits_for
 
-    async def pursue(self, request: Palletize.Goal) -> Palletize.Result:
-        """Build the order's pallet; nothing moves before the order and its layout were checked."""
+    async def pursue(
+        self, request: Palletize.Goal | CalibrateCell.Goal
+    ) -> Palletize.Result | CalibrateCell.Result:
+        """Build an order's pallet, or calibrate; nothing moves before order and layout were checked."""
+        known = known_cell(self._config.preset, self._config.calibration)
+        if isinstance(request, CalibrateCell.Goal):
+            return await self._calibration.pursue(request, known)
         try:
-            known = known_cell(self._config.preset, self._config.calibration)
             order = requested_order(request, known.cell)
             config = requested_config(request, self._config)
             plan = await self._plan(order)
             known.check_gap(plan.gap)
             return await self._build(order, plan, known.cell, config)
         finally:
-            self._planning = self._run = None
+            self._run = None
 
-    def describe(self, result: Palletize.Result) -> str:
+    def describe(self, result: Palletize.Result | CalibrateCell.Result) -> str:
+        if isinstance(result, CalibrateCell.Result):
+            return result.message or f"{result.execution_time:.0f} s, as expected"
         return f"{result.placed} of {result.boxes} boxes; {result.message}"
 
     async def _plan(self, order: Order) -> LayoutPlan:
         request = PlanLayout.Request(order=order.model_dump_json(exclude_none=True), gap=-1.0)
-        self._planning = self._layout.call_async(request)
-        response = await self._planning
+        response = await self.answers.of(self._layout, request)
         if response.status != LayoutStatus.SUCCESS:
             raise ConfigError(f"order {order.order_id}: {response.message}")
         return from_layout(response)
@@ -129,9 +138,13 @@ class PalletFsmNode(GoalNode):
     def _on_spawned(self, name: str) -> None:
         self._observer.spawned = name
 
+    def _on_laid(self, name: str) -> None:
+        self._observer.laid = name
+
     def _on_failure(self, reason: str) -> None:
         self.health.count("failed command", reason)
         self.get_logger().error(reason)
+        self._calibration.halt(reason)
         if self._run is not None:
             self._run.session.halt(reason)
 
@@ -144,14 +157,15 @@ class PalletFsmNode(GoalNode):
 
     def give_up(self) -> None:
         self._run = None
+        self._calibration.forget()
         self._client.apply(StopArm())
 
     def _halt(self, reason: str) -> None:
+        self._calibration.halt(reason)
         if self._run is not None:
             self._run.session.halt(reason)
             self._step()
-        elif self._planning is not None and not self._planning.done():
-            self._planning.set_exception(PackError(reason))
+        self.answers.give_up(reason)
 
 
 def main() -> int:

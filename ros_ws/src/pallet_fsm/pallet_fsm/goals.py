@@ -1,15 +1,18 @@
-"""The tool's goals for the box in work, sorted by how far the wrist must turn."""
+"""The tool's goals for the box in work, those of the quickest way to its place first."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from pack_core.motion.moves import Move
 from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.handling import Handling
 from pack_core.rotations import Array, Pose, to_matrix
-from pallet_fsm.orientations import by_turning
+from pallet_fsm.joint_times import joint_time
 from pallet_fsm.states import State
 from pallet_fsm.tool_poses import Stand, ToolPoseConfig, grasps, placements, stands
 from pallet_fsm.work_item import WorkItem
@@ -46,22 +49,17 @@ class Goals:
     def grasps(self, item: WorkItem, X_WT: Pose) -> list[Pose]:
         """Tool poses on the top face of the box where it stands."""
         assert item.X_WB is not None
-        return self._sorted(grasps(item.X_WB, item.dims, self._config), X_WT)
+        return self._grasps(item, item.X_WB, X_WT, is_to_stand=self._is_to_stand(item))[1]
 
     def stands(self, item: WorkItem, X_WT: Pose) -> list[Stand]:
         """Ways to stand the gripped box up at the edge of table B."""
         assert item.X_TB is not None
-        found = stands(item.box, item.X_TB, self._cell, self._config)
-        order = self._sorted([stand.X_WT for stand in found], X_WT)
-        return [next(stand for stand in found if stand.X_WT is goal) for goal in order]
+        return self._stands(item, item.X_TB, X_WT)[1]
 
     def placements(self, item: WorkItem, X_WT: Pose) -> list[Pose]:
         """Tool poses at which the gripped box is at its place on the pallet."""
         assert item.X_TB is not None
-        pallet = self._cell.pallet
-        return self._sorted(
-            placements(item.plan.placed, item.box, item.X_TB, pallet.X_WP, self._config), X_WT
-        )
+        return self._placements(item, item.X_TB, X_WT)[1]
 
     def in_world(self, v_P: Array) -> Array:
         """A vector `(3,)` that is given along the pallet's axes, along the world's.
@@ -71,8 +69,42 @@ class Goals:
         """
         return np.asarray(to_matrix(self._cell.pallet.X_WP.q) @ v_P)
 
-    def _sorted(self, goals: list[Pose], X_WT: Pose) -> list[Pose]:
-        return by_turning(goals, X_WT, self._cell.arm.X_WB.p)
+    def _grasps(
+        self, item: WorkItem, X_WB: Pose, X_WT: Pose, *, is_to_stand: bool
+    ) -> tuple[float, list[Pose]]:
+        def onward(goal: Pose) -> float:
+            X_TB = goal.inverse() @ X_WB
+            way = self._stands if is_to_stand else self._placements
+            return way(item, X_TB, goal)[0]
+
+        return _quickest([(goal, goal) for goal in grasps(X_WB, item.dims, self._config)], X_WT, onward)
+
+    def _stands(self, item: WorkItem, X_TB: Pose, X_WT: Pose) -> tuple[float, list[Stand]]:
+        def onward(stand: Stand) -> float:
+            return self._grasps(item, stand.X_WB, stand.X_WT, is_to_stand=False)[0]
+
+        found = stands(item.box, X_TB, self._cell, self._config)
+        return _quickest([(stand, stand.X_WT) for stand in found], X_WT, onward)
+
+    def _placements(self, item: WorkItem, X_TB: Pose, X_WT: Pose) -> tuple[float, list[Pose]]:
+        found = placements(item.plan.placed, item.box, X_TB, self._cell.pallet.X_WP, self._config)
+        return _quickest([(goal, goal) for goal in found], X_WT, lambda _: 0.0)
+
+    def _is_to_stand(self, item: WorkItem) -> bool:
+        """Whether the box is yet to be stood up on table B."""
+        return item.handling is Handling.TABLE and item.approach is None
+
+
+Way = TypeVar("Way")
+
+
+def _quickest(
+    ways: Sequence[tuple[Way, Pose]], X_WT: Pose, onward: Callable[[Way], float]
+) -> tuple[float, list[Way]]:
+    """The least estimated time from X_WT to the box's place [s], and the ways there, the quickest first."""
+    times = [joint_time(X_WT, goal) + onward(way) for way, goal in ways]
+    order = sorted(range(len(ways)), key=times.__getitem__)
+    return min(times, default=float("inf")), [ways[i][0] for i in order]
 
 
 def raised(X_WT: Pose, offset: Array) -> Pose:

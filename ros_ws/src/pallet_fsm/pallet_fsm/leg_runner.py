@@ -64,6 +64,10 @@ class LegRunner:
         place = ROWS[state].place
         self._touched = frozenset({TABLES[place]}) if place in TABLES else frozenset()
 
+    def drop(self) -> None:
+        """Give up the leg that runs; the next call of `follow` begins another one."""
+        self._mover.leg = None
+
     def follow(self, state: State, item: WorkItem, seen: PalletObservation) -> Event | PursueTarget | None:
         """Begin a leg in `state` or follow the one that runs."""
         if self._mover.leg is None:

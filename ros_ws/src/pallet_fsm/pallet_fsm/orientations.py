@@ -1,13 +1,13 @@
-"""The orientations that a box may have at its place, sorted by how far the arm must turn to reach them."""
+"""The orientations that a box may have at its place."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import permutations, product
 
 import numpy as np
 
-from pack_core.rotations import Array, Pose, angle_between, conjugate, from_matrix, from_yaw, multiply, rotate
+from pack_core.rotations import Array, Pose, from_matrix, rotate
 
 EQUAL = 1e-6
 """Edges that differ by less count as equal [m]."""
@@ -46,21 +46,3 @@ def box_orientations(dims: Sequence[float], extents: Sequence[float | None]) -> 
 def points_along(X_WT: Pose, direction: Array) -> bool:
     """Whether the tool's approach axis z points along a unit vector of the world."""
     return float(rotate(X_WT.q, np.array([0.0, 0.0, 1.0])) @ direction) > ALONG
-
-
-def by_turning(poses: Iterable[Pose], X_WT: Pose, p_WBase: Array) -> list[Pose]:
-    """Sort tool poses by how far the wrist turns to them from X_WT, the arm's own heading left out.
-
-    Args:
-        poses: poses of the tool.
-        X_WT: pose that the tool comes from.
-        p_WBase: position of the arm's base `(3,)` [m].
-    """
-    q_from = _seen_from_arm(X_WT, p_WBase)
-    return sorted(poses, key=lambda pose: float(angle_between(q_from, _seen_from_arm(pose, p_WBase))))
-
-
-def _seen_from_arm(X_WT: Pose, p_WBase: Array) -> Array:
-    """Orientation of the tool relative to the vertical plane through the arm's base and the tool, wxyz."""
-    x, y = (X_WT.p - p_WBase)[:2]
-    return multiply(conjugate(from_yaw(float(np.arctan2(y, x)))), X_WT.q)

@@ -5,13 +5,13 @@ It has no clock and calls nothing outside: a step takes an observation and retur
 
 from __future__ import annotations
 
-from pack_core.palletizing.box_detection import DetectionStatus
+from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import ASKED
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
-from pallet_fsm.feeder import Feeder
+from pallet_fsm.box_watch import BoxWatch
 from pallet_fsm.hand import Hand
 from pallet_fsm.leg_runner import LegRunner
 from pallet_fsm.machine import Machine
@@ -23,6 +23,9 @@ from pallet_fsm.report import BoxOutcome, OrderReport
 from pallet_fsm.states import FAULTS, HOLDING, ROWS, Grip, Place, State
 from pallet_fsm.transitions import Event, Guard
 from pallet_fsm.work_item import WorkItem
+
+TOWARDS_BOX = (State.ABOVE_BOX, State.GRASP)
+"""States in which the box on table A is looked at a second time."""
 
 
 class Palletizer:
@@ -42,7 +45,7 @@ class Palletizer:
         self._order, self._config, self._X_WP = order.order_id, config, cell.pallet.X_WP
         self._profile = profile_of(config.profile)
         self._book = OrderBook(order, plan, cell)
-        self._feeder = Feeder(config.feeder)
+        self._watch = BoxWatch(config, cell)
         self._hand = Hand(config.dwell, config.grip_patience)
         self.machine = Machine(time, self._holds, self.item.name)
         self._legs = LegRunner(self._profile, self._book, cell, config, self._stop_after)
@@ -73,16 +76,18 @@ class Palletizer:
     def step(self, seen: PalletObservation) -> tuple[Command, ...]:
         """Go through as many states as the observation allows, and return the commands of this step."""
         self._commands = []
-        self._feeder.observe(seen)
+        self._watch.observe(seen)
         while not self.machine.is_over and (found := self._happened(seen)) is not None:
             self._fire(*found, seen)
         if not self.machine.is_over:
             self._feed_ahead(seen.time)
-        return (*self._commands, *self._feeder.commands())
+        return (*self._commands, *self._watch.commands())
 
     def _happened(self, seen: PalletObservation) -> tuple[Event, str] | None:
         """The event that takes the machine on, and its reason; None while there is none."""
         state = self.machine.state
+        if state is State.BOX_CHANGED and not _is_standing(seen.motion):
+            return None  # it goes back to look once more, from where it comes to rest
         if state in FAULTS:
             return Event.ASSESSED, ""
         if state is State.SKIP_BOX:
@@ -90,27 +95,10 @@ class Palletizer:
         if self._halt:
             return Event.HALTED, self._halt
         if state is State.SPAWN:
-            return self._arrival(seen.time)
+            return self._watch.arrival(self.item, seen.time)
         if state is State.DETECT:
-            return self._sighting(seen.time)
+            return self._watch.sighting(self.item, seen.time)
         return self._motion(state, seen)
-
-    def _arrival(self, time: float) -> tuple[Event, str] | None:
-        self._feeder.send_for(self.item, time)
-        if self._feeder.has_arrived:
-            return Event.SPAWNED, ""
-        return (Event.HALTED, f"box {self.item.name} does not come") if self._feeder.is_late(time) else None
-
-    def _sighting(self, time: float) -> tuple[Event, str] | None:
-        self._feeder.look(time)
-        answer = self._feeder.answer
-        if answer is None:
-            late = self._feeder.is_overdue(time)
-            return (Event.NO_DETECTION, "the camera does not answer") if late else None
-        if answer.status is DetectionStatus.DETECTED:
-            return Event.DETECTED, ""
-        is_wrong = answer.status is DetectionStatus.WRONG_SIZE
-        return Event.WRONG_SIZE if is_wrong else Event.NO_DETECTION, answer.reason
 
     def _motion(self, state: State, seen: PalletObservation) -> tuple[Event, str] | None:
         if self._hand.is_busy:
@@ -122,6 +110,10 @@ class Palletizer:
                 Event.LIMIT_PASSED if has_let_go else Event.BOX_LOST,
                 seen.grip.reason or "nothing in the hand",
             )
+        if state in TOWARDS_BOX and (change := self._watch.change(seen)) is not None:
+            return change
+        if state is State.GRASP and self._watch.is_looking and _is_standing(seen.motion):
+            return None
         outcome = self._legs.follow(state, self.item, seen)
         if isinstance(outcome, PursueTarget):
             self._commands.append(outcome)
@@ -163,9 +155,12 @@ class Palletizer:
         self.item.tries[fault] += 1
         may_have_moved = before in ROWS and ROWS[before].place is Place.TABLE_A  # the pad pushed it
         if fault in (State.NO_DETECTION, State.WRONG_SIZE) or may_have_moved:
-            self._feeder.forget()
-        if fault is State.MOTION_STUCK:
+            self._watch.forget()
+        if fault in (State.MOTION_STUCK, State.BOX_CHANGED):
             self._commands.append(StopArm())
+        if fault is State.BOX_CHANGED:
+            self._watch.forget()
+            self._legs.drop()
         if fault in (State.BOX_LOST, State.LIMIT_PASSED):
             self.item.finish(BoxOutcome.LOST, self.machine.reason)
 
@@ -176,8 +171,7 @@ class Palletizer:
             return
         has_left_table_a = item.X_TB is not None or item.outcome is BoxOutcome.PLACED
         if has_left_table_a:
-            self._feeder.send_for(upcoming, time)
-            self._feeder.look(time)
+            self._watch.feed_ahead(upcoming, time)
 
     def _stop_after(self, state: State) -> State:
         return self.machine.stop_after(state, self._profile.stops_at)
@@ -194,4 +188,10 @@ class Palletizer:
             Guard.IS_HOLDING: item.X_TB is not None,
             Guard.IS_FINISHED: item.is_finished,
             Guard.IS_ON_TABLE: item.approach is not None,
+            Guard.IS_UNSEEN: item.X_WB is None and item.X_TB is None,
         }[guard]
+
+
+def _is_standing(motion: MotionStatus) -> bool:
+    """Whether the arm has ended its move, one way or the other."""
+    return motion.state not in (MotionState.MOVING, MotionState.SETTLING, MotionState.HELD)

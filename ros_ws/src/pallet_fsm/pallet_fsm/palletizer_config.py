@@ -10,6 +10,7 @@ from pack_core.config import NEXT_GOAL, Changeable, Config
 from pallet_fsm.blended_moves import BlendedConfig
 from pallet_fsm.feeder import FeederConfig
 from pallet_fsm.mover import MoverConfig
+from pallet_fsm.second_look import SecondLookConfig
 from pallet_fsm.thesis_config import ThesisConfig
 from pallet_fsm.tool_poses import ToolPoseConfig
 
@@ -27,4 +28,5 @@ class PalletizerConfig(Config):
     blended: BlendedConfig = BlendedConfig()
     thesis: ThesisConfig = ThesisConfig()
     feeder: FeederConfig = FeederConfig()
+    second_look: SecondLookConfig = SecondLookConfig()
     mover: MoverConfig = MoverConfig()

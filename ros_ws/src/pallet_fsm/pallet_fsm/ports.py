@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pack_core.motion.target import MotionStatus, MotionTarget
+from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.box_detection import BoxDetection, ExpectedBox
 from pack_core.palletizing.grip import GripState
+from pack_core.rotations import Pose
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,19 @@ class SpawnBox:
     name: str
     dims: tuple[float, float, float]
     mass: float
+
+
+@dataclass(frozen=True)
+class LayOnTable:
+    """Have the operator lay something on table A.
+
+    Attributes:
+        body: what is laid there.
+        X_NB: where it is asked for, on the table as it nominally stands.
+    """
+
+    body: BoxBody
+    X_NB: Pose
 
 
 @dataclass(frozen=True)
@@ -73,4 +88,6 @@ class OpenGripper:
     """Let go."""
 
 
-Command = SpawnBox | DiscardBox | TakePicture | PursueTarget | StopArm | CloseGripper | OpenGripper
+Command = (
+    SpawnBox | LayOnTable | DiscardBox | TakePicture | PursueTarget | StopArm | CloseGripper | OpenGripper
+)

@@ -38,6 +38,7 @@ class State(Enum):
     RETURN = 20
     NO_DETECTION = "no detection"
     WRONG_SIZE = "wrong size"
+    BOX_CHANGED = "box changed"
     GRIP_FAILED = "grip failed"
     BOX_LOST = "box lost"
     MOTION_STUCK = "motion stuck"
@@ -184,7 +185,7 @@ MOVING = tuple(row.state for row in STEPS if row.mode is not None)
 HOLDING = tuple(row.state for row in STEPS if row.grip in (Grip.HOLD, Grip.OPEN))
 """States in which the gripper holds a box."""
 FAULTS = (
-    State.NO_DETECTION, State.WRONG_SIZE, State.GRIP_FAILED, State.BOX_LOST,
+    State.NO_DETECTION, State.WRONG_SIZE, State.BOX_CHANGED, State.GRIP_FAILED, State.BOX_LOST,
     State.MOTION_STUCK, State.LIMIT_PASSED, State.NOT_CLEAR,
 )  # fmt: skip
 ENDS = (State.SAFE_STOP, State.DONE)

@@ -71,6 +71,11 @@ def _up(now: Situation) -> list[ToolTarget]:
     return _at([raised(now.X_WT, now.config.above * UP)])
 
 
+def _up_from_pallet(now: Situation) -> list[ToolTarget]:
+    """Up along the pallet's own vertical."""
+    return _at([raised(now.X_WT, now.goals.in_world(now.config.above * UP))])
+
+
 def _over_box(now: Situation) -> list[ToolTarget]:
     return _at([raised(X_WT, now.config.above * UP) for X_WT in now.goals.grasps(now.item, now.X_WT)])
 
@@ -167,7 +172,7 @@ TARGETS: dict[State, Finder] = {
     State.ABOVE_PALLET: _over_place,
     State.PRE_DEPOSIT: _beside_place,
     State.DEPOSIT: _on_place,
-    State.RETREAT: _up,
+    State.RETREAT: _up_from_pallet,
     State.RETURN: _return,
 }
 """What finds the tool's targets, for every state in which the arm moves."""

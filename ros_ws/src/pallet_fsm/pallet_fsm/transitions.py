@@ -24,6 +24,7 @@ class Event(Enum):
     HALTED = "halted"
     NO_DETECTION = "no detection"
     WRONG_SIZE = "wrong size"
+    BOX_CHANGED = "box changed"
     GRIP_FAILED = "grip failed"
     BOX_LOST = "box lost"
     LIMIT_PASSED = "limit passed"
@@ -42,6 +43,7 @@ class Guard(Enum):
     IS_HOLDING = "box in hand"
     IS_FINISHED = "box placed or skipped"
     IS_ON_TABLE = "box on table B"
+    IS_UNSEEN = "box to be looked for"
 
 
 RESUME = None
@@ -96,6 +98,12 @@ SEEING = (
     Transition(State.WRONG_SIZE, Event.ASSESSED, State.DETECT, Guard.HAS_TRIES),
     Transition(State.WRONG_SIZE, Event.ASSESSED, State.SKIP_BOX),
 )
+LOOKING_AGAIN = (
+    Transition(State.ABOVE_BOX, Event.BOX_CHANGED, State.BOX_CHANGED),
+    Transition(State.GRASP, Event.BOX_CHANGED, State.BOX_CHANGED),
+    Transition(State.BOX_CHANGED, Event.ASSESSED, State.SKIP_BOX, Guard.HAS_NO_TRIES),
+    Transition(State.BOX_CHANGED, Event.ASSESSED, State.RETREAT),
+)
 GRIPPING = (
     Transition(State.GRASP, Event.GRIP_FAILED, State.GRIP_FAILED),
     Transition(State.REGRASP, Event.GRIP_FAILED, State.GRIP_FAILED),
@@ -112,8 +120,9 @@ LOSING = (
 MOTION = (
     *(Transition(state, Event.MOTION_STUCK, State.MOTION_STUCK) for state in MOVING),
     *(Transition(state, Event.NOT_CLEAR, State.NOT_CLEAR) for state in MOVING),
-    Transition(State.MOTION_STUCK, Event.ASSESSED, RESUME, Guard.HAS_TRIES),
-    Transition(State.MOTION_STUCK, Event.ASSESSED, State.SAFE_STOP),
+    Transition(State.MOTION_STUCK, Event.ASSESSED, State.SAFE_STOP, Guard.HAS_NO_TRIES),
+    Transition(State.MOTION_STUCK, Event.ASSESSED, State.RETREAT, Guard.IS_UNSEEN),
+    Transition(State.MOTION_STUCK, Event.ASSESSED, RESUME),
     Transition(State.NOT_CLEAR, Event.ASSESSED, State.SAFE_STOP, Guard.IS_HOLDING),
     Transition(State.NOT_CLEAR, Event.ASSESSED, State.SAFE_STOP, Guard.IS_FINISHED),
     Transition(State.NOT_CLEAR, Event.ASSESSED, State.SKIP_BOX),
@@ -122,4 +131,4 @@ MOTION = (
 SKIPPING = (Transition(State.SKIP_BOX, Event.SKIPPED, State.RETREAT),)
 HALTING = tuple(Transition(row.state, Event.HALTED, State.SAFE_STOP) for row in STEPS)
 
-TRANSITIONS = (*CYCLE, *SEEING, *GRIPPING, *LOSING, *MOTION, *SKIPPING, *HALTING)
+TRANSITIONS = (*CYCLE, *SEEING, *LOOKING_AGAIN, *GRIPPING, *LOSING, *MOTION, *SKIPPING, *HALTING)

@@ -36,6 +36,24 @@ def test_an_arm_that_goes_on_never_stands_and_one_that_stood_had_nothing_to_brak
     assert math.isnan(stop_of(STAMPS, np.zeros_like(STAMPS), 0.0).stands_after)
 
 
+def test_an_arm_that_gathers_speed_brakes_once_it_gathers_less() -> None:
+    """Acceleration of 5 rad/s^2 until 0.03 s, then down with 100 rad/s^3 to -5 and back."""
+    stamps = np.arange(0.0, 0.6, 0.004)
+    rise = np.interp(stamps, [0.0, 0.03, 0.13, 0.2, 0.25], [5.0, 5.0, -5.0, -5.0, 0.0])
+    gathered = np.maximum(0.0, 0.3 + np.cumsum(rise) * 0.004)
+    stop = stop_of(stamps, np.where(stamps > 0.25, 0.0, gathered), 0.0)
+    assert stop.brakes_after == pytest.approx(0.035, abs=0.008)
+    assert gathered.argmax() * 0.004 > 0.07
+
+
+def test_a_record_begins_anew_with_the_time_of_another_simulator() -> None:
+    record = ArmRecord()
+    for stamp in (40.0, 40.1, 0.1, 0.2):
+        record.add(stamp, 5, 1.0)
+    assert record.simulated(10) == 0.2
+    assert len(record.between(0.0, 50.0)) == 2
+
+
 def test_a_moment_of_the_wall_clock_is_told_in_simulated_time_by_what_was_sent_before_it() -> None:
     record = ArmRecord()
     for k in range(10):

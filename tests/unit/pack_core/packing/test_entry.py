@@ -69,6 +69,20 @@ def test_it_may_land_until_it_is_below_the_walls_and_every_top(scene: Scene, nam
     assert not entry.may_land(walls, lowest - 1e-6)
 
 
+@pytest.mark.parametrize(
+    ("gap", "reach", "counts"), [(0.01, 0.015, True), (0.02, 0.015, False), (0.01, 0.0, False)]
+)
+def test_it_may_land_on_a_neighbour_within_reach(
+    scene: Scene, gap: float, reach: float, counts: bool
+) -> None:
+    half = scene.new_object.half_extents[1] + scene.model_of("sugar_box").half_extents[1]
+    far = {name: at(2.0, 2.0) for name in scene.names}
+    poses = far | {"sugar_box": at(0.5, half + gap)}
+    entry = plan_entry(scene, PLACE, (), poses, LEAN, np.zeros(2), reach)
+    assert entry.beside == (pytest.approx((0.11,)) if counts else ())
+    assert entry.may_land(0.3, 0.08) == (counts or False)
+
+
 def test_it_is_upright_once_it_is_down(scene: Scene) -> None:
     entry = over_its_obstacles(scene, {"tea_box": at(0.5, 0.05)})
     axes, asides = entry.at(np.array([0.0, UPRIGHT_BELOW, 0.5 * (UPRIGHT_BELOW + entry.tops[0])]))

@@ -11,22 +11,29 @@ import time
 
 import pytest
 
-from pack_core.ros import watch_connection
-from pack_core.ros.watch_connection import (
-    BACKLOG,
-    MOST_WATCHERS,
-    WatchConnection,
-    WatchSocket,
-    nodes_on_this_machine,
-)
+from pack_core.ros import local_nodes
+from pack_core.ros.local_nodes import nodes_on_this_machine
+from pack_core.ros.watch_connection import WatchConnection
+from pack_core.ros.watch_socket import BACKLOG, MOST_WATCHERS, WatchSocket
 
 DOMAIN = os.getpid()
 CHILD = f"""
 import sys
-from pack_core.ros.watch_connection import WatchSocket
+from pack_core.ros.watch_socket import WatchSocket
 watched = WatchSocket({DOMAIN}, "child")
 print("up", flush=True)
 sys.stdin.read()
+"""
+FORKS = f"""
+import os, sys, signal
+from pack_core.ros.watch_socket import WatchSocket
+watched = WatchSocket({DOMAIN}, "child")
+print("up", flush=True)
+sys.stdin.readline()
+copy = os.fork()
+if copy:
+    print(copy, flush=True)
+signal.pause()
 """
 
 
@@ -52,6 +59,30 @@ def test_the_kill_of_a_process_is_known_at_once() -> None:
     assert not ended.wait(0.1)
     child.kill()
     assert ended.wait(2.0)
+    child.wait()
+
+
+def test_the_kill_is_known_before_the_system_has_closed_the_sockets_of_the_process() -> None:
+    """A copy of the process keeps them open, as the clearing of a large memory does for a while."""
+    child = subprocess.Popen(
+        [sys.executable, "-c", FORKS], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdin is not None
+    assert child.stdout is not None
+    assert child.stdout.readline() == "up\n"
+    connection = WatchConnection(DOMAIN, "child")
+    assert connection.wait_for_answer()
+    child.stdin.write("fork\n")
+    child.stdin.flush()
+    copy = int(child.stdout.readline())
+    ended = end_of(connection)
+    child.kill()
+    assert ended.wait(2.0)
+    assert "child" in nodes_on_this_machine()[DOMAIN]
+    again = WatchConnection(DOMAIN, "child")
+    assert again.is_open
+    threading.Timer(0.1, os.kill, (copy, signal.SIGKILL)).start()
+    assert not again.wait_for_answer()
     child.wait()
 
 
@@ -122,9 +153,10 @@ def test_too_many_watchers_hold_up_nobody_and_take_the_node_for_no_dead_one() ->
     assert time.monotonic() - begin < 10.0
     connected = [connection for connection in crowd if connection.is_open]
     assert len(connected) >= BACKLOG
-    assert not any(end_of(connection).wait(0.0) for connection in connected)
+    ends = [end_of(connection) for connection in connected]
+    assert not any(end.is_set() for end in ends)
     watched.close()
-    assert all(end_of(connection).wait(2.0) for connection in connected)
+    assert all(end.wait(2.0) for end in ends)
 
 
 def test_a_frozen_process_holds_up_no_watcher() -> None:
@@ -146,7 +178,7 @@ def test_a_frozen_process_holds_up_no_watcher() -> None:
 
 def test_a_process_of_another_user_is_neither_watched_nor_let_in(monkeypatch: pytest.MonkeyPatch) -> None:
     watched = WatchSocket(DOMAIN, "guarded")
-    monkeypatch.setattr(watch_connection.os, "geteuid", lambda: os.getuid() + 1)
-    monkeypatch.setattr(watch_connection, "ROOT", os.getuid() + 2)
+    monkeypatch.setattr(local_nodes.os, "geteuid", lambda: os.getuid() + 1)
+    monkeypatch.setattr(local_nodes, "ROOT", os.getuid() + 2)
     assert not WatchConnection(DOMAIN, "guarded").is_open
     watched.close()

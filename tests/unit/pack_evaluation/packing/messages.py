@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,8 @@ from rosbags.interfaces import (
     QosTime,
 )
 
+from pack_bringup.recording.bag_writer import BagWriter
 from pack_bringup.recording.message_types import message_types
-from pack_bringup.recording.recorder import Recorder
 from pack_core import stamps
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
@@ -38,6 +39,8 @@ TOPICS = {
     topics.GRIPPER_STATE: "pack_interfaces/msg/GripperState",
     REAL_TIME_FACTOR: "std_msgs/msg/Float64",
     topics.SETTLED_SAMPLES: "pack_interfaces/msg/SettledSamples",
+    topics.FILL_PROGRESS: "std_msgs/msg/String",
+    topics.FILL_RESULT: "std_msgs/msg/String",
 }
 HEIGHTS = (0.30, 0.10)
 """Of the held object over its packing pose when the goal begins and when it ends [m]."""
@@ -88,11 +91,18 @@ def _topic(name: str, type_name: str) -> Topic:
 
 
 class GoalWriter:
-    """Writes goals of one second each; topics that are left out stay empty."""
+    """Writes goals of one second each; topics that are left out stay empty.
 
-    def __init__(self, folder: Path, *, without: tuple[str, ...] = ()) -> None:
-        self._recorder = Recorder(folder / "bag", [_topic(*item) for item in TOPICS.items()], TYPES)
-        self._without = without
+    Args:
+        folder: the run's folder.
+        without: topics that are left out.
+        chunk: messages a chunk of the bag; None: one chunk. By number, not by time as the recorder has it, so
+            that the same bag comes of it however busy the machine is.
+    """
+
+    def __init__(self, folder: Path, *, without: tuple[str, ...] = (), chunk: int | None = None) -> None:
+        self._bag = BagWriter(folder / "bag", [_topic(*item) for item in TOPICS.items()], TYPES, float("inf"))
+        self._without, self._chunk, self._written = without, chunk, 0
         self._scene = packing_cell().scene
         self.write(0.0, topics.DESCRIPTION, data=self._scene.description().to_yaml())
 
@@ -100,7 +110,10 @@ class GoalWriter:
         """Write one message."""
         if topic not in self._without:
             data = TYPES.serialize_cdr(make(TOPICS[topic], **fields), TOPICS[topic])
-            self._recorder.write(topic, stamps.to_ns(time), bytes(data))
+            self._bag.write(topic, stamps.to_ns(time), bytes(data))
+            self._written += 1
+            if self._chunk and self._written % self._chunk == 0:
+                self._bag.flush()
 
     def write_goal(self, start: float, outcome: dict[str, Any] | None = None) -> None:
         """A goal accepted at `start`: iterations of 20 ms, forces of 0, 1 and 2 N in turn."""
@@ -119,11 +132,16 @@ class GoalWriter:
 
     def close(self) -> None:
         """Finish the bag."""
-        self._recorder.close()
+        self._bag.close()
 
     def _write_sensors(self, time: float, height: float, force: float) -> None:
         places = {name: (0.4 + 0.05 * i, 0.0, 0.06) for i, name in enumerate(self._scene.names)}
         places[self._scene.new_object.name] = (TARGET[0], TARGET[1], TARGET[2] + height)
+        self.write_cell(time, places, force)
+        self.write(time, REAL_TIME_FACTOR, data=0.5)
+
+    def write_cell(self, time: float, places: Mapping[str, Sequence[float]], force: float) -> None:
+        """Upright objects at places `(3,)` [m], seen as they are, the arm's joints, and a force [N]."""
         objects = [
             make("pack_interfaces/msg/ObjectState", name=name, pose=pose(*p)) for name, p in places.items()
         ]
@@ -134,4 +152,3 @@ class GoalWriter:
         load = make("geometry_msgs/msg/Vector3", z=force)
         wrench = make("geometry_msgs/msg/Wrench", force=load)
         self.write(time, topics.WRENCH, header=header(time), wrench=wrench)
-        self.write(time, REAL_TIME_FACTOR, data=0.5)

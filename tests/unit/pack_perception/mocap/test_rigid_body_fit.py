@@ -77,14 +77,38 @@ def test_markers_on_a_line_are_refused() -> None:
 
 
 @pytest.mark.parametrize("swap", [(0, 1), (2, 5)])
-def test_mistaken_markers_are_refused(swap: tuple[int, int]) -> None:
+def test_mistaken_markers_are_refused_where_too_few_are_left_without_them(swap: tuple[int, int]) -> None:
     p_BM = ITEMS[2].markers()
     p_WM = p_BM.copy()
     p_WM[list(swap)] = p_WM[list(swap[::-1])]
-    assert fit(p_BM, p_WM, np.ones(6, dtype=bool))[0] is FitRefusal.RESIDUAL
+    visible = np.isin(np.arange(6), [*swap, 3, 4])
+    assert fit(p_BM, p_WM, visible)[0] is FitRefusal.RESIDUAL
 
 
 def test_a_mirrored_body_is_never_fitted_by_a_reflection() -> None:
     p_BM = ITEMS[2].markers()
     found, _ = fit(p_BM, p_BM * np.array([1.0, 1.0, -1.0]), np.ones(6, dtype=bool))
     assert found is FitRefusal.RESIDUAL
+
+
+@given(p=vectors, turn=vectors, item=st.sampled_from(ITEMS), false=st.integers(0, 5))
+@settings(max_examples=100, deadline=None)
+def test_a_marker_that_is_not_there_is_left_out(p: Array, turn: Array, item: object, false: int) -> None:
+    X_WB, p_BM = Pose(p, exp(np.pi * turn)), item.markers()
+    p_WM = X_WB.apply(p_BM)
+    p_WM[false] += [0.05, 0.0, 0.02]
+    found, _ = fit(p_BM, p_WM, np.ones(6, dtype=bool))
+    assert isinstance(found, Pose)
+    assert np.allclose(found.p, X_WB.p, atol=1e-9)
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (0, 2), (3, 4), (4, 5)])
+@pytest.mark.parametrize("item", ITEMS, ids=lambda item: item.name)
+def test_two_markers_that_are_taken_for_each_other_never_give_a_wrong_pose(
+    item: object, pair: tuple[int, int]
+) -> None:
+    X_WB, p_BM = Pose(np.array([0.5, 0.1, 0.06]), exp(np.array([0.0, 0.0, 0.7]))), item.markers()
+    p_WM = X_WB.apply(p_BM)
+    p_WM[list(pair)] = p_WM[list(reversed(pair))]
+    found, _ = fit(p_BM, p_WM, np.ones(6, dtype=bool))
+    assert isinstance(found, FitRefusal) or np.linalg.norm(found.p - X_WB.p) < 0.003

@@ -88,3 +88,14 @@ def test_a_tag_at_another_height_is_taken_for_no_block(camera: OverheadCamera, v
 def test_an_empty_picture_misses_every_block(vision: TagVision) -> None:
     sighting = vision.find(np.zeros((1080, 1920, 3), np.uint8), CAMERA, 0.0)
     assert sighting.missing == tuple(TAGS)
+
+
+def test_a_block_that_nobody_knows_is_told_with_its_pose(camera: OverheadCamera) -> None:
+    known = {name: number for name, number in TAGS.items() if number != 7}
+    poses = scattered(TAGS, 0)
+    sighting = TagVision(TagVisionConfig(), CELL.block, known).find(
+        photograph(camera, TAGS, poses), CAMERA, 0.0
+    )
+    assert sighting.is_complete
+    assert sighting.unknown == (7,)
+    assert sighting.poses["tag 7"].distance_to(poses["b7"]) < 0.3e-3

@@ -107,6 +107,36 @@ def test_without_contact_what_finds_no_place_is_refused_and_with_contact_it_come
     assert set(close.order[: len(close.poses)]) == set(close.poses)
 
 
+def test_an_object_that_fits_beside_the_others_in_no_arrangement_is_refused_when_it_is_its_turn() -> None:
+    boxes: list[ObjectModel] = [box(f"box_{i}", 0.12, 0.1, 0.1) for i in range(5)]
+    close = plan(boxes)
+    assert set(close.order) == {item.name for item in boxes}
+    stands = {name: ObjectState(X_WO) for name, X_WO in close.poses.items()}
+    assert len(stands) == 4
+    (last,) = [item for item in boxes if item.name not in stands]
+    others = [item for item in boxes if item.name in stands]
+    scene = SCENE.model_copy(update={"objects": others, "new_object": last})
+    planner = FillPlanner(CONFIG, FillMethod.CONTACT, PackingOrder.PLANNED)
+    found = planner.plan(scene, SceneState(0.0, stands), [last], np.random.default_rng(3))
+    assert found.order == ()
+    assert set(found.refused) == {last.name}
+
+
+def test_an_object_for_which_others_can_move_aside_is_tried() -> None:
+    wide, high = box("wide", 0.13, 0.2, 0.1), box("new", 0.1, 0.2, 0.1)
+    scene = SCENE.model_copy(update={"objects": [wide], "new_object": high})
+    state = SceneState(0.0, {"wide": ObjectState(Pose(np.array([*SCENE.container.centre, 0.05])))})
+    planner = FillPlanner(CONFIG, FillMethod.CONTACT, PackingOrder.PLANNED)
+    found = planner.plan(scene, state, [high], np.random.default_rng(3))
+    assert not found.poses
+    assert found.order == ("new",)
+
+
+def test_room_to_spare_is_shared_among_the_gaps() -> None:
+    two = outlines(plan(ITEMS))
+    assert min(a.distance(b) for a, b in combinations(two, 2)) > 2.0 * CONFIG.gap
+
+
 def test_at_random_objects_come_as_listed_without_places() -> None:
     found = plan(ITEMS, FillMethod.RANDOM)
     assert found.order == tuple(item.name for item in ITEMS)

@@ -51,6 +51,20 @@ def test_the_same_seed_gives_the_same_plan(method: str, clock: Clocks) -> None:
     assert first.actions == second.actions
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_plan_leads_around_what_has_no_goal(seed: int) -> None:
+    """One block of the instance is to stay where it is, beside the goals of the others."""
+    problem = make_instance(6, 0.2, seed)
+    first, *others = problem.blocks
+    goals = {block.id: problem.goals[block.id] for block in others}
+    near = problem.goals[first.id].moved(0.012, 0.0)
+    beside = Problem((PlacedBlock("tag 7", near), *others), goals, problem.workspace)
+    made = plan(beside, budget_s=20.0, seed=seed, config=SHORT)
+    assert made.status is not PlanStatus.INVALID_INPUT or "tag 7" in made.diagnosis.text
+    assert made.is_solved == (verify(beside, made) == [])
+    assert "tag 7" not in {action.block for action in made.actions}
+
+
 def test_blocks_that_are_home_need_no_plan(make) -> None:
     goals = {"a": (0, 0), "b": (52.8, 0)}
     for starts in (goals, {"a": (0, 1.5, 0.03), "b": (54, 0)}, {}):

@@ -51,12 +51,24 @@ def test_a_start_outside_the_workspace_is_refused_unless_that_is_allowed(make) -
     assert plan(make(starts, GOALS, starts_may_be_outside=True)).is_solved
 
 
-def test_ids_must_be_unique_and_have_goals(make) -> None:
+def test_ids_must_be_unique_and_goals_have_blocks(make) -> None:
     pose, far = PlanarPose(0.0, 0.0), PlanarPose(0.1, 0.1)
     twice = Problem((PlacedBlock("a", pose), PlacedBlock("a", far)), {"a": pose}, square_workspace(0.6))
     assert refusal(twice) == ("block ids occur more than once: a", ("a",))
-    assert refusal(make(STARTS, {"a": (0, 0)})) == ("blocks without a goal: b", ("b",))
     assert refusal(make({"a": (0, 0)}, GOALS)) == ("goals of blocks that are not there: b", ("b",))
+
+
+def test_an_obstacle_on_a_goal_is_named(make) -> None:
+    assert refusal(make({"a": (-150, 0), "tag 7": (20, 10, 0.3)}, {"a": (0, 0)})) == (
+        "tag 7 stands on the goal of a: take it away",
+        ("a", "tag 7"),
+    )
+
+
+def test_a_planner_that_knows_no_obstacles_is_not_asked_for_a_way_around_one(make) -> None:
+    made = plan(make({"a": (-150, 0), "tag 7": (100, 100)}, {"a": (0, 0)}), method="pirs")
+    assert made.status is PlanStatus.INVALID_INPUT
+    assert "tag 7 in the way" in made.diagnosis.text
 
 
 @pytest.mark.parametrize("broken", [math.nan, math.inf])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from pack_bringup.cli.faults import faults
+from pack_bringup.cli.hands import hands
 from pack_core.cells import CELLS, cell_part
 
 app = typer.Typer()
@@ -17,3 +18,4 @@ app.add_typer(benchmarks, name="benchmark")
 for cell in CELLS:
     benchmarks.command(cell)(cell_part(cell, "benchmark"))
 benchmarks.command("faults")(faults)
+benchmarks.command("hands")(hands)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Callable
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -22,10 +23,20 @@ Reset = Annotated[
 ]
 
 
-def run_goal(goal: CellGoal, *, reset: bool, domain: int | None, network: str) -> NoReturn:
+def run_goal(
+    goal: CellGoal, *, reset: bool, domain: int | None, network: str,
+    show: Callable[[Any], None] = lambda _: None,
+) -> NoReturn:  # fmt: skip
     """Send a goal, show how it goes, and leave with 0 if it succeeded and 1 if not.
 
     Ctrl-C cancels the goal; its result is still waited for. A second one leaves at once.
+
+    Args:
+        goal: what to do.
+        reset: whether the cell is put into the goal's scene first.
+        domain: ROS domain id; None: the environment's.
+        network: the network of a cell on several machines; empty: this machine.
+        show: shows what the result says beyond its message.
 
     Raises:
         PackError: the cell does not run here, or the goal was refused.
@@ -53,6 +64,7 @@ def run_goal(goal: CellGoal, *, reset: bool, domain: int | None, network: str) -
         result = follow_goal(make, on_turn, domain=where)
     reason = getattr(result, "exit_reason", "success" if result.success else "failure")
     typer.echo(f"goal ended: {reason}" + (f", {result.message}" if result.message else ""))
+    show(result)
     raise typer.Exit(0 if result.success else 1)
 
 

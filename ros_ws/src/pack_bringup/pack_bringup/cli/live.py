@@ -19,6 +19,7 @@ from pack_bringup.cli.terminal import notice
 from pack_bringup.demo import LOG, Job, run_demo
 from pack_bringup.page import PageProcess
 from pack_bringup.recording.run_record import BAG_FOLDER
+from pack_core.errors import BagError
 from pack_evaluation.record import RECORD
 
 
@@ -58,6 +59,12 @@ def run_live(
     except KeyboardInterrupt:
         typer.echo(f"stopped before the report was written: `pack evaluate {job.folder}` writes it")
         raise typer.Exit(130) from None
+    except BagError:
+        if result.success:
+            raise
+        # A goal that fails before the arm has moved is recorded, with nothing in it to measure.
+        typer.echo(f"there is no report: the goal ended before its work began\nlog:    {job.folder / LOG}")
+        raise typer.Exit(1) from None
     show(found)
     typer.echo(f"log:    {job.folder / LOG}")
     if pace.warning:

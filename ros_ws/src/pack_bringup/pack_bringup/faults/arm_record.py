@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -14,7 +15,14 @@ STILL = 0.05
 REST = 0.1
 """The arm stands once it has been that slow for so long [s]."""
 NEAR_TOP = 0.97
-"""The arm brakes from the last moment on at which its speed was this share of the highest before it stood."""
+"""An arm at constant speed brakes from the last moment on at which it had this share of its highest speed."""
+RISING = 0.5
+"""Acceleration of the fastest joint from which its speed counts as rising [rad/s^2]."""
+NEAR_PEAK = 0.9
+"""An arm whose speed rises brakes from the last moment on at which it had this share of its acceleration: as
+jerk is bounded, its speed goes on rising for some 50 ms, by less and less."""
+SMOOTHED = 5
+"""Joint states over which the acceleration is averaged."""
 MEMORY = 20_000
 """Joint states that are kept: those of 40 s at 500 Hz."""
 
@@ -40,6 +48,8 @@ class ArmRecord:
 
     def add(self, stamp: float, sent_ns: int, speed: float) -> None:
         """A joint state: its stamp [s], when it was sent [ns of wall clock], its fastest joint [rad/s]."""
+        if stamp < self.time:  # another simulator, whose time has begun anew
+            self._rows.clear()
         self._rows.append((stamp, sent_ns, speed))
 
     @property
@@ -66,6 +76,12 @@ class ArmRecord:
         rows = [(stamp, speed) for stamp, _, speed in self._rows if begin <= stamp <= end]
         return np.array(rows).reshape(-1, 2)
 
+    def save(self, path: Path, begin: float, end: float) -> None:
+        """Write what was heard from `begin` to `end` [s] to a file, for whoever wants to look closer."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        header = "time [s simulated], speed of the fastest joint [rad/s]"
+        np.savetxt(path, self.between(begin, end), "%.4f", ", ", header=header)
+
     def stop_after(self, time: float) -> Stop:
         """How the arm came to rest after a moment of simulated time [s]."""
         rows = self.between(time, float("inf"))
@@ -88,5 +104,16 @@ def stop_of(stamps: Array, speeds: Array, time: float) -> Stop:
     if not pauses.size:
         return Stop(float("inf"), float("inf"))
     last = int(moving[pauses[0]])
-    fast = np.flatnonzero(speeds[: last + 1] >= NEAR_TOP * speeds[: last + 1].max())
-    return Stop(float(stamps[fast[-1]]) - time, float(stamps[last]) - time)
+    return Stop(_brakes_at(stamps[: last + 1], speeds[: last + 1]) - time, float(stamps[last]) - time)
+
+
+def _brakes_at(stamps: Array, speeds: Array) -> float:
+    """When an arm began to brake that stands at the end [s]."""
+    fastest = int(np.flatnonzero(speeds >= NEAR_TOP * speeds.max())[-1])
+    if fastest < SMOOTHED:
+        return float(stamps[fastest])
+    mean = np.ones(SMOOTHED) / SMOOTHED
+    rise = np.convolve(np.gradient(speeds, stamps), mean, "same")[: fastest + 1]
+    if rise.max() < RISING:
+        return float(stamps[fastest])
+    return float(stamps[np.flatnonzero(rise >= NEAR_PEAK * rise.max())[-1]])

@@ -42,6 +42,7 @@ class ProcessGroup:
         self._env = {**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})}
         self._commands, self._colours = dict(commands), dict(zip(commands, get_colours(), strict=False))
         self._processes = {name: self._prepare(name) for name in commands}
+        self._relaying = Thread(target=self._relay, daemon=True)
 
     def __enter__(self) -> Self:
         self.start()
@@ -72,7 +73,7 @@ class ProcessGroup:
     def start(self) -> None:
         """Start every process, and return once all have one; to be called in the main thread."""
         _pass_on_no_ignored_ctrl_c()
-        Thread(target=self._relay, daemon=True).start()
+        self._relaying.start()
         for name in self._processes:
             self._begin(name)
         with self._changed:
@@ -113,13 +114,17 @@ class ProcessGroup:
             os.killpg(pid, number)
 
     def stop(self, grace: float = 10.0) -> None:
-        """End all as Ctrl-C would, and kill what is still alive after `grace` [s] of wall clock."""
+        """End all as Ctrl-C would, and kill what is still alive after `grace` [s] of wall clock.
+
+        What they have written is then in the output, which may be closed.
+        """
         for number in (signal.SIGINT, signal.SIGKILL):
             for name in self.running:
                 self.signal(name, number)
             if self.wait(grace):
                 break
         self._events.put(None)
+        self._relaying.join()
 
     def _prepare(self, name: str) -> Process:
         command = _shell_command(self._commands[name])

@@ -43,11 +43,7 @@ class PalletizingGoal:
 
     def reset(self) -> tuple[Contract, Any]:
         """The service that empties the cell, and its request."""
-        from pack_interfaces.srv import ResetCell
-
-        from pack_core.ros.contracts.palletizing import RESET
-
-        return RESET, ResetCell.Request(seed=self.seed)
+        return reset_of(self.seed)
 
     def progress(self, feedback: Any, real_time_factor: float) -> Progress:
         """Feedback of the action in words."""
@@ -56,6 +52,15 @@ class PalletizingGoal:
             f"{feedback.state:18} {feedback.box:14} {feedback.placed:2}/{feedback.boxes}  "
             f"{feedback.elapsed:6.1f} s  real-time factor {real_time_factor:4.2f}",
         )
+
+
+def reset_of(seed: int) -> tuple[Contract, Any]:
+    """The service that empties the cell and brings the arm home, and its request."""
+    from pack_interfaces.srv import ResetCell
+
+    from pack_core.ros.contracts.palletizing import RESET
+
+    return RESET, ResetCell.Request(seed=seed)
 
 
 def seeded_goal(seed: int) -> PalletizingGoal:

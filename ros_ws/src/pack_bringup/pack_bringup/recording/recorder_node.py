@@ -7,24 +7,17 @@ any real-time factor read alike; each message keeps its own header stamp besides
 from __future__ import annotations
 
 import time
-from datetime import datetime
 from operator import itemgetter
-from pathlib import Path
 from typing import Any
 
-from pydantic import Field
-
 from pack_bringup.recording.goal_gate import GoalGate, Sent
-from pack_bringup.recording.message_types import message_types
-from pack_bringup.recording.record import Record
 from pack_bringup.recording.recorder import Recorder
-from pack_bringup.recording.ros.bag_topics import is_latched, to_bag_topic
+from pack_bringup.recording.ros.bag_topics import is_latched
 from pack_bringup.recording.ros.goal_status import GoalsInProgress, status_contracts
-from pack_bringup.recording.run_record import BAG_FOLDER, default_folder, describe_run
+from pack_bringup.recording.ros.recorder_config import RecorderConfig, begin_recording, recording_plan
 from pack_core import stamps
 from pack_core.cells import optional_cell_part
-from pack_core.config import Config
-from pack_core.errors import MessageError, PackError
+from pack_core.errors import BagError, MessageError, PackError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import nodes_of, recorded
@@ -37,22 +30,6 @@ DEPTH = 1000
 """Messages a topic that may wait in the middleware, whatever depth it has for others."""
 DRAIN_PERIOD = 0.05
 """Wall clock between two looks at what has arrived [s]."""
-
-
-class RecorderConfig(Config):
-    """Parameters of the recorder."""
-
-    path: str = Field(default="", description="the run's folder; empty: bags/<cell>_<date>_seed<seed>")
-    cell: str = Field(default="packing", description="the cell whose topics are recorded")
-    record: Record = Field(default="goals", description="when to record: while goals run, always, or never")
-    split_mb: float = Field(default=256.0, gt=0.0, description="size at which another file is begun [MB]")
-    limit_gb: float = Field(default=10.0, gt=0.0, description="size of the bag at which recording ends [GB]")
-    required: bool = Field(
-        default=False, description="end the node, and so the goal in progress, when recording fails"
-    )
-    seed: int | None = Field(default=None, description="the run's seed, for run.yaml")
-    preset: str = Field(default="", description="the conditions' name, for run.yaml")
-    command: str = Field(default="", description="the command line that started the run, for run.yaml")
 
 
 class RecorderNode(CellNode):
@@ -74,13 +51,14 @@ class RecorderNode(CellNode):
         if config.record == "never":
             self.get_logger().info("recording nothing (record: never)")
             return
-        now, topics = datetime.now(), recorded(config.cell)
-        self.folder = Path(config.path) if config.path else default_folder(config.cell, config.seed, now)
-        self.recorder = Recorder(
-            self.folder / BAG_FOLDER, map(to_bag_topic, topics), message_types(),
-            split_size=config.split_mb * 1e6, limit=config.limit_gb * 1e9,
-        )  # fmt: skip
-        describe_run(config.cell, config.seed, config.command, now, config.preset).save(self.folder)
+        try:
+            self.folder, self.recorder = begin_recording(config)
+        except BagError as error:
+            if config.required:
+                raise
+            self._say_fault(f"{error}; goals go on unrecorded")
+            return
+        topics = recorded(config.cell)
         self._time_ns = 0
         run_files = optional_cell_part(config.cell, "run_files")
         self._run_files = run_files(self.folder) if run_files else None
@@ -91,7 +69,7 @@ class RecorderNode(CellNode):
         self._streams = [Stream(self, contract, depth=DEPTH, raw=True) for contract in (*topics, *status)]
         self._drain = NodeThread(self, self._wait_and_drain, "drain")
         self.watch(nodes_of(config.cell) - {self.get_name()}, self._on_peer)
-        self.get_logger().info(f"recording {_plan(config)} to {self.folder}")
+        self.get_logger().info(f"recording {recording_plan(config)} to {self.folder}")
 
     @property
     def is_recording(self) -> bool:
@@ -103,9 +81,8 @@ class RecorderNode(CellNode):
         if self.recorder is not None:
             self.health.values["written"] = str(self.recorder.written.total())
             self.health.values["dropped"] = str(self.recorder.dropped)
-            if self.recorder.fault and "bag" not in self.health.faults:
-                self.health.faults["bag"] = self.recorder.fault
-                self.get_logger().error(self.recorder.fault)
+            if self._has_failed:
+                self._say_fault(self.recorder.fault)
         super().report()
         if self._is_required and "bag" in self.health.faults:
             self.get_logger().error("the recorder ends, as parameter `required` says")
@@ -140,6 +117,17 @@ class RecorderNode(CellNode):
     def _wait_and_drain(self) -> None:
         time.sleep(DRAIN_PERIOD)
         self.drain()
+        if self._has_failed:
+            self.report()  # at once, not with the next second
+
+    @property
+    def _has_failed(self) -> bool:
+        """Whether the recorder has a fault that was not told yet."""
+        return self.recorder is not None and bool(self.recorder.fault) and "bag" not in self.health.faults
+
+    def _say_fault(self, fault: str) -> None:
+        self.health.faults["bag"] = fault
+        self.get_logger().error(fault)
 
     def _choose(self, sent_ns: int, topic: str, data: bytes) -> list[Sent]:
         """What is to be recorded now that this message has come."""
@@ -178,15 +166,6 @@ class RecorderNode(CellNode):
             self._run_files.on_message(topic, data)
         except PackError as error:
             self.health.count(f"refused {topic}", str(error))
-
-
-def _plan(config: RecorderConfig) -> str:
-    """What is recorded, and how far, in the words of the log."""
-    what = "all that is sent" if config.record == "always" else "goals, from 2 s before to 2 s after each,"
-    return (
-        f"{what} in compressed files of {config.split_mb:g} MB, at most {config.limit_gb:g} GB together "
-        "(limit_gb; then recording stops and the cell goes on)"
-    )
 
 
 def main() -> int:

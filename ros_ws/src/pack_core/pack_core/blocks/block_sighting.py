@@ -14,10 +14,10 @@ class BlockSighting:
 
     Attributes:
         time: when the picture was taken [s].
-        poses: X_WB of every block that was seen, by id.
+        poses: X_WB of every block that was seen, by id; also of blocks that nobody knows, called "tag 7".
         missing: ids of blocks whose tag was not seen.
         doubled: ids of blocks whose tag was seen more than once; their pose is not told.
-        unknown: numbers of tags that belong to no block.
+        unknown: numbers of tags that belong to no known block.
     """
 
     time: float
@@ -27,6 +27,25 @@ class BlockSighting:
     unknown: tuple[int, ...] = ()
 
     @property
+    def unplaced(self) -> tuple[str, ...]:
+        """Tags of no known block that do not lie on top of a block: nobody knows what they are on."""
+        return tuple(stranger(number) for number in self.unknown if stranger(number) not in self.poses)
+
+    @property
     def is_complete(self) -> bool:
-        """Every block was seen exactly once."""
-        return not self.missing and not self.doubled
+        """Every block was seen exactly once, and everything else that is there is known to be a block."""
+        return not self.missing and not self.doubled and not self.unplaced
+
+    @property
+    def lacks(self) -> str:
+        """What is not clear, in words; empty for a complete sighting."""
+        lacks = {
+            "not seen": self.missing, "seen more than once": self.doubled,
+            "on top of no block": self.unplaced,
+        }  # fmt: skip
+        return "; ".join(f"{what}: {', '.join(names)}" for what, names in lacks.items() if names)
+
+
+def stranger(number: int) -> str:
+    """What a block with a tag of this number is called that nobody knows."""
+    return f"tag {number}"

@@ -40,8 +40,8 @@ class Problem:
     """Blocks to be rearranged.
 
     Attributes:
-        blocks: ids and measured poses.
-        goals: pose of every block at the end, by id.
+        blocks: ids and measured poses; one that has no goal is an obstacle, which stays where it is.
+        goals: pose at the end of every block that may be moved, by id.
         workspace: corners [m] of a convex polygon in which blocks may be put down.
         side: of every cube [m].
         symmetry: after how many equal turns a block looks alike: 1, 2 or 4 (any face may be in front).
@@ -68,3 +68,8 @@ class Problem:
     def starts(self) -> dict[str, PlanarPose]:
         """Measured pose of every block by id."""
         return {block.id: block.pose for block in self.blocks}
+
+    @property
+    def obstacles(self) -> dict[str, PlanarPose]:
+        """Measured pose of every block that is not to be moved, by id."""
+        return {block.id: block.pose for block in self.blocks if block.id not in self.goals}

@@ -36,12 +36,14 @@ class Entry:
         lean: tilt at the entry [rad].
         aside: horizontal offset `(2,)` of the lower end from the packing pose at the entry [m].
         tops: heights of the obstacles' tops over the base [m].
+        beside: heights of the tops of neighbours, which an object that is a little off its way may meet [m].
     """
 
     over: Array = field(default_factory=lambda: np.zeros(2))
     lean: float = 0.0
     aside: Array = field(default_factory=lambda: np.zeros(2))
     tops: tuple[float, ...] = ()
+    beside: tuple[float, ...] = ()
 
     def at(self, bottom: Array | float) -> tuple[Array, Array]:
         """Tilt and offset while the lower end is at heights `bottom` `(...)` [m].
@@ -60,14 +62,15 @@ class Entry:
     def may_land(self, walls: float, bottom: float) -> bool:
         """Whether the object, its lower end at height `bottom` [m], could still land on something.
 
-        It could until it has passed the tops of all its obstacles and of the walls, `walls` [m] high.
+        It could until it has passed the tops of obstacles and neighbours, and the walls, `walls` [m] high.
         """
-        return bottom > min((walls, *self.tops)) - LANDING_MARGIN
+        return bottom > min((walls, *self.tops, *self.beside)) - LANDING_MARGIN
 
 
 def plan_entry(
-    scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose], lean: float, over: Array
-) -> Entry:
+    scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose], lean: float,
+    over: Array, reach: float = 0.0,
+) -> Entry:  # fmt: skip
     """The entry that leans towards `over`, its lower end offset to the opposite side.
 
     The offset is the deepest overlap with an obstacle along `over`, plus a margin, cut off at the walls.
@@ -79,6 +82,7 @@ def plan_entry(
         poses: X_WO of at least these objects.
         lean: tilt at the entry [rad].
         over: horizontal unit vector `(2,)` towards which N leans, or zero for a straight entry.
+        reach: distance from the packing pose within which objects count as neighbours [m].
     """
     own = footprint(scene.new_object, X_WN)
     others = [footprint(scene.model_of(name), poses[name]) for name in collisions]
@@ -86,7 +90,13 @@ def plan_entry(
     aside = -(depth + ASIDE_MARGIN) * over if depth > 0.0 else np.zeros(2)
     # an object stands on the base, so its height is twice its half extent
     tops = tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in collisions)
-    return Entry(over, lean, _within_walls(scene.container, own, aside), tops)
+    near = [
+        name
+        for name in (scene.names if reach > 0.0 else ())
+        if name not in collisions and footprint(scene.model_of(name), poses[name]).distance(own) < reach
+    ]
+    beside = tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in near)
+    return Entry(over, lean, _within_walls(scene.container, own, aside), tops, beside)
 
 
 def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) -> Array:

@@ -9,7 +9,7 @@ import yaml
 from pydantic import NonNegativeFloat
 
 from pack_core.camera import LensDistortion
-from pack_core.config import Config, load_config
+from pack_core.config import Config, load_config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.displacement import Displacement
@@ -89,10 +89,19 @@ class CellCalibration(Config):
         found = {name: getattr(self.camera, name) for name in CalibratedCamera.model_fields}
         return cell.model_copy(update={**places, "camera": cell.camera.model_copy(update=found)})
 
+    def to_yaml(self) -> str:
+        """The text of its file."""
+        return yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False)
+
     def write(self, path: Path) -> None:
-        """Write it as YAML."""
+        """Write its file."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(yaml.safe_dump(self.model_dump(mode="json"), sort_keys=False))
+        path.write_text(self.to_yaml())
+
+
+def parse_calibration(text: str, source: str) -> CellCalibration:
+    """Read the text of a calibration file, which `source` names in errors; raises ConfigError."""
+    return parse_config(CellCalibration, text, source)
 
 
 def load_calibration(path: Path) -> CellCalibration:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pack_interfaces.msg import ArmState
 
 from pack_core.errors import PackError
+from pack_core.ros.awaited_answer import ONCE, ServiceAnswers
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 
@@ -19,10 +20,11 @@ class ArmStops:
     Args:
         node: pursues the goals.
         on_stop: ends the goal in progress; is called once for a stop, with the reason in words.
+        answers: of services, as the node waits for them.
     """
 
-    def __init__(self, node: CellNode, on_stop: Callable[[str], None]) -> None:
-        self._node, self._on_stop = node, on_stop
+    def __init__(self, node: CellNode, on_stop: Callable[[str], None], answers: ServiceAnswers) -> None:
+        self._node, self._on_stop, self._answers = node, on_stop, answers
         self._arm = ArmState()
         self._stops_known = 0
         self._resume = node.create_client(shared.RESUME_ARM.type, shared.RESUME_ARM.name)
@@ -36,13 +38,14 @@ class ArmStops:
         """Have the driver follow setpoints again, if it was stopped before the goal came.
 
         Raises:
-            PackError: it was stopped since, which the goal must not undo.
+            PackError: it was stopped since, which the goal must not undo, or the driver does not answer.
         """
         if not self._arm.is_stopped:
             return
         known = self._stops_known  # when the goal came
         if self._arm.stops == known:
-            await self._resume.call_async(shared.RESUME_ARM.type.Request())
+            # Never a second time: it could release the arm from a stop that came in between.
+            await self._answers.of(self._resume, shared.RESUME_ARM.type.Request(), ONCE)
         if self._arm.stops != known:
             raise PackError(_stopped(self._arm.reason))
 

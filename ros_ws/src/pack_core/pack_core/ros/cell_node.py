@@ -16,11 +16,12 @@ from std_msgs.msg import Empty
 from pack_core.errors import ConfigError
 from pack_core.ros.clocked_node import ClockedNode
 from pack_core.ros.contracts import shared
+from pack_core.ros.local_nodes import check_name_is_free
 from pack_core.ros.node_status import StatusTeller
 from pack_core.ros.params import unknown_parameters
 from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
 from pack_core.ros.silence_log import SilenceLog
-from pack_core.ros.watch_connection import WatchSocket, check_name_is_free
+from pack_core.ros.watch_socket import WatchSocket
 
 ASSERTION_PERIOD = 0.05
 """How often a node says that it is alive [s of wall clock]: ten times within the lease, as some come late."""

@@ -14,6 +14,7 @@ from rclpy.task import Future
 
 from pack_core.errors import PackError
 from pack_core.ros.arm_stops import ArmStops
+from pack_core.ros.awaited_answer import ServiceAnswers
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.shared import CLOCK
@@ -38,11 +39,7 @@ class GoalNode(CellNode, ABC):
        turn of its work: it alone knows how to stop safely.
     4. While a watched peer has been silent for longer than `fault_time`, `on_lost_peers` is called.
     5. When the arm is stopped (`/arm/stop`), `on_arm_stop` is called once. The next goal releases the arm.
-    6. When a callback fails in a way that nobody foresaw, or a second simulator comes, the goal ends with
-       the reason, whatever its core believes (`give_up`).
-
-    Args:
-        name: of the node.
+    6. When a callback fails unforeseen, or a second simulator comes, the goal ends with it (`give_up`).
     """
 
     def __init__(self, name: str, **kwargs: Any) -> None:
@@ -51,6 +48,7 @@ class GoalNode(CellNode, ABC):
         self._actions: list[ActionServer] = []
         self._goal: ServerGoalHandle | None = None
         self._goal_ended: Future | None = None
+        self.answers = ServiceAnswers(self)
         self._failure = ""
 
     def take_goals(
@@ -73,7 +71,7 @@ class GoalNode(CellNode, ABC):
             )
             for action in (contract, *others)
         ]  # fmt: skip
-        self._arm_stops = ArmStops(self, self.on_arm_stop)
+        self._arm_stops = ArmStops(self, self.on_arm_stop, self.answers)
         self.watch(watched, self.on_peer)
         self.create_timer(CHECK_PERIOD, self._check_peers, clock=self.wall)
 
@@ -137,6 +135,7 @@ class GoalNode(CellNode, ABC):
         """End the goal in progress with the reason."""
         if self._goal is not None and not self._failure:
             self._failure = reason
+            self.answers.give_up(reason)
             self.end_goal()
             self.give_up()
 
@@ -198,3 +197,4 @@ class GoalNode(CellNode, ABC):
         lost = self.silent_peers.lasting(self._fault_time, time.monotonic())
         if lost and self._goal is not None:
             self.on_lost_peers(lost)
+        self.answers.check(time.monotonic(), is_cancelled=self.is_cancel_requested)

@@ -75,7 +75,7 @@ class PeerWatch:
     def has_ended(self) -> bool:
         """Whether no process of the peer is known on this machine; one that lives but is silent may hang."""
         connection = self._connection
-        return connection is None or not connection.is_open
+        return connection is None or not connection.is_answered
 
     def begin(self) -> None:
         """Watch from now on."""
@@ -98,7 +98,8 @@ class PeerWatch:
         domain = self._node.context.get_domain_id()
         while not self._ended.is_set():
             self._connection = connection = WatchConnection(domain, self.peer)
-            if connection.is_open and not self._ended.is_set():
+            # One that is being cleared away still has its socket, and answers no more.
+            if connection.wait_for_answer() and not self._ended.is_set():
                 self._change(True)
                 connection.wait_for_end()
                 if not self._ended.is_set():

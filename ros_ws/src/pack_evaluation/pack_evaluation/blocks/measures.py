@@ -96,7 +96,8 @@ def _perception_errors(run: BlocksRun) -> tuple[list[float], list[float]]:
     distances, turns = [], []
     for sight in run.sights:
         truth = run.poses_at(sight.time)
-        for name, pose in sight.poses.items():
+        for name in sight.poses.keys() & truth.keys():
+            pose = sight.poses[name]
             distances.append(1000 * pose.distance_to(truth[name]))
             turns.append(float(np.rad2deg(abs(turn_between(pose, truth[name])))))
     return distances, turns

@@ -24,20 +24,26 @@ def verify(problem: Problem, plan: Plan) -> list[str]:
     Blocks that count as standing on their goals are taken to stand there exactly, and a block's first action
     may start within tolerance of where the block was measured, as the planner assumes.
     """
-    poses = {name: _snapped(problem, name, pose) for name, pose in problem.starts.items()}
+    goals = problem.goals
+    poses = {
+        name: _snapped(problem, name, pose) if name in goals else pose
+        for name, pose in problem.starts.items()
+    }
     moved: set[str] = set()
     faults: list[str] = []
     for number, action in enumerate(plan.actions, 1):
         what = f"action {number} ({type(action).__name__} {action.block})"
         if action.block not in poses:
             return [*faults, f"{what}: there is no such block"]
+        if action.block not in goals:
+            return [*faults, f"{what}: it has no goal, and is to stay"]
         faults += [f"{what}: {fault}" for fault in _faults(problem, poses, action, action.block in moved)]
         poses[action.block] = action.end
         moved.add(action.block)
     return faults + [
         f"{name} does not end at its goal"
         for name, pose in poses.items()
-        if not _is_home(problem, name, pose)
+        if name in goals and not _is_home(problem, name, pose)
     ]
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
+from pack_evaluation.packing.fill.recording import has_fill_job
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
@@ -50,6 +51,10 @@ class PackingStudies(StudyEvaluator[PackingStudy, PackingTrial]):
     def read_recording(self, path: Path) -> PackingTrial:
         """The last goal of a recording, named by the recording's path."""
         return trial_of(str(path), load_run(path))
+
+    def kind_of(self, path: Path) -> str:
+        """A recording that holds a fill job is none of a single goal."""
+        return "fill_studies" if has_fill_job(path) else "studies"
 
     def of_recordings(self, recordings: Sequence[PackingTrial]) -> PackingStudy:
         """All recordings as trials."""

@@ -40,7 +40,7 @@ def gather(paths: Sequence[Path], on_read: Callable[[Path], None] = lambda _: No
         on_read: is told each path once it has been read.
     """
     studies: dict[tuple[str, str], list[Study]] = {}
-    recordings: dict[str, list[Any]] = {}
+    recordings: dict[tuple[str, str], list[Any]] = {}
     left_out: dict[Path, str] = {}
     for path in paths:
         try:
@@ -51,13 +51,13 @@ def gather(paths: Sequence[Path], on_read: Callable[[Path], None] = lambda _: No
                 studies.setdefault(kind, []).extend(found)
             else:
                 cell = cell_of(path)
-                recordings.setdefault(cell, []).append(cell_part(cell, "studies").read_recording(path))
+                kind = (cell, cell_part(cell, "studies").kind_of(path))
+                recordings.setdefault(kind, []).append(cell_part(*kind).read_recording(path))
         except PackError as error:
             left_out[path] = str(error)
         on_read(path)
-    for cell, found in recordings.items():
-        of_all = cell_part(cell, "studies").of_recordings(found)
-        studies.setdefault((cell, "studies"), []).append(of_all)
+    for kind, found in recordings.items():
+        studies.setdefault(kind, []).append(cell_part(*kind).of_recordings(found))
     cells = [
         CellStudies(kind[0], cell_part(*kind), tuple(with_names_that_differ(studies[kind])))
         for kind in sorted(studies, key=lambda kind: (CELLS.index(kind[0]), kind[1] != "studies", kind[1]))

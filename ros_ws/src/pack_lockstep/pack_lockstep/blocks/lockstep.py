@@ -15,7 +15,7 @@ from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
 from block_fsm.motions import Motions
 from block_fsm.outcome import ExitReason, Outcome
-from block_fsm.requests import Answer, ExecutorRequest, Look, MoveArm, MoveFingers, PlanFor
+from block_fsm.requests import Answer, ExecutorRequest, Look, MoveArm, MoveFingers, NoPicture, PlanFor
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import BlocksCell
@@ -46,6 +46,7 @@ class BlocksLockstepConfig(Config):
         default=0.1, description="from asking for a picture to its exposure, for the arm to be still [s]"
     )
     vision_latency: NonNegativeFloat = Field(default=0.1, description="from exposure to the poses [s]")
+    picture_timeout: PositiveFloat = Field(default=10.0, description="for a picture to come at all [s]")
     planning_latency: NonNegativeFloat = Field(default=0.3, description="a plan takes [s]")
     jaw_timeout: PositiveFloat = Field(default=3.0, description="for the fingers to come to rest [s]")
     motion: str = Field(default="shipped", description="a set of config/motion")
@@ -65,6 +66,10 @@ class BlocksLockstep:
         starts: X_WB of every block at the start, by id.
         planner: makes plans.
         config: parameters.
+        strangers: X_WB of further blocks on the table, by id; nobody knows their tags.
+
+    Attributes:
+        camera_is_silent: whether pictures are asked for in vain.
     """
 
     def __init__(
@@ -74,11 +79,15 @@ class BlocksLockstep:
         starts: Mapping[str, PlanarPose],
         planner: Planner,
         config: BlocksLockstepConfig,
+        strangers: Mapping[str, PlanarPose] | None = None,
     ) -> None:
         self._cell, self._config, self._planner = cell, config, planner
         tags = {name: number for number, name in enumerate(task.goals)}
-        self.simulator = BlocksSimulator(cell, tags, starts, config.simulator)
-        self.camera = OverheadCamera(cell, tags, config.simulator.timestep, shadows=config.shadows)
+        there = {**starts, **(strangers or {})}
+        all_tags = {**tags, **{name: len(tags) + k for k, name in enumerate(strangers or {})}}
+        self.simulator = BlocksSimulator(cell, all_tags, there, config.simulator)
+        self.camera = OverheadCamera(cell, all_tags, config.simulator.timestep, shadows=config.shadows)
+        self.camera_is_silent = False
         self._vision = TagVision(config.vision, cell.block, tags)
         arm, q = load_arm("blocks"), np.array(cell.robot.look)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
@@ -87,9 +96,19 @@ class BlocksLockstep:
         surroundings = Surroundings(cell, task.side)
         self.executor = Executor(task, config.executor, motions, surroundings, cell.gripper.force)
         self._targets = 0
+        self._on_step: Callable[[], None] | None = None
 
-    def run(self, on_request: Callable[[ExecutorRequest, SceneState], None] | None = None) -> Outcome:
-        """Run to the outcome; `on_request` sees what is asked for next, and where the blocks truly are."""
+    def run(
+        self, on_request: Callable[[ExecutorRequest, SceneState], None] | None = None,
+        on_step: Callable[[], None] | None = None,
+    ) -> Outcome:  # fmt: skip
+        """Run to the outcome.
+
+        Args:
+            on_request: sees what is asked for next, and where the blocks truly are.
+            on_step: is called with every setpoint of the arm.
+        """
+        self._on_step = on_step
         with self.camera:
             request: ExecutorRequest | None = self.executor.start()
             while request is not None:
@@ -102,6 +121,9 @@ class BlocksLockstep:
     def _answer(self, request: ExecutorRequest) -> Answer:
         if isinstance(request, Look):
             self._advance(self._config.exposure_delay)
+            if self.camera_is_silent:
+                self._advance(self._config.picture_timeout)
+                return NoPicture("the camera does not answer")
             time, picture = self.simulator.time, self.camera.picture(self.simulator.snapshot())
             self._advance(self._config.vision_latency)
             return self._vision.find(picture, self._cell.camera.pinhole, time)
@@ -129,6 +151,8 @@ class BlocksLockstep:
     def _advance(self, duration: float) -> None:
         """Step everything that runs all the time."""
         for _ in range(round(duration / self._config.period)):
+            if self._on_step is not None:
+                self._on_step()
             self._arm.advance()
 
     def _fail(self, detail: str) -> None:

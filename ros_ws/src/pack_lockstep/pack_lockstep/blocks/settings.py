@@ -43,7 +43,8 @@ def lockstep_config(price: str | None = None) -> BlocksLockstepConfig:
     motion = load_parameters("blocks/motion", MotionParameters)
     return BlocksLockstepConfig(
         period=motion.period, motion=motion.parameters, exposure_delay=patience.exposure_delay,
-        jaw_timeout=patience.jaw, shadows=load_parameters("blocks/sim", BlocksCameraParameters).shadows,
+        picture_timeout=patience.picture, jaw_timeout=patience.jaw,
+        shadows=load_parameters("blocks/sim", BlocksCameraParameters).shadows,
         simulator=load_parameters("blocks/sim", BlocksSimulatorConfig),
         vision=load_parameters("blocks/tags", TagVisionConfig),
         planner=_planners(price),

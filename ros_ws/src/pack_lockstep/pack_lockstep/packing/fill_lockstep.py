@@ -11,6 +11,7 @@ from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.packing.arrangement import Arrangement, FillMethod
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.container_fill import fill_of
 from pack_core.packing.free_space import is_packed
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.packing_list import PackingList
@@ -18,7 +19,7 @@ from pack_lockstep.packing.fill_result import FillResult
 from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements, Sense
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_mpc.filling.fill_job import FillJob
-from pack_mpc.filling.fill_report import FillReport, fill_of
+from pack_mpc.filling.fill_report import FillReport
 from pack_mpc.filling.requests import Arrange, FillRequest, Judge, Pack, Packed, Present, Presented, UsePump
 from pack_mpc.filling.steps import FillObservation
 from pack_mpc.force_record import ForceRecord
@@ -150,7 +151,7 @@ class FillLockstep:
         number = len(self.job.report.objects)
         placements = LockstepPlacements(planner, config, self._seed + 1000 * number, request.X_WN)
         session = PackingSession(
-            scene, self._physical, config.session, PackingMethod.PACK_IT_IN, self.simulator.time
+            scene, self._physical, config.session.of_fill_job(), PackingMethod.PACK_IT_IN, self.simulator.time
         )
         while session.task.outcome is None:
             seen = self._look()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pack_mpc.filling.fill_report import Fill, FillReport
+from pack_core.packing.container_fill import Fill
+from pack_mpc.filling.fill_report import FillReport
 
 
 @dataclass(frozen=True)

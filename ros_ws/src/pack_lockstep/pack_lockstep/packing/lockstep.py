@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
@@ -17,10 +18,14 @@ from pack_evaluation.packing.run import Run
 from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_lockstep.packing.run_log import PackingRunLog
+from pack_mpc.blindness import blind_for
 from pack_mpc.controller import ControlPlan
 from pack_mpc.outcome import PackingOutcome
 from pack_mpc.session import PackingObservation, PackingSession
 from pack_planner.placement.placement_planner import PlacementPlanners
+
+HELD = "HELD"
+"""What a cycle is called in which the arm holds."""
 
 
 @dataclass(frozen=True)
@@ -59,11 +64,18 @@ class Lockstep:
         self._start = self.simulator.time
         self.session = PackingSession(description, cell, config.session, method, self._start)
 
+    def deceive(self, cameras: Callable[[MarkerFrame], MarkerFrame]) -> None:
+        """Deliver other frames of markers from now on than the cameras take."""
+        self._cell.cameras = cameras
+
     def run(self, on_step: Callable[[Step], None] | None = None) -> PackingOutcome:
         """Run to the outcome; `on_step` is called in every cycle."""
         session = self.session
         while session.task.outcome is None:
             seen = self._cell.observe()
+            if blind_for(seen.scene, seen.joints.time) > session.blind_time:
+                self._wait(seen, on_step)
+                continue
             if (placement := self._placements.serve(session, seen)) is not None:
                 self._log.place(placement)
             plan = session.step(seen, self._config.latency)
@@ -78,6 +90,14 @@ class Lockstep:
             if plan is not None:
                 self.simulator.accept(plan.setpoints)
         return session.task.outcome
+
+    def _wait(self, seen: PackingObservation, on_step: Callable[[Step], None] | None) -> None:
+        """Plan nothing for a cycle, as the node does while the cameras see nothing: the driver brakes."""
+        self.session.task.expire(seen.joints.time)
+        if on_step is not None:
+            distance = self.session.task.distance
+            on_step(Step(seen.joints.time, HELD, distance, seen, self.simulator.truth(), None))
+        self._cell.advance(self._config.latency)
 
     def recorded(self) -> Run:
         """The run in the form in which recordings are evaluated.

@@ -8,6 +8,7 @@ import numpy as np
 
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
 from pack_core.rotations import Pose
@@ -31,6 +32,9 @@ class LockstepCell:
         config: parameters.
         seed: seed of the sensors' noise.
         sense: called after every step of the physics.
+
+    Attributes:
+        cameras: makes of each frame of markers the one that is delivered.
     """
 
     def __init__(
@@ -40,6 +44,7 @@ class LockstepCell:
         self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
         self.estimator = HandOverEstimator(self.simulator.description, cell, config.estimator)
         self._forces: list[float] = []
+        self.cameras: Callable[[MarkerFrame], MarkerFrame] = lambda frame: frame
 
     def settle(self) -> None:
         """Let time pass before a goal, so that everything has been seen."""
@@ -58,7 +63,7 @@ class LockstepCell:
             if i % wrench_steps == 0:
                 self._forces.append(float(np.linalg.norm(simulator.external_wrench()[0])))
             for frame in simulator.mocap.due(simulator.time):
-                estimator.correct(frame)
+                estimator.correct(self.cameras(frame))
             self._sense(simulator, estimator)
 
     def observe(self) -> PackingObservation:

@@ -12,8 +12,7 @@ from pack_core.blocks.cell import blocks_cell
 from pack_core.errors import ConfigError
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.kinematics.parallel_axes import ParallelAxes
-from pack_core.kinematics.spherical_wrist import SphericalWrist
-from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.robots import kr210, robotiq_2f85, ur10e
 from pack_motion.arm.arm import MotionArm
 from pack_motion.arm.body_boxes import boxes_from_model, fixed_boxes
@@ -35,14 +34,9 @@ def load_arm(cell: str) -> MotionArm:
 
 
 def _palletizing() -> MotionArm:
-    cell = palletizing_cell()
-    spec = mujoco.MjSpec()
-    flange = kr210.add_kr210(spec, cell.arm.X_WB, look=False)
-    cell.tool.add_to(flange, look=False)
-    model, limits = spec.compile(), kr210.LIMITS
-    chain = chain_from_model(model, kr210.JOINTS, TOOL)
-    inverse = SphericalWrist(chain, limits.lower, limits.upper)
-    return MotionArm(chain, inverse, limits, np.array(cell.arm.home), boxes_from_model(model, kr210.JOINTS))
+    arm = arm_kinematics()
+    bodies = boxes_from_model(arm.model, kr210.JOINTS)
+    return MotionArm(arm.chain, arm.inverse, kr210.LIMITS, arm.home, bodies)
 
 
 def _blocks() -> MotionArm:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pack_core.errors import PackError
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
+from pack_core.robots.joint_limits import step_effort
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.joint_move import MoveLimits, brake, joint_move
@@ -19,11 +20,6 @@ from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
 
 SHARE = 0.98
 """Share of the joint limits that references use; the rest is left to the tracking."""
-
-LONG_WAY = 0.02
-"""Weight of the sum of all joints' times beside the longest one, when a posture is chosen."""
-FLIP = 0.15
-"""Penalty for a flip of the wrist [s], on which the tool sweeps through a wide arc."""
 
 
 @dataclass(frozen=True)
@@ -145,11 +141,7 @@ class PathPlanner:
         return sorted(found, key=lambda q: self._effort(q - start.q, self._arm.inverse.branch(q)[2] != wrist))
 
     def _effort(self, step: Array, is_flip: bool) -> float:
-        """Estimated duration of a step of the joints [s], plus penalties for other joints and wrist flips."""
-        v, a, way = self._limits.velocity, self._limits.acceleration, np.abs(step)
-        # A trapezoid of speed takes d / v + v / a; a step too short to reach v takes 2 sqrt(d / a).
-        times = np.where(way * a > v**2, way / v + v / a, 2.0 * np.sqrt(way / a))
-        return float(times.max() + LONG_WAY * times.sum() + FLIP * is_flip)
+        return step_effort(step, self._limits.velocity, self._limits.acceleration, is_flip=is_flip)
 
     def _passing(self, start: JointState, q: Array, segments: Sequence[Segment], i: int) -> JointState:
         """The state in which `q` is passed on the way to the next segment.

@@ -56,6 +56,11 @@ class CupMoves:
         ways = [way for way in ways if np.linalg.norm(way) > 1e-4] or [np.zeros(3)]
         return (yield from self.move(seen, legs(ways, config.speed, OVERLAP), q_WT))
 
+    def is_over(self, seen: FillObservation, X_WN: Pose) -> bool:
+        """Whether the cup is so nearly over an object at X_WN that it seals when it comes down."""
+        aside = self.arm.cup(seen.joints.q).p[:2] - X_WN.p[:2]
+        return float(np.linalg.norm(aside)) < self._config.centring
+
     def make_way(self, seen: FillObservation) -> Steps[FillObservation]:
         """Raise the empty cup where it stands in the way of what is handed over next."""
         p_WT = self.arm.cup(seen.joints.q).p
@@ -72,8 +77,9 @@ class CupMoves:
     def rise(
         self, seen: FillObservation, way: float, until: Until | None = None, speed: float | None = None
     ) -> Steps[FillObservation]:
+        """Rise straight up; what comes next need not wait for the arm to come to rest."""
         path = legs([np.array([0.0, 0.0, way])], speed or self._config.speed)
-        return (yield from self.move(seen, path, until=until))
+        return (yield from self.move(seen, path, until=until, pause=0.0))
 
     def move(
         self,
@@ -81,10 +87,11 @@ class CupMoves:
         path: list[PathLeg],
         q_WT: Array | None = None,
         until: Until | None = None,
+        pause: float = PAUSE,
     ) -> Steps[FillObservation]:
-        """Follow a path to its end, or until a condition holds."""
+        """Follow a path to its end and for `pause` [s] beyond, or until a condition holds."""
         motion = self.arm.plan(seen.joints.q, seen.joints.time, path, q_WT)
-        while seen.joints.time < motion.end + PAUSE:
+        while seen.joints.time < motion.end + pause:
             if until is not None and until(seen):
                 return seen
             seen = yield FillCommand(motion.setpoints(seen.joints.time))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from pydantic import Field, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import NEXT_GOAL, Changeable, Config
 
@@ -14,14 +14,17 @@ class FillConfig(Config):
 
     changeable: ClassVar[Changeable] = NEXT_GOAL
 
-    speed: PositiveFloat = Field(default=0.7, description="largest speed of the empty cup [m/s]")
+    speed: PositiveFloat = Field(default=0.9, description="largest speed of the empty cup [m/s]")
     carry_speed: PositiveFloat = Field(
         default=0.4, description="largest speed when an object is put aside [m/s]"
     )
-    touch_speed: PositiveFloat = Field(default=0.06, description="speed towards an object's top [m/s]")
+    touch_speed: PositiveFloat = Field(default=0.045, description="speed towards an object's top [m/s]")
     clearance: PositiveFloat = Field(default=0.03, description="gap over what the arm passes [m]")
     approach: PositiveFloat = Field(
-        default=0.02, description="height over an object's top from which the cup comes down slowly [m]"
+        default=0.012, description="height over an object's top from which the cup comes down slowly [m]"
+    )
+    centring: PositiveFloat = Field(
+        default=0.002, description="distance of the cup from an object's middle at which it comes down [m]"
     )
     hand_over_reach: PositiveFloat = Field(
         default=0.2, description="distance from the hand-over place within which the cup is in its way [m]"
@@ -34,6 +37,9 @@ class FillConfig(Config):
     grip_tries: int = Field(default=2, ge=1, description="how often a grip is tried")
     sight_time: PositiveFloat = Field(
         default=2.0, description="longest wait until the cameras have seen an object [s]"
+    )
+    first_sight_time: PositiveFloat = Field(
+        default=0.15, description="wait for the cameras before the cup goes where the object is announced [s]"
     )
     calm_time: PositiveFloat = Field(
         default=0.15, description="wait after a goal until the arm is at rest and forces are steady [s]"
@@ -52,6 +58,15 @@ class FillConfig(Config):
     )
     standing: PositiveFloat = Field(
         default=0.002, description="height of an object's lower end that counts as standing [m]"
+    )
+    landing_reach: NonNegativeFloat = Field(
+        default=0.015, description="`task.landing_reach` of the job's packing goals [m]"
+    )
+    pre_pack_distance: PositiveFloat = Field(
+        default=0.008, description="`task.stages.pre_pack_distance` of the job's packing goals [m]"
+    )
+    pack_tries: int = Field(
+        default=2, ge=1, description="how often an object is packed that does not stand afterwards"
     )
     release_height: PositiveFloat = Field(
         default=0.012, description="largest height of the lower end from which an object is let go [m]"

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from pack_core.packing.arrangement import Arrangement
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.container_fill import fill_of
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.free_space import is_packed
 from pack_core.packing.objects import ObjectModel
@@ -14,7 +15,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_mpc.filling.cup_moves import CupMoves
 from pack_mpc.filling.fill_config import FillConfig
-from pack_mpc.filling.fill_report import FilledObject, FillReport, fill_of
+from pack_mpc.filling.fill_report import FilledObject, FillReport
 from pack_mpc.filling.object_handling import ObjectHandling
 from pack_mpc.filling.requests import Arrange, Judge, Pack, Packed, Present, Presented
 from pack_mpc.filling.steps import FillCommand, FillObservation, FillStage, Steps, ask
@@ -64,7 +65,8 @@ class FillJob:
         self._note_fill(seen)
         while self._remaining:
             self.stage, self.current = FillStage.ARRANGE, ""
-            arrangement, seen = yield from ask(seen, self._arrange, Arrangement)
+            request = Arrange(tuple(self._remaining), self._planned)
+            arrangement, seen = yield from ask(seen, request, Arrangement)
             self._planned = arrangement.poses
             for name, reason in arrangement.refused.items():
                 self._leave(name, reason, seen.joints.time)
@@ -76,10 +78,6 @@ class FillJob:
             self._note_fill(seen)
         packed, given = len(self.report.packed), len(self.report.objects)
         self.report.message = f"{packed} of {given} objects packed"
-
-    @property
-    def _arrange(self) -> Arrange:
-        return Arrange(tuple(self._remaining), self._planned)
 
     def _handle(self, seen: FillObservation, item: ObjectModel, X_WN: Pose | None) -> Steps[FillObservation]:
         """Take one object from its hand-over to its rest."""
@@ -101,27 +99,50 @@ class FillJob:
         if reason:
             self._note(item.name, start, seen, reason)
             return (yield from self._moves.rise(seen, self._config.clearance))
+        return (yield from self._pack(seen, item, X_WN, handling, start))
+
+    def _pack(
+        self, seen: FillObservation, item: ObjectModel, X_WN: Pose | None, handling: ObjectHandling,
+        start: float,
+    ) -> Steps[FillObservation]:  # fmt: skip
+        """Pack the held object and let it go, or put it aside."""
         grip = self._moves.arm.cup(seen.joints.q).inverse() @ seen.scene.objects[item.name].X_WO
-        self.stage = FillStage.PACK
-        packed, seen = yield from ask(seen, Pack(X_WN, grip), Packed)
-        outcome = packed.outcome
-        if not seen.is_gripped:
-            self._note(item.name, start, seen, outcome.message, outcome, has_fault=True)
-            return (yield from self._moves.rise(seen, self._config.clearance))
-        fault = outcome.exit_reason is PackingExitReason.FORCE
-        reason = "" if outcome.success else f"{outcome.exit_reason.value}: {outcome.message}"
-        if not reason:
+        for tries_left in reversed(range(self._config.pack_tries)):
+            self.stage = FillStage.PACK
+            packed, seen = yield from ask(seen, Pack(X_WN, grip), Packed)
+            outcome = packed.outcome
+            if not seen.is_gripped:
+                self._note(item.name, start, seen, outcome.message, outcome, has_fault=True)
+                return (yield from self._moves.rise(seen, self._config.clearance))
+            if not outcome.success:
+                reason = f"{outcome.exit_reason.value}: {outcome.message}"
+                break
             self.stage = FillStage.SET_DOWN
             reason, seen = yield from handling.set_down(seen, packed.X_WN)
-        if reason:
-            self.stage = FillStage.PUT_ASIDE
-            seen = yield from handling.put_aside(seen)
-            self._note(item.name, start, seen, f"put aside: {reason}", outcome, has_fault=fault)
-            return seen
-        self.stage = FillStage.RELEASE
-        reason, seen = yield from handling.release(seen)
-        self._note(item.name, start, seen, reason, outcome)
+            if not reason:
+                self.stage = FillStage.RELEASE
+                reason, seen = yield from handling.release(seen)
+                self._note(item.name, start, seen, reason, outcome)
+                return seen
+            if tries_left:
+                seen = yield from handling.take_out(seen)
+                X_WN, seen = yield from self._another_place(seen, item)
+                if X_WN is None:
+                    break
+        self.stage = FillStage.PUT_ASIDE
+        seen = yield from handling.put_aside(seen)
+        fault = outcome.exit_reason is PackingExitReason.FORCE
+        self._note(item.name, start, seen, f"put aside: {reason}", outcome, has_fault=fault)
         return seen
+
+    def _another_place(
+        self, seen: FillObservation, item: ObjectModel
+    ) -> Steps[tuple[Pose | None, FillObservation]]:
+        """Where the held object may stand instead, as what is in the container stands now."""
+        request = Arrange((item, *self._remaining), self._planned)
+        arrangement, seen = yield from ask(seen, request, Arrangement)
+        self._planned = arrangement.poses
+        return arrangement.poses.get(item.name), seen
 
     def _note(
         self, name: str, start: float, seen: FillObservation, reason: str,

@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-import shapely
-
-from pack_core.hull import hull_of
-from pack_core.packing.free_space import footprint
-from pack_core.packing.scene import Container
-from pack_core.packing.scene_item import SceneItem
+from pack_core.packing.container_fill import Fill
 from pack_core.rotations import Pose
 
 
@@ -55,19 +48,6 @@ class FilledObject:
         }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Fill:
-    """How full a container is.
-
-    Attributes:
-        base_area: share of the base that objects cover.
-        volume: share of the container's volume, up to its rim, that objects take.
-    """
-
-    base_area: float
-    volume: float
-
-
 @dataclass
 class FillReport:
     """A job's objects in the order in which they came, and the fill after each."""
@@ -85,13 +65,3 @@ class FillReport:
     def has_fault(self) -> bool:
         """Whether an object was dropped or a force stop ended a goal."""
         return any(row.has_fault for row in self.objects)
-
-
-def fill_of(container: Container, standing: Sequence[tuple[SceneItem, Pose]]) -> Fill:
-    """How full the container is with objects at X_WO; of an object's volume the part below the rim counts."""
-    outlines = [footprint(item, X_WO) for item, X_WO in standing]
-    area = float(np.prod(container.size))
-    box = shapely.box(*container.lower, *container.upper)
-    covered = shapely.union_all(outlines).intersection(box).area if outlines else 0.0
-    volumes = [hull_of(X_WO.apply(item.hull())).volume_below(container.height) for item, X_WO in standing]
-    return Fill(float(covered) / area, float(sum(volumes)) / (area * container.height))

@@ -31,14 +31,17 @@ class ObjectHandling:
     def pick(self, seen: FillObservation) -> Steps[tuple[str, FillObservation]]:
         """Grip the object that was handed over, and lift it a little; returns why it failed, if it did."""
         item, config = self._scene.new_object, self._config
-        announced = self._cell.hand_over.pose_of(item)
-        seen = yield from self._moves.go_over(seen, item, announced)
-        found, seen = yield from wait(seen, lambda s: item.name in s.scene.objects, config.sight_time)
+        found, seen = yield from self._look_for(seen, config.first_sight_time)
+        if not found:  # the arm may be what hides it
+            seen = yield from self._moves.go_over(seen, item, self._cell.hand_over.pose_of(item))
+            found, seen = yield from self._look_for(seen, config.sight_time)
         if not found:
             return f"no camera has seen '{item.name}' at the hand-over place", seen
+        seen = yield from self._moves.go_over(seen, item, seen.scene.objects[item.name].X_WO)
         for _ in range(config.grip_tries):
             X_WN = seen.scene.objects[item.name].X_WO
-            seen = yield from self._moves.go_over(seen, item, X_WN)
+            if not self._moves.is_over(seen, X_WN):
+                seen = yield from self._moves.go_over(seen, item, X_WN)
             refusal, seen = yield from self._touch(seen)
             if not refusal:
                 break
@@ -47,6 +50,11 @@ class ObjectHandling:
             return f"could not be gripped: {refusal}", seen
         seen = yield from self._moves.rise(seen, config.lift, speed=config.carry_speed)
         return "" if seen.is_gripped else "slipped off the cup when it was lifted", seen
+
+    def _look_for(self, seen: FillObservation, longest: float) -> Steps[tuple[bool, FillObservation]]:
+        """Wait at most `longest` [s] until the cameras have seen the object; returns whether they have."""
+        name = self._scene.new_object.name
+        return (yield from wait(seen, lambda s: name in s.scene.objects, longest))
 
     def _touch(self, seen: FillObservation) -> Steps[tuple[str, FillObservation]]:
         """Come down until the cup touches the object, then close the pump and wait for the vacuum."""
@@ -73,10 +81,15 @@ class ObjectHandling:
             aside *= min(1.0, config.shift / max(float(np.linalg.norm(aside)), 1e-9))
         resists = self._moves.contact(seen, config.press_force)
         way = aside - np.array([0.0, 0.0, max(_height(seen, item), 0.0) + config.settle])
+        goal_xy = seen.scene.objects[item.name].X_WO.p[:2] + aside[:2]
+
+        def stands(s: FillObservation) -> bool:
+            missing = float(np.linalg.norm(goal_xy - s.scene.objects[item.name].X_WO.p[:2]))
+            return missing < config.standing and _height(s, item) < config.standing
+
         seen = yield from self._moves.move(
-            seen, legs([way], config.set_down_speed),
-            until=resists,
-        )  # fmt: skip
+            seen, legs([way], config.set_down_speed), until=lambda s: resists(s) or stands(s)
+        )
         X_WN = seen.scene.objects[item.name].X_WO
         tilt = float(np.rad2deg(np.arccos(np.clip(rotate(X_WN.q, UP)[2], -1.0, 1.0))))
         if not is_packed(self._scene, X_WN):
@@ -108,13 +121,15 @@ class ObjectHandling:
         noted = ["" if is_still else "it was still moving", "the cup dragged" if dragged else ""]
         return ", ".join(filter(None, noted)), seen
 
+    def take_out(self, seen: FillObservation) -> Steps[FillObservation]:
+        """Raise the held object straight up until it is over everything in the container."""
+        missing = self._scene.rim + self._config.clearance - _height(seen, self._scene.new_object)
+        return (yield from self._moves.rise(seen, max(missing, 0.0), speed=self._config.carry_speed))
+
     def put_aside(self, seen: FillObservation) -> Steps[FillObservation]:
         """Carry the held object back to the hand-over place and let it go there."""
         item, config = self._scene.new_object, self._config
-        bottom = _height(seen, item)
-        seen = yield from self._moves.rise(
-            seen, max(self._scene.rim + config.clearance - bottom, 0.0), speed=config.carry_speed
-        )
+        seen = yield from self.take_out(seen)
         place = self._cell.hand_over.pose_of(item)
         X_WN = seen.scene.objects[item.name].X_WO if item.name in seen.scene.objects else place
         across = np.array([*(place.p[:2] - X_WN.p[:2]), 0.0])

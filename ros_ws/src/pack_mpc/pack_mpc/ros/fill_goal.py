@@ -9,6 +9,7 @@ from pack_interfaces.action import FillContainer
 from pack_core.errors import PackError
 from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.container_fill import Fill
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.packing_list import PackingList
@@ -16,7 +17,6 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.controller import ControlPlan
 from pack_mpc.filling.fill_job import FillJob
-from pack_mpc.filling.fill_report import Fill
 from pack_mpc.filling.requests import FillRequest, Pack, Packed
 from pack_mpc.filling.steps import FillObservation
 from pack_mpc.force_record import ForceRecord
@@ -142,7 +142,8 @@ class FillGoal:
     def _pack(self, request: Pack) -> Poll:
         scene = self._scene().gripped(request.grip)
         self._placements.start(self._requests.next_seed(), self._method.placement_variant, request.X_WN)
-        session = PackingSession(scene, self._cell, self._config, PackingMethod.PACK_IT_IN, self._stepped)
+        config = self._config.of_fill_job()
+        session = PackingSession(scene, self._cell, config, PackingMethod.PACK_IT_IN, self._stepped)
         self.session = session
 
         def poll() -> Packed | None:

@@ -24,11 +24,9 @@ from pack_core.ros.scene_messages import from_scene
 from pack_core.ros.stamp_check import StampCheck
 from pack_core.ros.stream import Stream, StreamWait
 from pack_core.states import SceneState
+from pack_mpc.blindness import blind_for
 from pack_mpc.session import PackingObservation
 
-BLIND = 1.0
-"""The arm holds when the cameras have seen no object at all for so long [s]. Physics carries single objects
-for longer, led by those that are seen; with none its errors only grow."""
 SCENE_AGE = 0.1
 """Age beyond which an estimate of the scene is not planned from [s]."""
 JOINTS_WAIT = 0.05
@@ -129,8 +127,11 @@ class Mailbox:
         with self._lock:
             self._forces.clear()
 
-    def observe(self) -> PackingObservation:
+    def observe(self, blind_time: float) -> PackingObservation:
         """The newest of everything, with the forces since the last call.
+
+        Args:
+            blind_time: for how long the cameras may have seen nothing [s].
 
         Raises:
             MessageError: something is missing, or too old to plan from.
@@ -143,10 +144,10 @@ class Mailbox:
         age = joints.time - scene.time
         if age > SCENE_AGE:
             raise MessageError(f"the newest scene is {age:.3f} s old; allowed: {SCENE_AGE} s")
-        unseen = age + min((item.age for item in scene.objects.values()), default=0.0)
-        if unseen > BLIND:
+        unseen = blind_for(scene, joints.time)
+        if unseen > blind_time:
             raise MessageError(
-                f"the cameras have seen nothing for {unseen:.1f} s; allowed: {BLIND} s. The arm holds"
+                f"the cameras have seen nothing for {unseen:.1f} s; allowed: {blind_time} s. The arm holds"
             )
         with self._lock:
             forces = np.array(self._forces)

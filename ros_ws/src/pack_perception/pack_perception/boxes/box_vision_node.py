@@ -13,13 +13,16 @@ from pack_core.camera import PinholeCamera
 from pack_core.errors import MessageError
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.calibration import known_cell
+from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.ros.camera_messages import from_camera_info, from_image
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.palletizing.detection_messages import from_expected_box, to_detection
+from pack_core.ros.palletizing.sighting_messages import to_sighting
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
+from pack_perception.boxes.board_corners import sight_board
 from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig
 from pack_perception.boxes.ros.debug_publisher import DebugPublisher
 from pack_perception.boxes.table_camera import TableCamera
@@ -34,7 +37,7 @@ class VisionNodeConfig(VisionConfig):
 
 
 class BoxVisionNode(CellNode):
-    """Detects the expected box in every picture that was taken since it was announced."""
+    """Detects the expected box in every picture that was taken since it was announced, or the board."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("vision", **kwargs)
@@ -46,6 +49,7 @@ class BoxVisionNode(CellNode):
         self._expected: ExpectedBox | None = None
         self._image: Image | None = None
         self._detection = self.advertise(contracts.BOX_DETECTION)
+        self._sighting = self.advertise(contracts.BOARD_SIGHTING)
         self._debug = DebugPublisher(self)
         self.listen(contracts.CAMERA_INFO, self._on_camera_info)
         self.listen(contracts.EXPECTED_BOX, self._on_expected_box)
@@ -78,6 +82,9 @@ class BoxVisionNode(CellNode):
         if time < box.time:
             return
         self._image = None
+        if box.id == CALIBRATION_BOARD.name:
+            self._sighting.publish(to_sighting(sight_board(from_image(message), time)))
+            return
         picture = from_image(message)
         if (camera.width, camera.height) != (message.width, message.height):
             size = f"{camera.width} x {camera.height}"

@@ -70,7 +70,8 @@ def fit_with_axis(
             _rms(lifts[:, :, None], visible), found.residual, strict=True,
         )
     )  # fmt: skip
-    return Fits(found.p_WB, found.q_WB, found.residual, refusals)
+    none = np.zeros(len(refusals), dtype=int)
+    return Fits(found.p_WB, found.q_WB, found.residual, refusals, none)
 
 
 def _rms(vectors: Array, visible: Mask) -> Array:

@@ -28,10 +28,12 @@ class Correction:
         seen: objects whose pose was corrected.
         partly: those of them whose markers alone were too few for a pose, so that physics helped.
         refused: objects whose markers could not be used, and why.
+        mismatched: objects some of whose markers were left out, as they do not match the others.
         is_unused: whether the frame changed nothing, being older than the history or ahead of the joints.
     """
 
     seen: tuple[str, ...] = ()
     partly: tuple[str, ...] = ()
     refused: dict[str, FitRefusal] = field(default_factory=dict)
+    mismatched: tuple[str, ...] = ()
     is_unused: bool = False

@@ -150,6 +150,8 @@ class PerceptionNode(CellNode):
         for name, refusal in correction.refused.items():
             if refusal is FitRefusal.RESIDUAL:
                 self.health.count("refused fit", f"{refusal.value} '{name}'")
+        for name in correction.mismatched:
+            self.health.count("markers left out", f"some of '{name}' do not match the others")
         if not correction.is_unused:
             self._publish(estimator)
 

@@ -100,7 +100,8 @@ class PhysicsEstimator:
         self._fitted[seen.is_placed & ~seen.is_partial] = frame.time
         refused = {names[i]: r for i, r in enumerate(seen.refusals) if r and visible[i].any()}
         partly = tuple(names[i] for i in np.flatnonzero(seen.is_partial))
-        return Correction(tuple(names[i] for i in rows), partly, refused)
+        mismatched = tuple(names[i] for i in np.flatnonzero(seen.left_out))
+        return Correction(tuple(names[i] for i in rows), partly, refused, mismatched)
 
     def state(self, time: float) -> SceneState:
         """Poses and twists of the held object and all others that have been seen, extrapolated to `time` [s].

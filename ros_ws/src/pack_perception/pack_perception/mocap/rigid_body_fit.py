@@ -1,15 +1,25 @@
-"""Poses of rigid bodies from their visible markers: least squares on SE(3)."""
+"""Poses of rigid bodies from their visible markers: least squares on SE(3).
+
+Where the markers do not match the body, one or two of them may be false or confused with others: they are
+left out if there is exactly one way to leave out so few and the rest matches.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import combinations
 
+import numpy as np
+import numpy.typing as npt
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_perception.mocap.alignment import Mask, align
+
+AGREEING = 4
+"""Markers that must match the body where others are left out: three can do so turned over."""
 
 
 class FitConfig(Config):
@@ -20,6 +30,7 @@ class FitConfig(Config):
         default=0.008, description="rms distance of the markers from the line that fits them best [m]"
     )
     max_residual: PositiveFloat = Field(default=0.003, description="rms distance of a marker [m]")
+    max_left_out: int = Field(default=2, ge=0, description="markers that may be false")
 
 
 class FitRefusal(Enum):
@@ -40,12 +51,14 @@ class Fits:
         q_WB: orientations `(k, 4)`, wxyz.
         residual: rms distance `(k,)` [m] of the markers from where the pose puts them.
         refusals: why a fit was refused; None where it was accepted.
+        left_out: number of markers that were not used because they do not match `(k,)`.
     """
 
     p_WB: Array
     q_WB: Array
     residual: Array
     refusals: tuple[FitRefusal | None, ...]
+    left_out: npt.NDArray[np.int_]
 
 
 def fit_rigid_bodies(p_BM: Array, p_WM: Array, visible: Mask, config: FitConfig) -> Fits:
@@ -57,6 +70,31 @@ def fit_rigid_bodies(p_BM: Array, p_WM: Array, visible: Mask, config: FitConfig)
         visible: which of them were measured `(k, m)`.
         config: conditions under which a fit is accepted.
     """
+    whole = _fit(p_BM, p_WM, visible, config)
+    used = visible.copy()
+    for row in np.flatnonzero(whole.residual > config.max_residual):
+        used[row] = _matching(p_BM[row], p_WM[row], visible[row], config)
+    left_out = visible.sum(axis=1) - used.sum(axis=1)
+    fits = _fit(p_BM, p_WM, used, config) if left_out.any() else whole
+    return replace(fits, left_out=left_out)
+
+
+def _matching(p_BM: Array, p_WM: Array, visible: Mask, config: FitConfig) -> Mask:
+    """The visible markers of one body `(m,)` without those that do not match; all where that is not clear."""
+    there = np.flatnonzero(visible)
+    for count in range(1, min(config.max_left_out, len(there) - AGREEING) + 1):
+        used = np.array([visible & ~np.isin(np.arange(len(visible)), some)
+                         for some in combinations(there, count)])  # fmt: skip
+        n = len(used)
+        fits = _fit(np.repeat(p_BM[None], n, axis=0), np.repeat(p_WM[None], n, axis=0), used, config)
+        matching = [row for row, refusal in enumerate(fits.refusals) if refusal is None]
+        if matching:
+            return used[matching[0]] if len(matching) == 1 else visible
+    return visible
+
+
+def _fit(p_BM: Array, p_WM: Array, visible: Mask, config: FitConfig) -> Fits:
+    """Poses from all visible markers."""
     found = align(p_BM, p_WM, visible)
     refusals = tuple(
         FitRefusal.TOO_FEW if count < config.min_markers
@@ -65,4 +103,5 @@ def fit_rigid_bodies(p_BM: Array, p_WM: Array, visible: Mask, config: FitConfig)
         else None
         for count, width, miss in zip(visible.sum(axis=1), found.spread, found.residual, strict=True)
     )  # fmt: skip
-    return Fits(found.p_WB, found.q_WB, found.residual, refusals)
+    none = np.zeros(len(refusals), dtype=int)
+    return Fits(found.p_WB, found.q_WB, found.residual, refusals, none)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from pack_core.rotations import Array
 from pack_perception.mocap.alignment import Mask
@@ -23,11 +24,13 @@ class MarkerSighting:
         poses: X_WB as position and quaternion `(n, 7)`.
         is_partial: objects whose pose needed an expected axis beside its markers `(n,)`.
         refusals: why the markers gave no pose; None where they did.
+        left_out: markers that were not used because they do not match the others `(n,)`.
     """
 
     poses: Array
     is_partial: Mask
     refusals: tuple[FitRefusal | None, ...]
+    left_out: npt.NDArray[np.int_]
 
     @property
     def is_placed(self) -> Mask:
@@ -63,4 +66,4 @@ def sight(
     is_partial = np.zeros(len(poses), dtype=bool)
     for i, refusal in zip(rows, led.refusals, strict=True):
         refusals[i], is_partial[i] = refusal, refusal is None
-    return MarkerSighting(poses, is_partial, tuple(refusals))
+    return MarkerSighting(poses, is_partial, tuple(refusals), free.left_out)

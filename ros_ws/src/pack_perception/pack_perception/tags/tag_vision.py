@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, PositiveFloat
 
-from pack_core.blocks.block_sighting import BlockSighting
+from pack_core.blocks.block_sighting import BlockSighting, stranger
 from pack_core.blocks.cell import Block
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.tag_texture import FAMILY
@@ -68,16 +68,17 @@ class TagVision:
         grey = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) if picture.ndim == 3 else picture
         squares, numbers, _ = self._detector.detectMarkers(grey)
         seen: dict[str, list[PlanarPose]] = {name: [] for name in self._ids.values()}
-        unknown: list[int] = []
+        unknown: set[int] = set()
         for pixels, number in zip(squares, [] if numbers is None else numbers.ravel(), strict=True):
-            name = self._ids.get(int(number))
-            if name is None:
-                unknown.append(int(number))
-            elif (pose := self._fit(camera.at_height(pixels.reshape(4, 2), self._block.edge))) is not None:
+            name = self._ids.get(int(number), stranger(int(number)))
+            if int(number) not in self._ids:
+                unknown.add(int(number))
+                seen.setdefault(name, [])
+            if (pose := self._fit(camera.at_height(pixels.reshape(4, 2), self._block.edge))) is not None:
                 seen[name].append(pose)
         return BlockSighting(
             time, {name: poses[0] for name, poses in seen.items() if len(poses) == 1},
-            missing=tuple(name for name, poses in seen.items() if not poses),
+            missing=tuple(name for name in self._ids.values() if not seen[name]),
             doubled=tuple(name for name, poses in seen.items() if len(poses) > 1),
             unknown=tuple(sorted(unknown)),
         )  # fmt: skip

@@ -14,14 +14,15 @@ class ArrangementConfig(Config):
 
     changeable: ClassVar[Changeable] = NEXT_REQUEST
 
-    tries: PositiveInt = Field(default=40, description="arrangements that are tried")
+    tries: PositiveInt = Field(default=400, description="arrangements that are tried")
+    tries_again: PositiveInt = Field(default=40, description="and that are tried where one is known already")
     gap: NonNegativeFloat = Field(default=0.002, description="gap between objects [m]")
     wall_gap: NonNegativeFloat = Field(default=0.003, description="gap to the walls [m]")
     free_gap: NonNegativeFloat = Field(
         default=0.012, description="gap to everything where contact is to be avoided [m]"
     )
     object_worth: NonNegativeFloat = Field(
-        default=0.05, description="share of the base that an object more is worth, whatever its size"
+        default=0.1, description="share of the base that an object more is worth, whatever its size"
     )
     yielding: NonNegativeFloat = Field(
         default=0.006, description="overlap with what stands there by now at which a place is kept [m]"

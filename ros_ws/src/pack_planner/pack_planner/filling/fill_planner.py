@@ -18,7 +18,6 @@ from pack_core.rotations import Pose
 from pack_core.states import SceneState
 from pack_planner.filling.arrangement_config import ArrangementConfig
 from pack_planner.filling.arrangement_planner import NO_ROOM, ArrangementPlanner
-from pack_planner.filling.outline import standing_outline
 
 
 class FillPlanner:
@@ -57,21 +56,21 @@ class FillPlanner:
         poses = state.poses()
         known = [item for item in (*scene.objects, scene.new_object) if item.name in poses]
         inside = [item for item in known if is_packed(scene, poses[item.name])]
-        taken = [standing_outline(item, poses[item.name]) for item in inside if item.name not in names]
-        placed = self._arrangements.plan(scene.container, taken, items, rng, planned)
+        standing = [(item, poses[item.name]) for item in inside if item.name not in names]
+        placed = self._arrangements.plan(scene.container, standing, items, rng, planned)
         by_height = sorted(placed, key=lambda name: float(placed[name].p[2]))
         others = [name for name in names if name not in placed]
-        if self._order is PackingOrder.LIST:
-            order = [name for name in names if name in placed] if self._leaves_none else list(names)
-        else:
-            order = by_height if self._leaves_none else [*by_height, *others]
-        refused = dict.fromkeys(others, NO_ROOM) if self._leaves_none else {}
-        return Arrangement(tuple(order), placed, misfits | refused)
-
-    @property
-    def _leaves_none(self) -> bool:
-        """Whether an object without a place of its own is put aside; with contact one may still be made."""
-        return self._method is FillMethod.NO_CONTACT
+        order = list(names) if self._order is PackingOrder.LIST else [*by_height, *others]
+        there = [item for item, _ in standing]
+        refused = others if self._method is FillMethod.NO_CONTACT else []
+        order = [name for name in order if name not in refused]
+        by_name = {item.name: item for item in items}
+        # with contact, what stands there may be pushed aside for the next one
+        while order and order[0] not in placed:
+            if self._arrangements.could_fit(scene.container, [*there, by_name[order[0]]], rng):
+                break
+            refused.append(order.pop(0))
+        return Arrangement(tuple(order), placed, misfits | dict.fromkeys(refused, NO_ROOM))
 
 
 def _misfits(container: Container, items: Sequence[ObjectModel]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Convex outlines seen from above, and where one has room beside others."""
+"""Convex outlines seen from above."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 import shapely
 
 from pack_core.packing.free_space import footprint
-from pack_core.packing.scene import Container
 from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, from_yaw
 
@@ -16,9 +15,12 @@ COARSE = 0.0003
 """Outlines are simplified by at most this, so that a circle has some twenty corners [m]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Outline:
-    """An object's outline about its own centre at a yaw [rad]; `corners` `(n, 2)` [m]."""
+    """A convex outline about a point of its own: an object's at a yaw [rad]; `corners` `(n, 2)` [m].
+
+    Two outlines are the same only if they are the same instance, so that what is computed of one is kept.
+    """
 
     yaw: float
     corners: Array
@@ -26,41 +28,16 @@ class Outline:
 
     @classmethod
     def of(cls, item: SceneItem, yaw: float) -> Outline:
-        """The outline of an upright object."""
-        polygon = footprint(item, Pose(np.zeros(3), from_yaw(yaw)))
-        return cls(yaw, _corners(polygon), float(polygon.area))
+        """The outline of an upright object about its centre."""
+        return cls._about(np.zeros(2), item, Pose(np.zeros(3), from_yaw(yaw)), yaw)
 
-    def at(self, xy: Array) -> Array:
-        """The corners `(n, 2)` with the centre at `xy` [m]."""
-        return self.corners + xy
+    @classmethod
+    def standing(cls, item: SceneItem, X_WO: Pose) -> Outline:
+        """The outline of an object that stands, leans or lies at X_WO, about its centre."""
+        return cls._about(X_WO.p[:2], item, X_WO, 0.0)
 
-    def room(self, container: Container, taken: list[Array], gap: float, wall_gap: float) -> shapely.Geometry:
-        """Places of the centre at which the outline keeps its distance from walls and from other outlines.
-
-        Args:
-            container: between whose walls it is to stand.
-            taken: corners `(m, 2)` of the other outlines.
-            gap: distance from these [m].
-            wall_gap: distance from the walls [m].
-        """
-        lower = container.lower + wall_gap - self.corners.min(axis=0)
-        upper = container.upper - wall_gap - self.corners.max(axis=0)
-        if np.any(lower > upper):
-            return shapely.Polygon()
-        # all outlines are convex, so the hull of the corners' differences is the whole Minkowski sum
-        sums = [
-            shapely.MultiPoint((other[:, None] - self.corners[None]).reshape(-1, 2)).convex_hull.buffer(
-                gap, quad_segs=3
-            )
-            for other in taken
-        ]
-        return shapely.box(*lower, *upper).difference(shapely.union_all(sums))
-
-
-def standing_outline(item: SceneItem, X_WO: Pose) -> Array:
-    """Corners `(n, 2)` of an object that stands, leans or lies in the container at X_WO [m]."""
-    return _corners(footprint(item, X_WO))
-
-
-def _corners(polygon: shapely.Polygon) -> Array:
-    return np.asarray(shapely.get_coordinates(polygon.simplify(COARSE).exterior)[:-1])
+    @classmethod
+    def _about(cls, xy: Array, item: SceneItem, X_WO: Pose, yaw: float) -> Outline:
+        polygon = footprint(item, X_WO)
+        corners = np.asarray(shapely.get_coordinates(polygon.simplify(COARSE).exterior)[:-1])
+        return cls(yaw, corners - xy, float(polygon.area))

@@ -42,9 +42,13 @@ class Algorithm1Planner:
         self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
         avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02, near: Pose | None = None,
     ) -> PlannedPlacement:  # fmt: skip
-        """The cheapest feasible sample away from `avoid`; `lean` has no influence here."""
+        """The cheapest feasible sample away from `avoid`; `lean` has no influence here.
+
+        The pose `near` is wanted at first, and no more once a placement has failed.
+        """
         poses, now = self._evaluation.start(state)
-        samples, reason = self._evaluation.evaluate(now, self._sampled(poses, rng, near, avoid))
+        near = None if len(avoid) else near
+        samples, reason = self._evaluation.evaluate(now, self._sampled(poses, rng, near), near)
         ranked = self._ranked(samples, avoid, avoid_radius)
         if not len(ranked):
             return PlannedPlacement.failure(reason, samples)
@@ -52,12 +56,9 @@ class Algorithm1Planner:
         candidate = self._evaluation.candidate(now, samples.settled[best], samples.costs[best])
         return PlannedPlacement.success(candidate, 0, samples)
 
-    def _sampled(
-        self, poses: Mapping[str, Pose], rng: np.random.Generator, near: Pose | None,
-        avoid: Sequence[npt.ArrayLike],
-    ) -> Array:  # fmt: skip
-        """Poses `(S, 7)` to evaluate: about `near` at first, anywhere after a placement has failed."""
-        if near is None or len(avoid):
+    def _sampled(self, poses: Mapping[str, Pose], rng: np.random.Generator, near: Pose | None) -> Array:
+        """Poses `(S, 7)` to evaluate: about `near`, or anywhere."""
+        if near is None:
             return self._evaluation.sample(poses, rng)
         return self._evaluation.sample_about(near, rng)
 

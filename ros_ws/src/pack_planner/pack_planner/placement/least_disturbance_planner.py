@@ -38,23 +38,24 @@ class LeastDisturbancePlanner(Algorithm1Planner):
     ) -> PlannedPlacement:  # fmt: skip
         """The cheapest feasible sample that can be entered (Eq. 6)."""
         poses, now = self._evaluation.start(state)
-        samples, reason = self._evaluation.evaluate(now, self._sampled(poses, rng, near, avoid))
+        near = None if len(avoid) else near
+        samples, reason = self._evaluation.evaluate(now, self._sampled(poses, rng, near), near)
         ranked, approach = self._ranked(samples, avoid, avoid_radius), self._config.approach
         if not len(ranked):
             return PlannedPlacement.failure(reason, samples)
         spread = spread_out(ranked, samples.settled, approach.spacing, approach.tried)
         candidates = self._candidates(now, samples, spread)
-        vary = partial(self._near, now, rng)
+        vary = partial(self._near, now, rng, near)
         chosen, rounds = self._approach.choose(candidates, vary, poses, lean, len(avoid))
         return PlannedPlacement.success(chosen, rounds, samples)
 
     def _near(
-        self, now: Array, rng: np.random.Generator, candidate: PlacementCandidate
+        self, now: Array, rng: np.random.Generator, wanted: Pose | None, candidate: PlacementCandidate
     ) -> list[PlacementCandidate]:
         """Feasible placements near a candidate."""
         new, container, approach = self._scene.new_object, self._scene.container, self._config.approach
         sampled = sample_near(candidate.X_WN, new, container, approach.variations, approach.deviation, rng)
-        samples, _ = self._evaluation.evaluate(now, sampled)
+        samples, _ = self._evaluation.evaluate(now, sampled, wanted)
         return self._candidates(now, samples, np.flatnonzero(samples.is_feasible))
 
     def _candidates(

@@ -30,4 +30,7 @@ class PlacementConfig(Config):
     near_deviation: tuple[PositiveFloat, PositiveFloat] = Field(
         (0.004, 0.03), description="standard deviation of these poses: position [m] and yaw [rad]"
     )
+    near_weight: NonNegativeFloat = Field(
+        3.0, description="cost of a distance from the one that is wanted, beside the displacements of others"
+    )
     approach: ApproachConfig = ApproachConfig()

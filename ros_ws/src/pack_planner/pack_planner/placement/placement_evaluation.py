@@ -64,12 +64,13 @@ class PlacementEvaluation:
         near = sample_near(X_WN, new, self.scene.container, config.near_samples, config.near_deviation, rng)
         return np.vstack([[*X_WN.p, *X_WN.q], near])
 
-    def evaluate(self, now: Array, sampled: Array) -> tuple[PlacementSamples, str]:
+    def evaluate(self, now: Array, sampled: Array, near: Pose | None = None) -> tuple[PlacementSamples, str]:
         """Settle poses `(S, 7)` of the new object, and compute their costs and feasibility.
 
         Args:
             now: the physics state `(nstate,)` before.
             sampled: poses to which the new object is teleported.
+            near: the pose X_WN that is wanted, whose distance adds to the cost; None: any.
 
         Returns:
             The samples, and the reason to give if none of them is feasible.
@@ -79,6 +80,9 @@ class PlacementEvaluation:
         before, settled = self._settling.poses(teleported), self._settling.poses(states)
         penetration = np.array([self._lasting_penetration(row) for row in states])
         costs = self.disturbance(before, settled) + self._config.beta * penetration
+        if near is not None:
+            aside = settled[:, -1, :2] - near.p[:2]  # the new object is the last
+            costs += self._config.near_weight * np.linalg.norm(aside, axis=1)
         verdict = judge(self.scene, settled, penetration)
         names = tuple(self._settling.names)
         return PlacementSamples(names, sampled, settled, costs, verdict.is_feasible), verdict.reason()

@@ -14,6 +14,7 @@ from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound
 from pack_planner.rearrangement.methods import METHODS, RearrangementConfig
 from pack_planner.rearrangement.progress import Clock, PlanningProgress
+from pack_planner.rearrangement.rearrangement_planner import RearrangementPlanner
 from pack_planner.rearrangement.task import Task
 from pack_planner.rearrangement.validation import find_fault
 
@@ -43,7 +44,7 @@ def plan(
     if not budget_s > 0:
         raise PackError(f"the budget is {budget_s} s; allowed: above 0")
     progress = PlanningProgress(clock, budget_s)
-    if fault := find_fault(problem) or _too_many(problem, method, planner.most_blocks):
+    if fault := find_fault(problem) or _beyond(problem, method, planner):
         return Plan(PlanStatus.INVALID_INPUT, diagnosis=fault, statistics=progress.statistics())
     task = Task.of(problem)
     if task.is_home.all():
@@ -69,7 +70,11 @@ def warm_up() -> None:
         plan(make_instance(4, 0.1, 0), method=method, budget_s=np.inf, config=quick)
 
 
-def _too_many(problem: Problem, method: str, most: int) -> Diagnosis | None:
-    if len(problem.blocks) <= most:
-        return None
-    return Diagnosis(f"{len(problem.blocks)} blocks; allowed: up to {most} with {method}")
+def _beyond(problem: Problem, method: str, planner: RearrangementPlanner) -> Diagnosis | None:
+    """What is sound, but too much for a planner."""
+    if len(problem.goals) > planner.most_blocks:
+        return Diagnosis(f"{len(problem.goals)} blocks; allowed: up to {planner.most_blocks} with {method}")
+    if problem.obstacles and not planner.avoids_obstacles:
+        names = tuple(problem.obstacles)
+        return Diagnosis(f"{', '.join(names)} in the way: {method} plans around nothing that stays", names)
+    return None

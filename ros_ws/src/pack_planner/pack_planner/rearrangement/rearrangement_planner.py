@@ -33,9 +33,12 @@ class RearrangementPlanner(Config, ABC):
 
     Attributes:
         most_blocks: problems with more blocks are refused before the planner is asked.
+        avoids_obstacles: whether it plans around what stands on the table and is not to be moved; if not,
+            problems with obstacles are refused before it is asked.
     """
 
     most_blocks: ClassVar[int] = 64
+    avoids_obstacles: ClassVar[bool] = False
 
     @abstractmethod
     def plan(

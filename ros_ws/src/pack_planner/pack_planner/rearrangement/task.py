@@ -12,7 +12,7 @@ from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import QUARTER, PlanarPose, turn_between
 from pack_core.blocks.problem import Problem
 from pack_core.rotations import Array
-from pack_planner.rearrangement.footprints import rows_of
+from pack_planner.rearrangement.footprints import rows_of, squares
 from pack_planner.rearrangement.goal_access import GoalAccess
 from pack_planner.rearrangement.workspace import edges
 
@@ -43,7 +43,8 @@ class Task:
     def of(cls, problem: Problem) -> Task:
         """Number the blocks and snap them."""
         goals = problem.goals
-        blocks = sorted(problem.blocks, key=lambda b: (round(goals[b.id].y, 4), round(goals[b.id].x, 4)))
+        movable = (block for block in problem.blocks if block.id in goals)
+        blocks = sorted(movable, key=lambda b: (round(goals[b.id].y, 4), round(goals[b.id].x, 4)))
         snapped = [_snapped(problem, block.id, block.pose) for block in blocks]
         return cls(
             tuple(block.id for block in blocks),
@@ -64,6 +65,11 @@ class Task:
     def goal_access(self) -> GoalAccess:
         """What must be unfilled for a goal to be filled."""
         return GoalAccess.of(self.goals, self.side, self.gripper)
+
+    @cached_property
+    def obstacles(self) -> Array:
+        """What stands on the table and stays there, as rectangles `(obstacles, 6)`."""
+        return squares(rows_of(self.problem.obstacles.values()), self.side)
 
     @property
     def side(self) -> float:

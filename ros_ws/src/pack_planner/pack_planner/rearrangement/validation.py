@@ -29,8 +29,6 @@ def _check_ids(problem: Problem) -> Iterator[Diagnosis]:
     ids = [block.id for block in problem.blocks]
     if twice := tuple(sorted({name for name in ids if ids.count(name) > 1})):
         yield Diagnosis(f"block ids occur more than once: {_list(twice)}", twice)
-    if missing := tuple(name for name in ids if name not in problem.goals):
-        yield Diagnosis(f"blocks without a goal: {_list(missing)}", missing)
     if unknown := tuple(name for name in problem.goals if name not in ids):
         yield Diagnosis(f"goals of blocks that are not there: {_list(unknown)}", unknown)
 
@@ -92,8 +90,18 @@ def _check_overlaps(problem: Problem) -> Iterator[Diagnosis]:
                 )
 
 
+def _check_obstacles(problem: Problem) -> Iterator[Diagnosis]:
+    obstacles, goals = problem.obstacles, dict(problem.goals)
+    standing = squares(rows_of(obstacles.values()), problem.side, problem.gripper.block_margin)
+    for goal, pose in goals.items():
+        is_hit = np.any(hits(standing[:, None], squares(rows_of([pose]), problem.side)), axis=-1).tolist()
+        if in_way := tuple(name for name, hit in zip(obstacles, is_hit, strict=True) if hit):
+            yield Diagnosis(f"{_list(in_way)} stands on the goal of {goal}: take it away", (goal, *in_way))
+
+
 CHECKS: Sequence[Callable[[Problem], Iterator[Diagnosis]]] = (
     _check_ids, _check_numbers, _check_workspace, _check_inside, _check_overlaps,
+    _check_obstacles,
 )  # fmt: skip
 
 

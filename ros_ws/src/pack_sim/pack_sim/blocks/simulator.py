@@ -106,6 +106,14 @@ class BlocksSimulator:
         mujoco.mj_kinematics(self.model, self.data)
         return body_pose(self.data, TOOL)
 
+    def put(self, block: str, X_WB: Pose) -> None:
+        """Put a block somewhere else, at rest, as a hand does."""
+        joint = self.model.body(block_name(block)).jntadr[0]
+        q, v = self.model.jnt_qposadr[joint], self.model.jnt_dofadr[joint]
+        self.data.qpos[q : q + 7] = [*X_WB.p, *X_WB.q]
+        self.data.qvel[v : v + 6] = 0.0
+        mujoco.mj_forward(self.model, self.data)
+
     def snapshot(self) -> Array:
         """All that a picture depends on, to be set in another MjData of the same cell."""
         state = np.empty(mujoco.mj_stateSize(self.model, STATE))

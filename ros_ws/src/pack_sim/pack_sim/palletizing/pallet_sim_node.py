@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pack_interfaces.srv import GripperCommand, RemoveBox, ResetCell, SpawnBox
+from pack_interfaces.srv import GripperCommand, LayOnTable, RemoveBox, ResetCell, SpawnBox
 from pydantic import Field
 from std_srvs.srv import Trigger
 
@@ -16,6 +16,7 @@ from pack_core.palletizing.frames import fixed_frames
 from pack_core.palletizing.robot_description import describe_robot
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.conversions import from_pose
 from pack_core.ros.params import read_parameters
 from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
@@ -61,6 +62,7 @@ class PalletSimNode(MotionSimNode):
         services = (
             (contracts.GRIPPER_COMMAND, self._command_gripper),
             (contracts.SPAWN_BOX, self._spawn),
+            (contracts.LAY_ON_TABLE, self._lay),
             (contracts.REMOVE_BOX, self._remove),
             (contracts.RESET, self._reset),
             (contracts.TRIGGER, self._trigger),
@@ -89,10 +91,16 @@ class PalletSimNode(MotionSimNode):
 
     def _spawn(self, request: SpawnBox.Request, response: SpawnBox.Response) -> SpawnBox.Response:
         try:
-            x, y, z = request.size.tolist()
-            box = BoxBody(request.name, (x, y, z), request.mass)
             with self.lock:
-                self._simulator.spawn(box)
+                self._simulator.spawn(_body_in(request))
+        except PackError as error:
+            response.message = str(error)
+        return self._after_change(response)
+
+    def _lay(self, request: LayOnTable.Request, response: LayOnTable.Response) -> LayOnTable.Response:
+        try:
+            with self.lock:
+                self._simulator.lay(_body_in(request), from_pose(request.pose))
         except PackError as error:
             response.message = str(error)
         return self._after_change(response)
@@ -135,6 +143,12 @@ class PalletSimNode(MotionSimNode):
         if not response.success:
             response.message = "the last picture is still being made"
         return response
+
+
+def _body_in(request: SpawnBox.Request | LayOnTable.Request) -> BoxBody:
+    """What a request brings; raises PackError where it cannot be."""
+    x, y, z = request.size.tolist()
+    return BoxBody(request.name, (x, y, z), request.mass)
 
 
 def main() -> int:

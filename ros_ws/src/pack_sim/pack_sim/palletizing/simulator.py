@@ -11,6 +11,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import Config
 from pack_core.joints import JointReference, JointSample
 from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.carried_load import CarriedLoad
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.model import body_pose
 from pack_core.palletizing.visitors import Visitor
@@ -21,7 +22,6 @@ from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
 from pack_sim.joint_servo import JointServo
 from pack_sim.palletizing.arrivals import arrival_pose
-from pack_sim.palletizing.carried_load import CarriedLoad
 from pack_sim.palletizing.contact_watch import ContactWatch
 from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
 from pack_sim.palletizing.physics import Physics
@@ -32,6 +32,8 @@ from pack_sim.palletizing.true_cell import true_cell
 from pack_sim.palletizing.visitor_watch import visitor_distances
 from pack_sim.reference_follower import ReferenceFollower
 
+UNEVEN = np.array([0.004, -0.003, 0.0])
+"""By how much an operator misses the place where something is to be laid [m]."""
 TORQUE = 4
 """Stream of random numbers of the noise of measured torques."""
 
@@ -176,12 +178,13 @@ class PalletSimulator:
 
         Args:
             box: what is laid there.
-            X_NB: where it would be if the table stood where it should; it is laid on the true table.
+            X_NB: where it would be if the table stood where it should; it is laid on the true table, some
+                millimetres from there.
 
         Raises:
             PackError: a box of this name is in the cell, or something is in its place.
         """
-        self.spawn(box, self.cell.picking_table.displaced(X_NB))
+        self.spawn(box, self.cell.picking_table.displaced(Pose(X_NB.p + UNEVEN, X_NB.q)))
 
     def remove(self, name: str) -> None:
         """Take a box out of the cell, also if it is gripped; raises PackError when there is no such box."""

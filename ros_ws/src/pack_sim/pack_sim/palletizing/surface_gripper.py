@@ -26,7 +26,7 @@ class SurfaceGripper:
         self._deadline: float | None = None
         self._next_try = 0.0
         self._steps_over = 0
-        self._is_opening = False
+        self._is_opening, self._failure = False, ""
         self.state = GripState(reason=ASKED)
 
     @property
@@ -50,11 +50,18 @@ class SurfaceGripper:
         """Release the box, or stop trying to grip one."""
         self._is_opening = True
 
+    def fail(self, reason: str) -> None:
+        """Have the vacuum break down after the next step, for a reason in words."""
+        self._failure = reason
+
     def update(self, model: mujoco.MjModel, data: mujoco.MjData, boxes: list[str]) -> None:
         """Carry out the last command after a step, with the positions and forces of that step."""
         if self._is_opening:
             self._is_opening = False
             self.let_go(model, data, ASKED)
+        elif self._failure:
+            self.let_go(model, data, self._failure)
+            self._failure = ""
         elif self.state.is_closing:
             self._seek(model, data, boxes)
         elif self.state.is_closed:

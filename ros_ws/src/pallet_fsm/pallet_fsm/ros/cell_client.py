@@ -7,6 +7,7 @@ from typing import Any
 
 from pack_interfaces.msg import MotionTarget
 from pack_interfaces.srv import GripperCommand, RemoveBox, SpawnBox
+from pack_interfaces.srv import LayOnTable as LayOnTableSrv
 from rclpy.client import Client
 from rclpy.task import Future
 from std_srvs.srv import Trigger
@@ -15,13 +16,14 @@ from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.conversions import from_stamp, to_pose
 from pack_core.ros.motion_messages import to_target
 from pack_core.ros.palletizing.detection_messages import to_expected_box
 from pallet_fsm.ports import (
     CloseGripper,
     Command,
     DiscardBox,
+    LayOnTable,
     OpenGripper,
     PursueTarget,
     StopArm,
@@ -38,19 +40,23 @@ class CellClient:
     Args:
         node: that sends.
         on_spawned: is told the name of a box that has come.
+        on_laid: is told the name of what the operator has laid on table A.
         on_failure: is told why a command was not done.
     """
 
     def __init__(
-        self, node: CellNode, on_spawned: Callable[[str], None], on_failure: Callable[[str], None]
-    ) -> None:
-        self._node, self._on_spawned, self._on_failure = node, on_spawned, on_failure
+        self, node: CellNode, on_spawned: Callable[[str], None], on_laid: Callable[[str], None],
+        on_failure: Callable[[str], None],
+    ) -> None:  # fmt: skip
+        self._node, self._on_failure = node, on_failure
+        self._on_spawned, self._on_laid = on_spawned, on_laid
         self._target = node.advertise(motion.MOTION_TARGET)
         self._expected = node.advertise(contracts.EXPECTED_BOX)
-        self._spawn, self._remove, self._gripper, self._trigger = (
+        self._spawn, self._lay, self._remove, self._gripper, self._trigger = (
             self._client(contract)
             for contract in (
-                contracts.SPAWN_BOX, contracts.REMOVE_BOX, contracts.GRIPPER_COMMAND, contracts.TRIGGER,
+                contracts.SPAWN_BOX, contracts.LAY_ON_TABLE, contracts.REMOVE_BOX, contracts.GRIPPER_COMMAND,
+                contracts.TRIGGER,
             )
         )  # fmt: skip
 
@@ -71,6 +77,10 @@ class CellClient:
             case SpawnCommand(name, dims, mass):
                 request = SpawnBox.Request(name=name, size=list(dims), mass=mass)
                 self._call(self._spawn, request, f"box {name} cannot come", lambda: self._on_spawned(name))
+            case LayOnTable(body, X_NB):
+                lay = LayOnTableSrv.Request(name=body.name, size=list(body.size), mass=body.mass)
+                lay.pose = to_pose(X_NB)
+                self._call(self._lay, lay, f"{body.name} is not on table A", lambda: self._on_laid(body.name))
             case DiscardBox(name):
                 # Somebody may have taken it already: it is out of the way either way.
                 warn = self._node.get_logger().warning

@@ -30,6 +30,7 @@ class Observer:
 
     Attributes:
         spawned: name of the box that arrived last.
+        laid: name of what the operator laid on table A last.
     """
 
     def __init__(self, node: CellNode, on_motion: Callable[[], None]) -> None:
@@ -37,7 +38,7 @@ class Observer:
         self._motion: MotionStatus | None = None
         self._grip: GripState | None = None
         self._detection: BoxDetection | None = None
-        self.spawned = ""
+        self.spawned = self.laid = ""
         node.listen(motion.MOTION_STATUS, self._on_motion_status)
         node.listen(contracts.GRIPPER_STATE, self._on_gripper)
         node.listen(contracts.BOX_DETECTION, self._on_detection)

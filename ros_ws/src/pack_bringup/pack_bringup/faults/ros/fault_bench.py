@@ -9,10 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pack_bringup.cell_goal import CellGoal
-from pack_bringup.faults.fault import FREEZE_TIME, Fault, FaultCase, FaultReport
+from pack_bringup.faults.fault import FREEZE_TIME, GRASP, Fault, FaultCase, FaultReport
 from pack_bringup.faults.ros.fault_witness import FaultWitness
 from pack_bringup.faults.ros.recording import lacking
 from pack_bringup.graph.graph import Graph
@@ -26,8 +24,12 @@ STAGE_TIMEOUT = 150.0
 """For a goal to come into a stage, and to end after a fault [s of wall clock]."""
 MOVES = 0.05
 """Speed of the fastest joint from which the arm counts as moving [rad/s]."""
+FAST = 0.3
+"""A fault is put in when the fastest joint has this speed [rad/s]: then a stop can be told from a start."""
 IN_STAGE = 0.4
-"""A fault is put in when the arm moves, or after so long in a stage in which it stands [s simulated]."""
+"""Or after so long in a stage in which the arm stands or is slow [s simulated]."""
+BRIEF = {"PERCEIVE": 0.1, GRASP: 0.1}
+"""The same for stages that take 0.2 to 0.3 s and in which the arm always stands [s simulated]."""
 WATCHED = 3.0
 """For which the arm is watched after a fault [s simulated]: in every cell it has then stopped or goes on."""
 GOAL_TIMEOUT = 10.0
@@ -85,7 +87,8 @@ class FaultBench:
                 entered = math.inf
                 return False
             entered = min(entered, witness.arm.time)
-            return witness.arm.speed > MOVES or witness.arm.time > entered + IN_STAGE
+            is_fast = stage not in BRIEF and witness.arm.speed > FAST
+            return is_fast or witness.arm.time > entered + BRIEF.get(stage, IN_STAGE)
 
         if not witness.spin_until(is_time, STAGE_TIMEOUT):
             raise PackError(f"the goal did not come into the stage {stage}")
@@ -107,7 +110,9 @@ class FaultBench:
         if case.node != "sim":
             fault_time = witness.arm.simulated(struck_ns)
             found |= asdict(witness.arm.stop_after(fault_time))
-            self._keep_speeds(case, fault_time)
+            witness.arm.save(
+                self._folder / "speeds" / f"{case.name}.csv", fault_time - BEFORE, fault_time + WATCHED
+            )
         named = witness.silences_of(case.node, struck)
         found["named_by"] = tuple(sorted({by for _, by in named}))
         found["named_after"] = min((at for at, _ in named), default=math.nan)
@@ -142,15 +147,6 @@ class FaultBench:
             reason = getattr(witness.result, "exit_reason", "")
             goal = ": ".join(filter(None, (reason, witness.result.message))) or "success"
         return {"is_held": witness.holds, "goal": goal, "goal_after": ended}
-
-    def _keep_speeds(self, case: FaultCase, fault_time: float) -> None:
-        """Write the speed of the fastest joint around a fault to a file, for whoever wants to look closer."""
-        rows = self._witness.arm.between(fault_time - BEFORE, fault_time + WATCHED)
-        rows[:, 0] -= fault_time
-        folder = self._folder / "speeds"
-        folder.mkdir(parents=True, exist_ok=True)
-        header = "time from the fault [s simulated], speed of the fastest joint [rad/s]"
-        np.savetxt(folder / f"{case.name}.csv", rows, "%.4f", ", ", header=header)
 
     def _try_next(self, case: FaultCase) -> bool:
         """Whether the next goal is taken and moves the arm, once the victim runs again."""

@@ -17,6 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from pack_bringup.cell_goal import CellGoal
 from pack_bringup.faults.arm_record import ArmRecord
+from pack_bringup.faults.fault import GRASP
 from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import wiring_of
@@ -37,7 +38,7 @@ class FaultWitness:
     Attributes:
         arm: what was heard of the joints.
         holds: whether the gripper holds something.
-        stage: of the goal in progress, from its feedback.
+        stage: of the goal in progress, from its feedback and the fingers.
         result: of the last goal; None while one is pursued.
         statuses: newest status of each node, by name.
         diagnosed: by node, the wall clock at which its newest errors came, and their text.
@@ -47,11 +48,16 @@ class FaultWitness:
     def __init__(self, cell: str, domain: int) -> None:
         self._cell, self._domain = cell, domain
         self.arm = ArmRecord()
-        self.holds, self.stage, self.factor = False, "", float("nan")
+        self.holds, self.factor = False, float("nan")
+        self._phase, self._is_closing = "", False
         self.result: Any = None
         self.statuses: dict[str, NodeStatus] = {}
         self.diagnosed: list[tuple[float, str, str]] = []
         self._handle: Any = None
+
+    @property
+    def stage(self) -> str:
+        return GRASP if self._phase == "PICK" and self._is_closing else self._phase
 
     def __enter__(self) -> Self:
         self._context = Context()
@@ -107,7 +113,7 @@ class FaultWitness:
             raise PackError(f"{contract.name} failed: {answer.result() and answer.result().message}")
         self.node.destroy_client(client)
         action, message = goal.goal()
-        self.result, self.stage = None, ""
+        self.result, self._phase = None, ""
         actions = ActionClient(self.node, action.type, action.name)
         if not self.spin_until(actions.server_is_ready, 20.0):
             raise PackError(f"no action {action.name}")
@@ -137,6 +143,7 @@ class FaultWitness:
     def _on_gripper(self, message: GripperState | JawState) -> None:
         if isinstance(message, JawState):
             self.holds = message.status == JawState.HOLDING
+            self._is_closing = message.status == JawState.MOVING and message.force > 0.0
         else:
             self.holds = bool(message.is_closed)
 
@@ -154,7 +161,7 @@ class FaultWitness:
 
     def _on_feedback(self, message: Any) -> None:
         feedback = message.feedback
-        self.stage = next(
+        self._phase = next(
             getattr(feedback, field) for field in ("stage", "state", "phase") if hasattr(feedback, field)
         )
 

@@ -22,7 +22,7 @@ from pack_core.errors import BagError
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_stamp
 from pack_core.ros.peer_watch import ALIVE_QOS, alive_topic
-from pack_core.ros.watch_connection import WatchSocket
+from pack_core.ros.watch_socket import WatchSocket
 from pack_evaluation.raw_bag import RawMessage, Topic
 
 DEPTH = 100

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from pack_interfaces.action import Palletize
+from dataclasses import replace
+
+from pack_interfaces.action import CalibrateCell, Palletize
 from pack_interfaces.msg import (
+    BoardSighting,
     BoxDetection,
     ExpectedBox,
     GripperState,
@@ -11,17 +14,18 @@ from pack_interfaces.msg import (
     SceneState,
     UnwantedContact,
 )
-from pack_interfaces.srv import GripperCommand, PlanLayout, RemoveBox, ResetCell, SpawnBox
+from pack_interfaces.srv import GripperCommand, LayOnTable, PlanLayout, RemoveBox, ResetCell, SpawnBox
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import String
 
 from pack_core.palletizing import topics
+from pack_core.ros.contracts import motion
 from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
-from pack_core.ros.contracts.motion import MOTION
 from pack_core.ros.contracts.overhead_camera import overhead_camera
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
+JOINT_STATES = replace(motion.JOINT_STATES, targets=("motion", "fsm", "recorder", "user"))
 BOXES = Contract(
     topics.BOXES, String, ("sim",), ("recorder", "user"),
     "name, size and mass of every box in the cell, as YAML", qos=LATCHED, rate="on change", recorded=True)
@@ -43,6 +47,10 @@ GRIPPER_COMMAND = Contract(
 SPAWN_BOX = Contract(
     "/sim/spawn", SpawnBox, ("fsm", "user"), ("sim",), "a box arrives on the picking table",
     kind=Kind.SERVICE)
+LAY_ON_TABLE = Contract(
+    "/picking_table/lay", LayOnTable, ("fsm", "user"), ("sim",),
+    "the operator lays something on the picking table by its marks: the calibration board, or a test box",
+    kind=Kind.SERVICE)
 REMOVE_BOX = Contract(
     "/sim/remove", RemoveBox, ("fsm", "user"), ("sim",), "a box is taken out of the cell", kind=Kind.SERVICE)
 RESET = Contract(
@@ -54,6 +62,10 @@ EXPECTED_BOX = Contract(
 BOX_DETECTION = Contract(
     topics.BOX_DETECTION, BoxDetection, ("vision",), ("fsm", "recorder", "user"),
     "the expected box's pose, or why there is none", qos=STREAM, rate="each picture", recorded=True)
+BOARD_SIGHTING = Contract(
+    topics.BOARD_SIGHTING, BoardSighting, ("vision",), ("fsm", "recorder", "user"),
+    "corners of the calibration board in a picture, when it is what is expected", qos=STREAM,
+    rate="each picture", recorded=True)
 VISION_FRAME = Contract(
     "/vision/frame", CompressedImage, ("vision",), ("user",),
     "the whole picture, at lower resolution", qos=LATEST, rate="each picture")
@@ -80,6 +92,11 @@ RESULT = Contract(
     rate="each order", recorded=True)
 PALLETIZE = Contract(
     "/palletize", Palletize, ("user",), ("fsm",), "build an order's pallet", kind=Kind.ACTION)
+CALIBRATE = Contract(
+    "/calibrate_cell", CalibrateCell, ("user",), ("fsm",),
+    "find out where tables, pallet and camera are and how far the gears give, or test what was found",
+    kind=Kind.ACTION)
 # fmt: on
 
+MOTION = (line for line in motion.MOTION if line.name != JOINT_STATES.name)
 CONTRACTS = (*SHARED, *MOTION, *contracts_in(globals()))

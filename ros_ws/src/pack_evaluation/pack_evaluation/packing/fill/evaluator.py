@@ -27,11 +27,11 @@ class FillMeasures:
     """What is measured of a fill job."""
 
     success: Annotated[
-        bool, MeasureText("all packed", yes_or_no, "every object of the list rests in the container")
+        bool, MeasureText("all packed", yes_or_no, "every object of the list is in the container")
     ]
-    packed: Annotated[int, MeasureText("packed", str, "objects that rest in the container, as seen")]
+    packed: Annotated[int, MeasureText("packed", str, "objects that truly are in the container")]
     given: Annotated[int, MeasureText("given", str, "objects of the list")]
-    faults: Annotated[int, MeasureText("faults", str, "objects that were dropped, and force stops")]
+    faults: Annotated[int, MeasureText("faults", str, "objects dropped or outside, and force stops")]
     base_area: Annotated[
         float, MeasureText("base area", number("%", 1, 100.0), "share of the base that objects cover")
     ]
@@ -57,15 +57,11 @@ class FillEvaluator(Evaluator[FillRun, FillMeasures]):
         return load_fill_run(path)
 
     def measure(self, run: FillRun) -> FillMeasures:
-        """Everything that is measured of the job."""
-        rows = run.report["objects"]
-        packed = [row for row in rows if row["packed"]]
-        durations = [float(row["duration"]) for row in packed]
-        _, base_area, volume = run.report["fills"][-1]
+        """Everything that is measured of the job, as the benchmark measures it."""
+        packed, durations, fill = len(run.truth.inside), run.durations, run.truth.fill
         return FillMeasures(
-            len(packed) == len(rows), len(packed), len(rows), sum(bool(row["fault"]) for row in rows),
-            float(base_area), float(volume), float(np.mean(durations)) if durations else float("nan"),
-            float(run.report["force_peak"]),
+            packed == run.given, packed, run.given, len(run.faults), fill.base_area, fill.volume,
+            float(np.mean(durations)) if durations else float("nan"), run.force_peak,
         )  # fmt: skip
 
     def draw(self, run: FillRun, folder: Path) -> list[Path]:

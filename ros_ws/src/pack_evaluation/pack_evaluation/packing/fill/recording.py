@@ -1,4 +1,4 @@
-"""A recorded fill job: its report as the node published it, and the cell over its time, for pictures."""
+"""A recorded fill job: what the node told of it, and what the recording itself shows."""
 
 from __future__ import annotations
 
@@ -14,16 +14,20 @@ from pack_core.errors import BagError
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.parking import parked_pose
 from pack_core.packing.scene import Scene
-from pack_core.packing.topics import DESCRIPTION, FILL_RESULT, JOINT_STATES, TRUTH, WRENCH
+from pack_core.packing.topics import DESCRIPTION, FILL_PROGRESS, FILL_RESULT, JOINT_STATES, TRUTH, WRENCH
 from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array
 from pack_evaluation.bag import fitting, read_bag, result_in
+from pack_evaluation.force import low_pass
 from pack_evaluation.goals import ONLY_GOAL, GoalNumber
+from pack_evaluation.packing.fill.true_end import TrueEnd, true_end
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.raw_bag import read_raw_bag
 from pack_evaluation.track import Track
 
-TOPICS = (DESCRIPTION, FILL_RESULT, TRUTH, JOINT_STATES, WRENCH)
+NEEDED = (DESCRIPTION, TRUTH, JOINT_STATES, WRENCH)
+TOLD = (FILL_PROGRESS, FILL_RESULT)
+"""What the node tells of a job: its result, or, of a job that was cut off, its last progress."""
 INSTANT = 1e-3
 """Time in which an object comes from where it is parked to where it is handed over, in pictures [s]."""
 
@@ -34,11 +38,29 @@ class FillRun:
 
     Attributes:
         run: the cell over the job's time, with all objects that were ever in it.
-        report: fields of `/fill_container/result`.
+        report: fields of `/fill_container/result`; of a job that was cut off, those of its last progress.
+        given: number of objects of the list.
+        truth: how the job truly ended.
+        force_peak: largest external force, behind a low-pass of 5 ms [N].
     """
 
     run: Run
     report: Mapping[str, Any]
+    given: int
+    truth: TrueEnd
+    force_peak: float
+
+    @property
+    def faults(self) -> list[str]:
+        """Names of the objects that were dropped, that ended outside, or whose goal a force stop ended."""
+        reported = {str(row["name"]) for row in self.report["objects"] if row["fault"]}
+        return sorted(reported | set(self.truth.outside))
+
+    @property
+    def durations(self) -> list[float]:
+        """Times of the objects that are in the container, from hand-over until the arm was free again [s]."""
+        rows = self.report["objects"]
+        return [float(row["duration"]) for row in rows if row["name"] in self.truth.inside]
 
     @property
     def is_cut(self) -> bool:
@@ -57,9 +79,9 @@ class FillRun:
 
 
 def has_fill_job(path: Path) -> bool:
-    """Whether a recording holds the result of a fill job."""
+    """Whether a recording holds a fill job, to its end or cut off."""
     is_bag = path.is_dir() or path.suffix == ".mcap"
-    return is_bag and bool(read_raw_bag(path, (FILL_RESULT,)).messages)
+    return is_bag and bool(read_raw_bag(path, TOLD).messages)
 
 
 def load_fill_run(path: Path) -> FillRun:
@@ -68,24 +90,33 @@ def load_fill_run(path: Path) -> FillRun:
     Raises:
         BagError: the recording is missing, broken, or holds none.
     """
-    bag = read_bag(path, TOPICS)
-    if missing := [topic for topic in TOPICS if not bag.of(topic)]:
+    bag = read_bag(path, (*NEEDED, *TOLD))
+    told = [item for item in bag.messages if item.topic in TOLD]
+    if missing := [topic for topic in NEEDED if not bag.of(topic)] + [FILL_RESULT] * (not told):
         raise BagError(f"{bag.path} has no message on {', '.join(missing)}")
     with fitting(path):
-        report = result_in(bag.of(FILL_RESULT)[-1].data, path)
+        report = result_in(told[-1].message.data, path)
         scene = _all_objects([Scene.from_yaml(m.data, DESCRIPTION) for m in bag.of(DESCRIPTION)])
         joints, wrenches = bag.of(JOINT_STATES), bag.of(WRENCH)
-        times = _times(joints)
+        times, force_times, paths = _times(joints), _times(wrenches), _paths(bag.of(TRUTH), scene)
         forces = [message.wrench.force for message in wrenches]
-        start, end = float(report["start"]), float(report["fills"][-1][0])
+        force = np.array([np.hypot(np.hypot(f.x, f.y), f.z) for f in forces])
+        start, is_ended = float(report["start"]), told[-1].topic == FILL_RESULT
+        end = float(report["fills"][-1][0]) if is_ended else float(times[-1])
+        if not is_ended:
+            report = {"exit_reason": "", "message": "the recording ends before the job", **report}
         run = Run(
-            scene=scene, start=start, end=end, iterations=_none(), truth=_tracks(bag.of(TRUTH), scene, times),
+            scene=scene, start=start, end=end, iterations=_none(), truth=_tracks(paths, scene, times),
             estimate={}, joint_times=times, joints=np.array([message.position for message in joints]),
-            force_times=_times(wrenches), force=np.array([np.hypot(np.hypot(f.x, f.y), f.z) for f in forces]),
+            force_times=force_times, force=force,
             release_reason="", real_time_factors=np.zeros(0), outcome=dict(report), is_cut=bag.is_cut,
             damaged=bag.damaged, arm=arm_of(joints[0].name).name,
         )  # fmt: skip
-    return FillRun(run, report)
+        to_come = [*report.get("to_come", []), *filter(None, [report.get("object", "")])]
+        given = len({*(row["name"] for row in report["objects"]), *to_come})
+        during = (force_times >= start) & (force_times <= end)
+        peak = report.get("force_peak", np.max(low_pass(force_times, force)[during], initial=0.0))
+        return FillRun(run, report, given, true_end(scene, paths, end), float(peak))
 
 
 def _all_objects(descriptions: Sequence[Scene]) -> Scene:
@@ -99,8 +130,8 @@ def _all_objects(descriptions: Sequence[Scene]) -> Scene:
     return descriptions[-1].model_copy(update={"objects": objects, "new_object": new, "grip": None})
 
 
-def _tracks(messages: Sequence[Any], scene: Scene, times: Array) -> dict[str, Track]:
-    """Paths of all objects over the whole time, parked while they are not in the cell."""
+def _paths(messages: Sequence[Any], scene: Scene) -> dict[str, Track]:
+    """Paths of the objects while they are in the cell."""
     samples: dict[str, list[tuple[float, list[float], list[float]]]] = {
         name: [] for name in (*scene.names, scene.new_object.name)
     }
@@ -110,21 +141,32 @@ def _tracks(messages: Sequence[Any], scene: Scene, times: Array) -> dict[str, Tr
             if state.name in samples:
                 p, q = state.pose.position, state.pose.orientation
                 samples[state.name].append((time, [p.x, p.y, p.z], [q.w, q.x, q.y, q.z]))
+    return {name: _path(rows) for name, rows in samples.items()}
+
+
+def _path(rows: Sequence[tuple[float, list[float], list[float]]]) -> Track:
+    return Track(
+        np.array([row[0] for row in rows]), np.array([row[1] for row in rows]).reshape(-1, 3),
+        np.array([row[2] for row in rows]).reshape(-1, 4), np.zeros(len(rows), dtype=np.uint8),
+    )  # fmt: skip
+
+
+def _tracks(paths: Mapping[str, Track], scene: Scene, times: Array) -> dict[str, Track]:
+    """The paths over the whole time, the objects parked while they are not in the cell."""
     return {
-        name: _track(rows, parked_pose(i, scene.model_of(name)).p, times)
-        for i, (name, rows) in enumerate(samples.items())
+        name: _over_all_times(path, parked_pose(i, scene.model_of(name)).p, times)
+        for i, (name, path) in enumerate(paths.items())
     }
 
 
-def _track(rows: Sequence[tuple[float, list[float], list[float]]], parked: Array, times: Array) -> Track:
-    p, q, upright = parked.tolist(), [1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
-    first, last = (rows[0][0], rows[-1][0]) if rows else (times[-1], times[-1])
-    before = [(float(times[0]), p, q), (first - INSTANT, p, upright)]
-    after = [(last + INSTANT, p, q), (max(float(times[-1]), last) + 2 * INSTANT, p, q)]
-    every = [*before, *rows, *after]
+def _over_all_times(path: Track, parked: Array, times: Array) -> Track:
+    inside, begin, end = path.times, float(times[0]), float(times[-1])
+    first, last = (inside[0], inside[-1]) if inside.size else (end, end)
+    before, after = [begin, first - INSTANT], [last + INSTANT, max(end, last) + 2 * INSTANT]
+    away, upright = np.tile(parked, (2, 1)), np.tile([1.0, 0.0, 0.0, 0.0], (2, 1))
     return Track(
-        np.array([row[0] for row in every]), np.array([row[1] for row in every]),
-        np.array([row[2] for row in every]), np.zeros(len(every), dtype=np.uint8),
+        np.concatenate([before, inside, after]), np.concatenate([away, path.p, away]),
+        np.concatenate([upright, path.q, upright]), np.zeros(len(inside) + 4, dtype=np.uint8),
     )  # fmt: skip
 
 

@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pack_core.errors import ConfigError
 from pack_evaluation.packing.fill.plots import plot_fills
-from pack_evaluation.study import KeptTrials, Study, StudyEvaluator
+from pack_evaluation.packing.fill.recording import load_fill_run
+from pack_evaluation.study import RECORDINGS, KeptTrials, Study, StudyEvaluator
 from pack_evaluation.table import TextTable
 
 PERCENT = 1e2
@@ -30,8 +30,8 @@ class FillStudy(Study):
     trials: tuple[Mapping[str, Any], ...]
 
 
-class FillStudies(StudyEvaluator[FillStudy, Any]):
-    """Measures every list from what its run kept."""
+class FillStudies(StudyEvaluator[FillStudy, Mapping[str, Any]]):
+    """Measures every list from what its run kept, or from its recording."""
 
     title: ClassVar[str] = "Filled containers"
 
@@ -40,21 +40,18 @@ class FillStudies(StudyEvaluator[FillStudy, Any]):
         kept.require(KEYS)
         return [FillStudy(name=kept.settings["name"], origin=kept.origin, trials=tuple(kept.trials))]
 
-    def read_recording(self, path: Path) -> Any:
-        """Not from recordings: these are measured one by one.
+    def read_recording(self, path: Path) -> Mapping[str, Any]:
+        """The last fill job of a recording as a trial, named by the recording's path."""
+        run = load_fill_run(path)
+        return {
+            "name": str(path), "without_fault": not run.faults, "objects": len(run.truth.inside),
+            "given": run.given, "base_area": run.truth.fill.base_area, "volume": run.truth.fill.volume,
+            "durations": run.durations, "force": run.force_peak, "fills": run.report["fills"],
+        }  # fmt: skip
 
-        Raises:
-            ConfigError: always.
-        """
-        raise ConfigError(f"{path}: fill jobs are compared from benchmarks' folders only")
-
-    def of_recordings(self, recordings: Sequence[Any]) -> FillStudy:
-        """Not from recordings.
-
-        Raises:
-            ConfigError: always.
-        """
-        raise ConfigError("fill jobs are compared from benchmarks' folders only")
+    def of_recordings(self, recordings: Sequence[Mapping[str, Any]]) -> FillStudy:
+        """All recordings as trials."""
+        return FillStudy(name=RECORDINGS, trials=tuple(recordings))
 
     def summary(self, study: FillStudy) -> dict[str, Any]:
         """Counts, and means over lists; shares from 0 to 1, the time a packed object, the largest force."""

@@ -9,19 +9,19 @@ import numpy as np
 from pack_core.joints import JointSample
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
-from pack_core.packing.topics import DESCRIPTION, JOINT_STATES, MARKERS
+from pack_core.packing.topics import DESCRIPTION, FILL_RESULT, GRIPPER_STATE, JOINT_STATES, MARKERS
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state
 from pack_core.ros.packing.marker_messages import from_markers
 from pack_core.states import SceneState
-from pack_evaluation.bag import Bag
+from pack_evaluation.bag import Bag, result_in
 from pack_evaluation.goals import without_earlier_gaps
 from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.track import Track, to_tracks
 from pack_lockstep.packing.presets import PackingPreset
 from pack_lockstep.packing.replay.comparison import ComparisonRow, Replay, check_frames
 from pack_perception.mocap.estimator_config import EstimatorConfig
-from pack_perception.mocap.physics_estimator import PhysicsEstimator
+from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 
 TOPICS = (DESCRIPTION, JOINT_STATES, MARKERS)
 PERCENT = 95
@@ -30,7 +30,7 @@ LIMIT_MM = 1.0
 
 
 def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
-    """Estimate the poses again and compare them with the recorded estimate during the goal.
+    """Estimate the poses again and compare them with the recorded estimate during the goal or fill job.
 
     Args:
         bag: the recording.
@@ -40,7 +40,9 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
         BagError: the recording lacks a topic or too many of its messages.
     """
     run = to_run(bag)
-    bag = without_earlier_gaps(bag, run.start, latched=(DESCRIPTION,))
+    job = _job_window(bag)
+    start, end = job or (run.start, run.end)
+    bag = bag if job else without_earlier_gaps(bag, start, latched=(DESCRIPTION,))
     joints = [from_stamp(message.header.stamp) for message in bag.of(JOINT_STATES)]
     frames = [from_markers(message).time for message in bag.of(MARKERS)]
     counts = {
@@ -48,18 +50,25 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
     }
     estimated = estimate_again(bag, preset or PackingPreset())
     rows = tuple(
-        _compare(name, track.between(run.start, run.end), estimated.get(name))
-        for name, track in run.estimate.items()
+        _compare(name, track.between(start, end), estimated.get(name)) for name, track in run.estimate.items()
     )
     return Replay("perception", counts, rows)
 
 
+def _job_window(bag: Bag) -> tuple[float, float] | None:
+    """Start and end of the last fill job [s]; None if there is none."""
+    if not (told := bag.of(FILL_RESULT)):
+        return None
+    report = result_in(told[-1].data, bag.path)
+    return float(report["start"]), float(report["fills"][-1][0])
+
+
 def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
     """Estimated tracks by object, with a pose after every marker frame, from the messages as recorded."""
-    scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
-    config = preset.parameters("perception", EstimatorConfig)
-    cell = preset.packing_cell()
-    estimator = PhysicsEstimator(scene, cell, config)
+    config, cell = preset.parameters("perception", EstimatorConfig), preset.packing_cell()
+    scene, *changes = [Scene.from_yaml(message.data, DESCRIPTION) for message in bag.of(DESCRIPTION)]
+    estimator = HandOverEstimator(scene, cell, config)
+    later = iter([None, *changes])  # the first is known before anything else comes
     waiting: deque[MarkerFrame] = deque()
     states: list[SceneState] = []
     for item in bag.messages:
@@ -67,13 +76,30 @@ def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
             _advance(estimator, from_joint_state(item.message, cell.robot.arm.joints))
         elif item.topic == MARKERS:
             waiting.append(from_markers(item.message))
+        elif item.topic == GRIPPER_STATE and scene.is_handed_over:
+            _grip(estimator, is_closed=item.message.is_closed)
+        elif item.topic == DESCRIPTION and (change := next(later)) is not None:
+            scene = change
+            waiting.clear()
+            if scene.is_handed_over:
+                estimator.change_scene(scene)
+            else:
+                estimator = HandOverEstimator(scene, cell, config)
         while waiting and not estimator.is_ahead(waiting[0]):
             estimator.correct(waiting.popleft())
             states.append(estimator.state(estimator.time))
     return to_tracks(states)
 
 
-def _advance(estimator: PhysicsEstimator, joints: JointSample) -> None:
+def _grip(estimator: HandOverEstimator, *, is_closed: bool) -> None:
+    """Follow the pump, as the node does."""
+    if is_closed and not estimator.is_held:
+        estimator.take_hold()
+    elif not is_closed and estimator.is_held:
+        estimator.let_go()
+
+
+def _advance(estimator: HandOverEstimator, joints: JointSample) -> None:
     if estimator.wants(joints.time):
         estimator.advance(joints)
 

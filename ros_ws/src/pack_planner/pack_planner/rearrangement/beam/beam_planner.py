@@ -57,6 +57,7 @@ class BeamPlanner(RearrangementPlanner):
     """The cheapest plan that a beam search finds in its time; its parameters are those of the search."""
 
     most_blocks: ClassVar[int] = MAX_BLOCKS
+    avoids_obstacles: ClassVar[bool] = True
 
     price: Literal["actions", "paper"] = Field(
         "actions", description="what a plan is to have least of: actions, or cost as in the paper's Eq. 1"

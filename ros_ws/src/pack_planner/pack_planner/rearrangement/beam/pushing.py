@@ -10,7 +10,7 @@ import numpy.typing as npt
 from pack_core.blocks.planar import QUARTER, wrapped
 from pack_core.blocks.primitive_action import PrimitiveKind
 from pack_core.rotations import Array
-from pack_planner.rearrangement.beam.refused_actions import bar_grasps, bar_pushes
+from pack_planner.rearrangement.beam.refused_actions import bar_blocked, bar_grasps, bar_pushes
 from pack_planner.rearrangement.beam.spots import POOL, STRAIGHT
 from pack_planner.rearrangement.collisions import Words, hits
 from pack_planner.rearrangement.footprints import fingers, squares, sweeps
@@ -45,6 +45,7 @@ class Pushes:
         """Which of the blocks `(Q, 6)` they hit, those that the arm refused all, `(..., W)`."""
         footprints = sweeps(self.ends, self.headings, self.lengths, task.side, task.gripper)
         words = hits(footprints[..., None, :], blocks)
+        bar_blocked(task, footprints[..., None, :], words)
         bar_pushes(task, self.starts, self.headings, words)
         return words
 
@@ -107,7 +108,9 @@ def pushes_from_spots(task: Task, poses: Array) -> tuple[Ints, Pushes]:
 
 def pushes_out(task: Task, first_spot: int) -> PushesOut:
     """Pushes away from the starts of blocks that can be grasped by no axis as the others stand now."""
-    picks = hits(fingers(task.starts, task.side, task.gripper), squares(task.starts, task.side))
+    beside = fingers(task.starts, task.side, task.gripper)
+    picks = hits(beside, squares(task.starts, task.side))
+    bar_blocked(task, beside, picks)
     bar_grasps(task, PrimitiveKind.GRASP, task.starts, picks)
     others = ~(np.uint64(1) << np.arange(task.n, dtype=np.uint64))
     stuck = np.flatnonzero(~task.is_home & np.all(picks[..., 0] & others[:, None], axis=1))

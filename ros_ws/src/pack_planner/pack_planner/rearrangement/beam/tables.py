@@ -13,7 +13,7 @@ from pack_core.rotations import Array
 from pack_planner.rearrangement.assembly import MAX_GOALS, BlockingSets, assembly_planes
 from pack_planner.rearrangement.beam.bits import MEMO_BITS
 from pack_planner.rearrangement.beam.pushing import Ints, pushes_from_spots, pushes_out, stages
-from pack_planner.rearrangement.beam.refused_actions import EVERYTHING, bar_grasps
+from pack_planner.rearrangement.beam.refused_actions import EVERYTHING, bar_blocked, bar_grasps
 from pack_planner.rearrangement.beam.spots import GOAL, POOL, STRAIGHT, spot_poses
 from pack_planner.rearrangement.collisions import Words, hits
 from pack_planner.rearrangement.footprints import fingers, squares
@@ -146,11 +146,14 @@ def build_tables(task: Task, pool: Array, push_price: PushPrice = FREE) -> Table
 def _grasps_at(task: Task, poses: Array, blocks: Array) -> tuple[Words, Words]:
     """What grasping and what putting down hits at poses `(..., 3)`, `(..., 2, W)` each.
 
-    What the arm refused hits all.
+    What the arm refused, and what would hit an obstacle, hits all.
     """
-    pick = hits(fingers(poses, task.side, task.gripper), blocks)
-    below = hits(squares(poses, task.side, task.gripper.block_margin)[..., None, :], blocks)
-    place = pick | below[..., None, :]
+    beside = fingers(poses, task.side, task.gripper)
+    under = squares(poses, task.side, task.gripper.block_margin)[..., None, :]
+    pick = hits(beside, blocks)
+    place = pick | hits(under, blocks)[..., None, :]
+    bar_blocked(task, beside, pick, place)
+    bar_blocked(task, under, place)
     bar_grasps(task, PrimitiveKind.GRASP, poses, pick)
     bar_grasps(task, PrimitiveKind.PLACE, poses, place)
     return pick, place

@@ -10,14 +10,15 @@ import numpy as np
 from pack_core.camera import PinholeCamera, seen_pixels
 from pack_core.kinematics.chain import SerialChain
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
+from pack_core.palletizing.carried_load import CarriedLoad
 from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
 from pack_core.palletizing.deflection import DeflectionModel
 from pack_core.palletizing.displacement import Displacement
 from pack_core.robots.gears import GearCompensation
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Array, Pose, exp, multiply, rotate
-from pack_lockstep.palletizing.calibration.measurements import BoardView, FeltContact
-from pack_lockstep.palletizing.calibration.parameters import (
+from pallet_fsm.calibration.measurements import BoardView, FeltContact
+from pallet_fsm.calibration.parameters import (
     BOARD,
     CAMERA,
     CENTRE,
@@ -29,7 +30,6 @@ from pack_lockstep.palletizing.calibration.parameters import (
     lens_of,
     shares_of,
 )
-from pack_sim.palletizing.carried_load import CarriedLoad
 
 SETTLING = 0.003
 """Load from which a gear at rest lies at one side of its play, as a share of the effort."""

@@ -10,7 +10,8 @@ import numpy as np
 from pack_core.joints import JointSample
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Array, Pose
-from pack_lockstep.palletizing.calibration.rig import CalibrationRig
+from pallet_fsm.calibration.rig import CalibrationRig
+from pallet_fsm.calibration.steps import CalibrationFailed, Steps, TouchInterrupted
 
 FAST, SLOW = 0.010, 0.001
 """Speeds at which a surface is first sought, and then touched [m/s]."""
@@ -25,6 +26,8 @@ MOVING = 0.12
 """Joints that turn faster than this a metre of the tool count [rad/m]: else friction hides their load."""
 SIGMA = 0.002 * LIMITS.effort
 """Noise of a measured torque `(6,)` [N m]; stated by the driver."""
+TRIES = 3
+"""How often a touch is tried that the driver interrupts, as it does when setpoints come late."""
 SMOOTH = 8
 """Samples over which the felt force is averaged."""
 
@@ -39,6 +42,7 @@ class Touch:
         at: value of that coordinate where the surface nominally ends [m], in the nominal world.
         normal: direction of the approach in the world `(3,)`.
         p_TC: touching corner in the tool's frame `(3,)` [m].
+        times: when the samples were taken `(n,)` [s].
         q: reported joint angles on the way `(n, 6)` [rad].
         tau: measured torques on the way `(n, 6)` [N m].
     """
@@ -48,6 +52,7 @@ class Touch:
     at: float
     normal: Array
     p_TC: Array
+    times: Array
     q: Array
     tau: Array
 
@@ -59,7 +64,7 @@ def touch(
     travel: float,
     surface: tuple[str, int, float],
     p_TC: Array,
-) -> Touch:
+) -> Steps[Touch]:
     """Approach a surface from a pose and press on it.
 
     Args:
@@ -71,19 +76,37 @@ def touch(
         p_TC: the corner of the pad that touches `(3,)` [m].
 
     Raises:
-        CalibrationFailed: nothing was felt.
+        CalibrationFailed: nothing was felt, or the arm was held again and again.
     """
-    rig.go(X_WT)
-    rig.wait(0.3)
+    reason = ""
+    for _ in range(TRIES):
+        try:
+            return (yield from _touch_once(rig, X_WT, normal, travel, surface, p_TC))
+        except TouchInterrupted as error:
+            reason = str(error)
+            yield from rig.line(X_WT, 0.1)
+    raise CalibrationFailed(f"{surface[0]}: the touch was interrupted {TRIES} times: {reason}")
+
+
+def _touch_once(
+    rig: CalibrationRig,
+    X_WT: Pose,
+    normal: Array,
+    travel: float,
+    surface: tuple[str, int, float],
+    p_TC: Array,
+) -> Steps[Touch]:
+    yield from rig.go(X_WT)
+    yield from rig.wait(0.3)
     end = Pose(X_WT.p + travel * normal, X_WT.q)
-    rig.press(end, FAST, Feeler(rig, normal, p_TC, FAST, FOUND).feels)
+    yield from rig.press(end, FAST, Feeler(rig, normal, p_TC, FAST, FOUND).feels)
     near = Pose(rig.tool().p - BACK * normal, X_WT.q)
-    rig.line(near, 0.02)
-    rig.wait(0.2)
-    samples = rig.press(end, SLOW, Feeler(rig, normal, p_TC, SLOW, PRESS).feels)
-    rig.line(X_WT, 0.1)
-    q, tau = np.array([s.q for s in samples]), np.array([s.tau for s in samples])
-    return Touch(*surface, normal, p_TC, q, tau)
+    yield from rig.line(near, 0.02)
+    yield from rig.wait(0.2)
+    samples = yield from rig.press(end, SLOW, Feeler(rig, normal, p_TC, SLOW, PRESS).feels)
+    yield from rig.line(X_WT, 0.1)
+    times, q, tau = (np.array([getattr(s, name) for s in samples]) for name in ("time", "q", "tau"))
+    return Touch(*surface, normal, p_TC, times, q, tau)
 
 
 class Feeler:

@@ -6,23 +6,24 @@ from functools import cache
 import numpy as np
 import pytest
 
+from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array, Pose, exp, multiply
-from pack_lockstep.palletizing.calibration.calibrate import conclude, model_of
-from pack_lockstep.palletizing.calibration.estimate import CORNER, CalibrationFit, estimate
-from pack_lockstep.palletizing.calibration.measurements import BoardView, FeltContact
-from pack_lockstep.palletizing.calibration.model import CellModel, sag_at
-from pack_lockstep.palletizing.calibration.parameters import (
+from pallet_fsm.calibration.conclusion import conclude, model_of
+from pallet_fsm.calibration.estimate import CORNER, CalibrationFit, estimate
+from pallet_fsm.calibration.measurements import BoardView, FeltContact
+from pallet_fsm.calibration.model import CellModel, sag_at
+from pallet_fsm.calibration.parameters import (
     GEARS,
     PLACE,
     prior_sigmas,
     start,
 )
-from pack_lockstep.palletizing.calibration.prediction import predict
-from pack_lockstep.palletizing.calibration.procedure import Measurements
-from pack_lockstep.palletizing.calibration.rig import CalibrationFailed, rotated_down
-from pack_lockstep.palletizing.calibration.touch import Touch
-from pack_motion.arm.arms import load_arm
+from pallet_fsm.calibration.prediction import predict
+from pallet_fsm.calibration.procedure import Measurements
+from pallet_fsm.calibration.steps import CalibrationFailed
+from pallet_fsm.calibration.touch import Touch
+from pallet_fsm.calibration.touch_poses import rotated_down
 
 REAL = palletizing_cell("real")
 X_TB = Pose([0.0, 0.23, 0.009], rotated_down(-np.pi / 2))
@@ -37,7 +38,7 @@ def truth(rng: np.random.Generator) -> Array:
 
 
 def reached(model: CellModel, X_WT: Pose) -> Array | None:
-    arm = load_arm("palletizing")
+    arm = arm_kinematics()
     return arm.inverse.follow(X_WT, arm.home, arm.inverse.branch(arm.home))
 
 
@@ -58,7 +59,7 @@ def views(model: CellModel, x: Array, rng: np.random.Generator) -> list[BoardVie
 def contact(model: CellModel, x: Array, what: str, axis: int, at: float, p: Array, n: Array) -> FeltContact:
     """A touch of a true surface: the reported joints at which the corner lies on it."""
     p_TC, q_WT = np.array([0.055, 0.055, 0.0]), rotated_down(0.7)
-    touched = Touch(what, axis, at, n, p_TC, np.zeros((1, 6)), np.zeros((1, 6)))
+    touched = Touch(what, axis, at, n, p_TC, np.zeros(1), np.zeros((1, 6)), np.zeros((1, 6)))
     bears = np.full(6, 0.5) * 100.0
     c = FeltContact(touched, np.zeros(6), 1e-5, 1.0, bears)
     along = 0.0
@@ -132,7 +133,7 @@ def test_measurements_that_contradict_each_other_are_refused(what: str) -> None:
         model = model_of(REAL, measured)
         k = next(i for i, c in enumerate(spoilt.contacts) if c.touch.axis == 2)
         old = spoilt.contacts[k]
-        X_WT = load_arm("palletizing").chain.forward(old.q)
+        X_WT = arm_kinematics().chain.forward(old.q)
         q = reached(model, Pose(X_WT.p + np.array([0.0, 0.0, 0.002]), X_WT.q))
         assert q is not None
         spoilt.contacts[k] = replace(old, q=q)

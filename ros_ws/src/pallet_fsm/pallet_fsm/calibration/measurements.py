@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from pack_core.kinematics.chain import SerialChain
-from pack_core.palletizing.calibration_board import CalibrationBoard
-from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array, Pose
-from pack_lockstep.palletizing.calibration.rig import CalibrationFailed
-from pack_lockstep.palletizing.calibration.touch import SLOW, Touch, push_vector
+from pallet_fsm.calibration.steps import CalibrationFailed
+from pallet_fsm.calibration.touch import SLOW, Touch, push_vector
 
 SETTLED = 30
 """Samples of a slow approach that are left out at its start."""
@@ -50,16 +47,10 @@ class FeltContact:
     gives: float
     bears: Array
 
-
-def corners_in(picture: Picture, board: CalibrationBoard) -> tuple[Array, Array]:
-    """Numbers `(n,)` and pixels `(n, 2)` of the board's corners that are seen."""
-    settings = cv2.aruco.DetectorParameters()
-    settings.minMarkerPerimeterRate = 0.005  # of the picture's width: markers are 32 of 3840 pixels wide
-    detector = cv2.aruco.CharucoDetector(board.pattern, cv2.aruco.CharucoParameters(), settings)
-    corners, ids, _, _ = detector.detectBoard(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
-    if ids is None:
-        return np.zeros(0, dtype=int), np.zeros((0, 2))
-    return np.asarray(ids, dtype=int).ravel(), np.asarray(corners, dtype=float).reshape(-1, 2)
+    @property
+    def name(self) -> str:
+        """What was touched, and along which axis."""
+        return f"{self.touch.what}, {'xyz'[self.touch.axis]}"
 
 
 def contact_of(touch: Touch, arm: SerialChain, period: float) -> FeltContact:
@@ -76,10 +67,10 @@ def contact_of(touch: Touch, arm: SerialChain, period: float) -> FeltContact:
     free = int(np.argmax(way > way[-1] - RISE))
     if free < 2 * SETTLED:
         raise CalibrationFailed(f"{touch.what}: touched before the arm moved evenly")
-    steps = np.arange(len(way))
+    steps = np.rint((touch.times - touch.times[0]) / period)  # a sample that was lost leaves a gap
     line = np.polyfit(steps[SETTLED:free], touch.tau[SETTLED:free], 1)
     change = touch.tau - np.outer(steps, line[0]) - line[1]
-    rate = (touch.q[free] - touch.q[SETTLED]) / (period * SLOW * (free - SETTLED))
+    rate = (touch.q[free] - touch.q[SETTLED]) / (period * SLOW * (steps[free] - steps[SETTLED]))
     J = np.array([chain.jacobian(q)[:3] for q in touch.q])
     forces = np.array([push_vector(J_i, c, rate) for J_i, c in zip(J, change, strict=True)])
     felt = forces @ touch.normal

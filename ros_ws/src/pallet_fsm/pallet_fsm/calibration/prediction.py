@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
+from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.palletizing.calibration import PlacingError
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pack_lockstep.palletizing.calibration.estimate import JOINTS, CalibrationFit
-from pack_lockstep.palletizing.calibration.model import CellModel
-from pack_lockstep.palletizing.calibration.parameters import (
+from pallet_fsm.calibration.estimate import JOINTS, CalibrationFit
+from pallet_fsm.calibration.model import CellModel
+from pallet_fsm.calibration.parameters import (
     lens_of,
 )
-from pack_lockstep.palletizing.calibration.rig import rotated_down
-from pack_motion.arm.arms import load_arm
+from pallet_fsm.calibration.touch_poses import rotated_down
 
 DRAWS = 400
 SEEN = 5e-5
@@ -102,7 +102,7 @@ def _seen(model: CellModel, x: Array, true: Array, box: Handled, rng: np.random.
 
 def _true_tool(model: CellModel, X_WT: Pose, x: Array, true: Array, rng: np.random.Generator) -> Pose | None:
     """Where the tool is when the driver, with the believed gears, has brought it to X_WT."""
-    arm = load_arm("palletizing")
+    arm = arm_kinematics()
     q = arm.inverse.follow(X_WT, arm.home, arm.inverse.branch(arm.home))
     if q is None:
         return None

@@ -4,9 +4,9 @@ import mujoco
 import numpy as np
 
 from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.carried_load import CarriedLoad
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array, Pose
-from pack_sim.palletizing.carried_load import CarriedLoad
 
 BOX = BoxBody("box", (0.4, 0.3, 0.25), 16.6)
 X_TB = Pose(np.array([0.0, 0.0, 0.126]))

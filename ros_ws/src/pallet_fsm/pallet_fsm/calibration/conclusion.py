@@ -1,4 +1,4 @@
-"""A whole calibration: measure, estimate, judge, predict."""
+"""What a calibration concludes from its measurements: it estimates, judges and predicts."""
 
 from __future__ import annotations
 
@@ -6,24 +6,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.palletizing.calibration import CellCalibration, EstimatedNumber
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.displacement import Displacement
-from pack_lockstep.palletizing.calibration.estimate import CalibrationFit, estimate
-from pack_lockstep.palletizing.calibration.model import CellModel
-from pack_lockstep.palletizing.calibration.parameters import (
+from pack_core.robots.gears import Gears
+from pallet_fsm.calibration.estimate import CalibrationFit, estimate
+from pallet_fsm.calibration.model import CellModel
+from pallet_fsm.calibration.parameters import (
     PARAMETERS,
     PLACE,
     PLACES,
     camera_of,
     gears_of,
 )
-from pack_lockstep.palletizing.calibration.prediction import predict
-from pack_lockstep.palletizing.calibration.procedure import Measurements, Say, measure
-from pack_lockstep.palletizing.calibration.rig import CalibrationFailed, CalibrationRig
-from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
-from pack_motion.arm.arms import load_arm
-from pack_sim.palletizing.simulator import PalletSimulator
+from pallet_fsm.calibration.prediction import predict
+from pallet_fsm.calibration.procedure import Measurements
+from pallet_fsm.calibration.steps import CalibrationFailed
 
 WORST_RATIO = 2.0
 """Residuals above this multiple of what is expected say that something is wrong: a thing that moved, a wrong
@@ -39,29 +38,6 @@ class CalibrationRun:
     calibration: CellCalibration
     found: CalibrationFit
     measured: Measurements
-
-
-def calibrate(
-    cell: PalletizingCell, config: PalletLockstepConfig, seed: int, say: Say = lambda _: None
-) -> CalibrationRun:
-    """Calibrate the cell of a seed.
-
-    Args:
-        cell: the cell as its installer left it on paper.
-        config: parameters of the run.
-        seed: which cell it truly is.
-        say: told what is being done.
-
-    Raises:
-        CalibrationFailed: something could not be measured, or the residuals say that something is wrong.
-        ConfigError: the cell's preset has no gears to calibrate.
-    """
-    simulator = PalletSimulator(cell, config.simulator, seed)
-    with simulator.open_camera(config.sight.camera) as camera:
-        rig = CalibrationRig(simulator, camera, cell, config)
-        measured = measure(rig, say)
-        seconds = rig.seconds
-    return conclude(cell, measured, seconds)
 
 
 def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> CalibrationRun:
@@ -93,12 +69,17 @@ def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> C
 
 def model_of(cell: PalletizingCell, measured: Measurements) -> CellModel:
     """The model of what was measured; raises CalibrationFailed for a preset with rigid gears."""
+    return CellModel(cell, arm_kinematics().chain, calibratable(cell).assumed, measured.X_TB)
+
+
+def calibratable(cell: PalletizingCell) -> Gears:
+    """The gears of a cell that can be calibrated; raises CalibrationFailed for a preset without errors."""
     gears = cell.imperfections.gears
     if gears is None or not gears.reports_links or cell.imperfections.camera is None:
         raise CalibrationFailed(
             f"preset '{cell.preset}' has no errors of arm and camera to calibrate; `real` has them"
         )
-    return CellModel(cell, load_arm("palletizing").chain, gears.assumed, measured.X_TB)
+    return gears
 
 
 def doubts(found: CalibrationFit) -> list[str]:

@@ -1,0 +1,120 @@
+"""What a fill job does with one object, told what it sees and how its requests are answered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from pack_core.joints import JointSample
+from pack_core.packing.arrangement import Arrangement
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.objects import Box
+from pack_core.packing.packing_list import PackingList
+from pack_core.rotations import Array, Pose, exp
+from pack_core.states import ObjectState, SceneState
+from pack_mpc.filling.fill_config import FillConfig
+from pack_mpc.filling.fill_job import FillJob
+from pack_mpc.filling.requests import Arrange, FillRequest, Pack, Packed, Present, Presented, UsePump
+from pack_mpc.filling.steps import FillObservation
+from pack_mpc.outcome import PackingOutcome
+
+CELL = packing_cell()
+CARTON = Box(name="carton", shape="box", size=(0.09, 0.06, 0.1), mass=0.3)
+LIST = PackingList(objects=[CARTON])
+PLACE = Pose(np.array([0.5, 0.0, 0.05]))
+LEANING = np.array([0.0, np.deg2rad(18.0), 0.0])
+"""More than the tilt at which an object is let go [rad]."""
+
+
+@dataclass
+class FakeCell:
+    """A cell in which the arm stands still, and the carton is where and as a packing goal leaves it.
+
+    Attributes:
+        tilts: rotation vectors `(3,)` of the carton after each packing goal.
+        reasons: how each packing goal ends.
+        places: how many of the arrangements have a place for it.
+    """
+
+    tilts: list[Array]
+    reasons: list[PackingExitReason]
+    places: int = 9
+    packs: list[Pack] = field(default_factory=list)
+    is_gripped: bool = False
+    X_WO: Pose = field(default_factory=lambda: CELL.hand_over.pose_of(CARTON))
+
+    def serve(self, request: FillRequest) -> object:
+        match request:
+            case Arrange(items):
+                names = tuple(item.name for item in items)
+                self.places -= 1
+                return Arrangement(names, dict.fromkeys(names, PLACE) if self.places >= 0 else {})
+            case Present():
+                return Presented(LIST.start(CELL))
+            case UsePump(close):
+                self.is_gripped = close
+                return ""
+            case Pack():
+                self.packs.append(request)
+                k = len(self.packs) - 1
+                self.X_WO = Pose(PLACE.p, exp(self.tilts[k]))
+                reason = self.reasons[k]
+                success = reason is PackingExitReason.PLACED
+                return Packed(PackingOutcome(reason, success, "as told", 1.0, 0.0, 0.0, 0.0, 1), PLACE)
+        raise AssertionError(request)
+
+
+def run(cell: FakeCell, config: FillConfig | None = None) -> FillJob:
+    """Run a job to its end on a clock of 20 ms a step."""
+    job = FillJob(LIST, CELL, config or FillConfig(), LIST.start(CELL))
+    q, time, answer = np.array(CELL.robot.home), 0.0, None
+    while not job.is_done:
+        joints = JointSample(time, q, np.zeros(7), np.zeros(7))
+        scene = SceneState(time, {"carton": ObjectState(cell.X_WO)})
+        command = job.step(FillObservation(joints, scene, np.zeros(3), cell.is_gripped, answer))
+        answer = None if command.request is None else cell.serve(command.request)
+        time += 0.02
+    return job
+
+
+PLACED = PackingExitReason.PLACED
+
+
+def test_an_object_that_leans_is_taken_out_and_packed_again() -> None:
+    cell = FakeCell([LEANING, np.zeros(3)], [PLACED, PLACED])
+    (row,) = run(cell).report.objects
+    assert len(cell.packs) == 2
+    assert row.is_packed
+    assert not cell.is_gripped
+
+
+@pytest.mark.parametrize("tries", [1, 2])
+def test_it_is_put_aside_once_its_tries_are_used_up(tries: int) -> None:
+    cell = FakeCell([LEANING] * tries, [PLACED] * tries)
+    (row,) = run(cell, FillConfig(pack_tries=tries)).report.objects
+    assert len(cell.packs) == tries
+    assert row.reason == "put aside: it is tilted by 18 degrees"
+    assert not row.has_fault
+
+
+def test_it_is_put_aside_at_once_if_there_is_no_other_place_for_it() -> None:
+    cell = FakeCell([LEANING], [PLACED], places=1)
+    (row,) = run(cell).report.objects
+    assert len(cell.packs) == 1
+    assert row.reason == "put aside: it is tilted by 18 degrees"
+
+
+def test_a_goal_that_fails_is_not_repeated_as_it_has_tried_several_placements_itself() -> None:
+    cell = FakeCell([np.zeros(3)], [PackingExitReason.TIMEOUT])
+    (row,) = run(cell).report.objects
+    assert len(cell.packs) == 1
+    assert row.reason == "put aside: timeout: as told"
+    assert not row.has_fault
+
+
+def test_a_force_stop_is_a_fault() -> None:
+    (row,) = run(FakeCell([np.zeros(3)], [PackingExitReason.FORCE])).report.objects
+    assert row.has_fault
