@@ -87,17 +87,19 @@ def test_what_a_thread_raises_is_counted_and_named_and_the_thread_goes_on(
     graph: Graph, node: ListeningNode
 ) -> None:
     graph.failures_allowed = True
-    turns = 0
+    turns, has_been_seen = 0, threading.Event()
 
     def fail_at_first() -> None:
         nonlocal turns
         turns += 1
         if turns <= IN_A_ROW:
             raise ValueError("the turn went wrong")
+        has_been_seen.wait(10.0)
         time.sleep(0.01)
 
     thread = NodeThread(node, fail_at_first, "failing")
     graph.wait_until(lambda: "in a row" in node.health.faults.get("failed failing", ""))
+    has_been_seen.set()
     graph.wait_until(lambda: turns > IN_A_ROW and not node.health.faults)
     thread.end()
     assert node.health.counts["failed failing"] == IN_A_ROW
