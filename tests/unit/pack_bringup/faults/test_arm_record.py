@@ -61,3 +61,13 @@ def test_a_moment_of_the_wall_clock_is_told_in_simulated_time_by_what_was_sent_b
     assert record.simulated(4500) == pytest.approx(0.4)
     assert record.speed == 1.0
     assert not record.is_at_rest()
+
+
+def test_a_record_tells_how_old_it_is_and_how_fast_the_arm_was_at_a_moment() -> None:
+    record = ArmRecord()
+    assert record.age(0) == math.inf
+    assert math.isnan(record.speed_at(1.0))
+    for k in range(3):
+        record.add(0.1 * k, 10_000_000 * k, 1.0 - 0.4 * k)
+    assert record.age(50_000_000) == pytest.approx(0.03)
+    assert record.speed_at(0.15) == pytest.approx(0.6)

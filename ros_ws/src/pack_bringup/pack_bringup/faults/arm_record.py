@@ -62,6 +62,14 @@ class ArmRecord:
         """Of the fastest joint, newest [rad/s]."""
         return self._rows[-1][2] if self._rows else 0.0
 
+    def age(self, now_ns: int) -> float:
+        """Age of the newest joint state at a moment of the wall clock [s]; infinite if there is none."""
+        return (now_ns - self._rows[-1][1]) * 1e-9 if self._rows else float("inf")
+
+    def speed_at(self, time: float) -> float:
+        """Of the fastest joint in the last joint state by a stamp [rad/s]; `nan` before the first."""
+        return next((speed for stamp, _, speed in reversed(self._rows) if stamp <= time), float("nan"))
+
     def simulated(self, wall_ns: int) -> float:
         """Stamp of the last joint state that was sent by a moment of the wall clock [s]."""
         return max((stamp for stamp, sent, _ in self._rows if sent <= wall_ns), default=0.0)
