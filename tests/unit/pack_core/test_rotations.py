@@ -38,6 +38,21 @@ def is_same_rotation(q_1: Array, q_2: Array) -> bool:
     return bool(np.isclose(abs(np.dot(q_1, q_2)), 1.0, atol=1e-9))
 
 
+@given(quaternions, quaternions, points)
+def test_one_and_an_array_of_one_are_reckoned_with_alike(q: Array, r: Array, p: Array) -> None:
+    for single, several in (
+        (multiply(q, r), multiply(q[None], r)), (rotate(q, p), rotate(q[None], p)),
+        (exp(p), exp(p[None])), (log(q), log(q[None])), (normalize(3.0 * q), normalize(3.0 * q[None])),
+    ):  # fmt: skip
+        np.testing.assert_allclose(single, several[0], rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_not_finite_gives_nan_instead_of_an_error(value: float) -> None:
+    assert np.isnan(exp([value, 0.0, 0.0])).all()
+    assert np.isnan(multiply([value, 0.0, 0.0, 0.0], IDENTITY)).any()
+
+
 @given(quaternions, quaternions, quaternions)
 def test_multiplication_is_associative(a: Array, b: Array, c: Array) -> None:
     np.testing.assert_allclose(multiply(multiply(a, b), c), multiply(a, multiply(b, c)), atol=1e-12)

@@ -60,10 +60,12 @@ def sight(
     """
     free = fit_rigid_bodies(p_BM, p_WM, visible, fit)
     poses, refusals = np.concatenate([free.p_WB, free.q_WB], axis=1), list(free.refusals)
+    is_partial = np.zeros(len(poses), dtype=bool)
     rows = [i for i in range(len(expected)) if refusals[i] in TOO_LITTLE]
+    if not rows:
+        return MarkerSighting(poses, is_partial, tuple(refusals), free.left_out)
     led = fit_with_axis(p_BM[rows], p_WM[rows], visible[rows], expected[rows], is_known[rows], axis)
     poses[rows] = np.concatenate([led.p_WB, led.q_WB], axis=1)
-    is_partial = np.zeros(len(poses), dtype=bool)
     for i, refusal in zip(rows, led.refusals, strict=True):
         refusals[i], is_partial[i] = refusal, refusal is None
     return MarkerSighting(poses, is_partial, tuple(refusals), free.left_out)
