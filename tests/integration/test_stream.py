@@ -83,6 +83,24 @@ def test_a_reader_reads_while_the_executor_does_nothing(graph: Graph, node: List
     assert [message.data for message in read] == [float(k) for k in range(10)]
 
 
+def test_a_reader_hears_of_a_publisher_before_it_reads_its_first_message(
+    graph: Graph, node: ListeningNode
+) -> None:
+    heard: list[str | Float64] = []
+    stream = Stream(node, NUMBERS, on_match=lambda: heard.append("match"))
+    reader = StreamReader(node, (stream,), lambda: heard.extend(stream.take_all()), 0.05)
+    other = rclpy.create_node("other", context=graph.context)
+    publisher = other.create_publisher(NUMBERS.type, NUMBERS.name, NUMBERS.qos)
+    graph.wait_until(lambda: "match" in heard)
+    publisher.publish(Float64(data=1.0))
+    graph.wait_until(lambda: Float64(data=1.0) in heard)
+    assert heard.index("match") < heard.index(Float64(data=1.0))
+    before = heard.count("match")
+    other.destroy_node()
+    graph.wait_until(lambda: heard.count("match") > before)
+    reader.end()
+
+
 def test_what_a_thread_raises_is_counted_and_named_and_the_thread_goes_on(
     graph: Graph, node: ListeningNode
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from contextlib import suppress
 
 from rclpy.exceptions import InvalidHandle
@@ -26,11 +27,12 @@ class SimulatedTime:
     def __init__(self, node: GuardedNode, ticks: Subscription) -> None:
         self._node, self._ticks = node, ticks
         self._last_ns = 0
+        self._lock = threading.Lock()  # of two threads that ask, one would set the clock back
 
     def update(self) -> None:
         """Set the node's clock to the last tick that has come."""
         ticks = self._ticks
-        with suppress(InvalidHandle), ticks.handle:  # it ends when `use_sim_time` is set to false
+        with self._lock, suppress(InvalidHandle), ticks.handle:  # it ends when `use_sim_time` is set to false
             while (item := ticks.handle.take_message(ticks.msg_type, False)) is not None:
                 self._set(item[0])
 

@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.event_handler import EventHandler, QoSSubscriptionEventType
 from rclpy.node import Node
-from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 GUID_BYTES = 16
@@ -20,13 +18,13 @@ GUID_BYTES = 16
 
 
 class SolePublisher:
-    """Watches who publishes a topic: whenever `look` is called, or by itself after `look_at_every_match`.
+    """Watches who publishes a topic: whenever `look` is called, as for every match of a `Stream`.
 
     Args:
         node: that listens to the topic.
         topic: its name.
         on_change: is told, in words, who publishes when that is more than one, and "" when it is one again;
-            called from the executor.
+            called by whoever looks.
 
     Attributes:
         trouble: who publishes, in words, while that is more than one; else empty.
@@ -37,21 +35,6 @@ class SolePublisher:
         self._left_over: set[bytes] = set()
         self._tracked: set[str] = set()
         self.trouble = ""
-
-    def look_at_every_match(self, subscription: Subscription) -> None:
-        """Look whenever a publisher meets a subscription to the topic, or leaves it.
-
-        Only for a subscription that the executor serves: Fast DDS wakes whoever waits for this event for a
-        message that nobody has taken, too, so that the executor would turn without a pause.
-        """
-        handler = EventHandler(
-            callback_group=self._node.default_callback_group,
-            callback=lambda _: self.look(),
-            event_type=QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED,
-            parent_impl=subscription.handle,
-        )
-        subscription.event_handlers.append(handler)  # so that it ends with the subscription
-        self._node.add_waitable(handler)
 
     def track(self, name: str) -> None:
         """Count every publisher of the nodes of this name, since `forget` will tell of their ends.

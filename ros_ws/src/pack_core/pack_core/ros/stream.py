@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
+from rclpy.event_handler import EventHandler, QoSSubscriptionEventType
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -45,11 +46,14 @@ class Stream:
         contract: the topic.
         depth: messages that may wait, the oldest being dropped; None: as the contract has it.
         raw: hand out messages as the bytes that came (CDR) instead of building them.
+        on_match: called by whoever waits for the stream (`StreamWait`) when a publisher has met it, before
+            its first message is taken, or left it.
     """
 
     def __init__(
-        self, node: Node, contract: Contract, *, depth: int | None = None, raw: bool = False
-    ) -> None:
+        self, node: Node, contract: Contract, *, depth: int | None = None, raw: bool = False,
+        on_match: Callable[[], None] | None = None,
+    ) -> None:  # fmt: skip
         assert contract.qos is not None, f"{contract.name} is no topic"
         self.contract = contract
         qos = QoSProfile(
@@ -61,6 +65,12 @@ class Stream:
         self._subscription = node.create_subscription(
             contract.type, contract.name, lambda _: None, qos, callback_group=TakenByHand(), raw=raw
         )
+        self._on_match, self.matches = on_match, self._match_events() if on_match else ()
+
+    @property
+    def topic_name(self) -> str:
+        """The topic's name with its namespace."""
+        return str(self._subscription.topic_name)
 
     @property
     def handle(self) -> Any:
@@ -83,20 +93,45 @@ class Stream:
                 taken.append((item[1]["source_timestamp"], item[0]))
         return taken
 
+    def look_for_matches(self, wait_set: Any) -> None:
+        """Call `on_match` if the wait set says that publishers have come or gone."""
+        for event in self.matches:
+            if event.is_ready(wait_set):
+                event.take_data()
+                assert self._on_match is not None
+                self._on_match()
+
+    def _match_events(self) -> tuple[EventHandler, ...]:
+        event = EventHandler(
+            callback_group=TakenByHand(),
+            callback=lambda _: None,
+            event_type=QoSSubscriptionEventType.RCL_SUBSCRIPTION_MATCHED,
+            parent_impl=self._subscription.handle,
+        )
+        # Both, so that it ends with the subscription; the executor does not wait for what is taken by hand.
+        self._subscription.event_handlers.append(event)
+        self._node.add_waitable(event)
+        return (event,)
+
 
 class StreamWait:
     """Waits until one of some streams has a message, outside the executor."""
 
     def __init__(self, node: Node, streams: Sequence[Stream]) -> None:
         self._streams = streams
-        self._wait_set = rclpy_implementation.WaitSet(len(streams), 0, 0, 0, 0, 0, node.context.handle)
+        events = sum(len(stream.matches) for stream in streams)
+        self._wait_set = rclpy_implementation.WaitSet(len(streams), 0, 0, 0, 0, events, node.context.handle)
 
     def wait(self, timeout: float) -> bool:
         """Whether a message has come within `timeout` [s of wall clock]."""
         self._wait_set.clear_entities()
         for stream in self._streams:
             self._wait_set.add_subscription(stream.handle)
+            for event in stream.matches:
+                event.add_to_wait_set(self._wait_set)
         self._wait_set.wait(int(timeout * 1e9))
+        for stream in self._streams:
+            stream.look_for_matches(self._wait_set)
         return bool(self._wait_set.get_ready_entities("subscription"))
 
 

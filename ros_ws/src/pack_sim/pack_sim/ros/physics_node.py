@@ -137,6 +137,7 @@ class PhysicsNode(CellNode):
         if self._thread is not None:
             self._pause.end()
             self._thread.join()
+            self._gate.end()
 
     def destroy_node(self) -> None:
         """Stop the physics, then the node."""

@@ -11,14 +11,17 @@ from pack_core.errors import MessageError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.sole_publisher import SolePublisher
+from pack_core.ros.stream import Stream, StreamReader
 from pack_sim.ros.arm_brake import ArmBrake
 
 PARAMETER = "one_sender"
 """Of the simulator's node: whether setpoints are refused while more than one node sends them."""
+READ_PERIOD = 0.05
+"""Longest time for which the reader waits for setpoints [s of wall clock]."""
 
 
 class SetpointGate:
-    """Listens to setpoints.
+    """Reads setpoints in a thread of its own: at the executor each would wait for what else the node does.
 
     Args:
         node: the driver's node; it has the parameter `one_sender`.
@@ -37,15 +40,23 @@ class SetpointGate:
         self._node, self._sender, self._brake = node, sender, brake
         self._accept, self._drop, self._lock = accept, drop, lock
         self._is_abandoned = False
-        subscription = node.listen(contract, self._on_setpoints)
-        self._publishers = SolePublisher(node, subscription.topic_name, self._on_publishers)
-        self._publishers.look_at_every_match(subscription)
+        self._stream = Stream(node, contract, on_match=lambda: self._publishers.look())
+        self._publishers = SolePublisher(node, self._stream.topic_name, self._on_publishers)
         self._publishers.track(sender)
         node.watch((sender,), self._on_sender)
+        self._reader = StreamReader(node, (self._stream,), self._read, READ_PERIOD)
+
+    def end(self) -> None:
+        """Read no more setpoints."""
+        self._reader.end()
 
     def note_end(self, peer: str) -> None:
         """The process of a watched node has ended; any thread may say so."""
         self._publishers.forget(peer)
+
+    def _read(self) -> None:
+        for message in self._stream.take_all():
+            self._node.guard(self._stream.contract, self._on_setpoints, message)
 
     def _on_setpoints(self, message: JointTrajectory) -> None:
         if self._is_abandoned:
