@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,7 @@ class BlockFsmNode(GoalNode):
         self._pending: PendingRequest | None = None
         self._request: Rearrange.Goal | None = None
         self._start = 0.0
+        self._stepping = threading.Lock()
         self._state = CellState(self, self._step)
         self._runner = RequestRunner(self, self._state, self._config.patience, self._on_refusal)
         self._status = self.advertise(contracts.STATUS)
@@ -67,6 +69,11 @@ class BlockFsmNode(GoalNode):
     def _change(self, config: BlockFsmNodeConfig) -> None:
         """Use these parameters from the next goal on."""
         self._config = config
+
+    def destroy_node(self) -> None:
+        """Step no more, then end."""
+        self._state.end()
+        super().destroy_node()
 
     @property
     def waits_for(self) -> str:
@@ -84,8 +91,10 @@ class BlockFsmNode(GoalNode):
         """Follow the executor from request to request until it has an outcome."""
         self._request, self._start = request, self._state.time
         try:
-            self._executor = executor = self._make(request)
-            self._next(executor.start())
+            executor = self._make(request)
+            with self._stepping:
+                self._executor = executor
+                self._next(executor.start())
             await self.until_goal_ends()
         finally:
             self._executor = None
@@ -114,16 +123,17 @@ class BlockFsmNode(GoalNode):
         return Executor(task, self._config, motions, surroundings, self._cell.gripper.force)
 
     def _step(self) -> None:
-        """With every status of the motion: look whether what was asked for is done."""
-        executor = self._executor
-        if executor is None or self._pending is None:
-            return
-        if self.is_cancel_requested:
-            self._cancel(ExitReason.CANCELLED, "on request")
-            return
-        answer = self._pending.poll(self._state)
-        if answer is not None:
-            self._next(executor.answer(answer))
+        """With every status of the motion, in its thread: look whether what was asked for is done."""
+        with self._stepping:
+            executor = self._executor
+            if executor is None or self._pending is None:
+                return
+            if self.is_cancel_requested:
+                self._end(ExitReason.CANCELLED, "on request")
+                return
+            answer = self._pending.poll(self._state)
+            if answer is not None:
+                self._next(executor.answer(answer))
 
     def _next(self, request: ExecutorRequest | None) -> None:
         executor, given = self._executor, self._request
@@ -138,6 +148,10 @@ class BlockFsmNode(GoalNode):
         self._pending = self._runner.begin(request, given.method, given.seed)
 
     def _cancel(self, reason: ExitReason, message: str) -> None:
+        with self._stepping:
+            self._end(reason, message)
+
+    def _end(self, reason: ExitReason, message: str) -> None:
         if self._executor is None or self._executor.outcome is not None:
             return
         self._runner.stop()
@@ -155,8 +169,9 @@ class BlockFsmNode(GoalNode):
         self._cancel(ExitReason.ARM_STOPPED, reason)
 
     def give_up(self) -> None:
-        self._executor = None
-        self._runner.stop()
+        with self._stepping:  # no step may send a target after the stop
+            self._executor = None
+            self._runner.stop()
 
 
 def _plain(result: Rearrange.Result) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 from pack_interfaces.action import CalibrateCell, Palletize
@@ -57,6 +58,7 @@ class PalletFsmNode(GoalNode):
         self._change(read_parameters(self, PalletFsmNodeConfig, self._change))
         warm_up()
         self._run: OrderRun | None = None
+        self._stepping = threading.Lock()
         self._observer = Observer(self, self._step)
         self._client = CellClient(self, self._on_spawned, self._on_laid, self._on_failure)
         self._calibration = CalibrationAction(self, self._observer, self._client.apply)
@@ -72,6 +74,11 @@ class PalletFsmNode(GoalNode):
         """Use these parameters from the next order on."""
         profile_of(config.profile)
         self._config = config
+
+    def destroy_node(self) -> None:
+        """Step no more, then end."""
+        self._observer.end()
+        super().destroy_node()
 
     @property
     def waits_for(self) -> str:
@@ -130,10 +137,11 @@ class PalletFsmNode(GoalNode):
         return result
 
     def _step(self) -> None:
-        """Step the machine once; called after every status of the motion."""
-        seen = self._observer.newest
-        if self._run is not None and seen is not None:
-            self._run.step(seen)
+        """Step the machine once; called in the observer's thread after every status of the motion."""
+        with self._stepping:
+            seen = self._observer.newest
+            if self._run is not None and seen is not None:
+                self._run.step(seen)
 
     def _on_spawned(self, name: str) -> None:
         self._observer.spawned = name
@@ -156,7 +164,8 @@ class PalletFsmNode(GoalNode):
         self._halt(reason)
 
     def give_up(self) -> None:
-        self._run = None
+        with self._stepping:  # no step may send a target after the stop
+            self._run = None
         self._calibration.forget()
         self._client.apply(StopArm())
 

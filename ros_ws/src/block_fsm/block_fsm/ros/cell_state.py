@@ -17,14 +17,20 @@ from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.motion_messages import from_status
+from pack_core.ros.stream import Stream, StreamReader
+
+READ_PERIOD = 0.05
+"""Longest time for which the reader waits for a status of the motion [s of wall clock]."""
 
 
 class CellState:
     """Subscribes to what arm, gripper and tag perception say, and keeps the newest.
 
+    Arm and gripper are read in a thread of its own.
+
     Args:
         node: that listens.
-        on_motion: is called with every status of the motion.
+        on_motion: is called in that thread with every status of the motion.
 
     Attributes:
         finger_commands: how many commands the gripper had taken.
@@ -36,14 +42,24 @@ class CellState:
         self.fingers: FingerState | None = None
         self.finger_commands = 0
         self.sighting: BlockSighting | None = None
-        node.listen(motion.MOTION_STATUS, self._on_motion_status)
-        node.listen(contracts.JAW_STATE, self._on_finger_state)
         node.listen(contracts.BLOCK_POSES, self._on_sighting)
+        self._statuses, self._jaws = Stream(node, motion.MOTION_STATUS), Stream(node, contracts.JAW_STATE)
+        self._reader = StreamReader(node, (self._statuses,), self._read, READ_PERIOD)
+
+    def end(self) -> None:
+        """Read no more."""
+        self._reader.end()
 
     @property
     def time(self) -> float:
         """On the clock [s]; the status of the motion is ahead of it, as setpoints are, and tells no time."""
         return from_stamp(self._node.get_clock().now().to_msg())
+
+    def _read(self) -> None:
+        for jaws in self._jaws.take_all():
+            self._node.guard(contracts.JAW_STATE, self._on_finger_state, jaws)
+        for status in self._statuses.take_all():
+            self._node.guard(motion.MOTION_STATUS, self._on_motion_status, status)
 
     def _on_motion_status(self, message: MotionStatusMsg) -> None:
         self.motion = from_status(message)

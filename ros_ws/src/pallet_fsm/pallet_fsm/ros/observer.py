@@ -18,15 +18,19 @@ from pack_core.ros.conversions import from_stamp
 from pack_core.ros.motion_messages import from_status
 from pack_core.ros.palletizing.detection_messages import from_detection
 from pack_core.ros.palletizing.gripper_messages import from_gripper_state
+from pack_core.ros.stream import Stream, StreamReader
 from pallet_fsm.ports import PalletObservation
+
+READ_PERIOD = 0.05
+"""Longest time for which the reader waits for a status of the motion [s of wall clock]."""
 
 
 class Observer:
-    """Keeps the newest message of each topic.
+    """Keeps the newest message of each topic; reads those of arm and gripper in a thread of its own.
 
     Args:
         node: the node that subscribes.
-        on_motion: called after every status of the motion.
+        on_motion: called in that thread after every status of the motion.
 
     Attributes:
         spawned: name of the box that arrived last.
@@ -39,9 +43,14 @@ class Observer:
         self._grip: GripState | None = None
         self._detection: BoxDetection | None = None
         self.spawned = self.laid = ""
-        node.listen(motion.MOTION_STATUS, self._on_motion_status)
-        node.listen(contracts.GRIPPER_STATE, self._on_gripper)
         node.listen(contracts.BOX_DETECTION, self._on_detection)
+        self._statuses = Stream(node, motion.MOTION_STATUS)
+        self._grips = Stream(node, contracts.GRIPPER_STATE)
+        self._reader = StreamReader(node, (self._statuses,), self._read, READ_PERIOD)
+
+    def end(self) -> None:
+        """Read no more."""
+        self._reader.end()
 
     @property
     def newest(self) -> PalletObservation | None:
@@ -53,6 +62,12 @@ class Observer:
             return None
         time = from_stamp(self._node.get_clock().now().to_msg())
         return PalletObservation(time, self._motion, self._grip, self.spawned, self._detection)
+
+    def _read(self) -> None:
+        for grip in self._grips.take_all():
+            self._node.guard(contracts.GRIPPER_STATE, self._on_gripper, grip)
+        for status in self._statuses.take_all():
+            self._node.guard(motion.MOTION_STATUS, self._on_motion_status, status)
 
     def _on_motion_status(self, message: MotionStatusMsg) -> None:
         self._motion = from_status(message)
