@@ -31,7 +31,9 @@ class GripperFingers:
 
     def __init__(self, model: mujoco.MjModel, speed: float, force: float, opening: float) -> None:
         self._model = model
-        self._joints = [model.joint(name) for name in FINGER_JOINTS]
+        joints = [model.joint(name) for name in FINGER_JOINTS]
+        self._q = np.array([joint.qposadr[0] for joint in joints])
+        self._v = np.array([joint.dofadr[0] for joint in joints])
         self._actuators = [model.actuator(name).id for name in FINGER_JOINTS]
         # Both fingers move, so each goes half the way that the opening does.
         self._step = 0.5 * speed * float(model.opt.timestep)
@@ -56,7 +58,7 @@ class GripperFingers:
 
     def update(self, data: mujoco.MjData) -> None:
         """Set the controls for the next step, and judge the last one."""
-        self._setpoint += float(np.clip(self._target - self._setpoint, -self._step, self._step))
+        self._setpoint += min(max(self._target - self._setpoint, -self._step), self._step)
         data.ctrl[self._actuators] = self._setpoint
         found = self._judge(data)
         if found is not self._candidate:
@@ -81,9 +83,10 @@ class GripperFingers:
 
     def _sense(self, data: mujoco.MjData) -> tuple[float, float, float]:
         """Of a finger: distance from the closing plane [m], force inwards [N], speed [m/s]."""
-        position = np.mean([data.qpos[joint.qposadr[0]] for joint in self._joints])
-        speed = np.max(np.abs([data.qvel[joint.dofadr[0]] for joint in self._joints]))
-        return float(position), -float(np.mean(data.actuator_force[self._actuators])), float(speed)
+        # In plain numbers, as this is done in every step: of two, numpy takes twenty times as long.
+        q, v = data.qpos[self._q].tolist(), data.qvel[self._v].tolist()
+        forces = data.actuator_force[self._actuators].tolist()
+        return sum(q) / len(q), -sum(forces) / len(forces), max(map(abs, v))
 
     def _limit(self) -> None:
         self._model.actuator_forcerange[self._actuators] = (-self._force, self._force)
