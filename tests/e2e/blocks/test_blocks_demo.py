@@ -7,7 +7,7 @@ from e2e.packing.test_pack_demo import alarms, output_of, pack
 from pack_evaluation.blocks.from_bag import load_blocks_run
 from pack_evaluation.blocks.measures import measure
 
-# three minutes: two blocks at the default quarter of real time
+# three minutes: two blocks at a quarter of real time
 pytestmark = [pytest.mark.e2e, pytest.mark.long, pytest.mark.timeout(600)]
 
 
@@ -15,7 +15,8 @@ pytestmark = [pytest.mark.e2e, pytest.mark.long, pytest.mark.timeout(600)]
 def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """Two blocks put side by side: the run's folder, and what was printed."""
     folder = tmp_path_factory.mktemp("demo") / "run"
-    process = pack("demo", "blocks", "--blocks", "2", "--density", "0.1", "--output", folder)
+    slowly = ("--real-time-factor", "0.25")
+    process = pack("demo", "blocks", "--blocks", "2", "--density", "0.1", *slowly, "--output", folder)
     text = output_of(process)
     assert process.returncode == 0, text
     return folder, text
