@@ -1,13 +1,23 @@
 """Nothing of ours can be reached from another machine, unless it is opened deliberately."""
 
 import os
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import pytest
 
 import network_rig
 from integration.harness import Graph
-from network_rig import HERE, NOT_HEARD, bound_addresses, start, stranger, without_profile
+from network_rig import (
+    HERE,
+    NOT_HEARD,
+    bound_addresses,
+    shared_memory_of_the_middleware,
+    start,
+    stranger,
+    without_profile,
+)
 from pack_bringup.faults.ros.fault_witness import FaultWitness
 from pack_bringup.graph.network import network_warning
 from pack_bringup.recording.playback import load_playback
@@ -15,10 +25,28 @@ from pack_bringup.recording.ros.bag_player import BagPlayer
 from pack_core.errors import PackError
 from pack_core.paths import bags_path
 
+SHARES = """
+import sys, rclpy
+rclpy.init()
+node = rclpy.create_node("node_of_its_own")
+sys.exit("/dev/shm/fastrtps_" not in open("/proc/self/maps").read())
+"""
+
 
 def test_all_sockets_of_a_node_are_bound_to_loopback(graph: Graph) -> None:
     graph.wait_until(lambda: graph.probe.count_publishers("/rosout"))
     assert bound_addresses() == {"127.0.0.1"}
+
+
+def test_a_node_shares_no_memory_whose_locks_a_killed_process_would_keep(graph: Graph) -> None:
+    graph.wait_until(lambda: graph.probe.count_publishers("/rosout"))
+    assert not shared_memory_of_the_middleware()
+
+
+def test_without_the_profile_a_node_shares_memory() -> None:
+    """That the test above would notice it."""
+    command = [sys.executable, "-c", SHARES]
+    assert not subprocess.run(command, env=without_profile("LOCALHOST"), check=False).returncode
 
 
 def test_all_sockets_of_pack_play_are_bound_to_loopback(graph: Graph) -> None:

@@ -20,7 +20,7 @@ def samples(growth: float) -> list[dict[str, Any]]:
     return [
         {
             "time": 60.0 * k, "seed": k, "success": k != 7, "message": "" if k != 7 else "time-out",
-            "duration": 50.0, "segments": 12,
+            "duration": 50.0,
             "nodes": {
                 "mpc": {
                     "memory_mb": 100.0 if 60.0 * k < WARM_UP else 200.0 + growth * (k - 10) / 60.0,

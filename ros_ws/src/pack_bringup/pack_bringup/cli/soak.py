@@ -37,8 +37,8 @@ def soak(
     """Have a cell pursue one goal after the other for hours, and tell what grows meanwhile.
 
     The nodes run as `pack up` starts them; scenes, orders and problems come from seeds. After each goal the
-    memory, threads and descriptors of every node and the segments in shared memory are noted. The report says
-    how every goal ended, and what grew an hour after the first ten minutes.
+    memory, threads and descriptors of every node are noted. The report says how every goal ended, and what
+    grew an hour after the first ten minutes.
 
     - `pack soak packing --hours 1`
     """
@@ -93,7 +93,7 @@ def _run(cell: str, hours: float, seed: int, folder: Path, goals: Any) -> None:
 
 def _pursue(goal: Any, witness: FaultWitness, group: ProcessGroup) -> dict[str, Any]:
     """Send a goal, wait for its end, and note what the processes take then."""
-    from pack_bringup.soak.usage import shared_segments, usages
+    from pack_bringup.soak.usage import usages
     from pack_core.errors import PackError
 
     began, simulated, message, success = time.monotonic(), witness.arm.time, "", False
@@ -109,6 +109,6 @@ def _pursue(goal: Any, witness: FaultWitness, group: ProcessGroup) -> dict[str, 
     taken = usages({name: group.pid(name) for name in group.running})
     return {
         "success": success, "message": message, "duration": time.monotonic() - began,
-        "simulated": witness.arm.time - simulated, "segments": shared_segments(),
+        "simulated": witness.arm.time - simulated,
         "ended": sorted(group.exit_codes), "nodes": {name: asdict(usage) for name, usage in taken.items()},
     }  # fmt: skip

@@ -13,8 +13,8 @@ WARM_UP = 600.0
 HOUR = 3600.0
 QUANTITIES = {"memory_mb": "memory [MB]", "threads": "threads", "descriptors": "descriptors"}
 Samples = Sequence[Mapping[str, Any]]
-"""One mapping a goal: `time` and `duration` [s of wall clock], `seed`, `success`, `message`, `segments`, and
-`nodes` with the usage of each."""
+"""One mapping a goal: `time` and `duration` [s of wall clock], `seed`, `success`, `message`, and `nodes`
+with the usage of each."""
 
 
 def growth_per_hour(times: Sequence[float], values: Sequence[float], warm_up: float = WARM_UP) -> float:
@@ -66,8 +66,6 @@ def summary(samples: Samples) -> dict[str, Any]:
         "hours": samples[-1]["time"] / HOUR,
         "duration_mean_s": float(np.mean(durations)),
         "duration_p95_s": float(np.percentile(durations, 95)),
-        "segments_first": samples[0]["segments"],
-        "segments_last": samples[-1]["segments"],
         "growth": [dict(zip(GROWTH_COLUMNS, row, strict=True)) for row in growth_table(samples)],
     }
 

@@ -7,9 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-PROC, SHARED_MEMORY = Path("/proc"), Path("/dev/shm")
-SEGMENTS = "fastrtps_*"
-"""Files of Fast DDS in shared memory; a killed process leaves its own behind."""
+PROC = Path("/proc")
 PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
@@ -49,8 +47,3 @@ def usages(pids: Mapping[str, int]) -> dict[str, Usage]:
         except OSError:
             continue
     return found
-
-
-def shared_segments() -> int:
-    """Number of segments of Fast DDS in the machine's shared memory, of all domains."""
-    return len(list(SHARED_MEMORY.glob(SEGMENTS)))
