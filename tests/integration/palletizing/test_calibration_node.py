@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,14 @@ from pack_interfaces.action import CalibrateCell
 from pack_interfaces.msg import ArmState
 
 from integration.harness import Graph
+from pack_core.camera import LensDistortion
 from pack_core.joints import JointSample
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.calibration import CalibratedCamera, CellCalibration, PlacingError
+from pack_core.palletizing.displacement import NOWHERE, Displacement
 from pack_core.palletizing.grip import ASKED, GripState
+from pack_core.robots.gears import GearCompensation
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion as motion_contracts
 from pack_core.ros.contracts import palletizing as contracts
@@ -31,11 +36,25 @@ FAULT_TIME = 0.5
 """Silence of a node that ends a goal [s]."""
 
 
-def started(graph: Graph, preset: str) -> PalletFsmNode:
+OLD = CellCalibration(
+    preset="real",
+    camera=CalibratedCamera(
+        displacement=NOWHERE, focal_scale=1.0, centre_shift=(0.0, 0.0), lens=LensDistortion()
+    ),
+    picking_table=Displacement(shift=(0.003, 0.0, 0.0)), reorientation_table=NOWHERE, pallet=NOWHERE,
+    gears=GearCompensation(stiffness=(4e6, 4e6, 2.5e6, 6e5, 6e5, 3e5), backlash_deg=0.008),
+    predicted=PlacingError(mean=0.2, p95=0.4), simulated_s=280.0, estimates=(), covariance=(), residuals=(),
+)  # fmt: skip
+"""A calibration that a cell was started with."""
+
+
+def started(graph: Graph, preset: str, calibration: str = "") -> PalletFsmNode:
     """The machine under a preset, and the layout; the probe speaks for arm and gripper."""
     graph.probe.listen(motion_contracts.MOTION_TARGET, contracts.PALLET_STATE)
     graph.start(LayoutNode)
-    node = graph.start(PalletFsmNode, watched=["layout"], fault_time=FAULT_TIME, preset=preset)
+    node = graph.start(
+        PalletFsmNode, watched=["layout"], fault_time=FAULT_TIME, preset=preset, calibration=calibration
+    )
     graph.connect(motion_contracts.MOTION_STATUS, contracts.GRIPPER_STATE)
     tell(graph)
     graph.wait_until(lambda: not node.waits_for or tell(graph))
@@ -67,6 +86,22 @@ def test_what_cannot_be_done_is_answered_with_the_reason_and_nothing_moves(
     assert not result.success
     assert reason in result.message
     assert graph.probe.mail[motion_contracts.MOTION_TARGET.name] == []
+
+
+def test_a_cell_that_was_started_with_a_calibration_is_calibrated_anew(graph: Graph, tmp_path: Path) -> None:
+    """As one that was not: from the cell on paper, since what has drifted is not where it was found once."""
+    OLD.write(tmp_path / "calibration.yaml")
+    started(graph, "real", str(tmp_path / "calibration.yaml"))
+    told = list[Any]()
+    handle = graph.send_goal(contracts.CALIBRATE, CalibrateCell.Goal(), told.append)
+    targets = graph.probe.mail[motion_contracts.MOTION_TARGET.name]
+    graph.wait_until(lambda: (targets and told) or tell(graph))
+    assert targets[0].segments
+    assert told[0].feedback.state == "touch surfaces"
+    handle.cancel_goal_async()
+    graph.wait_until(lambda: not targets[-1].segments or tell(graph))
+    result = graph.result_of(handle)
+    assert (result.success, result.message) == (False, "canceled on request")
 
 
 def cancel(_: Graph, __: PalletFsmNode, handle: Any) -> None:

@@ -8,8 +8,9 @@ import pytest
 
 from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.palletizing.cell import palletizing_cell
+from pack_core.robots.gears import GearCompensation
 from pack_core.rotations import Array, Pose, exp, multiply
-from pallet_fsm.calibration.conclusion import conclude, model_of
+from pallet_fsm.calibration.conclusion import calibratable, conclude, model_of
 from pallet_fsm.calibration.estimate import CORNER, CalibrationFit, estimate
 from pallet_fsm.calibration.measurements import BoardView, FeltContact
 from pallet_fsm.calibration.model import CellModel, sag_at
@@ -26,6 +27,10 @@ from pallet_fsm.calibration.touch import Touch
 from pallet_fsm.calibration.touch_poses import rotated_down
 
 REAL = palletizing_cell("real")
+OLD = calibratable(REAL).assumed.model_copy(
+    update={"stiffness": (3.8e6, 4.1e6, 2.4e6, 6.1e5, 5.7e5, 3.3e5), "backlash_deg": 0.008}
+)
+"""The gears as an earlier calibration may have found them."""
 X_TB = Pose([0.0, 0.23, 0.009], rotated_down(-np.pi / 2))
 """The board held by its handle."""
 
@@ -61,7 +66,7 @@ def contact(model: CellModel, x: Array, what: str, axis: int, at: float, p: Arra
     p_TC, q_WT = np.array([0.055, 0.055, 0.0]), rotated_down(0.7)
     touched = Touch(what, axis, at, n, p_TC, np.zeros(1), np.zeros((1, 6)), np.zeros((1, 6)))
     bears = np.full(6, 0.5) * 100.0
-    c = FeltContact(touched, np.zeros(6), 1e-5, 1.0, bears)
+    c = FeltContact(touched, np.zeros(6), 1e-5, 1.0, bears, np.zeros(0), np.zeros(0))
     along = 0.0
     for _ in range(6):  # the gap depends on the way nearly linearly
         q = reached(model, Pose(p + along * n, q_WT))
@@ -89,26 +94,40 @@ def contacts(model: CellModel, x: Array) -> list[FeltContact]:
 
 
 @cache
-def made_up(seed: int) -> tuple[Measurements, Array]:
+def made_up(seed: int, driver: GearCompensation | None = None) -> tuple[Measurements, Array]:
     rng = np.random.default_rng(seed)
     measured = Measurements(X_TB=X_TB)
-    model, x = model_of(REAL, measured), truth(rng)
+    model, x = model_of(REAL, measured, driver), truth(rng)
     measured.views, measured.contacts = views(model, x, rng), contacts(model, x)
     return measured, x
 
 
 @cache
-def fitted(seed: int) -> CalibrationFit:
-    measured, _ = made_up(seed)
-    return estimate(model_of(REAL, measured), measured)
+def fitted(seed: int, driver: GearCompensation | None = None) -> CalibrationFit:
+    measured, _ = made_up(seed, driver)
+    return estimate(model_of(REAL, measured, driver), measured)
 
 
-def test_what_was_made_up_is_found_within_its_uncertainty() -> None:
-    found, (_, x) = fitted(0), made_up(0)
+@pytest.mark.parametrize("driver", [None, OLD])
+def test_what_was_made_up_is_found_within_its_uncertainty(driver: GearCompensation | None) -> None:
+    """Also where the driver compensated the gears by an earlier calibration while it was measured."""
+    found, (_, x) = fitted(0, driver), made_up(0, driver)
     off = np.abs(found.x - x) / np.sqrt(np.diag(found.covariance))
     assert off.max() < 4.5
     assert np.sqrt(np.mean(off**2)) < 1.6
     assert all(line.ratio < 1.5 for line in found.residuals())
+
+
+def test_where_the_links_are_does_not_depend_on_what_the_driver_compensates() -> None:
+    """It reports other angles for the same motors."""
+    measured, x = made_up(0)
+    plain, other = (model_of(REAL, measured, driver) for driver in (None, OLD))
+    for view in measured.views:
+        sag = plain.sag(view.q, loaded=True)
+        lead = other.sag(view.q, loaded=True).lead
+        assert np.abs(lead - sag.lead).max() > 1e-5
+        reported = view.q + sag.lead - lead
+        np.testing.assert_allclose(other.sag(reported, loaded=True).links(x), sag.links(x), atol=2e-7)
 
 
 def test_what_was_touched_and_seen_is_known_much_better_than_before() -> None:

@@ -10,7 +10,7 @@ from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.palletizing.calibration import CellCalibration, EstimatedNumber
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.displacement import Displacement
-from pack_core.robots.gears import Gears
+from pack_core.robots.gears import GearCompensation, Gears
 from pallet_fsm.calibration.estimate import CalibrationFit, estimate
 from pallet_fsm.calibration.model import CellModel
 from pallet_fsm.calibration.parameters import (
@@ -40,9 +40,21 @@ class CalibrationRun:
     measured: Measurements
 
 
-def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> CalibrationRun:
-    """Estimate, judge and predict from what was measured in simulated `seconds`; raises CalibrationFailed."""
-    model = model_of(cell, measured)
+def conclude(
+    cell: PalletizingCell, measured: Measurements, seconds: float, driver: GearCompensation | None = None
+) -> CalibrationRun:
+    """Estimate, judge and predict.
+
+    Args:
+        cell: the cell as its installer left it on paper.
+        measured: everything that was measured.
+        seconds: how long that took [s].
+        driver: what the driver compensated meanwhile; by default the gears by their data sheet.
+
+    Raises:
+        CalibrationFailed: the residuals say that something is wrong.
+    """
+    model = model_of(cell, measured, driver)
     found = estimate(model, measured)
     if reasons := doubts(found):
         raise CalibrationFailed(
@@ -67,9 +79,11 @@ def conclude(cell: PalletizingCell, measured: Measurements, seconds: float) -> C
     return CalibrationRun(calibration, found, measured)
 
 
-def model_of(cell: PalletizingCell, measured: Measurements) -> CellModel:
+def model_of(
+    cell: PalletizingCell, measured: Measurements, driver: GearCompensation | None = None
+) -> CellModel:
     """The model of what was measured; raises CalibrationFailed for a preset with rigid gears."""
-    return CellModel(cell, arm_kinematics().chain, calibratable(cell).assumed, measured.X_TB)
+    return CellModel(cell, arm_kinematics().chain, calibratable(cell).assumed, measured.X_TB, driver)
 
 
 def calibratable(cell: PalletizingCell) -> Gears:

@@ -39,6 +39,8 @@ class FeltContact:
         gives: by how much the reported tool goes on along the approach while it presses [m]: the mean over
             the samples, weighted by force.
         bears: the same for the unit compliance of each joint `(6,)` [m N m/rad].
+        way: of each sample, from the moment of the touch along the approach `(n,)` [m].
+        felt: force along the approach at each sample `(n,)` [N].
     """
 
     touch: Touch
@@ -46,6 +48,8 @@ class FeltContact:
     sigma: float
     gives: float
     bears: Array
+    way: Array
+    felt: Array
 
     @property
     def name(self) -> str:
@@ -86,7 +90,7 @@ def contact_of(touch: Touch, arm: SerialChain, period: float) -> FeltContact:
     gives = float(weights @ (way[pressing] - s_0))
     slopes = np.einsum("j,kji->ki", touch.normal, J[pressing])
     bears = weights @ (slopes * np.einsum("kji,kj->ki", J[pressing], forces[pressing]))
-    return FeltContact(touch, q, sigma, gives, bears)
+    return FeltContact(touch, q, sigma, gives, bears, way - s_0, felt)
 
 
 def _onset(way: Array, felt: Array, noise: float) -> tuple[float, float]:

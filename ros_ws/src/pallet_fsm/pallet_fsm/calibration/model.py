@@ -44,17 +44,19 @@ class Sag:
 
     Attributes:
         q: reported joints `(6,)` [rad].
-        lead: by how much the driver assumed the motors to lead the links, by elasticity `(6,)` [rad].
-        play: by how much they lead them beyond that if the play is what the data sheet says `(6,)` [rad].
+        lead: by how much the driver took the motors to lead the links `(6,)` [rad].
+        give: by how much they lead them by elasticity if that is what the data sheet says `(6,)` [rad].
+        play: by how much they lead them beyond that if the play is, too `(6,)` [rad].
     """
 
     q: Array
     lead: Array
+    give: Array
     play: Array
 
     def links(self, x: Array) -> Array:
         """Angles of the links `(6,)` for a vector of parameters."""
-        return np.asarray(self.q + self.lead * (1.0 - shares_of(x)) - x[PLAY] * self.play)
+        return np.asarray(self.q + self.lead - self.give * shares_of(x) - x[PLAY] * self.play)
 
 
 class CellModel:
@@ -63,22 +65,24 @@ class CellModel:
     Args:
         cell: the cell as it is known before the calibration.
         arm: kinematics of its arm.
-        assumed: what the driver assumed of the gears while it was measured.
+        assumed: the gears by their data sheet, of which shares are estimated.
         X_TB: nominal pose of the board in the gripper.
+        driver: what the driver compensated while it was measured; by default the data sheet's.
     """
 
     def __init__(
-        self, cell: PalletizingCell, arm: SerialChain, assumed: GearCompensation, X_TB: Pose
-    ) -> None:
+        self, cell: PalletizingCell, arm: SerialChain, assumed: GearCompensation, X_TB: Pose,
+        driver: GearCompensation | None = None,
+    ) -> None:  # fmt: skip
         self.cell, self.arm, self.assumed, self.X_TB = cell, arm, assumed, X_TB
         gears = cell.imperfections.gears
         self.backlash_deg = 0.0 if gears is None else gears.backlash_deg
         self._half_play = 0.5 * float(np.deg2rad(self.backlash_deg))
         load = CarriedLoad(cell)
-        self._empty = DeflectionModel(load.model, assumed)
+        self._empty = DeflectionModel(load.model, driver or assumed)
         carrying = CarriedLoad(cell)
         carrying.put_on(CALIBRATION_BOARD.body, X_TB)
-        self._loaded = DeflectionModel(carrying.model, assumed)
+        self._loaded = DeflectionModel(carrying.model, driver or assumed)
 
     def sag(self, q: Array, *, loaded: bool, push: Array | None = None) -> Sag:
         """What differs at reported joints `(6,)` at rest.
@@ -96,7 +100,8 @@ class CellModel:
         if push is not None:
             felt = (np.abs(side) < 1.0) & (np.abs(push) > LEAST_LEVER)
             side = np.where(felt, np.sign(push), side)
-        return Sag(q, tau / np.array(self.assumed.stiffness), self._half_play * side)
+        give = tau / np.array(self.assumed.stiffness)
+        return Sag(q, model.lead_under(tau), give, self._half_play * side)
 
     def known(self, x: Array) -> PalletizingCell:
         """The cell with the values of a vector of parameters."""

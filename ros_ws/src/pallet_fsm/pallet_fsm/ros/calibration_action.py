@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 
 from pack_interfaces.action import CalibrateCell
 from rclpy.task import Future
@@ -11,11 +12,12 @@ from rclpy.task import Future
 from pack_core.errors import ConfigError, PackError
 from pack_core.motion import topics
 from pack_core.palletizing.calibration import KnownCell
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
+from pack_core.robots.gears import GearCompensation
 from pack_core.ros.goal_node import GoalNode
 from pallet_fsm.calibration.conclusion import CalibrationRun, calibratable, conclude
 from pallet_fsm.calibration.job import RigJob
-from pallet_fsm.calibration.procedure import Measurements, agenda_of, measure
+from pallet_fsm.calibration.procedure import agenda_of, measure
 from pallet_fsm.calibration.progress import Agenda, CalibrationState
 from pallet_fsm.calibration.quick_check import Checked, check, check_agenda
 from pallet_fsm.calibration.rig import CalibrationRig
@@ -63,27 +65,27 @@ class CalibrationAction:
             if known.calibration is None:
                 raise ConfigError("the cell was started without a calibration: there is nothing to test")
             return await self._check(known.cell)
-        if known.calibration is not None:
-            raise ConfigError(
-                "the cell was started with a calibration, by which its driver moves the arm; to calibrate it "
-                "anew start it without one"
-            )
         calibratable(known.cell)
-        return await self._calibrate(known.cell)
+        driver = None if known.calibration is None else known.calibration.gears
+        # From the cell on paper, whatever an earlier calibration says: its errors must not come along.
+        return await self._calibrate(palletizing_cell(known.cell.preset), driver)
 
     async def _check(self, cell: PalletizingCell) -> CalibrateCell.Result:
         agenda = check_agenda()
         job = RigJob(CalibrationRig(cell, PERIOD), lambda rig: check(rig, agenda))
         return to_checked(Checked(await self._run(job, agenda), job.seconds))
 
-    async def _calibrate(self, cell: PalletizingCell) -> CalibrateCell.Result:
+    async def _calibrate(
+        self, cell: PalletizingCell, driver: GearCompensation | None
+    ) -> CalibrateCell.Result:
         rig = CalibrationRig(cell, PERIOD)
         agenda = agenda_of(rig)
         job = RigJob(rig, lambda rig: measure(rig, agenda))
         measured = await self._run(job, agenda)
         fit = CalibrationState.FIT.value
         self._node.publish_feedback(CalibrateCell.Feedback(state=fit, number=1, count=1, elapsed=job.seconds))
-        return to_calibrated(await self._conclude(cell, measured, job.seconds))
+        work = partial(conclude, cell, measured, job.seconds, driver)
+        return to_calibrated(await self._in_a_thread(work))
 
     async def _run(self, job: RigJob[A], agenda: Agenda) -> A:
         """The outcome of a job; raises PackError if it has none."""
@@ -96,15 +98,13 @@ class CalibrationAction:
             raise CalibrationFailed(job.failure)
         return job.outcome
 
-    async def _conclude(
-        self, cell: PalletizingCell, measured: Measurements, seconds: float
-    ) -> CalibrationRun:
+    async def _in_a_thread(self, conclude: Callable[[], CalibrationRun]) -> CalibrationRun:
         """Estimate in a thread of its own, which takes some seconds; raises CalibrationFailed."""
         done = Future(executor=self._node.executor)
 
         def work() -> None:
             try:
-                done.set_result(conclude(cell, measured, seconds))
+                done.set_result(conclude())
             except Exception as error:
                 done.set_exception(error)
 
