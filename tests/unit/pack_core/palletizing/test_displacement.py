@@ -32,3 +32,10 @@ def test_a_displaced_pallet_takes_its_frame_with_it() -> None:
 def test_shift_and_turn_survive_as_a_vector() -> None:
     vector = np.array([0.001, 0.002, 0.003, 0.004, 0.005, 0.006])
     np.testing.assert_array_equal(Displacement.of(vector).vector, vector)
+
+
+def test_the_displacement_between_two_poses_is_the_one_that_was_applied() -> None:
+    given = Displacement.of([0.003, -0.002, 0.001, 0.002, -0.003, 0.004])
+    middle, X_WF = np.array([1.0, 2.0, 0.7]), Pose(np.array([0.4, 1.5, 0.7]), from_yaw(0.3))
+    found = Displacement.between(X_WF, given.applied(X_WF, middle), middle)
+    np.testing.assert_allclose(found.vector, given.vector, atol=1e-12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -10,9 +11,13 @@ import numpy as np
 
 from pack_core.motion.topics import JOINT_STATES, SETPOINTS
 from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.displacement import Displacement
+from pack_core.palletizing.model import build_model
+from pack_core.robots.kr210 import BASE
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_evaluation.bag import Bag, Recorded
-from pack_evaluation.palletizing.from_bag import DECK, TF_STATIC, interruptions_of, tool_of, true_of_known
+from pack_evaluation.palletizing.from_bag import interruptions_of, tool_of, true_of_known
+from pack_evaluation.palletizing.standing import DECK, TF_STATIC, frames_in, standing_cell
 
 PERIOD_NS = 4_000_000
 HOME = np.array(palletizing_cell().arm.home)
@@ -36,6 +41,18 @@ def bag(measured: list[Any], wanted: list[Any]) -> Bag:
         Recorded(SETPOINTS, 0, item) for item in wanted
     ]
     return Bag(Path("run"), tuple(messages), False)
+
+
+def frames(poses: Mapping[str, Pose]) -> Any:
+    transforms = []
+    for name, X_WF in poses.items():
+        (x, y, z), (w, i, j, k) = X_WF.p, X_WF.q
+        transform = SimpleNamespace(
+            translation=SimpleNamespace(x=x, y=y, z=z), rotation=SimpleNamespace(w=w, x=i, y=j, z=k)
+        )
+        header = SimpleNamespace(frame_id="world")
+        transforms.append(SimpleNamespace(header=header, child_frame_id=name, transform=transform))
+    return SimpleNamespace(transforms=transforms)
 
 
 def test_measurements_are_compared_with_the_setpoints_for_their_moments() -> None:
@@ -66,11 +83,29 @@ def test_each_time_that_the_driver_held_the_arm_counts_once() -> None:
 def test_boxes_belong_where_the_pallet_truly_lies() -> None:
     known, box = Pose(np.array([1.0, 2.0, 0.1])), Pose(np.array([0.3, 0.2, 0.1]))
     true = Pose(known.p + np.array([0.003, 0.0, 0.0]), from_yaw(0.01))
-    (x, y, z), (w, i, j, k) = true.p, true.q
-    transform = SimpleNamespace(
-        translation=SimpleNamespace(x=x, y=y, z=z), rotation=SimpleNamespace(w=w, x=i, y=j, z=k)
-    )
-    message = SimpleNamespace(transforms=[SimpleNamespace(child_frame_id=DECK, transform=transform)])
-    recorded = Bag(Path("run"), (Recorded(TF_STATIC, 0, message),), False)
-    moved = true_of_known(recorded, {"pallet": [*known.p, *known.q]}) @ known @ box
+    recorded = Bag(Path("run"), (Recorded(TF_STATIC, 0, frames({DECK: true})),), False)
+    moved = true_of_known(frames_in(recorded), {"pallet": [*known.p, *known.q]}) @ known @ box
     np.testing.assert_allclose(moved.p, true.apply(box.p), atol=1e-12)
+
+
+def test_a_recorded_cell_is_drawn_where_it_truly_stood() -> None:
+    """Tables and pallet as the simulator publishes their frames; the arm's base, too."""
+    cell = palletizing_cell()
+    moved = {
+        name: getattr(cell, name).model_copy(update={"displacement": Displacement.of(vector)})
+        for name, vector in {
+            "picking_table": [0.003, 0.0, 0.0, 0.001, 0.0, 0.002],
+            "reorientation_table": [0.0, -0.003, 0.001, 0.0, 0.0, 0.003],
+            "pallet": [0.001, 0.002, -0.002, 0.003, -0.001, 0.002],
+        }.items()
+    }
+    true, X_WB = cell.model_copy(update=moved), Pose(np.array([-1.499, 1.2, 0.3]), from_yaw(0.001))
+    model = build_model(true, X_WB=X_WB)
+    published = {name: Pose(model.body(name).pos, model.body(name).quat) for name in (BASE, *moved)} | {
+        DECK: true.pallet.X_WP
+    }
+    recorded = Bag(Path("run"), (Recorded(TF_STATIC, 0, frames(published)),), False)
+    stands = standing_cell(frames_in(recorded))
+    drawn = build_model(stands.cell, X_WB=stands.X_WB)
+    np.testing.assert_allclose(drawn.body_pos, model.body_pos, atol=1e-12)
+    np.testing.assert_allclose(drawn.body_quat, model.body_quat, atol=1e-12)

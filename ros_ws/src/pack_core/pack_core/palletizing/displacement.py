@@ -9,7 +9,7 @@ import numpy.typing as npt
 from pydantic import Field
 
 from pack_core.config import Config
-from pack_core.rotations import Array, Pose, exp
+from pack_core.rotations import Array, Pose, exp, log
 
 Vector = Annotated[tuple[float, float, float], Field(description="along x, y and z of the world")]
 
@@ -32,6 +32,12 @@ class Displacement(Config):
         """The displacement with shift and turn in one vector `(6,)` [m, rad]."""
         x, y, z, a, b, c = (float(value) for value in np.asarray(vector, dtype=float))
         return cls(shift=(x, y, z), turn=(a, b, c))
+
+    @classmethod
+    def between(cls, nominal: Pose, displaced: Pose, middle: npt.ArrayLike) -> Displacement:
+        """The displacement that takes a frame of the thing from one pose to another, middle `(3,)` [m]."""
+        moved, p = displaced @ nominal.inverse(), np.asarray(middle, dtype=float)
+        return cls.of([*(moved.apply(p) - p), *log(moved.q)])
 
     @property
     def vector(self) -> Array:

@@ -17,6 +17,8 @@ from pack_core.robots.joint_limits import JointLimits
 from pack_core.robots.kr210_shapes import LINK_CAPSULES, draw_base, draw_link
 from pack_core.rotations import Pose, from_rpy
 
+BASE = "kr210_base"
+"""Name of the body that does not move."""
 JOINTS = tuple(f"joint_a{i}" for i in range(1, 7))
 LIMITS = JointLimits(
     names=JOINTS,
@@ -93,7 +95,7 @@ def add_kr210(spec: mujoco.MjSpec, X_WB: Pose, *, look: bool, gears: Gears | Non
     Returns:
         The body `flange`, whose z axis points out of the arm.
     """
-    parent = spec.worldbody.add_body(name="kr210_base", pos=X_WB.p, quat=X_WB.q)
+    parent = spec.worldbody.add_body(name=BASE, pos=X_WB.p, quat=X_WB.q)
     if look:
         draw_base(parent, X_WB.p[2])
     for i, link in enumerate(LINKS):

@@ -14,7 +14,7 @@ from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import WALLS, ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
-from pack_evaluation.packing.overlay import INK, caption_font
+from pack_evaluation.captions import INK, caption_font
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.view import Picture, open_renderer
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -25,10 +25,9 @@ from pack_evaluation.palletizing.run import (
     ToolTrack,
     UnwantedTouch,
 )
+from pack_evaluation.palletizing.standing import DECK, TF_STATIC, frames_in, standing_cell
 from pack_evaluation.palletizing.tool_track import tool_track
 
-TF_STATIC, DECK = "/tf_static", "pallet_deck"
-"""Where the true pallet is: the frame's name, and the topic that has it."""
 TOPICS = (
     JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS, TF_STATIC,
 )  # fmt: skip
@@ -60,7 +59,8 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         lacks = f"no message on {', '.join(missing)}"
         raise BagError(f"{bag.path}: order {number} has {lacks}; did it run to its end?")
     result = result_in(bag.of(RESULT)[-1].data, bag.path)
-    X_true = true_of_known(bag, result)
+    frames = frames_in(bag)
+    X_true = true_of_known(frames, result)
     visits = tuple(
         StateVisit(message.state, _seconds(message.header.stamp), message.box, message.reason)
         for message in bag.of(PALLET_STATE)
@@ -75,22 +75,20 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         ),
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
-        is_cut=bag.is_cut, damaged=bag.damaged, goal=number,
+        is_cut=bag.is_cut, damaged=bag.damaged, goal=number, stands=standing_cell(frames),
     )  # fmt: skip
 
 
-def true_of_known(bag: Bag, result: dict[str, Any]) -> Pose:
+def true_of_known(frames: Mapping[str, Pose], result: dict[str, Any]) -> Pose:
     """The transform from the world as the cell knows it to the true one, at the pallet.
 
     A real cell knows where the pallet lies only relative to its arm, and boxes count as placed where they
     belong on the pallet as it truly lies. It is the identity where a recording does not say.
     """
-    deck = [item.transform for m in bag.of(TF_STATIC) for item in m.transforms if item.child_frame_id == DECK]
-    if not deck or "pallet" not in result:
+    if DECK not in frames or "pallet" not in result:
         return Pose(np.zeros(3))
-    p, q = deck[-1].translation, deck[-1].rotation
-    true, known = Pose(np.array([p.x, p.y, p.z]), np.array([q.w, q.x, q.y, q.z])), np.array(result["pallet"])
-    return true @ Pose(known[:3], known[3:]).inverse()
+    known = np.array(result["pallet"])
+    return frames[DECK] @ Pose(known[:3], known[3:]).inverse()
 
 
 def _box(box: dict[str, Any], X_true: Pose) -> BoxRecord:

@@ -5,8 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.rotations import Array, Pose
 from pack_evaluation.goals import ONLY_GOAL, GoalNumber
+
+
+@dataclass(frozen=True)
+class StandingCell:
+    """The cell as it truly stands.
+
+    Attributes:
+        cell: with tables and pallet where they are.
+        X_WB: pose of the arm's base; None: where it should be.
+    """
+
+    cell: PalletizingCell = field(default_factory=palletizing_cell)
+    X_WB: Pose | None = None
 
 
 @dataclass(frozen=True)
@@ -142,6 +156,7 @@ class PalletRun:
         goal: which order of its recording it is.
         way_points: errors at the targets of the machine, in order; empty where they were not recorded.
         visitors: who came near the arm, by name; empty where nobody did or it was not recorded.
+        stands: where everything truly was.
     """
 
     order: str
@@ -160,3 +175,4 @@ class PalletRun:
     goal: GoalNumber = ONLY_GOAL
     visitors: Mapping[str, VisitorTrack] = field(default_factory=dict)
     way_points: tuple[WayPoint, ...] = ()
+    stands: StandingCell = field(default_factory=StandingCell)

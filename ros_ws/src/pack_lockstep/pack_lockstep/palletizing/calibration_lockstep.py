@@ -13,6 +13,7 @@ from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.robots.gears import GearCompensation
 from pack_lockstep.driven_arm import DrivenArm
+from pack_lockstep.palletizing.calibration_log import CalibrationLog
 from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
@@ -46,8 +47,9 @@ Tell = Callable[[CalibrationProgress], None]
 
 
 def calibrate(
-    cell: PalletizingCell, config: PalletLockstepConfig, seed: int, tell: Tell = lambda _: None
-) -> CalibrationRun:
+    cell: PalletizingCell, config: PalletLockstepConfig, seed: int, tell: Tell = lambda _: None,
+    log: CalibrationLog | None = None, driver: GearCompensation | None = None,
+) -> CalibrationRun:  # fmt: skip
     """Calibrate the cell of a seed.
 
     Args:
@@ -55,6 +57,8 @@ def calibrate(
         config: parameters of the run.
         seed: which cell it truly is.
         tell: told where the work stands.
+        log: records it for a video.
+        driver: what the driver compensates, of an earlier calibration; by default what the preset says.
 
     Raises:
         CalibrationFailed: something could not be measured, or the residuals say that something is wrong; or
@@ -64,9 +68,13 @@ def calibrate(
     rig = CalibrationRig(cell, config.period)
     agenda = agenda_of(rig)
     job = RigJob(rig, lambda rig: measure(rig, agenda))
-    measured = CalibrationLockstep(cell, cell, config, seed).run(job, agenda, tell)
-    tell(CalibrationProgress(CalibrationState.FIT, "", 1, 1, 0.0))
-    return conclude(cell, measured, job.seconds)
+    lockstep = CalibrationLockstep(cell, cell, config, seed, driver, log)
+    measured = lockstep.run(job, agenda, tell)
+    fit = CalibrationProgress(CalibrationState.FIT, "", 1, 1, 0.0)
+    tell(fit)
+    if log is not None:
+        log.note_progress(fit, lockstep.simulator.time)
+    return conclude(cell, measured, job.seconds, driver)
 
 
 def quick_check(
@@ -90,13 +98,14 @@ class CalibrationLockstep:
         config: parameters of the run.
         seed: which cell it truly is.
         assumed: what the driver assumes of the gears; by default what the preset says.
+        log: records it for a video.
     """
 
     def __init__(
         self, cell: PalletizingCell, known: PalletizingCell, config: PalletLockstepConfig, seed: int,
-        assumed: GearCompensation | None = None,
+        assumed: GearCompensation | None = None, log: CalibrationLog | None = None,
     ) -> None:  # fmt: skip
-        self._known, self._config = known, config
+        self._known, self._config, self._log = known, config, log
         self.simulator = PalletSimulator(cell, config.simulator, seed, assumed=assumed)
         q = np.array(cell.arm.home)
         self._motion = MotionController(
@@ -121,6 +130,8 @@ class CalibrationLockstep:
                 if (now := (progress.state, progress.number)) != told:
                     told = now
                     tell(progress)
+                    if self._log is not None:
+                        self._log.note_progress(progress, self.simulator.time)
         if job.outcome is None:
             raise CalibrationFailed(job.failure)
         return job.outcome
@@ -133,6 +144,8 @@ class CalibrationLockstep:
             is_refused |= not self._apply(command, camera)
         if not (is_refused or job.is_over):  # a refusal is known at once
             self._arm.advance()
+            if self._log is not None:
+                self._log.note(self.simulator)
 
     def _observe(self) -> CalibrationObservation:
         simulator = self.simulator
@@ -172,7 +185,10 @@ class CalibrationLockstep:
         """What is found in a picture of this moment."""
         picture, time = camera.picture(self.simulator.snapshot()), self.simulator.time
         if expected.id == CALIBRATION_BOARD.name:
-            return sight_board(picture, time)
+            seen = sight_board(picture, time)
+            if self._log is not None:
+                self._log.note_sighting(picture, seen)
+            return seen
         vision, width = BoxVision(self._config.sight.vision), self._config.sight.camera.width
         seen_by = self._known.overhead_camera.scaled(width)
         return TableCamera(self._known, vision, seen_by).detect(picture, expected, time).detection

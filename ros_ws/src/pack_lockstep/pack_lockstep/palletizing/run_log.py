@@ -14,6 +14,7 @@ from pack_evaluation.palletizing.run import (
     BoxRecord,
     BoxTrack,
     PalletRun,
+    StandingCell,
     StateVisit,
     ToolTrack,
     UnwantedTouch,
@@ -82,6 +83,7 @@ class PalletRunLog:
             {name: (load.coaxial, load.shear, load.moment) for name, load in self._peaks.items()},
             visitors={name: VisitorTrack(*np.array(rows).T) for name, rows in self._visitors.items()},
             way_points=tuple(self._way_points),
+            stands=StandingCell(self._simulator.cell, self._simulator.X_WB),
         )  # fmt: skip
 
     def _tool(self) -> ToolTrack:

@@ -64,6 +64,7 @@ class PalletSimulator:
     Attributes:
         cell: the cell as it truly is; no part of a control loop may use it.
         nominal: the cell as it is configured.
+        X_WB: true pose of the arm's base; no part of a control loop may use it either.
     """
 
     def __init__(
@@ -73,12 +74,12 @@ class PalletSimulator:
     ) -> None:  # fmt: skip
         wrong = seed if errors_of is None else errors_of
         self.cell, self.config, self._seed = true_cell(cell, wrong), config, seed
-        self.nominal, self._X_WB = cell, true_base(cell, wrong)
+        self.nominal, self.X_WB = cell, true_base(cell, wrong)
         limits, grip = LIMITS, cell.grip
         if not config.has_limits:
             limits, grip = LIMITS.lifted(), cell.grip.lifted()
         self._physics = Physics(
-            self.cell, config.timestep, self._X_WB, time, visitors, has_limits=config.has_limits
+            self.cell, config.timestep, self.X_WB, time, visitors, has_limits=config.has_limits
         )
         self._load = CarriedLoad(cell)
         gears = cell.imperfections.gears
@@ -153,7 +154,7 @@ class PalletSimulator:
     def open_camera(self, config: PalletCameraConfig) -> PalletCamera:
         """The overhead camera of the cell as it truly is; it draws inside a `with` statement."""
         is_real = self.cell.imperfections.camera is not None
-        return PalletCamera(self.cell, config, self._seed, self._X_WB if is_real else None)
+        return PalletCamera(self.cell, config, self._seed, self.X_WB if is_real else None)
 
     def spawn(self, box: BoxBody, X_WB: Pose | None = None) -> Pose:
         """Put a box into the cell.
