@@ -73,6 +73,6 @@ def refusal(graph: Graph) -> str:
 
 def ended(graph: Graph, handle: Any) -> tuple[int, str]:
     """The status and the message with which a goal ends."""
-    result = graph.result_of(handle, timeout=5.0)
+    result = graph.result_of(handle)
     graph.wait_until(lambda: handle.status > GoalStatus.STATUS_CANCELING)
     return handle.status, str(result.message)

@@ -27,6 +27,8 @@ from pack_core.ros.guarded_node import GuardedNode
 from pack_core.ros.node_status import LISTENING
 
 N = TypeVar("N", bound=Node)
+PATIENCE = 30.0
+"""What a condition may take to come true on a busy machine [s]; nothing waits longer than it has to."""
 _numbers = itertools.count(7 * os.getpid())
 
 
@@ -120,7 +122,7 @@ class Graph:
         self.executor.remove_node(node)
         node.destroy_node()
 
-    def wait_until(self, condition: Callable[[], object], timeout: float = 10.0) -> None:
+    def wait_until(self, condition: Callable[[], object], timeout: float = PATIENCE) -> None:
         """Spin until the condition holds.
 
         Raises:
@@ -138,7 +140,7 @@ class Graph:
         publishers = [self.probe.publisher_of(contract) for contract in contracts]
         self.wait_until(lambda: all(p.get_subscription_count() >= subscribers for p in publishers))
 
-    def call(self, contract: Contract, request: Any, timeout: float = 10.0) -> Any:
+    def call(self, contract: Contract, request: Any, timeout: float = PATIENCE) -> Any:
         """Call a service and return its response."""
         client = self.probe.client_of(contract)
         self.wait_until(client.service_is_ready)
@@ -160,7 +162,7 @@ class Graph:
         self.wait_until(future.done, timeout)
         return future.result().result
 
-    def wait_until_ready(self, *names: str, timeout: float = 10.0) -> None:
+    def wait_until_ready(self, *names: str, timeout: float = PATIENCE) -> None:
         """Spin until nodes have said that they are ready."""
         ready: set[str] = set()
 
@@ -174,7 +176,7 @@ class Graph:
 
     def refusal(self, contract: Contract, goal: Any) -> str:
         """Send a goal that is not taken; the reason that the sender is told."""
-        message = str(self.result_of(self.send_goal(contract, goal), timeout=10.0).message)
+        message = str(self.result_of(self.send_goal(contract, goal), PATIENCE).message)
         assert message.startswith(REFUSED), message
         return message.removeprefix(REFUSED)
 

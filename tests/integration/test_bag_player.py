@@ -69,7 +69,7 @@ def test_perception_runs_against_a_recording_as_against_the_simulator(
 def test_the_played_clock_runs_from_the_first_to_the_last_message(graph: Graph, playback: Playback) -> None:
     graph.probe.listen(shared.CLOCK)
     with BagPlayer(playback, clock=True, domain=graph.context.get_domain_id()) as player:
-        graph.wait_until(lambda: graph.probe.count_publishers(shared.CLOCK.name))
+        graph.wait_until(player._clock.get_subscription_count)
         with played(graph, player) as done:
             graph.wait_until(done.done, timeout=30.0)
             graph.wait_until(lambda: _newest(graph) > playback.end_ns * 1e-9 - 0.005)

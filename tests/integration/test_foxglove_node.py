@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,17 +19,23 @@ from pack_core.ros.contracts.table import wiring_of
 
 pytest.importorskip("foxglove", reason="an extra: see docs/rviz_and_foxglove.md")
 
-PORT = 18765
+
+@pytest.fixture
+def port() -> int:
+    """One that is free."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 @pytest.fixture
-def node(graph: Graph) -> FoxgloveNode:
-    return graph.start(FoxgloveNode, cell="blocks", port=PORT)
+def node(graph: Graph, port: int) -> FoxgloveNode:
+    return graph.start(FoxgloveNode, cell="blocks", port=port)
 
 
 @pytest.fixture
-def client(node: FoxgloveNode) -> Iterator[FoxgloveClient]:
-    opened = FoxgloveClient(shared.REAL_TIME_FACTOR.name, PORT)
+def client(node: FoxgloveNode, port: int) -> Iterator[FoxgloveClient]:
+    opened = FoxgloveClient(shared.REAL_TIME_FACTOR.name, port)
     yield opened
     opened.close()
 

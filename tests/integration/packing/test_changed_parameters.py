@@ -22,12 +22,12 @@ def put(node: Node, name: str, value: object) -> str:
 
 
 def test_time_runs_as_fast_as_it_is_told_to(graph: Graph) -> None:
-    sim = start_sim(graph, factor=0.1)
+    sim = start_sim(graph, factor=0.05)
     graph.probe.listen(shared.REAL_TIME_FACTOR)
-    assert put(sim, "real_time_factor", 0.4) == "counts at once"
+    assert put(sim, "real_time_factor", 0.15) == "counts at once"  # as fast as the busiest machine can
     graph.wait_until(
         lambda: any(
-            message.data == pytest.approx(0.4, rel=0.2)
+            message.data == pytest.approx(0.15, rel=0.2)
             for message in graph.probe.mail[shared.REAL_TIME_FACTOR.name]
         )
     )

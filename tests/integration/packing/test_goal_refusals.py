@@ -53,10 +53,9 @@ def refusal(graph: Graph, **fields: object) -> str:
     """What the sender of a goal that is not taken is told, and /diagnostics says."""
     reason = graph.refusal(contracts.PACK_OBJECT, PackObject.Goal(**fields))
     mail = graph.probe.mail[shared.DIAGNOSTICS.name]
-    graph.wait_until(lambda: mail and mail[-1].status[0].level == DiagnosticStatus.WARN)
+    graph.wait_until(lambda: mail and reason in mail[-1].status[0].message)
     status = mail[-1].status[0]
-    assert status.name == "mpc"
-    assert reason in status.message
+    assert (status.name, status.level) == ("mpc", DiagnosticStatus.WARN)
     return reason
 
 

@@ -10,6 +10,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from integration.harness import Graph
 from integration.packing.sim_rig import SPEED, joint_samples, newest_joints, ramp, speeds, start_sim
+from integration.simulation_rig import accept_times
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
@@ -23,13 +24,13 @@ DURATION = 0.3
 
 def test_the_arm_follows_setpoints_and_holds_when_they_grow_stale(graph: Graph) -> None:
     node = start_sim(graph)
-    sent = newest_joints(graph)
+    sent, accepted = newest_joints(graph), accept_times(node)
     graph.probe.send(contracts.SETPOINTS, to_setpoints(ramp(sent, 1.0), PANDA.joints))
-    graph.wait_until(lambda: newest_joints(graph).time > sent.time + 0.4)
+    graph.wait_until(lambda: accepted and newest_joints(graph).time > accepted[0] + 0.4)
     samples = joint_samples(graph, sent.time)
     assert max(speeds(sample).max() for sample in samples) > 0.5 * SPEED
     moving = [sample.time for sample in samples if speeds(sample).max() > AT_REST]
-    assert 0.09 < moving[-1] - sent.time < 0.14
+    assert 0.09 < moving[-1] - accepted[0] < 0.14
     assert node.simulator.controller.is_holding
 
 

@@ -10,28 +10,14 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from integration.harness import Graph
 from integration.palletizing.pallet_rig import SPEED, joint_samples, newest_joints, ramp, start_pallet_sim
-from pack_core.joints import JointReference
+from integration.simulation_rig import accept_times
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.joint_messages import to_trajectory
-from pack_sim.palletizing.pallet_sim_node import PalletSimNode
 
 WATCHDOG = 0.1
 MARGIN = 0.07
 """What braking by a twentieth of the speed takes, and some steps [s]."""
-
-
-def accept_times(node: PalletSimNode) -> list[float]:
-    """Simulated times at which the driver takes references from now on [s]."""
-    times: list[float] = []
-    accept = node.simulator.accept
-
-    def noted(reference: JointReference) -> None:
-        accept(reference)
-        times.append(node.simulator.time)
-
-    node.simulator.accept = noted  # type: ignore[method-assign]
-    return times
 
 
 def status_of(graph: Graph) -> DiagnosticStatus:
