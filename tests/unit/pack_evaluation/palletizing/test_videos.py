@@ -25,7 +25,7 @@ from pack_evaluation.palletizing.video import SPEED, write_video
 from unit.pack_evaluation.palletizing.known_run import a_run
 
 GREY = np.full((HEIGHT, WIDTH, 3), 60, dtype=np.uint8)
-CORNER = (slice(0, 220), slice(WIDTH - 380, WIDTH))
+CORNER = (slice(0, 220), slice(0, 380))
 """Where the inset is."""
 TIMES = np.linspace(10.0, 14.0, 101)
 

@@ -62,11 +62,11 @@ def board_inset(seen: BoardPicture) -> Picture:
 
 
 def with_inset(picture: Picture, inset: Picture) -> Picture:
-    """A copy of the picture with an inset in its upper right corner."""
+    """A copy of the picture with an inset in its upper left corner."""
     framed = cv2.copyMakeBorder(inset, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=(120, 128, 136))
     rows, columns = framed.shape[:2]
     found = picture.copy()
-    found[12 : 12 + rows, -12 - columns : -12] = framed
+    found[12 : 12 + rows, 12 : 12 + columns] = framed
     return found
 
 

@@ -23,8 +23,8 @@ END = 3.0
 """For how long the result is shown [s of the video]."""
 PILL, STEP = 10.0, 13.0
 COLOUR = "#3d9a50"
-NEAR, FAR = 2.4, 3.6
-"""Distance of the camera from what is touched, and from the board [m]."""
+NEAR, FAR = (2.4, -20.0), (3.6, -38.0)
+"""Distance [m] and elevation [deg] of the camera for touches, and for the board."""
 ASIDE = np.deg2rad(60.0)
 """From how far beside the line from the arm to its tool the camera looks [rad]."""
 CALM = 0.6
@@ -84,13 +84,13 @@ class _Cameras:
         is_board = np.array(["board" in film.stages[k].title for k in stage])
         outward = p[:, :2] - arm.points[0][:2]
         angle = np.unwrap(np.arctan2(outward[:, 1], outward[:, 0])) + ASIDE + np.pi
-        columns = np.column_stack([p, np.where(is_board, FAR, NEAR), angle])
+        columns = np.column_stack([p, np.where(is_board[:, None], FAR, NEAR), angle])
         self._rows = gaussian_filter1d(columns, CALM * FPS, axis=0, mode="nearest")
 
     def at(self, i: int) -> mujoco.MjvCamera:
         """The camera of a frame."""
-        x, y, z, distance, angle = self._rows[i]
+        x, y, z, distance, elevation, angle = self._rows[i]
         camera = mujoco.MjvCamera()
         camera.lookat[:], camera.distance = (x, y, z), distance
-        camera.azimuth, camera.elevation = float(np.rad2deg(angle)), -20.0
+        camera.azimuth, camera.elevation = float(np.rad2deg(angle)), float(elevation)
         return camera

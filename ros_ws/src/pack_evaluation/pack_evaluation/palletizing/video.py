@@ -51,12 +51,12 @@ def _caption(run: PalletRun, time: float) -> tuple[str, str, tuple[str, ...]]:
         return "waiting", COLOUR, (clock,)
     now, names = past[-1], [box.name for box in run.boxes]
     which = [f"box {names.index(now.box) + 1} of {len(names)}"] if now.box in names else []
-    return now.state, FAULT_COLOUR if now.reason else COLOUR, (clock, f"order {run.order}", *which)
+    return now.state, FAULT_COLOUR if now.reason else COLOUR, (clock, *which, f"order {run.order}")
 
 
 def _camera() -> mujoco.MjvCamera:
     """A camera over the pallet's far side, which sees both tables, the arm and the pallet."""
     camera = mujoco.MjvCamera()
-    camera.lookat[:], camera.distance = (-0.9, 1.4, 0.8), 6.2
+    camera.lookat[:], camera.distance = (-0.9, 1.4, 0.65), 6.2
     camera.azimuth, camera.elevation = 125.0, -28.0
     return camera
