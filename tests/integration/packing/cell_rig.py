@@ -49,7 +49,8 @@ class Cell(Witness):
         )
         self.perception = graph.start(PerceptionNode, **parameters_of("perception", **cell))
         self.planner = graph.start(PlannerNode, **parameters_of("planner", **cell))
-        self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched, **cell))
+        # Four nodes in one process keep each other waiting, the more so on a busy machine.
+        self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched, fault_time=3.0, **cell))
         graph.wait_until(lambda: not self.mpc.waits_for and not self.planner.waits_for)
         # With an object unseen a goal begins with a look for it: `unseen` names those that are hidden.
         graph.wait_until(lambda: self.perception.health.values.get("not seen yet") == unseen)

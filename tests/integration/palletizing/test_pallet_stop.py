@@ -12,6 +12,7 @@ from integration.simulation_rig import (
     assert_a_pause_loses_nothing,
     assert_no_jump,
     braking_time,
+    slowly,
 )
 from pack_core.motion.moves import Path, PoseMove
 from pack_core.motion.target import MotionTarget
@@ -73,15 +74,17 @@ def test_a_stopped_arm_keeps_its_box_stays_where_it_is_and_takes_the_next_move(
     graph.wait_until(lambda: newest_joints(graph).time > stands)
     held = newest_joints(graph)
     graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "IDLE")
+    refused = sim.health.counts["refused /joint_setpoints"]  # sent before the stop was heard of
     assert graph.call(shared.RESUME_ARM, shared.RESUME_ARM.type.Request()).success
     graph.wait_until(lambda: newest_joints(graph).time > held.time + 0.5)
     np.testing.assert_allclose(newest_joints(graph).q, held.q, atol=2e-3)
     reasons = {message.reason for message in graph.probe.mail[motion.MOTION_STATUS.name]}
     assert any(f"the arm was stopped: {WHO}" in reason for reason in reasons)
-    begin(graph, 2)
+    with slowly(sim):
+        begin(graph, 2)
+    assert sim.health.counts["refused /joint_setpoints"] == refused
     graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "REACHED", 60.0)
     assert graph.probe.last(contracts.GRIPPER_STATE).is_closed
-    assert "refused /joint_setpoints" not in sim.health.counts
     rows = joint_samples(graph, start)
     v, t = np.array([row.v for row in rows]), np.array([row.time for row in rows])
     assert np.all(np.abs(np.diff(v, axis=0) / np.diff(t)[:, None]) < 1.5 * LIMITS.acceleration)
