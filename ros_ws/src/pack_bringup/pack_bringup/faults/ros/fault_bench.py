@@ -30,7 +30,7 @@ IN_STAGE = 0.4
 """Or after so long in a stage in which the arm stands or is slow [s simulated]."""
 BRIEF = {"PERCEIVE": 0.1, GRASP: 0.1}
 """The same for stages that take 0.2 to 0.3 s and in which the arm always stands [s simulated]."""
-FRESH = 0.02
+FRESH = 0.05
 """Age of the newest joint state above which nothing is said of the arm's speed now [s of wall clock]."""
 WATCHED = 3.0
 """For which the arm is watched after a fault [s simulated]: in every cell it has then stopped or goes on."""
