@@ -38,7 +38,7 @@ def run() -> Iterator[Callable[[list[float | Exception | None]], Recorder]]:
         recorder = Recorder(outcomes)
         recorders.append(recorder)
         recorder.worker.wake()
-        assert recorder.done.wait(5.0)
+        assert recorder.done.wait(30.0)
         return recorder
 
     yield start
