@@ -21,7 +21,7 @@ SPEED = 8.0
 """Simulated seconds a second of the video: a calibration takes minutes."""
 END = 3.0
 """For how long the result is shown [s of the video]."""
-PILL, STEP = 10.0, 13.0
+PILL, STEP = 11.5, 13.0
 COLOUR = "#3d9a50"
 NEAR, FAR = (2.4, -20.0), (3.6, -38.0)
 """Distance [m] and elevation [deg] of the camera for touches, and for the board."""
