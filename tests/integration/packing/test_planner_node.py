@@ -50,7 +50,8 @@ def message_of(scene: Scene) -> SceneStateMsg:
 
 
 def plan(graph: Graph, scene: SceneStateMsg, **fields: object) -> Response:
-    return graph.call(contracts.PLAN_PLACEMENT, PlanPlacement.Request(scene=scene, seed=3, **fields))
+    request = PlanPlacement.Request(scene=scene, seed=3, **fields)
+    return graph.call(contracts.PLAN_PLACEMENT, request, timeout=90.0)  # rehearsing takes a busy machine long
 
 
 def test_a_placement_comes_with_collisions_cost_and_all_samples(
