@@ -42,8 +42,8 @@ install_requirements() {
     fi
     if ! is_stamped "$venv/.requirements" "$requirements"; then
         echo "Installing ROS 2 Jazzy and the Python packages of requirements/locked.txt"
-        "$venv/bin/uv" pip install -q --python "$venv/bin/python" --compile-bytecode --require-hashes \
-            -r requirements/locked.txt
+        "$venv/bin/uv" pip install -q --python "$venv/bin/python" --compile-bytecode \
+            --require-hashes -r requirements/locked.txt
         echo "$requirements" >"$venv/.requirements"
     fi
     ln -sf ../tools/local_setup.bash "$venv/local_setup.bash"
