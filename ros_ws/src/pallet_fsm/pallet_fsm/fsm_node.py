@@ -139,8 +139,7 @@ class PalletFsmNode(GoalNode):
     def _step(self) -> None:
         """Step the machine once; called in the observer's thread after every status of the motion."""
         with self._stepping:
-            seen = self._observer.newest
-            if self._run is not None and seen is not None:
+            if self._run is not None and (seen := self._observer.newest) is not None:
                 self._run.step(seen)
 
     def _on_spawned(self, name: str) -> None:
