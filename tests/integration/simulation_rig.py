@@ -22,7 +22,7 @@ from pack_motion.motion_node import MotionNode
 WHO = "the test's button"
 FACTOR = "real_time_factor"
 SLOW = 0.1
-"""Real-time factor at which the 50 ms of setpoints that the driver has last for half a second."""
+"""Real-time factor at which the 40 ms of setpoints that the driver has last for 0.4 s of wall clock."""
 GOES_ON = 0.25
 """After a pause: longer than setpoints last, so that any joint states that it cost would show [s]."""
 
