@@ -85,8 +85,11 @@ class Arm:
 
     @property
     def accelerations(self) -> Array:
-        v = np.array([reference.at(reference.time)[1] for reference in self.references])
-        return np.asarray(np.abs(np.diff(v, axis=0)).max(axis=0) / PERIOD)
+        """The highest of each joint between setpoints that came one after the other, at whatever tick."""
+        v_at = {reference.time: reference.at(reference.time)[1] for reference in self.references}
+        times = sorted(v_at)
+        steps = np.diff([v_at[time] for time in times], axis=0) / np.diff(times)[:, None]
+        return np.asarray(np.abs(steps).max(axis=0))
 
 
 @pytest.fixture
