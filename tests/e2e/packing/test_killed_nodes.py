@@ -35,9 +35,9 @@ def test_when_a_node_is_killed_the_arm_stops_the_others_report_it_and_the_bag_is
     cell.graph.wait_until(lambda: cell.speed > 0.2, 30.0)
     killed_ns = cell.kill(victim)
     for watcher in WATCHERS[victim]:
-        cell.graph.wait_until(lambda name=watcher: cell.has_reported(name, f"'{victim}' is silent"))
+        cell.graph.wait_until(lambda name=watcher: cell.has_reported(name, f"'{victim}' is silent"), 5.0)
     if victim != "sim":
-        cell.graph.wait_until(lambda: cell.time > cell.simulated(killed_ns) + 0.3)
+        cell.graph.wait_until(lambda: cell.time > cell.simulated(killed_ns) + 0.3, 10.0)
         times, speeds = cell.speeds()
         since = times - cell.simulated(killed_ns)
         late = speeds[(since > STOP_TIME) & (since < 0.3)]

@@ -26,7 +26,7 @@ from pack_core.ros.motion_messages import to_status
 from pack_core.rotations import Pose
 
 PERIOD = 0.01
-AHEAD = 0.024
+AHEAD = 0.040
 """By which the status of the motion is ahead of the clock [s]."""
 
 

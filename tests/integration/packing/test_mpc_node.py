@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 
 from integration.harness import Graph
 from integration.packing.cell_rig import Cell
-from integration.simulation_rig import pause, play, slowly
+from integration.simulation_rig import pause, play
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.scene_messages import from_scene
@@ -54,10 +54,9 @@ def test_a_goal_is_packed_with_feedback_status_and_a_full_result(cell: Cell) -> 
 def test_a_canceled_goal_ends_at_once_and_the_arm_holds(cell: Cell) -> None:
     handle = cell.pack()
     cell.wait_for_motion()
-    with slowly(cell.sim):
-        asked = cell.time
-        handle.cancel_goal_async()
-        result = cell.graph.result_of(handle)
+    asked = cell.time
+    handle.cancel_goal_async()
+    result = cell.graph.result_of(handle)
     assert (result.success, result.exit_reason) == (False, "canceled")
     cell.wait_past(asked + 3 * LIMIT)
     assert cell.time_to_rest(asked) < LIMIT
@@ -103,10 +102,9 @@ def test_joints_and_scenes_that_are_not_finite_are_dropped_and_counted_and_the_g
 def test_without_perception_the_arm_holds_and_the_goal_ends_as_a_fault_that_names_it(cell: Cell) -> None:
     handle = cell.pack()
     cell.wait_for_motion()
-    with slowly(cell.sim):
-        died = cell.time
-        cell.graph.stop(cell.perception)
-        result = cell.graph.result_of(handle)
+    died = cell.time
+    cell.graph.stop(cell.perception)
+    result = cell.graph.result_of(handle)
     assert (result.success, result.exit_reason, result.message) == (False, "fault", "silent: perception")
     assert cell.time_to_rest(died) < LIMIT
     for name in ("mpc", "planner"):
@@ -117,11 +115,10 @@ def test_without_perception_the_arm_holds_and_the_goal_ends_as_a_fault_that_name
 def test_without_the_controller_the_arm_holds(cell: Cell) -> None:
     cell.pack()
     cell.wait_for_motion()
-    with slowly(cell.sim):
-        cell.graph.stop(cell.mpc)
-        died = cell.time
-        cell.wait_for_report("sim", "'mpc' is silent")
+    cell.graph.stop(cell.mpc)
+    died = cell.time
     cell.wait_past(died + 3 * LIMIT)
+    cell.wait_for_report("sim", "'mpc' is silent")
     assert cell.time_to_rest(died) < LIMIT
 
 

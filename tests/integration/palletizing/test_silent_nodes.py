@@ -9,7 +9,6 @@ import pytest
 
 from integration.harness import Graph
 from integration.palletizing.pallet_rig import newest_joints, start_pallet_sim
-from integration.simulation_rig import slowly
 from pack_core.motion.moves import Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.ros.cell_node import CellNode
@@ -64,11 +63,10 @@ def end_and_brake(graph: Graph, sim: PalletSimNode, node: CellNode) -> float:
 
     The speed would tell it later: an arm that was speeding up first has to lose its acceleration.
     """
-    with slowly(sim):
-        died = sim.simulator.time
-        graph.stop(node)
-        graph.wait_until(lambda: sim.simulator.follower.is_holding)
-        began = sim.simulator.time
+    died = sim.simulator.time
+    graph.stop(node)
+    graph.wait_until(lambda: sim.simulator.follower.is_holding)
+    began = sim.simulator.time
     graph.wait_until(lambda: speed(graph) < STANDING, 30.0)
     return began - died
 

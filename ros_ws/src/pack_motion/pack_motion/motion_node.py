@@ -48,7 +48,7 @@ class MotionNodeConfig(Config):
     cell: str = Field(default="palletizing", description="whose arm it moves")
     parameters: str = Field(default="shipped", description="named set of config/motion")
     period: float = Field(default=0.004, gt=0, le=0.01, description="between setpoints [s]")
-    horizon: float = Field(default=0.024, gt=0, le=0.2, description="of setpoints beyond the measurement [s]")
+    horizon: float = Field(default=0.040, gt=0, le=0.2, description="of setpoints beyond the measurement [s]")
     watched: tuple[str, ...] = Field(
         default=("sim",), description="the arm brakes and waits while one of them is silent"
     )

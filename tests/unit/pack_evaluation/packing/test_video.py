@@ -7,8 +7,9 @@ import pytest
 
 from pack_core.errors import PackError
 from pack_evaluation.gif import write_gif
+from pack_evaluation.mp4 import FPS
 from pack_evaluation.packing.overlay import add_caption
-from pack_evaluation.packing.video import FPS, frame_times, write_video
+from pack_evaluation.packing.video import frame_times, write_video
 from pack_evaluation.packing.view import View, ViewConfig
 from unit.pack_evaluation.packing.runs import END, START, make_run
 

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from pathlib import Path
 
 import cv2
-import imageio_ffmpeg
 import numpy as np
 
 from pack_core.blocks.cell import BlocksCell
 from pack_evaluation.blocks.from_bag import BlocksRun
 from pack_evaluation.blocks.view import RunView
 from pack_evaluation.evaluator import OnProgress
+from pack_evaluation.mp4 import FPS, h264_video
 
 WIDTH, HEIGHT = 960, 540
-FPS = 25
-"""Frames a second of the video."""
 SPEED = 4.0
 """Simulated seconds a second of the video."""
 ROWS, COLUMNS = 2, 3
@@ -27,14 +24,9 @@ STRIP_SIZE = (640, 480)
 def write_video(run: BlocksRun, cell: BlocksCell, path: Path, progress: OnProgress = lambda _: None) -> None:
     """Render the run as H.264 MP4."""
     times = np.arange(run.times[0], run.times[-1], SPEED / FPS)
-    video = imageio_ffmpeg.write_frames(
-        path, (WIDTH, HEIGHT), fps=FPS, codec="libx264", quality=7, macro_block_size=4,
-        output_params=["-preset", "veryfast"],
-    )  # fmt: skip
-    with closing(video), RunView(run, cell, (WIDTH, HEIGHT)) as view:
-        video.send(None)
+    with h264_video(path, WIDTH, HEIGHT) as send, RunView(run, cell, (WIDTH, HEIGHT)) as view:
         for i, time in enumerate(times):
-            video.send(view.picture(float(time)))
+            send(view.picture(float(time)))
             progress((i + 1) / len(times))
 
 

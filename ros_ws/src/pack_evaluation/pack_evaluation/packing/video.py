@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from pathlib import Path
 
-import imageio_ffmpeg
 import numpy as np
 from PIL import Image
 
 from pack_core.rotations import Array
 from pack_evaluation.evaluator import OnProgress
+from pack_evaluation.mp4 import FPS, h264_video
 from pack_evaluation.packing.drawing import draw, drawing_processes
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.view import View, ViewConfig
 
-FPS = 25
-"""Frames a second of simulated time."""
 FRAMES_A_PART = 10
 """Number of frames that a drawing process renders at a time."""
 LEAD_IN, LEAD_OUT = 0.4, 1.0
@@ -41,15 +38,10 @@ def write_video(
     """
     view, times = config or ViewConfig(), frame_times(run)
     parts = np.array_split(times, max(1, len(times) // FRAMES_A_PART))
-    video = imageio_ffmpeg.write_frames(
-        path, (view.width, view.height), fps=FPS, codec="libx264", quality=7, macro_block_size=8,
-        output_params=["-preset", "veryfast"],
-    )  # fmt: skip
-    with closing(video), drawing_processes(run, view) as pool:
-        video.send(None)
+    with h264_video(path, view.width, view.height) as send, drawing_processes(run, view) as pool:
         for i, pictures in enumerate(pool.map(draw, parts)):
             for picture in pictures:
-                video.send(np.ascontiguousarray(picture))
+                send(picture)
             progress((i + 1) / len(parts))
 
 

@@ -13,9 +13,10 @@ from pack_core.palletizing.view import CellView
 from pack_core.rotations import Array
 from pack_evaluation.captions import Picture, add_bar
 from pack_evaluation.evaluator import OnProgress
+from pack_evaluation.mp4 import FPS, h264_video
 from pack_evaluation.palletizing.calibration_film import CalibrationFilm
 from pack_evaluation.palletizing.calibration_inset import board_inset, force_inset, with_inset
-from pack_evaluation.palletizing.mp4 import FPS, HEIGHT, WIDTH, h264_video
+from pack_evaluation.palletizing.video import HEIGHT, WIDTH
 
 SPEED = 8.0
 """Simulated seconds a second of the video: a calibration takes minutes."""
@@ -40,7 +41,10 @@ def write_calibration_video(film: CalibrationFilm, path: Path, progress: OnProgr
     times = np.arange(film.times[0], film.times[-1] + END * SPEED, SPEED / FPS)
     rows = np.minimum(film.times.searchsorted(times), len(film.times) - 1)
     cameras, stands = _Cameras(film, times, rows), film.stands
-    with h264_video(path) as send, CellView(stands.cell, WIDTH, HEIGHT, X_WB=stands.X_WB) as view:
+    with (
+        h264_video(path, WIDTH, HEIGHT) as send,
+        CellView(stands.cell, WIDTH, HEIGHT, X_WB=stands.X_WB) as view,
+    ):
         for i, time in enumerate(times):
             laid = {
                 body: track.at(time)

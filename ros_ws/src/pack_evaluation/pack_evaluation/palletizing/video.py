@@ -11,9 +11,10 @@ from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.view import CellView
 from pack_evaluation.captions import add_bar
 from pack_evaluation.evaluator import OnProgress
-from pack_evaluation.palletizing.mp4 import FPS, HEIGHT, WIDTH, h264_video
+from pack_evaluation.mp4 import FPS, h264_video
 from pack_evaluation.palletizing.run import PalletRun
 
+WIDTH, HEIGHT = 960, 540
 SPEED = 4.0
 """Simulated seconds a second of the video: an order takes minutes."""
 PILL, STEP = 10.0, 12.0
@@ -29,7 +30,10 @@ def write_video(run: PalletRun, path: Path, progress: OnProgress = lambda _: Non
     times = np.arange(run.tool.times[0], run.tool.times[-1], SPEED / FPS)
     bodies = {box.name: BoxBody(box.name, box.dims, box.mass) for box in run.boxes}
     stands = run.stands
-    with h264_video(path) as send, CellView(stands.cell, WIDTH, HEIGHT, X_WB=stands.X_WB) as view:
+    with (
+        h264_video(path, WIDTH, HEIGHT) as send,
+        CellView(stands.cell, WIDTH, HEIGHT, X_WB=stands.X_WB) as view,
+    ):
         for i, time in enumerate(times):
             row = min(int(run.tool.times.searchsorted(time)), len(run.tool.times) - 1)
             boxes = {

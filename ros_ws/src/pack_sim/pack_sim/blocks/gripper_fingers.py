@@ -83,7 +83,7 @@ class GripperFingers:
 
     def _sense(self, data: mujoco.MjData) -> tuple[float, float, float]:
         """Of a finger: distance from the closing plane [m], force inwards [N], speed [m/s]."""
-        # In plain numbers, as this is done in every step: of two, numpy takes twenty times as long.
+        # In plain numbers, as this is done in every step: of two, numpy takes ten times as long.
         q, v = data.qpos[self._q].tolist(), data.qvel[self._v].tolist()
         forces = data.actuator_force[self._actuators].tolist()
         return sum(q) / len(q), -sum(forces) / len(forces), max(map(abs, v))

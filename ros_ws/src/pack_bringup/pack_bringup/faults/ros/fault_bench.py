@@ -79,13 +79,15 @@ class FaultBench:
         self._witness.spin_until(lambda: time.monotonic() > settled, 2.0)
 
     def _await_stage(self, stage: str) -> None:
-        witness, entered = self._witness, math.inf
+        witness, entered, excuse = self._witness, math.inf, ""
 
         def is_time() -> bool:
-            nonlocal entered
+            nonlocal entered, excuse
             if witness.result is not None:
-                raise PackError(f"the goal ended before the stage {stage}: {witness.result.message}")
+                raise PackError(f"the goal ended first: {witness.result.message}{excuse}")
             if witness.arm.age(time.time_ns()) > FRESH:
+                if witness.stage == stage:
+                    excuse = f"; in {stage} joint states came over {FRESH} s late: the machine is too busy"
                 return False  # what the arm did meanwhile is still in the queue
             if witness.stage != stage:
                 entered = math.inf
@@ -95,7 +97,7 @@ class FaultBench:
             return is_fast or witness.arm.time > entered + BRIEF.get(stage, IN_STAGE)
 
         if not witness.spin_until(is_time, STAGE_TIMEOUT):
-            raise PackError(f"the goal did not come into the stage {stage}")
+            raise PackError(f"the goal did not come into the stage {stage}{excuse}")
 
     def _put_in(self, case: FaultCase, found: dict[str, Any]) -> None:
         witness = self._witness
