@@ -6,13 +6,14 @@ import math
 import os
 import subprocess
 import threading
+from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from pack_bringup.soak.soak_report import WARM_UP, growth_per_hour, growth_table, plot, summary
-from pack_bringup.soak.usage import usage_of, usages
+from pack_bringup.soak.usage import SHARED_MEMORY, shared_segments, usage_of, usages
 
 
 def samples(growth: float) -> list[dict[str, Any]]:
@@ -20,7 +21,7 @@ def samples(growth: float) -> list[dict[str, Any]]:
     return [
         {
             "time": 60.0 * k, "seed": k, "success": k != 7, "message": "" if k != 7 else "time-out",
-            "duration": 50.0,
+            "duration": 50.0, "segments": 3,
             "nodes": {
                 "mpc": {
                     "memory_mb": 100.0 if 60.0 * k < WARM_UP else 200.0 + growth * (k - 10) / 60.0,
@@ -37,6 +38,7 @@ def test_growth_is_told_after_the_warm_up_as_a_share_of_what_was_there_then() ->
     rows = {row[1]: row for row in growth_table(kept)}
     assert rows["memory [MB]"] == ("mpc", "memory [MB]", "100", "200", "203.9", "+2.00")
     assert abs(float(rows["threads"][-1])) < 0.1
+    assert rows["shared memory segments"][:-1] == ("machine", "shared memory segments", "3", "3", "3")
 
 
 def test_too_short_a_run_tells_no_growth() -> None:
@@ -66,6 +68,18 @@ def test_memory_threads_and_descriptors_of_a_process_are_read() -> None:
     assert after.threads == before.threads + 1
     assert after.descriptors == before.descriptors + 1
     assert len(held)
+
+
+def test_shared_memory_segments_are_counted(tmp_path: Path) -> None:
+    assert shared_segments(tmp_path) == 0
+    (tmp_path / "fastrtps_left_behind").touch()
+    assert shared_segments(tmp_path) == 1
+    segment = SharedMemory(create=True, size=1000)
+    try:
+        assert (SHARED_MEMORY / segment.name).exists()
+    finally:
+        segment.close()
+        segment.unlink()
 
 
 def test_a_process_that_has_ended_is_left_out() -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pack_bringup.cli.benchmark_options import Fresh, JsonFile, Output
+from pack_bringup.cli.demo_options import RealTimeFactor
 from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.soak.soak_report import GROWTH_COLUMNS, HOUR, growth_table, plot
 from pack_bringup.soak.soak_report import summary as soak_summary
@@ -30,6 +31,7 @@ def soak(
     cell: Annotated[str, typer.Argument(help="Cell that runs, e.g. `packing`.")],
     hours: Annotated[float, typer.Option(min=0.0, help="How long goals are sent [h of wall clock].")] = 1.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the first goal; the next has the next.")] = 0,
+    real_time_factor: RealTimeFactor = None,
     output: Output = None,
     fresh: Fresh = False,
     json_file: JsonFile = None,
@@ -37,8 +39,8 @@ def soak(
     """Have a cell pursue one goal after the other for hours, and tell what grows meanwhile.
 
     The nodes run as `pack up` starts them; scenes, orders and problems come from seeds. After each goal the
-    memory, threads and descriptors of every node are noted. The report says how every goal ended, and what
-    grew an hour after the first ten minutes.
+    memory, threads and descriptors of every node and the machine's shared memory segments are noted. The
+    report says how every goal ended, and what grew an hour after the first ten minutes.
 
     - `pack soak packing --hours 1`
     """
@@ -53,8 +55,10 @@ def soak(
     folder = output or bags_path() / "benchmarks" / f"soak_{check_cell(cell)}"
     make_output_folder(folder, taken_by=() if fresh else (FILE,))
     (folder / FILE).unlink(missing_ok=True)
-    goals = TrialFile(folder / FILE, cell, {"soak": hours, "seed": seed}, provenance(command_line()))
-    _run(cell, hours, seed, folder, goals)
+    settings = {"soak": hours, "seed": seed, "real_time_factor": real_time_factor}
+    goals = TrialFile(folder / FILE, cell, settings, provenance(command_line()))
+    sim = {} if real_time_factor is None else {"real_time_factor": str(real_time_factor)}
+    _run(cell, hours, seed, sim, folder, goals)
     samples = list(goals.trials.values())
     found = soak_summary(samples)
     show_table(GROWTH_COLUMNS, growth_table(samples), title=f"{found['succeeded']} of {found['goals']} goals")
@@ -65,7 +69,7 @@ def soak(
     raise typer.Exit(0 if found["succeeded"] == found["goals"] else 1)
 
 
-def _run(cell: str, hours: float, seed: int, folder: Path, goals: Any) -> None:
+def _run(cell: str, hours: float, seed: int, sim: dict[str, str], folder: Path, goals: Any) -> None:
     from pack_bringup.faults.ros.fault_witness import FaultWitness
     from pack_bringup.graph.domains import choose_domain
     from pack_bringup.graph.graph import load_graph
@@ -77,7 +81,7 @@ def _run(cell: str, hours: float, seed: int, folder: Path, goals: Any) -> None:
     names = [node.name for node in graph.nodes]
     recorder = {"path": f'"{(folder / "recording").resolve()}"', "record": "goals"}
     with (folder / LOG).open("a") as log:
-        commands = graph.commands({"recorder": recorder})
+        commands = graph.commands({"recorder": recorder, "sim": sim})
         group = ProcessGroup(commands, environment={"ROS_DOMAIN_ID": str(domain)}, output=log)
         with group, FaultWitness(cell, domain) as witness:
             if not witness.spin_until(lambda: witness.are_ready(names), START_TIMEOUT):
@@ -93,7 +97,7 @@ def _run(cell: str, hours: float, seed: int, folder: Path, goals: Any) -> None:
 
 def _pursue(goal: Any, witness: FaultWitness, group: ProcessGroup) -> dict[str, Any]:
     """Send a goal, wait for its end, and note what the processes take then."""
-    from pack_bringup.soak.usage import usages
+    from pack_bringup.soak.usage import shared_segments, usages
     from pack_core.errors import PackError
 
     began, simulated, message, success = time.monotonic(), witness.arm.time, "", False
@@ -109,6 +113,6 @@ def _pursue(goal: Any, witness: FaultWitness, group: ProcessGroup) -> dict[str, 
     taken = usages({name: group.pid(name) for name in group.running})
     return {
         "success": success, "message": message, "duration": time.monotonic() - began,
-        "simulated": witness.arm.time - simulated,
+        "simulated": witness.arm.time - simulated, "segments": shared_segments(),
         "ended": sorted(group.exit_codes), "nodes": {name: asdict(usage) for name, usage in taken.items()},
     }  # fmt: skip

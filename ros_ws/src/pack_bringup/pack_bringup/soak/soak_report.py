@@ -13,8 +13,8 @@ WARM_UP = 600.0
 HOUR = 3600.0
 QUANTITIES = {"memory_mb": "memory [MB]", "threads": "threads", "descriptors": "descriptors"}
 Samples = Sequence[Mapping[str, Any]]
-"""One mapping a goal: `time` and `duration` [s of wall clock], `seed`, `success`, `message`, and `nodes`
-with the usage of each."""
+"""One mapping a goal: `time` and `duration` [s of wall clock], `seed`, `success`, `message`, `segments`,
+the number of shared memory segments on the machine, and `nodes` with the usage of each."""
 
 
 def growth_per_hour(times: Sequence[float], values: Sequence[float], warm_up: float = WARM_UP) -> float:
@@ -43,13 +43,16 @@ def growth_table(samples: Samples) -> list[tuple[str, ...]]:
         kept = [sample for sample in samples if node in sample["nodes"]]
         times = [sample["time"] for sample in kept]
         for key, title in QUANTITIES.items():
-            values = [sample["nodes"][node][key] for sample in kept]
-            warm = next((v for t, v in zip(times, values, strict=True) if t >= WARM_UP), float("nan"))
-            growth = 100.0 * growth_per_hour(times, values)
-            rows.append(
-                (node, title, f"{values[0]:.4g}", f"{warm:.4g}", f"{values[-1]:.4g}", f"{growth:+.2f}")
-            )
+            rows.append(_growth_row(node, title, times, [sample["nodes"][node][key] for sample in kept]))
+    times, segments = ([sample[key] for sample in samples] for key in ("time", "segments"))
+    rows.append(_growth_row("machine", "shared memory segments", times, segments))
     return rows
+
+
+def _growth_row(whose: str, title: str, times: Sequence[float], values: Sequence[float]) -> tuple[str, ...]:
+    warm = next((v for t, v in zip(times, values, strict=True) if t >= WARM_UP), float("nan"))
+    growth = 100.0 * growth_per_hour(times, values)
+    return whose, title, f"{values[0]:.4g}", f"{warm:.4g}", f"{values[-1]:.4g}", f"{growth:+.2f}"
 
 
 GROWTH_COLUMNS = ("node", "what", "first", "after 10 min", "last", "growth an hour [%]")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PROC = Path("/proc")
+SHARED_MEMORY = Path("/dev/shm")
 PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
@@ -47,3 +48,8 @@ def usages(pids: Mapping[str, int]) -> dict[str, Usage]:
         except OSError:
             continue
     return found
+
+
+def shared_segments(folder: Path = SHARED_MEMORY) -> int:
+    """Number of shared memory segments on this machine: a process that was killed leaves its own behind."""
+    return len(list(folder.iterdir()))
