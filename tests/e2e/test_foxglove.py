@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from e2e.packing.test_pack_demo import pack
+from e2e.command import pack
 from integration.foxglove_client import FoxgloveClient
 from integration.harness import own_domain
 from pack_bringup.recording.message_types import message_types

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from e2e.packing.test_pack_demo import alarms, output_of, pack
+from e2e.command import alarms, output_of, pack
 from pack_evaluation.blocks.from_bag import load_blocks_run
 from pack_evaluation.blocks.measures import measure
 

@@ -1,10 +1,6 @@
 import json
-import os
-import re
 import shutil
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -12,37 +8,13 @@ import numpy as np
 import pytest
 import yaml
 
+from e2e.command import alarms, output_of, pack
 from e2e.packing.cell import EASY_SCENE
 from pack_core.packing.scene_file import load_scene
 from pack_core.paths import ROOT_VARIABLE, project_root
 from pack_evaluation.packing.from_bag import load_run
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
-# A background job of a shell ignores Ctrl-C, and so would what it starts.
-PACK = ["env", "--default-signal=INT", sys.executable, "-m", "e2e.small_videos"]
-TESTS = Path(__file__).parents[2]
-
-
-def pack(*arguments: str | Path) -> subprocess.Popen[str]:
-    environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
-    environment["PYTHONPATH"] = f"{TESTS}{os.pathsep}{environment.get('PYTHONPATH', '')}"
-    return subprocess.Popen(
-        [*PACK, *map(str, arguments)], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        env=environment,
-    )  # fmt: skip
-
-
-def output_of(process: subprocess.Popen[str]) -> str:
-    assert process.stdout is not None
-    text = process.stdout.read()
-    process.wait()
-    return text
-
-
-def alarms(folder: Path) -> list[str]:
-    """Lines of a run's log that would alarm somebody: errors, tracebacks, what could not be logged."""
-    lines = (folder / "nodes.log").read_text().splitlines()
-    return [line for line in lines if re.search(r"ERROR|FATAL|Traceback|Failed to|error:", line)]
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from e2e.command import output_of, pack
 from e2e.packing.cell import EASY_SCENE
-from e2e.packing.test_pack_demo import output_of, pack
 from integration.harness import own_domain
 from pack_core.paths import bags_path
 from pack_evaluation.packing.from_bag import load_run

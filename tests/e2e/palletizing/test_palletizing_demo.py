@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from e2e.packing.test_pack_demo import alarms, output_of, pack
+from e2e.command import alarms, output_of, pack
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
 from pack_evaluation.palletizing.from_bag import load_pallet_run

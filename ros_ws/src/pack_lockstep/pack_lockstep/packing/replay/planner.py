@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pack_core.errors import BagError
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
-from pack_core.packing.topics import DESCRIPTION, SCENE
+from pack_core.packing.topics import DESCRIPTION, FILL_RESULT, SCENE
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
@@ -67,8 +68,13 @@ def replay_planner(
         preset: preset of the run; None: config/nodes without changes.
 
     Raises:
-        BagError: the recording lacks a topic or too many of its messages.
+        BagError: the recording lacks a topic or too many of its messages, or is that of a fill job.
     """
+    if bag.of(FILL_RESULT):
+        raise BagError(
+            f"{bag.path} is of a fill job; what such a job asks of the planner is not recorded; "
+            "--node perception can be replayed"
+        )
     run = to_run(bag)
     bag = without_earlier_gaps(bag, run.start, latched=(DESCRIPTION,))
     scenes = [from_scene(message) for message in bag.of(SCENE)]

@@ -1,0 +1,37 @@
+"""The `pack` command as a process, with small videos, and what it leaves behind."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+# A background job of a shell ignores Ctrl-C, and so would what it starts.
+PACK = ["env", "--default-signal=INT", sys.executable, "-m", "e2e.small_videos"]
+TESTS = Path(__file__).parents[1]
+
+
+def pack(*arguments: str | Path) -> subprocess.Popen[str]:
+    """Start the command in no domain of a shell; errors come with the output."""
+    environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
+    environment["PYTHONPATH"] = f"{TESTS}{os.pathsep}{environment.get('PYTHONPATH', '')}"
+    return subprocess.Popen(
+        [*PACK, *map(str, arguments)], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env=environment,
+    )  # fmt: skip
+
+
+def output_of(process: subprocess.Popen[str]) -> str:
+    """All that a process prints until it ends."""
+    assert process.stdout is not None
+    text = process.stdout.read()
+    process.wait()
+    return text
+
+
+def alarms(folder: Path) -> list[str]:
+    """Lines of a run's log that would alarm somebody: errors, tracebacks, what could not be logged."""
+    lines = (folder / "nodes.log").read_text().splitlines()
+    return [line for line in lines if re.search(r"ERROR|FATAL|Traceback|Failed to|error:", line)]
