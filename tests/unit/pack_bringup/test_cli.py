@@ -78,3 +78,11 @@ def test_wiring_lists_topics_services_and_actions(call: Called) -> None:
 @pytest.mark.parametrize("command", ["run", "up", "executables", "wiring"])
 def test_help_of_every_command_shows_how_to_call_it(call: Called, command: str) -> None:
     assert f"Usage: pack {command}" in call(command, "--help").stdout
+
+
+def test_a_recording_of_another_cell_is_not_replayed(call: Called, tmp_path: Path) -> None:
+    (tmp_path / "run.yaml").write_text("cell: blocks\n")
+    outcome = call("replay", str(tmp_path))
+    assert outcome.returncode == 2
+    reason = "is of the cell blocks; only nodes of the packing cell can be replayed"
+    assert outcome.stderr == f"error: {tmp_path} {reason}\n"

@@ -36,7 +36,7 @@ def replay(
         str, typer.Option(help="Preset of the recorded run. Default: that of run.yaml, or `ideal`.")
     ] = "",
 ) -> None:
-    """Feed what a node received in a recording to its core, and compare the answers with those recorded.
+    """Feed what a node of the packing cell received in a recording to its core, and compare the answers.
 
     Messages are counted first: a recording that lacks some is refused. The exit code is 0 only if the core
     does what the node did.
@@ -44,13 +44,16 @@ def replay(
     - `pack replay bags/packing_20260101_120000_seed0 --node perception`
     - `pack replay bags/samples/packing --node planner --seed 5`
     """
+    from pack_core.errors import BagError
     from pack_core.packing.method import PackingMethod
     from pack_evaluation.bag import read_bag
-    from pack_evaluation.record import load_record
+    from pack_evaluation.record import cell_of, load_record
     from pack_lockstep.packing.presets import load_preset
     from pack_lockstep.packing.replay.perception import replay_perception
     from pack_lockstep.packing.replay.planner import replay_planner
 
+    if (cell := cell_of(bag)) != "packing":
+        raise BagError(f"{bag} is of the cell {cell}; only nodes of the packing cell can be replayed")
     recorded, chosen = read_bag(bag), PackingMethod.of(method)
     conditions = load_preset(preset or str(load_record(bag).get("preset") or "ideal"))
     if node is Node.PERCEPTION:
