@@ -43,7 +43,9 @@ class SessionConfig(Config):
     def of_fill_job(self) -> SessionConfig:
         """The parameters of the packing goals of a fill job."""
         fill = self.fill
-        stages = self.task.stages.model_copy(update={"pre_pack_distance": fill.pre_pack_distance})
+        stages = self.task.stages.model_copy(
+            update={"pre_pack_distance": fill.pre_pack_distance, "clearance": fill.clearance}
+        )
         task = self.task.model_copy(update={"landing_reach": fill.landing_reach, "stages": stages})
         return self.model_copy(update={"task": task})
 
