@@ -1,5 +1,8 @@
+from dataclasses import replace
+
 import pytest
 
+from pack_evaluation.palletizing.study_tables import comparison
 from pack_evaluation.palletizing.summary import OrderTrial, cycles, summarize_orders
 
 
@@ -45,3 +48,22 @@ def test_cycle_times_are_means_over_boxes_by_handling() -> None:
     assert found["table"] == pytest.approx(14.0)
     assert found["mean"] == pytest.approx(10.0)
     assert found["boxes_per_hour"] == pytest.approx(360.0)
+
+
+def test_what_calibrations_expect_is_a_mean_over_boxes_beside_what_was_measured() -> None:
+    known = replace(trial("o1", 0, [box()] * 3), expected_mm={"mean": 0.2, "p95": 0.4})
+    other = replace(trial("o1", 1, [box()]), expected_mm={"mean": 0.6, "p95": 0.8})
+    found = summarize_orders([known, other, trial("o2", 0, [box()] * 5)])
+    assert found["expected_error_mm"] == pytest.approx({"mean": 0.3, "p95": 0.5})
+    rows = {row[0]: row[1] for row in comparison({"real": found}).rows}
+    assert rows["the same, as the calibration expects [mm]"] == "0.300   0.500   -"
+
+
+def test_the_true_path_of_cells_that_have_one_is_summarized_and_left_out_of_the_table_of_the_others() -> None:
+    real, ideal = trial("o1", 0, [box()], true_position_mm=(0.2, 0.7)), trial("o2", 0, [box()])
+    found = summarize_orders([real, ideal])
+    assert found["true_position_mm"] == {"mean": 0.2, "max": 0.7}
+    assert "true tool off its path [mm]" in {row[0] for row in comparison({"real": found}).rows}
+    found = summarize_orders([ideal])
+    assert found["true_position_mm"] is None
+    assert "true tool off its path [mm]" not in {row[0] for row in comparison({"ideal": found}).rows}

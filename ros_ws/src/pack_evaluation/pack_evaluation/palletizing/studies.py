@@ -31,7 +31,9 @@ class PalletStudies(StudyEvaluator[PalletStudy, OrderTrial]):
         """One study: the orders under one setting."""
         kept.require({"order", "seed", "measures", "hold_mm"})
         trials = tuple(
-            OrderTrial(trial["order"], trial["seed"], trial["measures"], trial["hold_mm"])
+            OrderTrial(
+                trial["order"], trial["seed"], trial["measures"], trial["hold_mm"], trial.get("predicted_mm")
+            )
             for trial in kept.trials
         )
         return [PalletStudy(name=kept.settings["name"], origin=kept.origin, trials=trials)]

@@ -11,8 +11,10 @@ from pack_evaluation.table import TextTable
 SPREADS = {
     "tracking_position_mm": "tracking, position [mm]",
     "tracking_orientation_deg": "tracking, orientation [deg]",
+    "true_position_mm": "true tool off its path [mm]",
     "goal_position_mm": "position at goals [mm]",
     "placed_error_mm": "placed box, position [mm]",
+    "expected_error_mm": "the same, as the calibration expects [mm]",
     "placed_angle_deg": "placed box, orientation [deg]",
     "shift_mm": "shift of earlier boxes [mm]",
 }
@@ -27,12 +29,16 @@ Summary = Mapping[str, Any]
 
 
 def comparison(summaries: Mapping[str, Summary]) -> TextTable:
-    """Table with a column for each study and a row for each measure."""
+    """Table with a column for each study and a row for each measure that one of them has."""
     found = summaries.values()
     rows = [
         ("orders complete with every seed", *(f"{s['orders_complete']} of {s['orders']}" for s in found)),
         ("boxes in place", *(f"{s['boxes_ok']} of {s['boxes']}" for s in found)),
-        *((name, *(spread_text(s[key], 3) for s in found)) for key, name in SPREADS.items()),
+        *(
+            (name, *(spread_text(s[key] or {}, 3) for s in found))
+            for key, name in SPREADS.items()
+            if any(s[key] for s in found)
+        ),
         *((name, *(_number(s["cycle_s"][key], 3) for s in found)) for key, name in CYCLES.items()),
         ("stacks that hold 0.2 g", *(_held(s["stack_hold"]) for s in found)),
         ("drops", *(str(s["drops"]) for s in found)),

@@ -13,6 +13,7 @@ from pack_evaluation.spread import mean_p95_max
 
 HOLD_LIMIT_MM = 10.0
 """A stack holds if no box shifts by more than this on the pallet [mm]."""
+TRUE = "true_position_mm"
 
 
 @dataclass(frozen=True)
@@ -24,12 +25,15 @@ class OrderTrial:
         seed: seed of the arrival poses and of the detections' noise.
         measures: the fields of `OrderMeasures`.
         hold_mm: how far the finished stack shifts under 0.2 g [mm]; None if that was not tested.
+        expected_mm: error of placed boxes that the cell's calibration predicts, `mean` and `p95` [mm]; None
+            for a cell without a calibration.
     """
 
     order: str
     seed: int
     measures: Mapping[str, Any]
     hold_mm: float | None
+    expected_mm: Mapping[str, float] | None = None
 
 
 def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
@@ -50,8 +54,10 @@ def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
         "boxes_ok": sum(box["is_ok"] for box in boxes),
         "tracking_position_mm": _tracking(trials, "position_mm"),
         "tracking_orientation_deg": _tracking(trials, "orientation_deg"),
+        "true_position_mm": _tracking([t for t in trials if t.measures.get(TRUE)], TRUE),
         "goal_position_mm": _tracking(trials, "goal_mm"),
         "placed_error_mm": mean_p95_max(errors),
+        "expected_error_mm": _expected(trials),
         "placed_angle_deg": mean_p95_max([b["angle_deg"] for b in boxes if b["angle_deg"] is not None]),
         "shift_mm": mean_p95_max([shift for trial in trials for shift in trial.measures["shift_mm"]]),
         "cycle_s": cycles(boxes),
@@ -93,6 +99,18 @@ def _way_points(trials: Sequence[OrderTrial], key: str) -> dict[str, float] | No
     if not found:
         return None
     return {"mean": float(np.mean([mean for mean, _ in found])), "max": max(most for _, most in found)}
+
+
+def _expected(trials: Sequence[OrderTrial]) -> dict[str, float] | None:
+    """What the cells' calibrations predict, as a mean over all boxes; None without a calibration."""
+    found = [(trial.expected_mm, len(trial.measures["boxes"])) for trial in trials if trial.expected_mm]
+    if not found:
+        return None
+    weights = [count for _, count in found]
+    return {
+        key: float(np.average([expected[key] for expected, _ in found], weights=weights))
+        for key in ("mean", "p95")
+    }
 
 
 def _visitors(trials: Sequence[OrderTrial]) -> dict[str, Any] | None:
@@ -139,8 +157,10 @@ def _order(runs: Sequence[OrderTrial]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _tracking(trials: Sequence[OrderTrial], key: str) -> dict[str, float]:
-    """Mean, weighted by the runs' durations, and largest value of a tracking error."""
+def _tracking(trials: Sequence[OrderTrial], key: str) -> dict[str, float] | None:
+    """Mean, weighted by the runs' durations, and largest value of a tracking error; None without a run."""
+    if not trials:
+        return None
     weights = [trial.measures["duration_s"] for trial in trials]
     means = [trial.measures[key][0] for trial in trials]
     return {
