@@ -5,9 +5,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from pack_core.packing.entry import Entry
+from pack_core.packing.objects import Box
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, exp, from_yaw, rotate
 from pack_mpc.placement import ChosenPlacement
+from pack_mpc.session import SessionConfig
 from pack_mpc.stages import StageConfig, StageMachine, nearest_heading
 from pack_mpc.weights import Stage
 
@@ -31,6 +33,16 @@ def test_stages_follow_one_another_down_to_the_place(machine: StageMachine) -> N
     assert machine.stage is Stage.FINE_TUNE
     assert not machine.is_placed(PLACE + np.array([0.03, 0.0, 0.01]))
     assert machine.is_placed(PLACE + np.array([0.01, 0.0, 0.0]))
+
+
+def test_in_a_fill_job_a_broad_object_passes_over_the_tallest_one_though_it_is_tilted(scene: Scene) -> None:
+    broad = Box(name="broad", shape="box", size=(0.158, 0.06, 0.21), mass=0.4)
+    scene = scene.model_copy(update={"new_object": broad})
+    placement = ChosenPlacement(Pose(np.array([0.5, 0.0, 0.105])))
+    machine = StageMachine(scene, SessionConfig().of_fill_job().task.stages, placement, 0.0, START)
+    p_WN, tilt = machine.target.p_WN, np.deg2rad(10.0)
+    lowest = p_WN[2] - 0.105 * np.cos(tilt) - 0.079 * np.sin(tilt)
+    assert lowest > scene.rim + 0.01
 
 
 def test_the_base_is_not_reached_outside_the_container(machine: StageMachine) -> None:
