@@ -7,7 +7,7 @@ import numpy as np
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import base_height, is_packed
 from pack_core.packing.scene_item import SceneItem
-from pack_core.rotations import Pose, rotate
+from pack_core.rotations import Array, Pose, conjugate, from_yaw, multiply, rotate, yaw_of
 from pack_mpc.filling.cup_moves import CupMoves
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.requests import UsePump
@@ -122,20 +122,23 @@ class ObjectHandling:
         return ", ".join(filter(None, noted)), seen
 
     def take_out(self, seen: FillObservation) -> Steps[FillObservation]:
-        """Raise the held object straight up until it is over everything in the container."""
-        missing = self._scene.rim + self._config.clearance - _height(seen, self._scene.new_object)
+        """Raise the held object straight up until it is over everything, tilted as it is and if upright."""
+        item = self._scene.new_object
+        lowest = min(_height(seen, item), self._upright(seen)[1])
+        missing = self._scene.rim + self._config.clearance - lowest
         return (yield from self._moves.rise(seen, max(missing, 0.0), speed=self._config.carry_speed))
 
     def put_aside(self, seen: FillObservation) -> Steps[FillObservation]:
-        """Carry the held object back to the hand-over place and let it go there."""
+        """Carry the held object back to the hand-over place, upright, and let it go there."""
         item, config = self._scene.new_object, self._config
         seen = yield from self.take_out(seen)
+        # tilted as it may have been between others, the arm could not reach the place
+        q_WT, _ = self._upright(seen)
         place = self._cell.hand_over.pose_of(item)
-        X_WN = seen.scene.objects[item.name].X_WO if item.name in seen.scene.objects else place
-        across = np.array([*(place.p[:2] - X_WN.p[:2]), 0.0])
-        height = _height(seen, item) - config.approach
-        down = np.array([0.0, 0.0, -max(height, 0.0)])
-        seen = yield from self._moves.move(seen, legs([across, down], config.carry_speed))
+        across = np.array([*(place.p - seen.scene.objects[item.name].X_WO.p)[:2], 0.0])
+        seen = yield from self._moves.move(seen, legs([across], config.carry_speed), q_WT)
+        down = np.array([0.0, 0.0, -max(_height(seen, item) - config.approach, 0.0)])
+        seen = yield from self._moves.move(seen, legs([down], config.carry_speed))
         touches = self._moves.contact(seen)
         seen = yield from self._moves.down(
             seen, config.approach + config.overshoot,
@@ -144,6 +147,16 @@ class ObjectHandling:
         _, seen = yield from ask(seen, UsePump(close=False), str)
         _, seen = yield from wait(seen, lambda s: not s.is_gripped, config.sight_time)
         return (yield from self._moves.rise(seen, config.clearance))
+
+    def _upright(self, seen: FillObservation) -> tuple[Array, float]:
+        """The cup's orientation q_WT at which the held object is upright, and its lowest point then [m].
+
+        The cup stays where it is, and the object keeps its heading.
+        """
+        item = self._scene.new_object
+        X_WN, X_WT = seen.scene.objects[item.name].X_WO, self._moves.arm.cup(seen.joints.q)
+        q_WT = multiply(multiply(from_yaw(yaw_of(X_WN.q)), conjugate(X_WN.q)), X_WT.q)
+        return q_WT, base_height(item, Pose(X_WT.p, q_WT) @ X_WT.inverse() @ X_WN)
 
 
 def _never(_: FillObservation) -> bool:

@@ -18,7 +18,7 @@ from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.robots.pump import add_pump
-from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, yaw_of
+from pack_core.rotations import Array, Pose, angle_between, conjugate, exp, log, multiply, yaw_of
 
 PERIOD = 0.02
 """Time between two rows of a motion [s]."""
@@ -34,6 +34,8 @@ CENTRING = 1.0
 """Rate at which joints drift to the home pose where the cup's pose leaves them free [1/s]."""
 ROUNDS = 3
 """Newton steps of the inverse kinematics a row; the rows are near enough for errors below 0.1 mm."""
+LAG, LAG_ANGLE = 0.01, 0.05
+"""A motion ends where the cup would be farther from its path, as the arm cannot follow it [m], [rad]."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,7 @@ class ToolArm:
         return yaw_of(multiply(self.cup(self._home).q, np.array(UPSIDE_DOWN)))
 
     def plan(self, q: Array, start: float, path: Sequence[PathLeg], q_WT: Array | None = None) -> CupMotion:
-        """The motion along a path.
+        """The motion along a path, as far as the arm can follow it.
 
         Args:
             q: where the arm is `(7,)` [rad].
@@ -140,7 +142,11 @@ class ToolArm:
         for t in PERIOD * np.arange(1, int(np.ceil(end / PERIOD)) + 1):
             shift = sum((_profile((t - leg.start) / leg.duration) * leg.way for leg in path), np.zeros(3))
             wanted = Pose(X_WT.p + shift, multiply(exp(_profile(t / end) * turn), X_WT.q))
-            rows.append(self._follow(rows[-1], wanted))
+            row = self._follow(rows[-1], wanted)
+            if not _is_near(self.cup(row), wanted):
+                rows.append(rows[-1])
+                break
+            rows.append(row)
         qs = np.array(rows)
         v = np.gradient(qs, PERIOD, axis=0)
         v[0], v[-1] = 0.0, 0.0
@@ -172,6 +178,11 @@ class ToolArm:
             mujoco.mj_inverse(self._model, data)
             tau[i] = data.qfrc_inverse
         return np.clip(tau, -self._limits.effort, self._limits.effort)
+
+
+def _is_near(X_WT: Pose, wanted: Pose) -> bool:
+    distance = float(np.linalg.norm(X_WT.p - wanted.p))
+    return distance < LAG and float(angle_between(X_WT.q, wanted.q)) < LAG_ANGLE
 
 
 def _profile(s: float) -> float:
