@@ -8,7 +8,7 @@ import pytest
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.rotations import angle_between, from_yaw, multiply
-from pack_mpc.filling.tool_motion import PERIOD, PathLeg, ToolArm, legs
+from pack_mpc.filling.tool_motion import LEAP, PERIOD, PathLeg, ToolArm, legs
 
 CELL = packing_cell()
 ARM = ToolArm(CELL)
@@ -52,3 +52,21 @@ def test_a_position_just_outside_a_limit_is_brought_back_inside() -> None:
     beyond[6] = CELL.robot.arm.limits.upper[6] + 1e-4
     motion = ARM.plan(beyond, 0.0, [PathLeg(np.array([0.0, 0.0, 0.01]), 0.0, 0.2)])
     assert np.all(motion.q <= CELL.robot.arm.limits.upper)
+
+
+@pytest.mark.parametrize("way", [(0.0, 0.0, 1.5), (1.5, 0.0, 0.0), (0.0, -2.0, 0.0)])
+def test_where_a_path_leaves_the_arms_reach_the_motion_ends_on_it_and_no_joint_leaps(
+    way: tuple[float, float, float],
+) -> None:
+    motion, start = ARM.plan(HOME, 0.0, legs([np.array(way)], 0.4)), ARM.cup(HOME)
+    went = ARM.cup(motion.q[-1]).p - start.p
+    along = went @ way / np.linalg.norm(way)
+    assert 0.1 < along < 0.99 * np.linalg.norm(way)
+    assert np.linalg.norm(went - along * np.array(way) / np.linalg.norm(way)) < 0.01
+    assert np.all(np.abs(np.diff(motion.q, axis=0)) <= LEAP * PERIOD * CELL.robot.arm.limits.velocity)
+    assert not motion.v[-1].any()
+
+
+def test_a_path_that_begins_out_of_reach_is_no_motion() -> None:
+    motion = ARM.plan(HOME, 0.0, [PathLeg(np.array([0.0, 0.0, 50.0]), 0.0, 0.2)])
+    np.testing.assert_array_equal(motion.q, np.array([HOME, HOME]))

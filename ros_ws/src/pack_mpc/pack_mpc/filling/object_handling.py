@@ -124,7 +124,7 @@ class ObjectHandling:
     def take_out(self, seen: FillObservation) -> Steps[FillObservation]:
         """Raise the held object straight up until it is over everything, tilted as it is and if upright."""
         item = self._scene.new_object
-        lowest = min(_height(seen, item), self._upright(seen)[1])
+        lowest = min(_height(seen, item), base_height(item, self._upright(seen)[1]))
         missing = self._scene.rim + self._config.clearance - lowest
         return (yield from self._moves.rise(seen, max(missing, 0.0), speed=self._config.carry_speed))
 
@@ -133,9 +133,8 @@ class ObjectHandling:
         item, config = self._scene.new_object, self._config
         seen = yield from self.take_out(seen)
         # tilted as it may have been between others, the arm could not reach the place
-        q_WT, _ = self._upright(seen)
-        place = self._cell.hand_over.pose_of(item)
-        across = np.array([*(place.p - seen.scene.objects[item.name].X_WO.p)[:2], 0.0])
+        q_WT, X_WN = self._upright(seen)
+        across = np.array([*(self._cell.hand_over.pose_of(item).p - X_WN.p)[:2], 0.0])
         seen = yield from self._moves.move(seen, legs([across], config.carry_speed), q_WT)
         down = np.array([0.0, 0.0, -max(_height(seen, item) - config.approach, 0.0)])
         seen = yield from self._moves.move(seen, legs([down], config.carry_speed))
@@ -148,15 +147,14 @@ class ObjectHandling:
         _, seen = yield from wait(seen, lambda s: not s.is_gripped, config.sight_time)
         return (yield from self._moves.rise(seen, config.clearance))
 
-    def _upright(self, seen: FillObservation) -> tuple[Array, float]:
-        """The cup's orientation q_WT at which the held object is upright, and its lowest point then [m].
+    def _upright(self, seen: FillObservation) -> tuple[Array, Pose]:
+        """The cup's orientation q_WT at which the held object is upright, and where that is, X_WN.
 
         The cup stays where it is, and the object keeps its heading.
         """
-        item = self._scene.new_object
-        X_WN, X_WT = seen.scene.objects[item.name].X_WO, self._moves.arm.cup(seen.joints.q)
+        X_WN, X_WT = seen.scene.objects[self._scene.new_object.name].X_WO, self._moves.arm.cup(seen.joints.q)
         q_WT = multiply(multiply(from_yaw(yaw_of(X_WN.q)), conjugate(X_WN.q)), X_WT.q)
-        return q_WT, base_height(item, Pose(X_WT.p, q_WT) @ X_WT.inverse() @ X_WN)
+        return q_WT, Pose(X_WT.p, q_WT) @ X_WT.inverse() @ X_WN
 
 
 def _never(_: FillObservation) -> bool:

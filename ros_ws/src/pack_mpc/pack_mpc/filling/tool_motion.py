@@ -36,6 +36,8 @@ ROUNDS = 3
 """Newton steps of the inverse kinematics a row; the rows are near enough for errors below 0.1 mm."""
 LAG, LAG_ANGLE = 0.01, 0.05
 """A motion ends where the cup would be farther from its path, as the arm cannot follow it [m], [rad]."""
+LEAP = 2.0
+"""And where a joint would be faster than this share of its limit, as at a singular posture."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +145,8 @@ class ToolArm:
             shift = sum((_profile((t - leg.start) / leg.duration) * leg.way for leg in path), np.zeros(3))
             wanted = Pose(X_WT.p + shift, multiply(exp(_profile(t / end) * turn), X_WT.q))
             row = self._follow(rows[-1], wanted)
-            if not _is_near(self.cup(row), wanted):
+            leap = float(np.max(np.abs(row - rows[-1]) / self._limits.velocity)) / PERIOD
+            if leap > LEAP or not _is_near(self.cup(row), wanted):
                 rows.append(rows[-1])
                 break
             rows.append(row)
