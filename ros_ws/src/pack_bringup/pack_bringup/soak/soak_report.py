@@ -37,7 +37,7 @@ def growth_per_hour(times: Sequence[float], values: Sequence[float], warm_up: fl
 
 
 def growth_table(samples: Samples) -> list[tuple[str, ...]]:
-    """For each node and quantity: first, after the warm-up, last, and growth an hour [%]."""
+    """For each quantity of the nodes and the machine: first, after the warm-up, last, growth an hour [%]."""
     rows: list[tuple[str, ...]] = []
     for node in samples[-1]["nodes"]:
         kept = [sample for sample in samples if node in sample["nodes"]]

@@ -13,7 +13,8 @@ from pack_evaluation.spread import mean_p95_max
 
 HOLD_LIMIT_MM = 10.0
 """A stack holds if no box shifts by more than this on the pallet [mm]."""
-TRUE = "true_position_mm"
+TRUE_PATH = "true_position_mm"
+"""Measure that only simulated arms with imperfect gears have: the true tool off its path."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
         "boxes_ok": sum(box["is_ok"] for box in boxes),
         "tracking_position_mm": _tracking(trials, "position_mm"),
         "tracking_orientation_deg": _tracking(trials, "orientation_deg"),
-        "true_position_mm": _tracking([t for t in trials if t.measures.get(TRUE)], TRUE),
+        "true_position_mm": _tracking([t for t in trials if t.measures.get(TRUE_PATH)], TRUE_PATH),
         "goal_position_mm": _tracking(trials, "goal_mm"),
         "placed_error_mm": mean_p95_max(errors),
         "expected_error_mm": _expected(trials),

@@ -37,7 +37,7 @@ ROUNDS = 3
 LAG, LAG_ANGLE = 0.01, 0.05
 """A motion ends where the cup would be farther from its path, as the arm cannot follow it [m], [rad]."""
 LEAP = 2.0
-"""And where a joint would be faster than this share of its limit, as at a singular posture."""
+"""And where a joint would be faster than this many times its limit, as near a singular posture."""
 
 
 @dataclass(frozen=True)
