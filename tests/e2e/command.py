@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 # A background job of a shell ignores Ctrl-C, and so would what it starts.
 PACK = ["env", "--default-signal=INT", sys.executable, "-m", "e2e.small_videos"]
@@ -29,6 +31,16 @@ def output_of(process: subprocess.Popen[str]) -> str:
     text = process.stdout.read()
     process.wait()
     return text
+
+
+def measured_again(run: Path, output: Path) -> dict[str, Any]:
+    """What `pack evaluate` measures of a run's recording; its report goes into the folder `output`."""
+    measures = output / "m.json"
+    process = pack("evaluate", run, "--no-video", "--json", measures, "--output", output)
+    text = output_of(process)
+    assert process.returncode == 0, text
+    found: dict[str, Any] = json.loads(measures.read_text())
+    return found
 
 
 def alarms(folder: Path) -> list[str]:

@@ -1,9 +1,8 @@
-import json
 from pathlib import Path
 
 import pytest
 
-from e2e.command import alarms, output_of, pack
+from e2e.command import alarms, measured_again, output_of, pack
 from pack_evaluation.blocks.from_bag import load_blocks_run
 from pack_evaluation.blocks.measures import measure
 
@@ -40,9 +39,7 @@ def test_a_healthy_start_run_and_end_log_no_error(demo: tuple[Path, str]) -> Non
 
 
 def test_evaluating_the_bag_again_gives_the_same_measures(demo: tuple[Path, str], tmp_path: Path) -> None:
-    process = pack("evaluate", demo[0], "--no-video", "--json", tmp_path / "m.json", "--output", tmp_path)
-    output_of(process)
-    again = json.loads((tmp_path / "m.json").read_text())
+    again = measured_again(demo[0], tmp_path)
     first = measure(load_blocks_run(demo[0]))
     assert again["success"]
     assert again["error_mm"] == first.error_mm

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from e2e.command import alarms, output_of, pack
+from e2e.command import alarms, measured_again, output_of, pack
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
 from pack_evaluation.palletizing.from_bag import load_pallet_run
@@ -49,9 +49,7 @@ def test_a_healthy_start_run_and_end_log_no_error(demo: tuple[Path, str]) -> Non
 def test_evaluating_the_bag_again_gives_measures_within_their_targets(
     demo: tuple[Path, str], tmp_path: Path
 ) -> None:
-    process = pack("evaluate", demo[0], "--no-video", "--json", tmp_path / "m.json", "--output", tmp_path)
-    output_of(process)
-    measures = json.loads((tmp_path / "m.json").read_text())
+    measures = measured_again(demo[0], tmp_path)
     assert measures["is_complete"]
     assert (measures["drops"], measures["touches"]) == (0, 0)
 
