@@ -78,14 +78,15 @@ def _run(cell: str, hours: float, seed: int, sim: dict[str, str], folder: Path, 
     from pack_core.errors import PackError
 
     graph, domain = load_graph(cell), choose_domain(os.environ)
-    names = [node.name for node in graph.nodes]
     recorder = {"path": f'"{(folder / "recording").resolve()}"', "record": "goals"}
     with (folder / LOG).open("a") as log:
         commands = graph.commands({"recorder": recorder, "sim": sim})
         group = ProcessGroup(commands, environment={"ROS_DOMAIN_ID": str(domain)}, output=log)
         with group, FaultWitness(cell, domain) as witness:
-            if not witness.spin_until(lambda: witness.are_ready(names), START_TIMEOUT):
-                raise PackError(f"the nodes did not come up; see {folder / LOG}")
+            try:
+                witness.await_ready([node.name for node in graph.nodes], START_TIMEOUT)
+            except PackError as error:
+                raise PackError(f"{error}; see {folder / LOG}") from error
             began = time.monotonic()
             while time.monotonic() - began < hours * HOUR:
                 sample = _pursue(cell_part(cell, "seeded_goal")(seed), witness, group)

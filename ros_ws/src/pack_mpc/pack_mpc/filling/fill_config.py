@@ -74,6 +74,9 @@ class FillConfig(Config):
     release_tilt_deg: PositiveFloat = Field(
         default=12.0, description="largest tilt at which an object is let go: it leans safely [deg]"
     )
+    aside_reach: PositiveFloat = Field(
+        default=0.05, description="distance from the hand-over place within which an object is put aside [m]"
+    )
     retreat_force: PositiveFloat = Field(
         default=15.0, description="change of force that tells that the cup drags something [N]"
     )

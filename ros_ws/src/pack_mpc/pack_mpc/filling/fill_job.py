@@ -30,6 +30,14 @@ class FillJob:
         cell: the cell's physical facts.
         config: speeds, heights and forces.
         scene: the cell as described at the start.
+
+    Attributes:
+        scene: the cell as described last.
+        stage: what is done now.
+        current: name of the object that is handled; empty between two objects.
+        report: what became of the objects so far.
+        fault: why the job ended before its list did; empty if it did not.
+        is_done: whether the job has ended.
     """
 
     def __init__(self, given: PackingList, cell: PackingCell, config: FillConfig, scene: Scene) -> None:
@@ -40,7 +48,7 @@ class FillJob:
         self._planned: Mapping[str, Pose] = {}
         self._steps: Steps[None] | None = None
         self.stage, self.current = FillStage.ARRANGE, ""
-        self.report = FillReport()
+        self.report, self.fault = FillReport(), ""
         self.is_done = False
 
     @property
@@ -63,7 +71,7 @@ class FillJob:
 
     def _run(self, seen: FillObservation) -> Steps[None]:
         self._note_fill(seen)
-        while self._remaining:
+        while self._remaining and not self.fault:
             self.stage, self.current = FillStage.ARRANGE, ""
             request = Arrange(tuple(self._remaining), self._planned)
             arrangement, seen = yield from ask(seen, request, Arrangement)
@@ -77,7 +85,7 @@ class FillJob:
             seen = yield from self._handle(seen, item, arrangement.poses.get(item.name))
             self._note_fill(seen)
         packed, given = len(self.report.packed), len(self.report.objects)
-        self.report.message = f"{packed} of {given} objects packed"
+        self.report.message = self.fault or f"{packed} of {given} objects packed"
 
     def _handle(self, seen: FillObservation, item: ObjectModel, X_WN: Pose | None) -> Steps[FillObservation]:
         """Take one object from its hand-over to its rest."""
@@ -130,9 +138,12 @@ class FillJob:
                 if X_WN is None:
                     break
         self.stage = FillStage.PUT_ASIDE
-        seen = yield from handling.put_aside(seen)
-        fault = outcome.exit_reason is PackingExitReason.FORCE
-        self._note(item.name, start, seen, f"put aside: {reason}", outcome, has_fault=fault)
+        still_held, seen = yield from handling.put_aside(seen)
+        if still_held:
+            self.fault = f"'{item.name}' is still held ({reason}): {still_held}"
+        has_fault = bool(still_held) or outcome.exit_reason is PackingExitReason.FORCE
+        note = f"still held: {still_held}" if still_held else f"put aside: {reason}"
+        self._note(item.name, start, seen, note, outcome, has_fault=has_fault)
         return seen
 
     def _another_place(

@@ -128,8 +128,12 @@ class ObjectHandling:
         missing = self._scene.rim + self._config.clearance - lowest
         return (yield from self._moves.rise(seen, max(missing, 0.0), speed=self._config.carry_speed))
 
-    def put_aside(self, seen: FillObservation) -> Steps[FillObservation]:
-        """Carry the held object back to the hand-over place, upright, and let it go there."""
+    def put_aside(self, seen: FillObservation) -> Steps[tuple[str, FillObservation]]:
+        """Carry the held object back to the hand-over place, upright, and let it go there.
+
+        Returns:
+            Why it is still held, if the arm could not bring it there; it is let go nowhere else.
+        """
         item, config = self._scene.new_object, self._config
         seen = yield from self.take_out(seen)
         # tilted as it may have been between others, the arm could not reach the place
@@ -143,9 +147,23 @@ class ObjectHandling:
             seen, config.approach + config.overshoot,
             lambda s: touches(s) or _height(s, item) < config.standing,
         )  # fmt: skip
+        if reason := self._missed(seen):
+            return reason, seen
         _, seen = yield from ask(seen, UsePump(close=False), str)
         _, seen = yield from wait(seen, lambda s: not s.is_gripped, config.sight_time)
-        return (yield from self._moves.rise(seen, config.clearance))
+        return "", (yield from self._moves.rise(seen, config.clearance))
+
+    def _missed(self, seen: FillObservation) -> str:
+        """How far the held object is from where it may be put aside; empty if it is there."""
+        item, config = self._scene.new_object, self._config
+        centre = self._cell.hand_over.pose_of(item).p
+        aside = float(np.linalg.norm((seen.scene.objects[item.name].X_WO.p - centre)[:2]))
+        if aside > config.aside_reach:
+            return f"the arm could not carry it on, {1e3 * aside:.0f} mm from the hand-over place"
+        height = _height(seen, item)
+        if height > config.release_height:
+            return f"at the hand-over place its lower end stays {1e3 * height:.0f} mm over the table"
+        return ""
 
     def _upright(self, seen: FillObservation) -> tuple[Array, Pose]:
         """The cup's orientation q_WT at which the held object is upright, and where that is, X_WN.

@@ -94,7 +94,8 @@ class FillGoal:
         if command.request is not None:
             self._poll = self._begin(command.request)
         if self.job.is_done:
-            self.exit_reason, self.message = DONE, self.job.report.message
+            self.exit_reason = PackingExitReason.FAULT.value if self.job.fault else DONE
+            self.message = self.job.report.message
         return GoalTurn(command.setpoints)
 
     @property

@@ -72,9 +72,7 @@ class FaultBench:
         return FaultReport(case.name, case.node, case.fault, case.stage, **found)
 
     def _await_ready(self) -> None:
-        if not self._witness.spin_until(lambda: self._witness.are_ready(self._names), START_TIMEOUT):
-            late = [name for name in self._names if not self._witness.are_ready([name])]
-            raise PackError(f"not ready: {', '.join(late)}")
+        self._witness.await_ready(self._names, START_TIMEOUT)
         settled = time.monotonic() + 1.0  # all have then heard of each other
         self._witness.spin_until(lambda: time.monotonic() > settled, 2.0)
 

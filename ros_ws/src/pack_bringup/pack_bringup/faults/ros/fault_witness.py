@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Self
 
 import rclpy
@@ -94,9 +94,19 @@ class FaultWitness:
             self._executor.spin_once(timeout_sec=0.01)
         return True
 
-    def are_ready(self, names: list[str]) -> bool:
-        """Whether all these nodes have said that they are ready."""
-        return all(name in self.statuses and self.statuses[name].state == NodeStatus.READY for name in names)
+    def await_ready(self, names: Sequence[str], timeout: float) -> None:
+        """Listen until all these nodes have said that they are ready.
+
+        Raises:
+            PackError: some have not within `timeout` [s of wall clock]; it names them.
+        """
+
+        def late() -> list[str]:
+            ready = {name for name, status in self.statuses.items() if status.state == NodeStatus.READY}
+            return [name for name in names if name not in ready]
+
+        if not self.spin_until(lambda: not late(), timeout):
+            raise PackError(f"not ready after {timeout:.0f} s: {', '.join(late())}")
 
     def send(self, goal: CellGoal) -> None:
         """Put the cell into the goal's scene and send the goal.
