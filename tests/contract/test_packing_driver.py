@@ -26,7 +26,7 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state, to_setpoints
 from pack_core.ros.packing.marker_messages import from_markers
-from pack_core.ros.peer_watch import ALIVE_QOS, alive_topic
+from pack_core.ros.sign_of_life import ALIVE_QOS, alive_topic
 from pack_core.topics import CLOCK_RATE
 
 TURN = 0.06
@@ -112,11 +112,13 @@ def test_the_wrench_is_less_the_payloads_weight(rig: DriverRig) -> None:
 
 def test_it_says_that_it_is_alive(rig: DriverRig) -> None:
     alive: list[int] = []
+    messages: list[Empty] = []
     callbacks = SubscriptionEventCallbacks(liveliness=lambda event: alive.append(event.alive_count))
     rig.graph.probe.create_subscription(
-        Empty, alive_topic(rig.name), lambda _: None, ALIVE_QOS, event_callbacks=callbacks
+        Empty, alive_topic(rig.name), messages.append, ALIVE_QOS, event_callbacks=callbacks
     )
     rig.graph.wait_until(lambda: alive and alive[-1] == 1)
+    rig.graph.wait_until(lambda: messages)
 
 
 def test_it_reports_its_health_about_once_a_second(rig: DriverRig) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import time
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 FILE, LOG, SUMMARY, PLOT = "goals.jsonl", "nodes.log", "soak.json", "soak.png"
+RECORDING = "recording"
 START_TIMEOUT, GOAL_TIMEOUT = 180.0, 1200.0
 """For the nodes to come up, and for a goal to end [s of wall clock]."""
 
@@ -40,7 +43,7 @@ def soak(
 
     The nodes run as `pack up` starts them; scenes, orders and problems come from seeds. After each goal the
     memory, threads and descriptors of every node and the machine's shared memory segments are noted. The
-    report says how every goal ended, and what grew an hour after the first ten minutes.
+    report says how every goal ended, and what grew an hour after the first ten minutes. Ctrl-C ends it early.
 
     - `pack soak packing --hours 1`
     """
@@ -53,13 +56,19 @@ def soak(
     from pack_lockstep.benchmarking.trial_file import TrialFile
 
     folder = output or bags_path() / "benchmarks" / f"soak_{check_cell(cell)}"
-    make_output_folder(folder, taken_by=() if fresh else (FILE,))
-    (folder / FILE).unlink(missing_ok=True)
+    if fresh:
+        shutil.rmtree(folder / RECORDING, ignore_errors=True)
+        for name in (FILE, LOG, SUMMARY, PLOT):
+            (folder / name).unlink(missing_ok=True)
+    make_output_folder(folder, taken_by=(FILE, RECORDING))
     settings = {"soak": hours, "seed": seed, "real_time_factor": real_time_factor}
     goals = TrialFile(folder / FILE, cell, settings, provenance(command_line()))
     sim = {} if real_time_factor is None else {"real_time_factor": str(real_time_factor)}
-    _run(cell, hours, seed, sim, folder, goals)
+    with suppress(KeyboardInterrupt):  # what was measured until then is reported
+        _run(cell, hours, seed, sim, folder, goals)
     samples = list(goals.trials.values())
+    if not samples:
+        raise typer.Abort
     found = soak_summary(samples)
     show_table(GROWTH_COLUMNS, growth_table(samples), title=f"{found['succeeded']} of {found['goals']} goals")
     plot(samples, folder / PLOT)
@@ -78,7 +87,7 @@ def _run(cell: str, hours: float, seed: int, sim: dict[str, str], folder: Path, 
     from pack_core.errors import PackError
 
     graph, domain = load_graph(cell), choose_domain(os.environ)
-    recorder = {"path": f'"{(folder / "recording").resolve()}"', "record": "goals"}
+    recorder = {"path": f'"{(folder / RECORDING).resolve()}"', "record": "goals"}
     with (folder / LOG).open("a") as log:
         commands = graph.commands({"recorder": recorder, "sim": sim})
         group = ProcessGroup(commands, environment={"ROS_DOMAIN_ID": str(domain)}, output=log)

@@ -13,7 +13,7 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_sender import GoalSender
 from pack_core.ros.node_status import LISTENING
-from pack_core.ros.peer_watch import alive_topic
+from pack_core.ros.sign_of_life import alive_topic
 
 
 class GoalClient(CellNode):

@@ -11,7 +11,6 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.exceptions import InvalidHandle
-from std_msgs.msg import Empty
 
 from pack_core.errors import ConfigError
 from pack_core.ros.clocked_node import ClockedNode
@@ -19,7 +18,8 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.local_nodes import check_name_is_free
 from pack_core.ros.node_status import StatusTeller
 from pack_core.ros.params import unknown_parameters
-from pack_core.ros.peer_watch import ALIVE_QOS, PeerWatch, alive_topic
+from pack_core.ros.peer_watch import PeerWatch
+from pack_core.ros.sign_of_life import SignOfLife
 from pack_core.ros.silence_log import SilenceLog
 from pack_core.ros.watch_socket import WatchSocket
 
@@ -95,8 +95,8 @@ class CellNode(ClockedNode):
         if said := unknown_parameters(self):
             raise ConfigError(f"node '{self.get_name()}' has no parameter {', and none '.join(said)}")
         self._watch_socket = WatchSocket(self.context.get_domain_id(), self.get_name())
-        self._alive = self.create_publisher(Empty, alive_topic(self.get_name()), ALIVE_QOS)
-        self._heart = threading.Thread(target=self._beat, name="alive", daemon=True)
+        sign = SignOfLife(self, self.get_name())
+        self._heart = threading.Thread(target=self._beat, args=(sign,), name="alive", daemon=True)
         self._heart.start()
         for watch in self._watches:
             watch.begin()
@@ -111,11 +111,11 @@ class CellNode(ClockedNode):
         self._silences.write(self._watches, time.monotonic())
         self.report()
 
-    def _beat(self) -> None:
+    def _beat(self, sign: SignOfLife) -> None:
         # A thread, because a timer would wait for callbacks that compute for longer than the lease.
         with suppress(InvalidHandle, RuntimeError):  # the context may end first
             while not self._ended.wait(ASSERTION_PERIOD) and self.context.ok():
-                self._alive.assert_liveliness()
+                sign.give()
 
     def watch(self, peers: Iterable[str], on_change: Callable[[str, bool], None] | None = None) -> None:
         """Report peers that die; `on_change(peer, is_alive)` is called when one dies or comes (back)."""

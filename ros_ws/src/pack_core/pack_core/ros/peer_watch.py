@@ -1,34 +1,26 @@
 """Watch over another node, in two ways.
 
-Every node asserts that it is alive; the middleware reports when it has not done so for the length of a lease
-(DDS liveliness, MANUAL_BY_TOPIC), also from another machine and also when the process hangs. A connection to
-the process (`watch_connection`) tells the end of one on this machine at once.
+Every node gives signs of life; the middleware reports when it has not done so for the length of a lease,
+also from another machine and also when the process hangs. A connection to the process (`watch_connection`)
+tells the end of one on this machine at once.
 """
 
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
-from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Empty
 
+from pack_core.ros.sign_of_life import ALIVE_QOS, alive_topic
 from pack_core.ros.watch_connection import WatchConnection
 
-LEASE = Duration(seconds=0.5)
-"""A node counts as dead when it has not been heard of for this long, in wall clock."""
 CONNECT_PERIOD = 0.1
 """How often a connection to a peer without one is tried [s of wall clock]."""
-ALIVE_QOS = QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE)
-
-
-def alive_topic(name: str) -> str:
-    """Where a node asserts that it is alive."""
-    return f"/alive/{name}"
 
 
 class PeerWatch:
@@ -56,13 +48,14 @@ class PeerWatch:
         self.peer = peer
         self._node, self._on_change, self._on_end = node, on_change, on_end
         self._is_alive: bool | None = None
+        self._silent_since_ns = 0
         self._lock = threading.Lock()
         self._connection: WatchConnection | None = None
         self._ended = threading.Event()
         # A thread of its own: a timer that looks every 0.1 s costs the executor 0.4 % of a core for a peer.
         self._thread = threading.Thread(target=self._keep_connected, name=f"watch over {peer}", daemon=True)
         node.create_subscription(
-            Empty, alive_topic(peer), lambda _: None, ALIVE_QOS,
+            Empty, alive_topic(peer), self._on_message, ALIVE_QOS,
             event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_liveliness),
         )  # fmt: skip
 
@@ -93,6 +86,14 @@ class PeerWatch:
     def _on_liveliness(self, event: Any) -> None:
         self._change(event.alive_count > 0)
 
+    def _on_message(self, _: Empty, info: dict[str, Any]) -> None:
+        """Hear a silent peer again where no event says so: after a silence Fast DDS leaves some out.
+
+        What was sent before the silence was noticed may still be waiting to be read, and tells nothing.
+        """
+        if info["source_timestamp"] > self._silent_since_ns:
+            self._change(True)
+
     def _keep_connected(self) -> None:
         """Connect to the peer as soon as it has come, or come back, and tell when it has ended."""
         domain = self._node.context.get_domain_id()
@@ -116,6 +117,8 @@ class PeerWatch:
             if self._is_alive is None and not is_alive:
                 return  # it is being started: only who was heard can fall silent
             self._is_alive = is_alive
+            if not is_alive:
+                self._silent_since_ns = time.time_ns()
             try:
                 self._on_change(self.peer, is_alive)
             except Exception:

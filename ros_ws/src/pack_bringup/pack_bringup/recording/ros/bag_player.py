@@ -13,7 +13,6 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Empty
 
 from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.playback import Playback
@@ -21,7 +20,7 @@ from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_stamp
-from pack_core.ros.peer_watch import ALIVE_QOS, alive_topic
+from pack_core.ros.sign_of_life import SignOfLife
 from pack_core.ros.watch_socket import WatchSocket
 from pack_evaluation.raw_bag import RawMessage, Topic
 
@@ -59,8 +58,7 @@ class BagPlayer:
         self._clock = (
             self._node.create_publisher(Clock, shared.CLOCK.name, shared.CLOCK.qos) if clock else None
         )
-        self._alive = [self._node.create_publisher(Empty, alive_topic(name), ALIVE_QOS) for name in stand_in]
-        self._asserted = 0.0
+        self._signs, self._given = [SignOfLife(self._node, name) for name in stand_in], 0.0
         self._watch_sockets = [WatchSocket(self._context.get_domain_id(), name) for name in stand_in]
 
     def __enter__(self) -> Self:
@@ -83,7 +81,7 @@ class BagPlayer:
         """Wait until somebody listens to every topic, at most `patience` [s]; those still unheard."""
         end = time.monotonic() + patience
         while self.unheard and time.monotonic() < end:
-            self._assert_alive()
+            self._give_signs()
             time.sleep(PATIENCE)
         return self.unheard
 
@@ -103,10 +101,10 @@ class BagPlayer:
         for event in self._playback.events(clock=self._clock is not None):
             time_ns = event if isinstance(event, int) else event.time_ns
             due = begin + stamps.to_seconds(time_ns - self._playback.start_ns) / rate
-            self._assert_alive()
+            self._give_signs()
             while (early := due - time.monotonic()) > 0.0:
                 time.sleep(min(early, PATIENCE))
-                self._assert_alive()
+                self._give_signs()
                 on_progress(stamps.to_seconds(time_ns))
             count += self._publish(event)
         on_progress(stamps.to_seconds(self._playback.end_ns))
@@ -121,12 +119,12 @@ class BagPlayer:
         self._publishers[event.topic].publish(event.data)
         return True
 
-    def _assert_alive(self) -> None:
-        if (now := time.monotonic()) - self._asserted < PATIENCE:
+    def _give_signs(self) -> None:
+        if (now := time.monotonic()) - self._given < PATIENCE:
             return
-        self._asserted = now
-        for publisher in self._alive:
-            publisher.assert_liveliness()
+        self._given = now
+        for sign in self._signs:
+            sign.give()
 
 
 def _class_of(topic: Topic, playback: Playback) -> type[Any]:
