@@ -12,19 +12,23 @@ from pack_interfaces.msg import GripperState, JawState, NodeStatus
 from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import QoSProfile
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
 
 from pack_bringup.cell_goal import CellGoal
 from pack_bringup.faults.arm_record import ArmRecord
 from pack_bringup.faults.fault import GRASP
 from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import wiring_of
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.node_status import LISTENING
+from pack_core.ros.stream import Stream
 
-QUEUE = QoSProfile(depth=10_000)
+JOINTS = "/joint_states"
+QUEUE = 10_000
 """Joint states that may wait while the witness does something else: a gap would shift what is measured."""
 
 
@@ -54,6 +58,7 @@ class FaultWitness:
         self.statuses: dict[str, NodeStatus] = {}
         self.diagnosed: list[tuple[float, str, str]] = []
         self._handle: Any = None
+        self._clients: dict[str, Any] = {}
 
     @property
     def stage(self) -> str:
@@ -68,7 +73,6 @@ class FaultWitness:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         hear = {
-            "/joint_states": (self._on_joints, QUEUE),
             "/gripper/state": (self._on_gripper, None),
             shared.DIAGNOSTICS.name: (self._on_diagnostics, None),
             shared.NODE_STATUS.name: (self._on_status, LISTENING),
@@ -78,6 +82,8 @@ class FaultWitness:
             if contract.name in hear:
                 callback, qos = hear[contract.name]
                 self.node.create_subscription(contract.type, contract.name, callback, qos or contract.qos)
+            elif contract.name == JOINTS:
+                self._joints = Stream(self.node, contract, depth=QUEUE)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -92,6 +98,8 @@ class FaultWitness:
             if time.monotonic() > deadline:
                 return False
             self._executor.spin_once(timeout_sec=0.01)
+            for sent_ns, message in self._joints.take_with_times():
+                self._on_joints(message, sent_ns)
         return True
 
     def await_ready(self, names: Sequence[str], timeout: float) -> None:
@@ -115,16 +123,15 @@ class FaultWitness:
             PackError: the cell does not answer, or refuses.
         """
         contract, request = goal.reset()
-        client = self.node.create_client(contract.type, contract.name)
+        client = self._client(Node.create_client, contract)
         if not self.spin_until(client.service_is_ready, 20.0):
             raise PackError(f"no service {contract.name}")
         answer = client.call_async(request)
         if not self.spin_until(answer.done, 20.0) or not answer.result().success:
             raise PackError(f"{contract.name} failed: {answer.result() and answer.result().message}")
-        self.node.destroy_client(client)
         action, message = goal.goal()
         self.result, self._phase = None, ""
-        actions = ActionClient(self.node, action.type, action.name)
+        actions = self._client(ActionClient, action)
         if not self.spin_until(actions.server_is_ready, 20.0):
             raise PackError(f"no action {action.name}")
         sent = actions.send_goal_async(message, feedback_callback=self._on_feedback)
@@ -132,6 +139,12 @@ class FaultWitness:
             raise PackError("the goal was not answered")
         self._handle = sent.result()
         self._handle.get_result_async().add_done_callback(self._on_result)
+
+    def _client(self, make: Callable[..., Any], contract: Contract) -> Any:
+        """The client of a service or an action. It is made once: all nodes remember every one that came."""
+        if contract.name not in self._clients:
+            self._clients[contract.name] = make(self.node, contract.type, contract.name)
+        return self._clients[contract.name]
 
     def cancel(self) -> None:
         """Have the goal in progress end."""
@@ -146,9 +159,8 @@ class FaultWitness:
         """When [s of wall clock after `since`] and by whom a node was called silent."""
         return [(at - since, by) for at, by, text in self.diagnosed if at >= since and f"'{name}'" in text]
 
-    def _on_joints(self, message: Any, info: dict[str, int]) -> None:
-        speed = max(abs(v) for v in message.velocity)
-        self.arm.add(from_stamp(message.header.stamp), info["source_timestamp"], speed)
+    def _on_joints(self, message: JointState, sent_ns: int) -> None:
+        self.arm.add(from_stamp(message.header.stamp), sent_ns, max(abs(v) for v in message.velocity))
 
     def _on_gripper(self, message: GripperState | JawState) -> None:
         if isinstance(message, JawState):
