@@ -34,6 +34,8 @@ FRESH = 0.05
 """Age of the newest joint state above which nothing is said of the arm's speed now [s of wall clock]."""
 WATCHED = 3.0
 """For which the arm is watched after a fault [s simulated]: in every cell it has then stopped or goes on."""
+STOPPED = 0.7
+"""After a fault, when it is noted what is held [s simulated]: the arm stands; a goal may let go later."""
 GOAL_TIMEOUT = 10.0
 """A goal that has not ended so long after a fault goes on [s of wall clock]."""
 BEFORE = 0.5
@@ -134,23 +136,23 @@ class FaultBench:
             is_lost: whether the node that would tell the result has ended.
         """
         witness, fault_time = self._witness, self._witness.arm.simulated(struck_ns)
-        ended = math.nan
+        ended, is_held = math.nan, witness.holds
 
         def is_over() -> bool:
-            nonlocal ended
+            nonlocal ended, is_held
             now = time.monotonic() - struck
-            if witness.result is not None and math.isnan(ended):
-                ended = now
+            if witness.arm.time <= fault_time + STOPPED:
+                is_held = witness.holds
+            ended = now if witness.result is not None and math.isnan(ended) else ended
             is_watched = witness.arm.time > fault_time + WATCHED or now > 4.0 * WATCHED
-            has_ended = is_lost or not math.isnan(ended) or now > GOAL_TIMEOUT
-            return now > least and is_watched and has_ended
+            return now > least and is_watched and (is_lost or not math.isnan(ended) or now > GOAL_TIMEOUT)
 
         witness.spin_until(is_over, FREEZE_TIME + 30.0)
         goal = "lost with its node" if is_lost else ""
         if not math.isnan(ended):
             reason = getattr(witness.result, "exit_reason", "")
             goal = ": ".join(filter(None, (reason, witness.result.message))) or "success"
-        return {"is_held": witness.holds, "goal": goal, "goal_after": ended}
+        return {"is_held": is_held, "goal": goal, "goal_after": ended}
 
     def _try_next(self, case: FaultCase) -> bool:
         """Whether the next goal is taken and moves the arm, once the victim runs again."""
