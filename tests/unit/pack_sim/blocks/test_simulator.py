@@ -55,6 +55,16 @@ def test_a_bad_reference_is_refused(simulator: BlocksSimulator) -> None:
         simulator.accept(JointReference(0.0, np.zeros(1), rows, rows, rows))
 
 
+def test_references_that_were_on_their_way_at_a_reset_are_refused() -> None:
+    renewed = BlocksSimulator(CELL, TAGS, STARTS, time=52.0)
+    rest = np.zeros((1, 6))
+    before = np.array([CELL.robot.look]) + 0.5
+    with pytest.raises(MessageError, match="from where the arm was held"):
+        renewed.accept(JointReference(52.0, np.zeros(1), before, rest, rest))
+    run(renewed, 0.2)
+    assert renewed.joints().q == pytest.approx(np.array(CELL.robot.look), abs=1e-4)
+
+
 @pytest.mark.parametrize(
     "command", [FingerCommand(0.09, 60), FingerCommand(-0.01, 60), FingerCommand(0.05, 500)]
 )

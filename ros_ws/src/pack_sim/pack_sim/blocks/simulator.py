@@ -20,6 +20,7 @@ from pack_core.robots.ur10e import JOINTS, LIMITS
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
 from pack_sim.blocks.gripper_fingers import GripperFingers
+from pack_sim.gentle_stop import Desired
 from pack_sim.joint_servo import JointServo
 from pack_sim.reference_follower import ReferenceFollower
 
@@ -67,6 +68,7 @@ class BlocksSimulator:
         self._servo = JointServo(arm_model(cell), LIMITS, cell.servo, timestep)
         self.fingers = GripperFingers(self.model, cell.gripper.speed, cell.gripper.force, START_OPENING)
         self._put(starts)
+        self._desired()  # from here on the arm is held: references from before a reset are refused
 
     @property
     def time(self) -> float:
@@ -81,7 +83,7 @@ class BlocksSimulator:
         """Advance by one time step."""
         data = self.data
         q, v = data.qpos[self._q], data.qvel[self._v]
-        data.ctrl[self._motors] = self._servo.torque(q, v, self.follower.at(self.time, q))
+        data.ctrl[self._motors] = self._servo.torque(q, v, self._desired())
         self.fingers.update(data)
         mujoco.mj_step(self.model, data)
 
@@ -119,6 +121,9 @@ class BlocksSimulator:
         state = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, state, STATE)
         return state
+
+    def _desired(self) -> Desired:
+        return self.follower.at(self.time, self.data.qpos[self._q])
 
     def _put(self, starts: Mapping[str, PlanarPose]) -> None:
         half = self.cell.block.half
