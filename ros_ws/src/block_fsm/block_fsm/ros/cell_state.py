@@ -41,7 +41,7 @@ class CellState:
         self.motion: MotionStatus | None = None
         self.fingers: FingerState | None = None
         self.finger_commands = 0
-        self.sighting: BlockSighting | None = None
+        self._sighting: BlockSighting | None = None
         node.listen(contracts.BLOCK_POSES, self._on_sighting)
         self._statuses, self._jaws = Stream(node, motion.MOTION_STATUS), Stream(node, contracts.JAW_STATE)
         self._reader = StreamReader(node, (self._statuses,), self._read, READ_PERIOD)
@@ -54,6 +54,12 @@ class CellState:
     def time(self) -> float:
         """On the clock [s]; the status of the motion is ahead of it, as setpoints are, and tells no time."""
         return from_stamp(self._node.get_clock().now().to_msg())
+
+    @property
+    def sighting(self) -> BlockSighting | None:
+        """The newest; none while its time is ahead, for the simulator has begun anew since."""
+        sighting = self._sighting
+        return sighting if sighting is not None and sighting.time <= self.time else None
 
     def _read(self) -> None:
         for jaws in self._jaws.take_all():
@@ -69,4 +75,4 @@ class CellState:
         self.fingers, self.finger_commands = from_finger_state(message), message.command
 
     def _on_sighting(self, message: BlockSightingMsg) -> None:
-        self.sighting = from_sighting(message)
+        self._sighting = from_sighting(message)

@@ -60,8 +60,10 @@ class Observer:
         """
         if self._motion is None or self._grip is None:
             return None
-        time = from_stamp(self._node.get_clock().now().to_msg())
-        return PalletObservation(time, self._motion, self._grip, self.spawned, self._detection)
+        detection, time = self._detection, from_stamp(self._node.get_clock().now().to_msg())
+        if detection is not None and detection.time > time:
+            detection = None  # the simulator has begun anew since
+        return PalletObservation(time, self._motion, self._grip, self.spawned, detection)
 
     def _read(self) -> None:
         for grip in self._grips.take_all():
