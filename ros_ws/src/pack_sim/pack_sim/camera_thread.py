@@ -54,8 +54,8 @@ class CameraThread(Generic[Snapshot]):
         self._is_open = threading.Event()
         self._drawn: Queue[tuple[float, Picture] | None] = Queue()
         self._threads = (
-            threading.Thread(target=self._draw, name="camera"),
-            threading.Thread(target=self._hand_out, name="pictures"),
+            threading.Thread(target=self._draw, name="camera", daemon=True),
+            threading.Thread(target=self._hand_out, name="pictures", daemon=True),
         )
         for thread in self._threads:
             thread.start()

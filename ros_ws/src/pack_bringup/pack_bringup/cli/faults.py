@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pack_bringup.cli.benchmark_options import Fresh, JsonFile, Output
+from pack_bringup.cli.interrupts import end_as_by_ctrl_c
 from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.faults.fault import FAULT_COLUMNS, Fault, fault_cases, fault_row
 
@@ -79,9 +80,12 @@ def running_bench(cell: str, seed: int, folder: Path) -> Iterator[FaultBench]:
     from pack_bringup.graph.domains import choose_domain
     from pack_bringup.graph.graph import load_graph
     from pack_bringup.graph.processes import ProcessGroup
+    from pack_bringup.graph.running import check_domain_is_free
     from pack_core.cells import cell_part
 
+    end_as_by_ctrl_c()  # of a process that stands still nothing else would remain
     graph, domain = load_graph(cell), choose_domain(os.environ)
+    check_domain_is_free(domain, cell, [node.name for node in graph.nodes])
     goal = cell_part(cell, "seeded_goal")(seed)
     recordings = folder / f"recordings_{os.getpid()}"
     with (folder / LOG).open("a") as log:

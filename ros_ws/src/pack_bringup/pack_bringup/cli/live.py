@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from types import TracebackType
-from typing import Any, NoReturn, Self
+from typing import NoReturn, Self
 
 import typer
 from rich.console import Console
@@ -14,6 +13,7 @@ from rich.text import Text
 
 from pack_bringup.cell_goal import Progress
 from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
+from pack_bringup.cli.interrupts import end_as_by_ctrl_c
 from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.cli.terminal import notice
 from pack_bringup.demo import LOG, Job, run_demo
@@ -43,7 +43,7 @@ def run_live(
         PackError: the folder cannot take the run, a node did not come up or died, or the goal was refused.
     """
     make_output_folder(job.folder, taken_by=(BAG_FOLDER, RECORD, LOG))
-    signal.signal(signal.SIGTERM, _as_ctrl_c)
+    end_as_by_ctrl_c()
     if page:
         typer.echo(page.announcement)
     try:
@@ -97,7 +97,3 @@ class LiveLine:
         elif progress.stage != self._stage:
             self._console.print(progress.line, soft_wrap=True)
         self._stage = progress.stage
-
-
-def _as_ctrl_c(*_: Any) -> None:
-    raise KeyboardInterrupt

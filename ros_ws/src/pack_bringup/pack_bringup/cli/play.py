@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import signal
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.progress import BarColumn, Progress, TextColumn
 
+from pack_bringup.cli.interrupts import end_as_by_ctrl_c
 from pack_bringup.cli.network_option import Network, environment_of
 from pack_bringup.cli.page_options import PORT, Port
 
@@ -73,7 +73,7 @@ def play(
     chosen = topics if node is None else [*(topics or []), *heard_by(node, wiring)]
     playback = load_playback(bag, chosen, start=start, end=end)
     senders = sorted({s for c in wiring if c.name in playback.topics for s in c.sources} - {node, "all"})
-    signal.signal(signal.SIGTERM, _as_ctrl_c)
+    end_as_by_ctrl_c()
     with BagPlayer(playback, clock=clock, stand_in=senders, domain=domain) as player:
         if unheard := player.wait_for_listeners(wait):
             typer.echo(f"nobody listens to {', '.join(unheard)}")
@@ -95,7 +95,7 @@ def show_recording(bag: Path, port: int, rate: float, start: float) -> None:
     from pack_viewer.bag_page import BagPage
     from pack_viewer.web_server import LOOPBACK, open_server
 
-    signal.signal(signal.SIGTERM, _as_ctrl_c)
+    end_as_by_ctrl_c()
     server = open_server(port, f"PackCell · {cell_of(bag)}")
     try:
         page = BagPage(server, bag, rate=rate, start=start)
@@ -130,7 +130,3 @@ def _play(player: BagPlayer, playback: Playback, rate: float) -> int:
         first = stamps.to_seconds(playback.start_ns)
         task = bar.add_task("playing", total=playback.duration, time=first)
         return int(player.play(rate, lambda t: bar.update(task, completed=t - first, time=t)))
-
-
-def _as_ctrl_c(*_: Any) -> None:
-    raise KeyboardInterrupt

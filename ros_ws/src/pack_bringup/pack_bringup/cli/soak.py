@@ -14,6 +14,7 @@ import typer
 
 from pack_bringup.cli.benchmark_options import Fresh, JsonFile, Output
 from pack_bringup.cli.demo_options import RealTimeFactor
+from pack_bringup.cli.interrupts import end_as_by_ctrl_c
 from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.soak.soak_report import GROWTH_COLUMNS, HOUR, growth_table, plot
 from pack_bringup.soak.soak_report import summary as soak_summary
@@ -83,10 +84,13 @@ def _run(cell: str, hours: float, seed: int, sim: dict[str, str], folder: Path, 
     from pack_bringup.graph.domains import choose_domain
     from pack_bringup.graph.graph import load_graph
     from pack_bringup.graph.processes import ProcessGroup
+    from pack_bringup.graph.running import check_domain_is_free
     from pack_core.cells import cell_part
     from pack_core.errors import PackError
 
+    end_as_by_ctrl_c()
     graph, domain = load_graph(cell), choose_domain(os.environ)
+    check_domain_is_free(domain, cell, [node.name for node in graph.nodes])
     recorder = {"path": f'"{(folder / RECORDING).resolve()}"', "record": "goals"}
     with (folder / LOG).open("a") as log:
         commands = graph.commands({"recorder": recorder, "sim": sim})

@@ -14,6 +14,7 @@ import typer
 from pack_bringup.bring_up import wait_until_ready
 from pack_bringup.cli.domain_option import Domain, domain_of, domain_words
 from pack_bringup.cli.foxglove_option import FOXGLOVE_ADDRESS, Foxglove, foxglove_command
+from pack_bringup.cli.interrupts import end_as_by_ctrl_c
 from pack_bringup.cli.network_option import Network, environment_of
 from pack_bringup.cli.page_options import HOST, PORT, Host, Live, Port, Token, page_process
 from pack_bringup.cli.terminal import notice
@@ -103,8 +104,7 @@ def up(
     if foxglove:
         commands |= foxglove_command(cell)
         typer.echo(f"Foxglove: open the connection {FOXGLOVE_ADDRESS}, read only")
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _as_ctrl_c)
+    end_as_by_ctrl_c(signal.SIGINT, signal.SIGTERM)
     next_step = f"ready: `pack goal {cell}{domain_words(domain)}` sends a goal, Ctrl-C ends the cell"
     died = _run(commands, environment, names, _log_file(cell), next_step, with_restarts=restart)
     if died:
@@ -151,7 +151,3 @@ def _log_file(cell: str) -> Path:
     folder = bags_path() / "logs"
     folder.mkdir(parents=True, exist_ok=True)
     return folder / f"{cell}_{datetime.now():%Y%m%d_%H%M%S}.log"
-
-
-def _as_ctrl_c(*_: Any) -> None:
-    raise KeyboardInterrupt

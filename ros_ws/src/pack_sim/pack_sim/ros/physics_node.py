@@ -124,7 +124,7 @@ class PhysicsNode(CellNode):
         for contract, serve in services:
             self.create_service(contract.type, contract.name, serve, callback_group=group)
         self._pacer = Pacer(factor)
-        self._thread = threading.Thread(target=self._run, name="physics")
+        self._thread = threading.Thread(target=self._run, name="physics", daemon=True)
         self._thread.start()
 
     def change_pace(self, config: Pacing) -> None:
