@@ -96,15 +96,21 @@ class PendingMove(PendingRequest):
     ) -> None:
         super().__init__(start)
         self._number, self._timeout = number, timeout
+        self._is_accepted = False
         publisher.publish(to_target(request.target(number), start))
 
     def poll(self, state: CellState) -> Answer | None:
-        """A controller that takes too long is stuck."""
+        """A move is stuck that takes too long, or was interrupted and does not find on."""
         motion = state.motion
         if motion is None:
             return None
-        if motion.id == self._number and motion.state in ENDED:
-            return motion
+        if motion.id == self._number:
+            if motion.state is MotionState.REFUSED and self._is_accepted:
+                reason = f"interrupted, and no way on: {motion.reason}"
+                return replace(motion, state=MotionState.STUCK, reason=reason)
+            if motion.state in ENDED:
+                return motion
+            self._is_accepted = True
         late = state.time > self._start + self._timeout
         return _overdue(motion, self._timeout) if late else None
 
