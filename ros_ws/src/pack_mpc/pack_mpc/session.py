@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import NEXT_GOAL, Changeable, Config
+from pack_core.errors import MessageError
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.exit_reason import PackingExitReason
@@ -19,6 +20,7 @@ from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, ControlPlan, PackingController
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.look import LookMachine, unseen_of, with_parked
+from pack_mpc.stages import StageMachine
 from pack_mpc.task import PackingTask
 from pack_mpc.task_config import TaskConfig
 from pack_mpc.weight_factors import WeightFactors
@@ -110,13 +112,21 @@ class PackingSession:
 
         Returns:
             The plan; None once the goal has ended.
+
+        Raises:
+            MessageError: the scene lacks the held object, or objects that it had, as when perception has
+                begun anew.
         """
-        task, time = self.task, seen.joints.time
-        X_WN = seen.scene.objects[self.scene.new_object.name].X_WO
+        task, time, objects = self.task, seen.joints.time, seen.scene.objects
+        held, unseen = self.scene.new_object.name, unseen_of(self.scene, seen.scene)
+        lost = unseen if isinstance(task.machine, StageMachine) else ()
+        if held not in objects or lost:
+            raise MessageError(f"the newest scene lacks {', '.join(lost or (held,))}")
+        X_WN = objects[held].X_WO
         task.note_forces(time, seen.forces)
         if not seen.is_held:
             task.finish(PackingExitReason.DETACHED, time, "the pump lost the object")
-        if task.update(time, X_WN, unseen_of(self.scene, seen.scene)):
+        if task.update(time, X_WN, unseen):
             self.controller.change_cost()
         machine = task.machine
         if task.outcome is not None or machine is None:
