@@ -53,6 +53,7 @@ class CameraThread(Generic[Snapshot]):
         self._is_busy = self._is_ended = False
         self._is_open = threading.Event()
         self._drawn: Queue[tuple[float, Picture] | None] = Queue()
+        # Daemons: of a node that is told to end while it is being built, nobody closes the camera.
         self._threads = (
             threading.Thread(target=self._draw, name="camera", daemon=True),
             threading.Thread(target=self._hand_out, name="pictures", daemon=True),
