@@ -123,7 +123,7 @@ class PhysicsNode(CellNode):
         group = ReentrantCallbackGroup()
         for contract, serve in services:
             self.create_service(contract.type, contract.name, serve, callback_group=group)
-        self._pacer = Pacer(factor)
+        self._pacer, self._reported = Pacer(factor), time.monotonic()
         self._thread = threading.Thread(target=self._run, name="physics", daemon=True)
         self._thread.start()
 
@@ -145,27 +145,30 @@ class PhysicsNode(CellNode):
         super().destroy_node()
 
     def _run(self) -> None:
-        pacer, reported = self._pacer, time.monotonic()
         while not self._stopped.is_set():
             try:
-                with self.lock:
-                    # Looked at under the lock, so that no tick follows the answer that time stands.
-                    simulated = None if self._pause.is_paused else self._tick()
+                self._turn()
             except Exception as error:  # time stands, said on /diagnostics, until a reset mends the cell
                 self.fail("physics", error)
                 self._stopped.wait(FAILED_PAUSE)
-                continue
-            self.failures.passed("physics")
-            if simulated is None:
-                self._pause.wait()
-                pacer.skip()
-                reported = time.monotonic()
-                continue
-            delay = pacer.delay(simulated)
-            self._stopped.wait(delay) if delay > 0 else time.sleep(0)
-            if time.monotonic() - reported > REPORT_PERIOD:
-                reported = time.monotonic()
-                self._factor.publish(Float64(data=pacer.achieved()))
+            else:
+                self.failures.passed("physics")
+
+    def _turn(self) -> None:
+        """Advance by a tick and wait until the next one is due, or as long as time stands."""
+        with self.lock:
+            # Looked at under the lock, so that no tick follows the answer that time stands.
+            simulated = None if self._pause.is_paused else self._tick()
+        if simulated is None:
+            self._pause.wait()
+            self._pacer.skip()
+            self._reported = time.monotonic()
+            return
+        delay = self._pacer.delay(simulated)
+        self._stopped.wait(delay) if delay > 0 else time.sleep(0)
+        if time.monotonic() - self._reported > REPORT_PERIOD:
+            self._reported = time.monotonic()
+            self._factor.publish(Float64(data=self._pacer.achieved()))
 
     def _tick(self) -> float:
         simulated = self.advance()
