@@ -11,12 +11,13 @@ from pack_mpc.worker import Worker, WorkerConfig
 class Recorder:
     """A step that notes its latencies and errors, and can be waited for."""
 
-    def __init__(self, outcomes: list[float | Exception | None]) -> None:
+    def __init__(self, outcomes: list[float | Exception | None], waiting_period: float = 0.0) -> None:
         self.latencies: list[float] = []
         self.errors: list[Exception] = []
         self.done = threading.Event()
         self._outcomes = iter(outcomes)
-        self.worker = Worker(self.step, WorkerConfig(latency=0.05, latency_gain=0.5), self.errors.append)
+        config = WorkerConfig(latency=0.05, latency_gain=0.5, waiting_period=waiting_period)
+        self.worker = Worker(self.step, config, self.errors.append)
 
     def step(self, latency: float) -> float | None:
         self.latencies.append(latency)
@@ -66,3 +67,19 @@ def test_a_worker_that_is_not_woken_does_nothing() -> None:
     recorder = Recorder([0.03])
     recorder.worker.stop()
     assert recorder.latencies == []
+
+
+def test_a_worker_that_waits_for_a_placement_leaves_the_processor_to_the_planner() -> None:
+    recorder = Recorder([0.03, None], waiting_period=1000.0)
+    recorder.worker.is_waiting = True
+    recorder.worker.wake()
+    assert not recorder.done.wait(0.3), "the second iteration did not wait for its period"
+    recorder.worker.stop()  # returns at once, though the period is not over
+    assert len(recorder.latencies) == 1
+
+
+def test_a_worker_that_waits_for_nothing_plans_as_fast_as_it_can() -> None:
+    recorder = Recorder([0.03, 0.03, None], waiting_period=1000.0)
+    recorder.worker.wake()
+    assert recorder.done.wait(30.0)
+    recorder.worker.stop()

@@ -121,6 +121,7 @@ class MpcNode(GoalNode):
         if self.is_cancel_requested:
             goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
         turn = goal.turn(seen, self._mailbox.force, latency)
+        self._worker.is_waiting = self._placements.is_pending
         if isinstance(goal, FillGoal):
             self._fills.tell(goal, seen.joints.time)
         if goal.is_ended:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
-from pydantic import Field, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 
@@ -22,6 +23,11 @@ class WorkerConfig(Config):
     latency_max: PositiveFloat = Field(
         default=0.12, description="longest time over which a state is predicted [s]"
     )
+    waiting_period: NonNegativeFloat = Field(
+        default=0.1,
+        description="least time from one iteration to the next while a placement is being planned, which "
+        "needs the processor more [s of wall clock]",
+    )
 
 
 class Worker:
@@ -29,14 +35,19 @@ class Worker:
 
     Args:
         step: one iteration.
-        config: how the latency is estimated.
+        config: how the latency is estimated, and how often an iteration may begin.
         on_error: called with what an iteration raised; the worker goes on.
+
+    Attributes:
+        latency: estimate of the time from a measurement until the plan from it is sent [s].
+        is_waiting: whether what the plans lead to is itself still being planned; iterations are fewer then.
     """
 
     def __init__(self, step: Step, config: WorkerConfig, on_error: Callable[[Exception], None]) -> None:
         self._step, self._config, self._on_error = step, config, on_error
         self._wake, self._stopped = threading.Event(), threading.Event()
         self.latency = config.latency
+        self.is_waiting = False
         self._thread = threading.Thread(target=self._run, name="mpc worker", daemon=True)
         self._thread.start()
 
@@ -56,6 +67,7 @@ class Worker:
             self._wake.clear()
             if self._stopped.is_set():
                 return
+            began = time.monotonic()
             try:
                 observed = self._step(self.latency)
             except Exception as error:
@@ -64,3 +76,9 @@ class Worker:
             if observed is not None:
                 g, bound = self._config.latency_gain, self._config.latency_max
                 self.latency = min((1 - g) * self.latency + g * max(observed, 0.0), bound)
+                self._rest(began)
+
+    def _rest(self, began: float) -> None:
+        """Leave the processor to the placement planner until the next iteration may begin."""
+        if self.is_waiting:
+            self._stopped.wait(max(0.0, began + self._config.waiting_period - time.monotonic()))

@@ -39,6 +39,11 @@ class PlacementClient:
         self._pending, self._seed = None, seed
         self._variant, self._near = variant, near
 
+    @property
+    def is_pending(self) -> bool:
+        """Whether the planner has been asked and has not answered yet."""
+        return self._pending is not None and not self._pending.done()
+
     def serve(self, session: PackingSession, seen: PackingObservation) -> None:
         """Hand over the answer if there is one, or send a request if a placement is needed."""
         if self._pending is not None:
