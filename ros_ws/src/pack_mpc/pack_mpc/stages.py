@@ -159,9 +159,13 @@ class StageMachine:
         return self._is_between_walls(p_WN) and height < self._config.insert_height
 
     def _is_outside(self) -> bool:
-        """Whether the lower end has come down beside the container, from where there is no way in."""
+        """Whether the lower end has come down beside the container, from where there is no way in.
+
+        It is that of the object as it is tilted, which may still be above the walls where that of an upright
+        object at the same height would not.
+        """
         lower_end = self._X_WN.p - float(self._scene.new_object.half_extents[2]) * rotate(self._X_WN.q, UP)
-        return self._bottom < self._scene.container.height and not self._is_between_walls(lower_end)
+        return lower_end[2] < self._scene.container.height and not self._is_between_walls(lower_end)
 
     def _is_between_walls(self, p_WN: Array) -> bool:
         container = self._scene.container
