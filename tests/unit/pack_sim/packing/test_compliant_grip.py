@@ -11,7 +11,6 @@ from pack_core.packing.model import HeldRole
 from pack_core.packing.scene import Scene
 from pack_core.packing.tip import TIP_JOINTS
 from pack_core.rotations import Array, Pose, angle_between
-from pack_sim.packing.governor_config import GovernorConfig
 from pack_sim.packing.mismatch import MismatchConfig
 from pack_sim.packing.simulator import Simulator
 from pack_sim.packing.simulator_config import SimulatorConfig
@@ -27,9 +26,8 @@ def build(
     cell: PackingCell = CELL,
     scene: Scene = SCENE,
     mismatch: MismatchConfig | None = None,
-    governor: GovernorConfig | None = None,
 ) -> Simulator:
-    config = SimulatorConfig(mismatch=mismatch or MismatchConfig(), governor=governor)
+    config = SimulatorConfig(mismatch=mismatch or MismatchConfig())
     return Simulator(cell, scene, config, np.random.default_rng(0))
 
 
@@ -63,7 +61,7 @@ def test_the_driver_carries_the_payload_and_the_cup_stretches_by_its_weight() ->
 def test_the_driver_feels_which_way_the_held_object_is_pushed(
     force: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    simulator, felt = build(governor=GovernorConfig()), []
+    simulator, felt = build(), []
     monkeypatch.setattr(simulator.controller, "update_contact", lambda time, force, *rest: felt.append(force))
     push(simulator, np.array(force))
     run(simulator, 0.5)
@@ -73,7 +71,7 @@ def test_the_driver_feels_which_way_the_held_object_is_pushed(
 def test_a_run_that_is_observed_takes_the_same_course() -> None:
     runs = []
     for is_observed in (False, True):
-        simulator = build(governor=GovernorConfig())
+        simulator = build()
         push(simulator, np.array([8.0, 3.0, -5.0]))
         for _ in range(300):
             simulator.step()

@@ -10,7 +10,9 @@ from pack_core.config import Config
 class GovernorConfig(Config):
     """Bounds while there is contact; they hold for the wrench that the driver exerts on the cup."""
 
-    trigger: PositiveFloat = Field(default=4.0, description="external force that counts as contact [N]")
+    trigger: PositiveFloat = Field(
+        default=4.0, description="external force that counts as contact [N]; .inf: the driver bounds nothing"
+    )
     tare_time: PositiveFloat = Field(
         default=0.5, description="time constant of the bias estimate in free motion [s]"
     )

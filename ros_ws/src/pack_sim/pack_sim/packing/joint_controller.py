@@ -38,6 +38,7 @@ class JointController:
         watchdog: age at which setpoints are stale [s].
         governor: limits velocities and torques in contact; None: nothing does.
         friction: friction of each joint, which is compensated in the direction it is driven in [N m].
+        torque_step: largest change of a torque from one step to the next while setpoints are tracked [N m].
     """
 
     def __init__(
@@ -46,12 +47,14 @@ class JointController:
         watchdog: float,
         governor: ContactGovernor | None = None,
         friction: float = 0.0,
+        torque_step: float = np.inf,
     ) -> None:
         self._limits = robot.arm.limits
         applied = robot.applied
         self._kp, self._kd = np.array(applied.stiffness), np.array(applied.damping)
         self._kp_hold, self._kd_hold = np.array(robot.stiffness), np.array(robot.damping)
         self._watchdog, self._governor, self._friction = watchdog, governor, friction
+        self._torque_step, self._tau = torque_step, np.zeros(len(self._limits))
         self._jacobian: Array | None = None
         self._setpoints: Setpoints | None = None
         self._received = -np.inf
@@ -121,9 +124,10 @@ class JointController:
             M: gives the arm's mass matrix `(7, 7)` [kg m^2]; called only to brake.
         """
         q_d, v_d, tau_ff = self.reference(time, q, v, M)
-        if self.is_holding:
+        if self.is_holding:  # a stop is not made slower by the bound on the torque's rate
             tau: Array = tau_ff + self._kp_hold * (q_d - q) + self._kd_hold * (v_d - v)
-            return np.clip(tau, -self._limits.effort, self._limits.effort)
+            self._tau = np.clip(tau, -self._limits.effort, self._limits.effort)
+            return self._tau
         tau = tau_ff + self._kp * (q_d - q) + self._kd * (v_d - v)
         # The speed at which the setpoints drive each joint: their own, and that which their torque would
         # bring a joint to against the damping of the model. In contact it is where the arm pushes.
@@ -134,7 +138,9 @@ class JointController:
             slowed = self._governor.slow_down(w_d, self._jacobian)
             tau += self._kd_hold * (slowed - w_d) + self._compensation(slowed)
             tau = self._governor.bound(tau, self._jacobian)
-        return np.clip(tau, -self._limits.effort, self._limits.effort)
+        tau = np.clip(tau, self._tau - self._torque_step, self._tau + self._torque_step)
+        self._tau = np.clip(tau, -self._limits.effort, self._limits.effort)
+        return self._tau
 
     def _compensation(self, w_d: Array) -> Array:
         """Torque `(7,)` [N m] against the friction of joints that are driven at `w_d` [rad/s]."""

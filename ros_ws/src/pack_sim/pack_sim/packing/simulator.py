@@ -53,8 +53,11 @@ class Simulator:
         self.description = believed(scene, config.mismatch, self._belief_rng)
         self._is_handed_over = is_handed_over = scene.is_handed_over
         friction = joint_friction(config.mismatch, len(cell.robot.arm.joints), arm_rng)
-        governor = None if config.governor is None else ContactGovernor(config.governor, config.timestep)
-        self.controller = JointController(cell.robot, config.watchdog, governor, config.friction_compensation)
+        governor = ContactGovernor(config.governor, config.timestep)
+        self.controller = JointController(
+            cell.robot, config.watchdog, governor, config.friction_compensation,
+            config.torque_rate * config.timestep,
+        )  # fmt: skip
         self.pump = PumpModel(cell.suction, config.timestep, is_closed=not is_handed_over)
         self._rng = rng
         self.mocap = MocapSystem(self.scene, cell, config.mocap, rng)
@@ -97,10 +100,9 @@ class Simulator:
         """Advance by one time step: control, physics, pump and sensors."""
         physics, data = self._physics, self.data
         q, v = physics.q, physics.v
-        if self.config.governor is not None:
-            force, torque = self.external_wrench()
-            force, bending = self._tip_rotation() @ force, float(np.hypot(torque[0], torque[1]))
-            self.controller.update_contact(self.time, force, bending, v, physics.cup_jacobian)
+        force, torque = self.external_wrench()
+        force, bending = self._tip_rotation() @ force, float(np.hypot(torque[0], torque[1]))
+        self.controller.update_contact(self.time, force, bending, v, physics.cup_jacobian)
         data.ctrl[:] = self.controller.torque(self.time, q, v, physics.mass_matrix)
         if self.pump.state.is_closed:
             self._payload.apply(self.model, data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 from pydantic import Field, NonNegativeFloat, PositiveFloat
@@ -19,11 +20,12 @@ class SimulatorConfig(Config):
 
     timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
     watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
-    governor: GovernorConfig | None = Field(
-        default=None, description="bounds of what the driver does in contact"
-    )
+    governor: GovernorConfig = GovernorConfig()
     friction_compensation: NonNegativeFloat = Field(
         default=0.0, description="compensated friction of each joint, along its desired velocity [N m]"
+    )
+    torque_rate: PositiveFloat = Field(
+        default=math.inf, description="fastest change of a joint's torque while setpoints are tracked [N m/s]"
     )
     contact_width: NonNegativeFloat = Field(
         default=0.0005,
