@@ -78,7 +78,7 @@ def test_one_that_leans_with_its_lower_end_above_the_wall_is_not_outside(
 ) -> None:
     machine.update(1.0, Pose(machine.target.p_WN))
     half_height, tilt, wall = 0.09, 0.6, scene.container.upper[1]
-    # Tilted, the lower end is 5 mm above the wall and 5 mm beside it; upright it would be below the wall's top.
+    # Tilted, the lower end is 5 mm above the wall and 5 mm beside it; upright it would be below the top.
     lower_end = np.array([0.5, wall + 0.005, scene.container.height + 0.005])
     middle = lower_end + half_height * np.array([0.0, -np.sin(tilt), np.cos(tilt)])
     machine.update(1.1, Pose(middle, exp([tilt, 0.0, 0.0])))

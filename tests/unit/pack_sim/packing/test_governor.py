@@ -1,5 +1,7 @@
 """The contact governor: bounds in contact, nothing in free motion."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import example, given
@@ -122,3 +124,24 @@ def test_only_the_velocity_into_the_contact_is_capped(governor: ContactGovernor)
     np.testing.assert_allclose(slowed[[0, 1, 3, 4, 5, 6]], v[[0, 1, 3, 4, 5, 6]], atol=1e-9)
     assert slowed[2] == pytest.approx(-CONFIG.approach, abs=1e-4)
     np.testing.assert_array_equal(governor.slow_down(-v, J), -v)
+
+
+def test_what_is_held_down_is_drawn_out_harder_than_is_pressed(governor: ContactGovernor) -> None:
+    press(governor, -28.0 * UP, steps=200)
+    up = J.T @ np.array([0.0, 0.0, CONFIG.pull_out + 10.0, 0.0, 0.0, 0.0])
+    assert wrench_of(governor.bound(up, J))[2] == pytest.approx(CONFIG.pull_out, rel=0.01)
+    v = np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.0])
+    np.testing.assert_array_equal(governor.slow_down(v, J), v)
+
+
+@pytest.mark.parametrize("side", [np.array([1.0, 0.0, 0.0]), np.array([0.8, 0.0, -0.6])])
+def test_what_is_pushed_from_the_side_is_not_drawn_out(governor: ContactGovernor, side: np.ndarray) -> None:
+    press(governor, 15.0 * side, steps=200)
+    against = J.T @ np.array([*(-40.0 * side), 0.0, 0.0, 0.0])
+    assert -side @ wrench_of(governor.bound(against, J))[:3] <= CONFIG.push + 1e-6
+
+
+@given(st.floats(-60.0, 60.0))
+def test_a_driver_without_a_trigger_feels_no_contact(force: float) -> None:
+    governor = ContactGovernor(GovernorConfig(trigger=math.inf), STEP)
+    assert not press(governor, force * UP, bending=9.0)

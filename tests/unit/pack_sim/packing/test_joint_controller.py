@@ -45,6 +45,19 @@ def test_torque_stays_within_the_limits(controller: JointController) -> None:
     assert np.all(controller.torque(0.01, HOME - 1.0, -PANDA.limits.velocity, M) == PANDA.limits.effort)
 
 
+def test_torque_changes_no_faster_than_its_rate_while_setpoints_are_tracked() -> None:
+    controller = JointController(packing_cell().robot, watchdog=0.1, torque_step=1.0)
+    controller.accept(setpoints(tau=np.full(7, 3.5)), 0.0)
+    torques = [controller.torque(0.001 * i, HOME, ZERO, M) for i in range(5)]
+    np.testing.assert_allclose(torques, np.outer([1.0, 2.0, 3.0, 3.5, 3.5], np.ones(7)))
+
+
+def test_a_stop_is_not_made_slower_by_the_bound_on_the_rate() -> None:
+    controller = JointController(packing_cell().robot, watchdog=0.1, torque_step=1.0)
+    v = np.full(7, 0.1)
+    np.testing.assert_allclose(controller.torque(0.0, HOME, v, M), -(M() @ v) / BRAKE_TIME)
+
+
 def test_setpoints_are_interpolated_between_rows(controller: JointController) -> None:
     plan = setpoints(rows=2, time=1.0)
     plan.q[1] += 0.1

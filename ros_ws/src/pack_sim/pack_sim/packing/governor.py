@@ -14,6 +14,8 @@ from pack_sim.packing.governor_config import GovernorConfig
 
 HOLD_TARE_TIME = 0.05
 """Time constant of the bias estimate while the arm is held [s]."""
+HOLDS_DOWN = 0.7
+"""A contact whose unit force has a downward part over this holds the object down: within 45 degrees of it."""
 DAMPING = 1e-4
 """Damping of the least-squares problems below, which keeps them solvable near singular postures."""
 
@@ -82,7 +84,7 @@ class ContactGovernor:
 
     def slow_down(self, v_d: Array, J: Array) -> Array:
         """The desired joint velocity `(7,)`, its speed into the contact limited; J is the cup's `(6, 7)`."""
-        if self._strength <= self._config.trigger:
+        if self._strength <= self._config.trigger or self._holds_down:
             return v_d
         excess = float(-self._away @ (J[:3] @ v_d)) - self._config.approach
         if excess <= 0.0:
@@ -99,9 +101,10 @@ class ContactGovernor:
         if self._strength <= self._config.trigger:
             return scale * tau
         push = scale * float(-self._away @ wrench[:3])
+        limit = self._config.pull_out if self._holds_down else self._config.push
         # like a spring: the harder the contact already is, the less push is allowed, down to a pull back
-        beyond = max(self._strength - self._config.push, 0.0)
-        allowed = max(self._config.push - self._config.reflex * beyond, -self._config.pull_back)
+        beyond = max(self._strength - limit, 0.0)
+        allowed = max(limit - self._config.reflex * beyond, -self._config.pull_back)
         # torques of a unit force away from the contact; the division makes the wrench change by the excess
         back = J[:3].T @ self._away
         return np.asarray(
@@ -116,6 +119,11 @@ class ContactGovernor:
     def _away(self) -> Array:
         """Unit vector `(3,)` along which the contact pushes the held object."""
         return np.asarray(self._force / self._strength)
+
+    @property
+    def _holds_down(self) -> bool:
+        """Whether the contact pulls down, as when the object is wedged and is to be drawn out."""
+        return bool(self._away[2] < -HOLDS_DOWN)
 
     def _scale(self, wrench: Array) -> float:
         """Factor on the arm's torques that bounds its push sideways and down; 0 at the limit of bending."""

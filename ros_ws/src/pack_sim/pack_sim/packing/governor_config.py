@@ -36,6 +36,9 @@ class GovernorConfig(Config):
     push: PositiveFloat = Field(
         default=18.0, description="largest push of the driver against the measured force [N]"
     )
+    pull_out: PositiveFloat = Field(
+        default=30.0, description="largest pull against a force that holds the object down [N]"
+    )
     reflex: NonNegativeFloat = Field(
         default=3.0, description="by how much each newton measured beyond `push` reduces the push"
     )
