@@ -101,6 +101,19 @@ def test_the_environment_is_added_to_ours() -> None:
     assert f"pear {Path.home()}" in output.getvalue()
 
 
+@pytest.mark.parametrize(("ours", "theirs"), [(None, "2"), ("7", "7")])
+def test_the_c_library_reserves_few_arenas_unless_we_say_otherwise(
+    ours: str | None, theirs: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("MALLOC_ARENA_MAX", raising=False)
+    if ours is not None:
+        monkeypatch.setenv("MALLOC_ARENA_MAX", ours)
+    log = Mailbox()
+    with ProcessGroup({"sim": ["sh", "-c", "echo arenas $MALLOC_ARENA_MAX"]}, output=log) as group:
+        group.wait()
+        assert log.wait_for(f"arenas {theirs}")
+
+
 def test_an_unknown_process_is_answered_with_the_known_ones() -> None:
     with (
         ProcessGroup({"sim": WAITS}, output=io.StringIO()) as group,

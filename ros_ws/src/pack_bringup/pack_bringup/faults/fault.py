@@ -28,8 +28,10 @@ GRASP = "GRASP"
 """In the cell blocks the part of PICK in which the fingers close."""
 STAGES = {
     "packing": ("PRE_PACK", "INSERT", "FINE_TUNE"),
-    "palletizing": (  # 15 and others between are one move with 16
-        "1 detect", "2 above box", "3 grasp", "4 lift", "16 above pallet", "17 pre deposit", "18 deposit",
+    # 5, 6, 10, 14 and 15 are left as soon as they are entered: they are one move with the state after them
+    "palletizing": (
+        "1 detect", "2 above box", "3 grasp", "4 lift", "7 rotate", "8 release table", "9 step back",
+        "11 above table", "12 regrasp", "13 lift table", "16 above pallet", "17 pre deposit", "18 deposit",
         "19 retreat", "20 return",
     ),
     "blocks": ("PERCEIVE", "PICK", GRASP, "PLACE", "PUSH", "RETREAT"),  # PLAN takes 4 to 16 ms: never met

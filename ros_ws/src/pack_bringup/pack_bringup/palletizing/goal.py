@@ -12,8 +12,9 @@ from pack_core.paths import config_path
 if TYPE_CHECKING:
     from pack_core.ros.contracts.contract import Contract
 
-SMALL_ORDERS = (3, 14, 9, 15, 1, 16, 6, 17)
-"""Numbers of the orders of config/orders with two to five boxes, the smallest first."""
+SMALL_ORDERS = (9, 3, 14, 15, 1, 16, 6, 17)
+"""Numbers of the orders of config/orders with two to five boxes. The first one begins with a box that is
+stood up on table B and so passes every state; the others are sorted by their size."""
 
 
 @dataclass(frozen=True)
