@@ -53,10 +53,9 @@ class Simulator:
         self.description = believed(scene, config.mismatch, self._belief_rng)
         self._is_handed_over = is_handed_over = scene.is_handed_over
         friction = joint_friction(config.mismatch, len(cell.robot.arm.joints), arm_rng)
-        governor = ContactGovernor(config.governor, config.timestep)
         self.controller = JointController(
-            cell.robot, config.watchdog, governor, config.friction_compensation,
-            config.torque_rate * config.timestep,
+            cell.robot, config.watchdog, ContactGovernor(config.governor, config.timestep),
+            config.friction_compensation, config.torque_rate * config.timestep,
         )  # fmt: skip
         self.pump = PumpModel(cell.suction, config.timestep, is_closed=not is_handed_over)
         self._rng = rng
