@@ -61,6 +61,18 @@ class OrderBook:
         boxes = (standing_box(item.box, item.X_WB) for item in self.items if item.X_WB is not None)
         return (*self._furniture, *boxes)
 
+    def on_pallet(self) -> tuple[Obstacle, ...]:
+        """The boxes that were placed."""
+        return tuple(
+            standing_box(item.box, item.X_WB)
+            for item in self.items
+            if item.outcome is BoxOutcome.PLACED and item.X_WB is not None
+        )
+
+    def lose(self, name: str, reason: str) -> None:
+        """Note that a box which was placed no longer stands in its place."""
+        next(item for item in self.items if item.name == name).finish(BoxOutcome.LOST, reason)
+
     def beside(self, item: WorkItem) -> frozenset[str]:
         """Names of the obstacles that a box touches, or nearly touches, at its place."""
         placed = {other.name: other.plan.placed for other in self.items if other.X_WB is not None}

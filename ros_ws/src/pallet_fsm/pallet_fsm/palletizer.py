@@ -8,15 +8,16 @@ from __future__ import annotations
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import ASKED
-from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
 from pallet_fsm.box_watch import BoxWatch
+from pallet_fsm.guards import holds
 from pallet_fsm.hand import Hand
 from pallet_fsm.leg_runner import LegRunner
 from pallet_fsm.machine import Machine
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.place_watch import PlaceWatch
 from pallet_fsm.ports import Command, DiscardBox, PalletObservation, PursueTarget, StopArm
 from pallet_fsm.profile import profile_of
 from pallet_fsm.report import BoxOutcome, OrderReport
@@ -46,6 +47,7 @@ class Palletizer:
         self._profile = profile_of(config.profile)
         self._book = OrderBook(order, plan, cell)
         self._watch = BoxWatch(config, cell)
+        self._places = PlaceWatch(config.scans, cell, self._book)
         self._hand = Hand(config.dwell, config.grip_patience)
         self.machine = Machine(time, self._holds, self.item.name)
         self._legs = LegRunner(self._profile, self._book, cell, config, self._stop_after)
@@ -77,11 +79,12 @@ class Palletizer:
         """Go through as many states as the observation allows, and return the commands of this step."""
         self._commands = []
         self._watch.observe(seen)
+        self._places.observe(seen)
         while not self.machine.is_over and (found := self._happened(seen)) is not None:
             self._fire(*found, seen)
         if not self.machine.is_over:
             self._feed_ahead(seen.time)
-        return (*self._commands, *self._watch.commands())
+        return (*self._commands, *self._watch.commands(), *self._places.commands())
 
     def _happened(self, seen: PalletObservation) -> tuple[Event, str] | None:
         """The event that takes the machine on, and its reason; None while there is none."""
@@ -94,6 +97,8 @@ class Palletizer:
             return Event.SKIPPED, ""
         if self._halt:
             return Event.HALTED, self._halt
+        if (change := self._places.change(state, seen.time)) is not None:
+            return change
         if state is State.SPAWN:
             return self._watch.arrival(self.item, seen.time)
         if state is State.DETECT:
@@ -112,7 +117,7 @@ class Palletizer:
             )
         if state in TOWARDS_BOX and (change := self._watch.change(seen)) is not None:
             return change
-        if state is State.GRASP and self._watch.is_looking and _is_standing(seen.motion):
+        if self._waits_for_sight(state) and _is_standing(seen.motion):
             return None
         outcome = self._legs.follow(state, self.item, seen)
         if isinstance(outcome, PursueTarget):
@@ -122,6 +127,12 @@ class Palletizer:
             self._commands.append(self._hand.begin(ROWS[state].grip, seen.time))
             return None
         return None if outcome is None else (outcome, self._legs.reason)
+
+    def _waits_for_sight(self, state: State) -> bool:
+        """Whether the gripper must not act yet, as what was looked at last is not known."""
+        if state is State.GRASP and self._watch.is_looking:
+            return True
+        return ROWS[state].grip in (Grip.CLOSE, Grip.OPEN) and self._places.is_looking
 
     def _fire(self, event: Event, reason: str, seen: PalletObservation) -> None:
         before = self.machine.state
@@ -156,6 +167,8 @@ class Palletizer:
         may_have_moved = before in ROWS and ROWS[before].place is Place.TABLE_A  # the pad pushed it
         if fault in (State.NO_DETECTION, State.WRONG_SIZE) or may_have_moved:
             self._watch.forget()
+        if fault is State.PLACE_CHANGED:
+            self._places.note_loss()
         if fault in (State.MOTION_STUCK, State.BOX_CHANGED):
             self._commands.append(StopArm())
         if fault is State.BOX_CHANGED:
@@ -177,19 +190,7 @@ class Palletizer:
         return self.machine.stop_after(state, self._profile.stops_at)
 
     def _holds(self, guard: Guard) -> bool:
-        item = self.item
-        has_tries = item.tries[self.machine.state] < self._config.tries
-        return {
-            Guard.IS_UPRIGHT: item.handling is Handling.NONE,
-            Guard.IS_FLIP: item.handling is Handling.FLIP,
-            Guard.HAS_TRIES: has_tries,
-            Guard.HAS_NO_TRIES: not has_tries,
-            Guard.HAS_BOXES: self._book.has_boxes,
-            Guard.IS_HOLDING: item.X_TB is not None,
-            Guard.IS_FINISHED: item.is_finished,
-            Guard.IS_ON_TABLE: item.approach is not None,
-            Guard.IS_UNSEEN: item.X_WB is None and item.X_TB is None,
-        }[guard]
+        return holds(guard, self.machine.state, self._book, self._config.tries)
 
 
 def _is_standing(motion: MotionStatus) -> bool:

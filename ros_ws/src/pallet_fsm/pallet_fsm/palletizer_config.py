@@ -10,6 +10,7 @@ from pack_core.config import NEXT_GOAL, Changeable, Config
 from pallet_fsm.blended_moves import BlendedConfig
 from pallet_fsm.feeder import FeederConfig
 from pallet_fsm.mover import MoverConfig
+from pallet_fsm.scans.look import ScanConfig
 from pallet_fsm.second_look import SecondLookConfig
 from pallet_fsm.thesis_config import ThesisConfig
 from pallet_fsm.tool_poses import ToolPoseConfig
@@ -29,4 +30,5 @@ class PalletizerConfig(Config):
     thesis: ThesisConfig = ThesisConfig()
     feeder: FeederConfig = FeederConfig()
     second_look: SecondLookConfig = SecondLookConfig()
+    scans: ScanConfig = ScanConfig()
     mover: MoverConfig = MoverConfig()

@@ -8,6 +8,7 @@ from pack_core.motion.target import MotionStatus, MotionTarget
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.box_detection import BoxDetection, ExpectedBox
 from pack_core.palletizing.grip import GripState
+from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Pose
 
 
@@ -21,6 +22,7 @@ class PalletObservation:
         grip: newest state of the gripper.
         spawned: name of the box that arrived on table A last; empty before the first.
         detection: newest detection of a box; None before the first.
+        scans: newest scan of each place that was scanned.
     """
 
     time: float
@@ -28,6 +30,7 @@ class PalletObservation:
     grip: GripState
     spawned: str = ""
     detection: BoxDetection | None = None
+    scans: tuple[PlaceScan, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,13 @@ class TakePicture:
 
 
 @dataclass(frozen=True)
+class ScanPlace:
+    """Measure the heights of what stands at a place, one of `SCANNED`."""
+
+    place: str
+
+
+@dataclass(frozen=True)
 class PursueTarget:
     """Pursue a motion target."""
 
@@ -89,5 +99,6 @@ class OpenGripper:
 
 
 Command = (
-    SpawnBox | LayOnTable | DiscardBox | TakePicture | PursueTarget | StopArm | CloseGripper | OpenGripper
-)
+    SpawnBox | LayOnTable | DiscardBox | TakePicture | ScanPlace | PursueTarget | StopArm | CloseGripper
+    | OpenGripper
+)  # fmt: skip

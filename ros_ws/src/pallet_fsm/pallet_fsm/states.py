@@ -39,6 +39,7 @@ class State(Enum):
     NO_DETECTION = "no detection"
     WRONG_SIZE = "wrong size"
     BOX_CHANGED = "box changed"
+    PLACE_CHANGED = "place changed"
     GRIP_FAILED = "grip failed"
     BOX_LOST = "box lost"
     MOTION_STUCK = "motion stuck"
@@ -184,8 +185,10 @@ MOVING = tuple(row.state for row in STEPS if row.mode is not None)
 """States in which the arm has a target."""
 HOLDING = tuple(row.state for row in STEPS if row.grip in (Grip.HOLD, Grip.OPEN))
 """States in which the gripper holds a box."""
+BEFORE_REGRASP = (State.STEP_BACK, State.RISE, State.ABOVE_TABLE, State.REGRASP)
+"""States in which a box stands free on table B."""
 FAULTS = (
-    State.NO_DETECTION, State.WRONG_SIZE, State.BOX_CHANGED, State.GRIP_FAILED, State.BOX_LOST,
+    State.NO_DETECTION, State.WRONG_SIZE, State.BOX_CHANGED, State.PLACE_CHANGED, State.GRIP_FAILED, State.BOX_LOST,
     State.MOTION_STUCK, State.LIMIT_PASSED, State.NOT_CLEAR,
 )  # fmt: skip
 ENDS = (State.SAFE_STOP, State.DONE)

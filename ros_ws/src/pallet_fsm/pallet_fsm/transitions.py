@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from pallet_fsm.states import HOLDING, MOVING, STEPS, State
+from pallet_fsm.states import BEFORE_REGRASP, HOLDING, MOVING, STEPS, State
 
 
 class Event(Enum):
@@ -25,6 +25,7 @@ class Event(Enum):
     NO_DETECTION = "no detection"
     WRONG_SIZE = "wrong size"
     BOX_CHANGED = "box changed"
+    PLACE_CHANGED = "place changed"
     GRIP_FAILED = "grip failed"
     BOX_LOST = "box lost"
     LIMIT_PASSED = "limit passed"
@@ -101,8 +102,14 @@ SEEING = (
 LOOKING_AGAIN = (
     Transition(State.ABOVE_BOX, Event.BOX_CHANGED, State.BOX_CHANGED),
     Transition(State.GRASP, Event.BOX_CHANGED, State.BOX_CHANGED),
+    *(Transition(state, Event.BOX_CHANGED, State.BOX_CHANGED) for state in BEFORE_REGRASP),
     Transition(State.BOX_CHANGED, Event.ASSESSED, State.SKIP_BOX, Guard.HAS_NO_TRIES),
+    Transition(State.BOX_CHANGED, Event.ASSESSED, State.SKIP_BOX, Guard.IS_ON_TABLE),
     Transition(State.BOX_CHANGED, Event.ASSESSED, State.RETREAT),
+)
+SCANNING = (
+    *(Transition(row.state, Event.PLACE_CHANGED, State.PLACE_CHANGED) for row in STEPS),
+    Transition(State.PLACE_CHANGED, Event.ASSESSED, State.SAFE_STOP),
 )
 GRIPPING = (
     Transition(State.GRASP, Event.GRIP_FAILED, State.GRIP_FAILED),
@@ -131,4 +138,4 @@ MOTION = (
 SKIPPING = (Transition(State.SKIP_BOX, Event.SKIPPED, State.RETREAT),)
 HALTING = tuple(Transition(row.state, Event.HALTED, State.SAFE_STOP) for row in STEPS)
 
-TRANSITIONS = (*CYCLE, *SEEING, *LOOKING_AGAIN, *GRIPPING, *LOSING, *MOTION, *SKIPPING, *HALTING)
+TRANSITIONS = (*CYCLE, *SEEING, *LOOKING_AGAIN, *SCANNING, *GRIPPING, *LOSING, *MOTION, *SKIPPING, *HALTING)

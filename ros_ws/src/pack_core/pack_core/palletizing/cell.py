@@ -14,6 +14,7 @@ from pack_core.config import Config, load_values, validate_config
 from pack_core.palletizing.displacement import NOWHERE, Displacement
 from pack_core.palletizing.grip import GripLimits
 from pack_core.palletizing.imperfections import ArmPreset
+from pack_core.palletizing.scanner import ScannerMount, Scanners
 from pack_core.paths import config_path
 from pack_core.robots.servo import JointServoGains
 from pack_core.robots.surface_gripper import GripperTool, gripper_tool
@@ -133,6 +134,7 @@ class PalletizingCell(Config):
     reorientation_table: BoxTable
     pallet: PalletPlace
     camera: OverheadCameraMount
+    scanners: Scanners
     spawn: Spawn
     servo: JointServoGains
     contact: BoxContact
@@ -166,6 +168,17 @@ class PalletizingCell(Config):
         level = PinholeCamera.looking_down(p_WC, f, mount.width, mount.rows)
         u, v = (c + shift for c, shift in zip(level.c, mount.centre_shift, strict=True))
         return replace(level, X_WC=mount.displacement.applied(level.X_WC, p_WC), c=(u, v))
+
+
+    def scanner_pose(self, place: str) -> Pose:
+        """X_WS of the scanner over a place that `Scanners` names."""
+        scanner: ScannerMount = getattr(self.scanners, place)
+        return scanner.X_WS(getattr(self, place).middle)
+
+    def scanner_rays(self, place: str) -> Array:
+        """Directions of that scanner's rays `(n, 3)` in its frame S, of length 1."""
+        scanner: ScannerMount = getattr(self.scanners, place)
+        return scanner.rays(getattr(self, place).middle, getattr(self, place).size)
 
 
 @cache

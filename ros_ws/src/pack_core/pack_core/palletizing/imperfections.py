@@ -62,6 +62,8 @@ class ArmPreset(Config):
     """Of each table and of the pallet."""
     camera: CameraErrors | None = None
     """None: a pinhole camera that hangs where it should."""
+    scanners: PoseError = PoseError()
+    """Of each scanner, about itself."""
     torque_noise: NonNegativeFloat = 0.0
     """White noise of the measured motor torques, as a share of the published effort."""
     uncalibrated_gap: NonNegativeFloat = 0.0

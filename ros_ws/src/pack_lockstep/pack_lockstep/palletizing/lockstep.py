@@ -21,6 +21,7 @@ from pack_core.palletizing.calibration import CellCalibration
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.scanner import PlaceScan
 from pack_core.palletizing.visitors import Visitor
 from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.driven_arm import DrivenArm
@@ -29,6 +30,7 @@ from pack_lockstep.palletizing.run_log import PalletRunLog
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
+from pack_sim.palletizing.place_scanner import PlaceScannerConfig
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.palletizing.visitor_sensor import VisitorSensor, VisitorSensorConfig
 from pallet_fsm.palletizer import Palletizer
@@ -40,6 +42,7 @@ from pallet_fsm.ports import (
     OpenGripper,
     PalletObservation,
     PursueTarget,
+    ScanPlace,
     SpawnBox,
     StopArm,
     TakePicture,
@@ -58,6 +61,7 @@ class PalletLockstepConfig(Config):
     palletizer: PalletizerConfig = PalletizerConfig()
     visitors: tuple[Visitor, ...] = Field(default=(), description="who comes near the arm")
     sensor: VisitorSensorConfig = VisitorSensorConfig()
+    scanner: PlaceScannerConfig = PlaceScannerConfig()
 
 
 @dataclass(frozen=True)
@@ -100,6 +104,8 @@ class PalletLockstep:
             cell, config.simulator, seed, assumed=assumed, visitors=config.visitors
         )
         self._sensor = VisitorSensor(config.visitors, config.sensor, cell.arm.X_WB.p, seed)
+        self._scanner = self.simulator.open_scanner(config.scanner)
+        self._scans: dict[str, PlaceScan] = {}
         arm, q = load_arm("palletizing"), np.array(cell.arm.home)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
         self.palletizer = Palletizer(order, plan, known, config.palletizer, self.simulator.time)
@@ -128,8 +134,9 @@ class PalletLockstep:
         if self._pending is not None and simulator.time >= self._pending[0]:
             self._detection, self._pending = self._pending[1], None
         seen = PalletObservation(
-            simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection
-        )
+            simulator.time, self.motion.status(), simulator.gripper.state, self._spawned, self._detection,
+            self._answered(),
+        )  # fmt: skip
         before = self._target
         for command in self.palletizer.step(seen):
             self._apply(command, finder)
@@ -153,6 +160,8 @@ class PalletLockstep:
             case TakePicture(expected):
                 detection = finder.detect(expected, self.simulator)
                 self._pending = self.simulator.time + self._latency(), detection
+            case ScanPlace(place):
+                self._scans[place] = self._scanner.scan(place, self.simulator.still())
             case PursueTarget(target):
                 self.motion.command(target)
             case StopArm():
@@ -161,6 +170,11 @@ class PalletLockstep:
                 self.simulator.gripper.close()
             case OpenGripper():
                 self.simulator.gripper.open()
+
+    def _answered(self) -> tuple[PlaceScan, ...]:
+        """The scans whose results have come by now."""
+        latest = self.simulator.time - self._config.scanner.latency
+        return tuple(scan for scan in self._scans.values() if scan.time <= latest)
 
     def _latency(self) -> float:
         """Time from a picture to its detection [s]."""

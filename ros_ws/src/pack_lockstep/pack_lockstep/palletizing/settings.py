@@ -13,15 +13,17 @@ from pack_perception.boxes.box_vision import VisionConfig
 from pack_planner.layout.layout_planner import LayoutConfig
 from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
+from pack_sim.palletizing.place_scanner import PlaceScannerConfig
 from pack_sim.palletizing.simulator import PalletSimulatorConfig
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.profile import profile_of
 
 
-class PalletCameraParameters(Config):
-    """The part of the simulator's parameters that is the camera's."""
+class PalletSensorParameters(Config):
+    """The part of the simulator's parameters that is of camera and scanners."""
 
     camera: PalletCameraConfig = PalletCameraConfig()
+    scanner: PlaceScannerConfig = PlaceScannerConfig()
 
 
 def set_up(
@@ -45,14 +47,15 @@ def set_up(
     profile_of(profile)
     motion_set(motion)
     visitors_of(visitors, 0)
+    sensors = load_parameters("palletizing/sim", PalletSensorParameters)
     machine = load_parameters("palletizing/fsm", PalletizerConfig).model_copy(update={"profile": profile})
     sight = BoxFinderConfig(
         by="vision" if vision else "noise",
-        camera=load_parameters("palletizing/sim", PalletCameraParameters).camera,
+        camera=sensors.camera,
         vision=load_parameters("palletizing/vision", VisionConfig),
     )
     config = PalletLockstepConfig(
-        motion=motion, palletizer=machine, sight=sight,
+        motion=motion, palletizer=machine, sight=sight, scanner=sensors.scanner,
         simulator=load_parameters("palletizing/sim", PalletSimulatorConfig).model_copy(
             update={"has_limits": has_limits}
         ),

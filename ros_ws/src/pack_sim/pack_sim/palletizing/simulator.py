@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import mujoco
 import numpy as np
@@ -25,8 +26,9 @@ from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.contact_watch import ContactWatch
 from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
 from pack_sim.palletizing.physics import Physics
+from pack_sim.palletizing.place_scanner import PlaceScanner, PlaceScannerConfig
 from pack_sim.palletizing.real_arm import GearTrain, true_base
-from pack_sim.palletizing.snapshot import Snapshot
+from pack_sim.palletizing.snapshot import PhysicsSnapshot, Snapshot
 from pack_sim.palletizing.surface_gripper import SurfaceGripper
 from pack_sim.palletizing.true_cell import true_cell
 from pack_sim.palletizing.visitor_watch import visitor_distances
@@ -156,6 +158,10 @@ class PalletSimulator:
         is_real = self.cell.imperfections.camera is not None
         return PalletCamera(self.cell, config, self._seed, self.X_WB if is_real else None)
 
+    def open_scanner(self, config: PlaceScannerConfig) -> PlaceScanner:
+        """The scanners of the cell as it truly is."""
+        return PlaceScanner(self.cell, config, self._seed)
+
     def spawn(self, box: BoxBody, X_WB: Pose | None = None) -> Pose:
         """Put a box into the cell.
 
@@ -219,6 +225,10 @@ class PalletSimulator:
         data = self._kinematics()
         boxes = {box: body_pose(data, name) for name, box in self._physics.boxes.items()}
         return Snapshot(self.time, self._physics.link_angles(), boxes)
+
+    def still(self) -> PhysicsSnapshot:
+        """What a scanner would measure now, for another thread."""
+        return PhysicsSnapshot(self.time, self._physics.model, copy(self._kinematics()))
 
     def _reported(self, q: Array) -> Array:
         """Joint angles as the driver reports them, of motors that stand at `q` `(6,)` [rad]."""

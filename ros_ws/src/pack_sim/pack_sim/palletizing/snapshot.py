@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import mujoco
+
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.rotations import Array, Pose
 
@@ -16,3 +18,12 @@ class Snapshot:
     time: float
     q: Array
     boxes: Mapping[BoxBody, Pose]
+
+
+@dataclass(frozen=True)
+class PhysicsSnapshot:
+    """The state of the physics at `time` [s], with body poses, for whoever looks at it in another thread."""
+
+    time: float
+    model: mujoco.MjModel
+    data: mujoco.MjData

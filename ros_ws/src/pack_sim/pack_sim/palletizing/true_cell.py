@@ -8,13 +8,14 @@ from pack_core.camera import LensDistortion
 from pack_core.palletizing.cell import OverheadCameraMount, PalletizingCell
 from pack_core.palletizing.displacement import Displacement
 from pack_core.palletizing.imperfections import CameraErrors, PoseError
+from pack_core.palletizing.scanner import SCANNED
 
-FURNITURE, CAMERA = 2, 3
+FURNITURE, CAMERA, SCANNERS = 2, 3, 9
 """Streams of random numbers beside that of the arm's base: each error is the same whatever else is off."""
 
 
 def true_cell(cell: PalletizingCell, seed: int) -> PalletizingCell:
-    """The cell with tables, pallet and camera where they truly are; the arm's base is that of `true_base`.
+    """The cell with tables, pallet, camera and scanners where they truly are; the arm's base is that of `true_base`.
 
     Sizes of the errors are those of the cell's preset. A preset without such errors gives the cell back.
     """
@@ -27,6 +28,14 @@ def true_cell(cell: PalletizingCell, seed: int) -> PalletizingCell:
             found[name] = place.model_copy(update={"displacement": _drawn(faults.furniture, rng)})
     if faults.camera is not None:
         found["camera"] = _true_camera(cell.camera, faults.camera, np.random.default_rng([seed, CAMERA]))
+    if faults.scanners.position or faults.scanners.orientation_deg:
+        rng = np.random.default_rng([seed, SCANNERS])
+        found["scanners"] = cell.scanners.model_copy(update={
+            place: getattr(cell.scanners, place).model_copy(
+                update={"displacement": _drawn(faults.scanners, rng)}
+            )
+            for place in SCANNED
+        })  # fmt: skip
     return cell.model_copy(update=found) if found else cell
 
 

@@ -1,0 +1,94 @@
+"""Where a rectangle lies by the testimony of rays that meet it or pass it by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.rotations import Array
+
+COARSE, FINE = (0.03, 0.012), 0.004
+"""Widths of the edge in the fit [m]: those by which a face is found that was moved by centimetres, and the last
+one, half of the rays' spacing, with which the rays beside an edge decide."""
+BESIDE = 0.04
+"""Rays farther from an edge than this tell nothing about a face that lies about where it should [m]."""
+STEPS = 8
+"""Newton steps with each width."""
+LONGEST_STEP = np.array([0.03, 0.03, 0.15])
+"""Of one Newton step [m, m, rad]."""
+CLOSE = 2e-5
+"""Newton's method ends when a step is smaller [m, rad]."""
+PRIOR = np.array([0.05, 0.05, 0.5])
+"""Standard deviations of a shift and a turn before anything is seen [m, m, rad]: what no ray tells stays 0."""
+
+
+@dataclass(frozen=True)
+class FaceFit:
+    """Shift and turn of a face.
+
+    Attributes:
+        shift: along its expected axes, and about the vertical `(3,)` [m, m, rad].
+        sigma: about twice the standard deviation of each that repeated scans show `(3,)` [m, m, rad]; that of the
+            prior where no ray tells anything.
+    """
+
+    shift: Array
+    sigma: Array
+
+
+def fit_face(points: Array, is_on: Array, half: Array, slack: float) -> FaceFit:
+    """The rectangle that best parts points in those on it and those beside it.
+
+    It is the logistic regression of `is_on` on the signed distance from the nearest edge, by Newton's method:
+    a ray far from the edge counts nothing, one at the wrong side as much as it is far from it.
+
+    Args:
+        points: where rays cross the plane `(n, 2)` [m].
+        is_on: which of them meet the face `(n,)`.
+        half: half the edges of the rectangle `(2,)` [m].
+        slack: a face with no ray at the wrong side by more than this is about where it should be [m].
+    """
+    sign, shift = np.where(is_on, 1.0, -1.0), np.zeros(3)
+    if np.any(sign * depths(points, half, shift) < -slack):
+        for width in COARSE:
+            shift = _newton(points, sign, half, width, shift)[0]
+    near = np.abs(depths(points, half, shift)) < BESIDE
+    shift, information = _newton(points[near], sign[near], half, FINE, shift)
+    return FaceFit(shift, np.sqrt(np.diag(np.linalg.inv(information))))
+
+
+def depths(points: Array, half: Array, shift: Array) -> Array:
+    """How far points `(n, 2)` lie inside the nearest edge of a rectangle that was moved by (x, y, turn) [m]."""
+    return _inside(points, half, shift)[0]
+
+
+def _newton(points: Array, sign: Array, half: Array, width: float, shift: Array) -> tuple[Array, Array]:
+    """The best shift with one width of the edge, and the Fisher information of it `(3, 3)`."""
+    information = np.diag(PRIOR**-2)
+    for _ in range(STEPS):
+        depth, slopes = _inside(points, half, shift)
+        wrong = 1.0 / (1.0 + np.exp(np.clip(sign * depth / width, -50.0, 50.0)))
+        gradient = slopes.T @ (sign * wrong) / width - shift / PRIOR**2
+        weight = wrong * (1.0 - wrong) / width**2
+        information = (slopes.T * weight) @ slopes + np.diag(PRIOR**-2)
+        step = np.linalg.solve(information, gradient)
+        step = step / max(1.0, float(np.max(np.abs(step) / LONGEST_STEP)))
+        shift = shift + step
+        if np.all(np.abs(step) < CLOSE):
+            break
+    return shift, information
+
+
+def _inside(points: Array, half: Array, shift: Array) -> tuple[Array, Array]:
+    """Depth of points inside the nearest edge `(n,)` [m], and its slopes along the shift `(n, 3)`."""
+    c, s = np.cos(shift[2]), np.sin(shift[2])
+    R = np.array([[c, -s], [s, c]])
+    local = (points - shift[:2]) @ R
+    depth = half - np.abs(local)
+    nearest, rows = np.argmin(depth, axis=1), np.arange(len(points))
+    side = np.sign(local[rows, nearest])
+    # The face's x axis is (c, s), its y axis (-s, c); a turn moves local x by y, and local y by -x.
+    turned = np.array([-1.0, 1.0])[nearest] * local[rows, 1 - nearest]
+    slopes = np.column_stack([side[:, None] * R.T[nearest], side * turned])
+    return depth[rows, nearest], slopes
