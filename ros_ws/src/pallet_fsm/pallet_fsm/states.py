@@ -188,7 +188,7 @@ HOLDING = tuple(row.state for row in STEPS if row.grip in (Grip.HOLD, Grip.OPEN)
 BEFORE_REGRASP = (State.STEP_BACK, State.RISE, State.ABOVE_TABLE, State.REGRASP)
 """States in which a box stands free on table B."""
 FAULTS = (
-    State.NO_DETECTION, State.WRONG_SIZE, State.BOX_CHANGED, State.PLACE_CHANGED, State.GRIP_FAILED, State.BOX_LOST,
-    State.MOTION_STUCK, State.LIMIT_PASSED, State.NOT_CLEAR,
+    State.NO_DETECTION, State.WRONG_SIZE, State.BOX_CHANGED, State.PLACE_CHANGED, State.GRIP_FAILED,
+    State.BOX_LOST, State.MOTION_STUCK, State.LIMIT_PASSED, State.NOT_CLEAR,
 )  # fmt: skip
 ENDS = (State.SAFE_STOP, State.DONE)

@@ -169,7 +169,6 @@ class PalletizingCell(Config):
         u, v = (c + shift for c, shift in zip(level.c, mount.centre_shift, strict=True))
         return replace(level, X_WC=mount.displacement.applied(level.X_WC, p_WC), c=(u, v))
 
-
     def scanner_pose(self, place: str) -> Pose:
         """X_WS of the scanner over a place that `Scanners` names."""
         scanner: ScannerMount = getattr(self.scanners, place)

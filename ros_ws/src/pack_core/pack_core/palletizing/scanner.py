@@ -7,9 +7,10 @@ which is down, x to the right. Each of its rays brings the point that it meets.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
-from pydantic import NonNegativeFloat, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.camera import LOOKING_DOWN
 from pack_core.config import Config
@@ -22,7 +23,7 @@ class ScannerMount(Config):
 
     height: PositiveFloat
     """Over the floor [m]."""
-    spacing: PositiveFloat
+    spacing: Annotated[float, Field(ge=0.002)]
     """Between rays, at the level of the place [m]."""
     turn_deg: float
     """By which the grid is turned against the edges of the place, about the vertical."""
@@ -48,7 +49,7 @@ class ScannerMount(Config):
         reach = float(np.linalg.norm(half))
         steps = np.arange(-reach, reach + self.spacing, self.spacing)
         grid = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
-        # Where a ray meets the level of the place, from its middle: the grid as a camera that hangs here has it.
+        # R_WS of the level scanner, in the plane: the grid is kept where it meets the place in the world.
         turn = np.deg2rad(self.turn_deg)
         R = np.array([[np.cos(turn), np.sin(turn)], [np.sin(turn), -np.cos(turn)]])
         wanted = grid[np.all(np.abs(grid @ R.T) <= half, axis=1)]
@@ -65,6 +66,11 @@ class Scanners(Config):
 
 SCANNED = tuple(Scanners.model_fields)
 """Names of the places that a scanner looks at."""
+
+
+def scanner_frame(place: str) -> str:
+    """Name of the frame of the scanner over a place."""
+    return f"{place}_scanner"
 
 
 @dataclass(frozen=True)

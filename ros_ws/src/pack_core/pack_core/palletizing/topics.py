@@ -5,6 +5,7 @@ from __future__ import annotations
 BOXES, GRIPPER_STATE, TRUTH, CONTACTS = "/sim/boxes", "/gripper/state", "/sim/truth", "/sim/contacts"
 EXPECTED_BOX, BOX_DETECTION = "/expected_box", "/box_detection"
 BOARD_SIGHTING = "/board_sighting"
+PALLET_SCAN, TABLE_SCAN = "/pallet_scanner/points", "/reorientation_table_scanner/points"
 VISION_OVERLAY, PALLET_STATE, RESULT = "/vision/overlay", "/fsm/state", "/palletize/result"
 
 GRIPPER_RATE = 125.0

@@ -155,13 +155,8 @@ class PalletLockstep:
             case DiscardBox(name):
                 if any(box.name == name for box in self.simulator.boxes):
                     self.simulator.remove(name)
-            case TakePicture() if self.camera_is_silent:
-                pass
-            case TakePicture(expected):
-                detection = finder.detect(expected, self.simulator)
-                self._pending = self.simulator.time + self._latency(), detection
-            case ScanPlace(place):
-                self._scans[place] = self._scanner.scan(place, self.simulator.still())
+            case TakePicture() | ScanPlace():
+                self._look(command, finder)
             case PursueTarget(target):
                 self.motion.command(target)
             case StopArm():
@@ -170,6 +165,14 @@ class PalletLockstep:
                 self.simulator.gripper.close()
             case OpenGripper():
                 self.simulator.gripper.open()
+
+    def _look(self, command: TakePicture | ScanPlace, finder: BoxFinder) -> None:
+        """Take a picture, or scan a place; the result is known a little later."""
+        if isinstance(command, ScanPlace):
+            self._scans[command.place] = self._scanner.scan(command.place, self.simulator.still())
+        elif not self.camera_is_silent:
+            detection = finder.detect(command.expected, self.simulator)
+            self._pending = self.simulator.time + self._latency(), detection
 
     def _answered(self) -> tuple[PlaceScan, ...]:
         """The scans whose results have come by now."""

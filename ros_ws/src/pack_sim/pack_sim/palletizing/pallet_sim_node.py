@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from pack_interfaces.srv import GripperCommand, LayOnTable, RemoveBox, ResetCell, SpawnBox
@@ -20,8 +21,10 @@ from pack_core.ros.conversions import from_pose
 from pack_core.ros.params import read_parameters
 from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
+from pack_sim.palletizing.place_scanner import PlaceScannerConfig
 from pack_sim.palletizing.ros.camera_publisher import PalletCameraPublisher
 from pack_sim.palletizing.ros.cell_publisher import CellPublisher
+from pack_sim.palletizing.ros.scan_publisher import ScanPublisher
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.palletizing.visitor_sensor import VisitorSensor, VisitorSensorConfig
 from pack_sim.ros.motion_sim_node import MotionSimNode, run_sim_with_camera
@@ -43,6 +46,7 @@ class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
         default="", description="who comes near: a file of config/visitors, or `random`. Empty: nobody"
     )
     sensor: VisitorSensorConfig = VisitorSensorConfig()
+    scanner: PlaceScannerConfig = PlaceScannerConfig()
 
 
 class PalletSimNode(MotionSimNode):
@@ -58,6 +62,7 @@ class PalletSimNode(MotionSimNode):
         self._simulator = self._new_simulator(self._config.seed)
         self._publisher.publish_boxes(self._simulator.boxes)
         self._camera = PalletCameraPublisher(self, self._simulator, self._config.camera)
+        self._scans = ScanPublisher(self, self._simulator.open_scanner(self._config.scanner))
         self.show(describe_robot(self._cell)).fix(fixed_frames(self._simulator.cell))
         services = (
             (contracts.GRIPPER_COMMAND, self._command_gripper),
@@ -66,6 +71,8 @@ class PalletSimNode(MotionSimNode):
             (contracts.REMOVE_BOX, self._remove),
             (contracts.RESET, self._reset),
             (contracts.TRIGGER, self._trigger),
+            (contracts.SCAN_PALLET, partial(self._scan, "pallet")),
+            (contracts.SCAN_TABLE, partial(self._scan, "reorientation_table")),
         )
         self.follow_motion(services, self._config.real_time_factor, self._camera)
 
@@ -142,6 +149,13 @@ class PalletSimNode(MotionSimNode):
         response.success = self._camera.expose(snapshot)
         if not response.success:
             response.message = "the last picture is still being made"
+        return response
+
+    def _scan(self, place: str, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        with self.lock:
+            still = self._simulator.still()
+        self._scans.publish(place, still)
+        response.success = True
         return response
 
 

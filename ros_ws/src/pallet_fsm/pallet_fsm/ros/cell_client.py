@@ -26,12 +26,14 @@ from pallet_fsm.ports import (
     LayOnTable,
     OpenGripper,
     PursueTarget,
+    ScanPlace,
     StopArm,
     TakePicture,
 )
 from pallet_fsm.ports import (
     SpawnBox as SpawnCommand,
 )
+from pallet_fsm.surroundings import PALLET, REORIENTATION_TABLE
 
 
 class CellClient:
@@ -59,12 +61,16 @@ class CellClient:
                 contracts.TRIGGER,
             )
         )  # fmt: skip
+        self._scans = {
+            PALLET: self._client(contracts.SCAN_PALLET),
+            REORIENTATION_TABLE: self._client(contracts.SCAN_TABLE),
+        }
 
     def apply(self, command: Command) -> None:
         """Send a command.
 
-        A motion target without segments is a stop. A picture that is not taken is missed by the machine,
-        which asks again.
+        A motion target without segments is a stop. A picture or a scan that is not taken is missed by the
+        machine.
         """
         match command:
             case PursueTarget(target):
@@ -74,6 +80,8 @@ class CellClient:
             case TakePicture(expected):
                 self._expected.publish(to_expected_box(expected))
                 self._trigger.call_async(Trigger.Request())
+            case ScanPlace(place):
+                self._scans[place].call_async(Trigger.Request())
             case SpawnCommand(name, dims, mass):
                 request = SpawnBox.Request(name=name, size=list(dims), mass=mass)
                 self._call(self._spawn, request, f"box {name} cannot come", lambda: self._on_spawned(name))

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from pack_interfaces.msg import BoxDetection as BoxDetectionMsg
 from pack_interfaces.msg import GripperState
 from pack_interfaces.msg import MotionStatus as MotionStatusMsg
+from sensor_msgs.msg import PointCloud2
 
 from pack_core.motion.target import MotionStatus
 from pack_core.palletizing.box_detection import BoxDetection
 from pack_core.palletizing.grip import GripState
+from pack_core.palletizing.scanner import PlaceScan
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
@@ -18,8 +21,10 @@ from pack_core.ros.conversions import from_stamp
 from pack_core.ros.motion_messages import from_status
 from pack_core.ros.palletizing.detection_messages import from_detection
 from pack_core.ros.palletizing.gripper_messages import from_gripper_state
+from pack_core.ros.palletizing.scan_messages import from_cloud
 from pack_core.ros.stream import Stream, StreamReader
 from pallet_fsm.ports import PalletObservation
+from pallet_fsm.surroundings import PALLET, REORIENTATION_TABLE
 
 READ_PERIOD = 0.05
 """Longest time for which the reader waits for a status of the motion [s of wall clock]."""
@@ -42,8 +47,11 @@ class Observer:
         self._motion: MotionStatus | None = None
         self._grip: GripState | None = None
         self._detection: BoxDetection | None = None
+        self._scans: dict[str, PlaceScan] = {}
         self.spawned = self.laid = ""
         node.listen(contracts.BOX_DETECTION, self._on_detection)
+        node.listen(contracts.PALLET_SCAN, partial(self._on_scan, PALLET))
+        node.listen(contracts.TABLE_SCAN, partial(self._on_scan, REORIENTATION_TABLE))
         self._statuses = Stream(node, motion.MOTION_STATUS)
         self._grips = Stream(node, contracts.GRIPPER_STATE)
         self._reader = StreamReader(node, (self._statuses,), self._read, READ_PERIOD)
@@ -63,7 +71,8 @@ class Observer:
         detection, time = self._detection, from_stamp(self._node.get_clock().now().to_msg())
         if detection is not None and detection.time > time:
             detection = None  # the simulator has begun anew since
-        return PalletObservation(time, self._motion, self._grip, self.spawned, detection)
+        scans = tuple(scan for scan in list(self._scans.values()) if scan.time <= time)
+        return PalletObservation(time, self._motion, self._grip, self.spawned, detection, scans)
 
     def _read(self) -> None:
         for grip in self._grips.take_all():
@@ -77,6 +86,9 @@ class Observer:
 
     def _on_gripper(self, message: GripperState) -> None:
         self._grip = from_gripper_state(message)
+
+    def _on_scan(self, place: str, message: PointCloud2) -> None:
+        self._scans[place] = from_cloud(message, place)
 
     def _on_detection(self, message: BoxDetectionMsg) -> None:
         self._detection = from_detection(message)

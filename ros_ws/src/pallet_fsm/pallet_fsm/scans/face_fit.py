@@ -9,8 +9,8 @@ import numpy as np
 from pack_core.rotations import Array
 
 COARSE, FINE = (0.03, 0.012), 0.004
-"""Widths of the edge in the fit [m]: those by which a face is found that was moved by centimetres, and the last
-one, half of the rays' spacing, with which the rays beside an edge decide."""
+"""Widths of the edge in the fit [m]: those by which a face is found that was moved by centimetres, and the
+last one, half of the rays' spacing, with which the rays beside an edge decide."""
 BESIDE = 0.04
 """Rays farther from an edge than this tell nothing about a face that lies about where it should [m]."""
 STEPS = 8
@@ -20,7 +20,7 @@ LONGEST_STEP = np.array([0.03, 0.03, 0.15])
 CLOSE = 2e-5
 """Newton's method ends when a step is smaller [m, rad]."""
 PRIOR = np.array([0.05, 0.05, 0.5])
-"""Standard deviations of a shift and a turn before anything is seen [m, m, rad]: what no ray tells stays 0."""
+"""Standard deviations before anything is seen [m, m, rad], by which a shift that no ray tells of stays 0."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,8 @@ class FaceFit:
 
     Attributes:
         shift: along its expected axes, and about the vertical `(3,)` [m, m, rad].
-        sigma: about twice the standard deviation of each that repeated scans show `(3,)` [m, m, rad]; that of the
-            prior where no ray tells anything.
+        sigma: of each `(3,)` [m, m, rad], about twice what repeated scans differ by; that of the prior where
+            no ray tells anything.
     """
 
     shift: Array
@@ -59,7 +59,7 @@ def fit_face(points: Array, is_on: Array, half: Array, slack: float) -> FaceFit:
 
 
 def depths(points: Array, half: Array, shift: Array) -> Array:
-    """How far points `(n, 2)` lie inside the nearest edge of a rectangle that was moved by (x, y, turn) [m]."""
+    """How far points `(n, 2)` lie inside the nearest edge of a rectangle that was moved by `shift` [m]."""
     return _inside(points, half, shift)[0]
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
+
+import numpy as np
 
 from pack_core.rotations import Array
 
@@ -24,29 +26,30 @@ class Finding:
     Attributes:
         oddity: what is wrong.
         box: name of the box that it is wrong with; empty for what belongs to no box.
-        shift: how far a box was moved, in x and y of the world `(2,)` [m]; of a foreign thing, where its middle
-            is. None where nothing can be said of it.
+        shift_W: how far a box was moved, in x and y `(2,)` [m].
         turn_deg: by how much a box was turned, seen from above.
+        middle_W: where the middle of a foreign thing is, in x and y `(2,)` [m].
         size: of a foreign thing along x and y of the world, and its height over the place `(3,)` [m].
     """
 
     oddity: Oddity
     box: str = ""
-    shift: Array | None = None
+    shift_W: Array = field(default_factory=lambda: np.zeros(2))
     turn_deg: float = 0.0
-    size: Array | None = None
+    middle_W: Array = field(default_factory=lambda: np.zeros(2))
+    size: Array = field(default_factory=lambda: np.zeros(3))
 
     def __str__(self) -> str:
         """In words."""
-        if self.shift is not None and self.oddity is Oddity.MOVED:
-            way = float((self.shift @ self.shift) ** 0.5)
-            return f"box {self.box} stands {1e3 * way:.0f} mm and {abs(self.turn_deg):.1f} degrees from its place"
-        if self.shift is not None and self.size is not None:
-            (x, y), (length, width, height) = self.shift, self.size
-            return (
-                f"something stands there that should not: {length:.2f} x {width:.2f} m around x = {x:.2f}, "
-                f"y = {y:.2f} m, up to {height:.2f} m high"
-            )
+        if self.oddity is Oddity.MISSING:
+            return f"box {self.box} is gone"
         if self.oddity is Oddity.OTHER:
             return f"what stands in the place of box {self.box} is not of its size"
-        return f"box {self.box} is gone"
+        if self.oddity is Oddity.MOVED:
+            way, turn = 1e3 * float(np.linalg.norm(self.shift_W)), abs(self.turn_deg)
+            return f"box {self.box} stands {way:.0f} mm and {turn:.1f} degrees from its place"
+        (x, y), (length, width, height) = self.middle_W, self.size
+        return (
+            f"something of {length:.2f} x {width:.2f} x {height:.2f} m that should not be there, "
+            f"at x = {x:.2f}, y = {y:.2f} m"
+        )

@@ -9,7 +9,7 @@ from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.scanner import PlaceScan, ScannerMount
 from pallet_fsm.ports import PalletObservation, ScanPlace
-from pallet_fsm.scans.comparison import Scene, ScanTolerances, compare
+from pallet_fsm.scans.comparison import ScanTolerances, Scene, compare
 from pallet_fsm.scans.findings import Finding
 from pallet_fsm.scans.rays import Rays
 from pallet_fsm.scans.shadow import clearance
@@ -19,16 +19,17 @@ class ScanConfig(Config):
     """When the pallet and table B are scanned, and what counts as a change."""
 
     period: NonNegativeFloat = Field(
-        default=0.2, description="between two scans while the arm comes near a place or leaves it; 0: never [s]"
+        default=0.2, description="between two scans while the arm comes near or leaves; 0: never [s]"
     )
     clear: PositiveFloat = Field(
-        default=0.12, description="of arm and carried box from a place, seen from above, at which they hide "
+        default=0.12,
+        description="distance of arm and carried box from a place, seen from above, at which they hide "
         "nothing of it [m]",
-    )  # fmt: skip
+    )
     near: PositiveFloat = Field(
-        default=0.5, description="the same, from which on the place is scanned; farther away nothing depends on "
-        "it yet [m]",
-    )  # fmt: skip
+        default=0.5,
+        description="distance within which the place is scanned; farther away nothing depends on it [m]",
+    )
     patience: PositiveFloat = Field(default=5.0, description="longest time until a scanner answers [s]")
     tolerances: ScanTolerances = ScanTolerances()
 
@@ -47,7 +48,8 @@ class PlaceLook:
         self._name, self._place, self._config = name, place, config
         self._p_WB, self._X_WS = cell.arm.X_WB.p, cell.scanner_pose(name)
         mount: ScannerMount = getattr(cell.scanners, name)
-        self._spacing = mount.spacing
+        # On what is higher than the place rays are denser: less of it is enough to count.
+        self._least = config.tolerances.area / mount.spacing**2
         self._asked = -float("inf")
         self._expected: tuple[Obstacle, ...] | None = None
 
@@ -79,7 +81,7 @@ class PlaceLook:
             return ()
         for scan in scans:
             if scan.place == self._name and scan.time >= self._asked:
-                scene = Scene(Rays.of(scan, self._X_WS), self._place, self._expected, self._spacing)
+                scene = Scene(Rays.of(scan, self._X_WS), self._place, self._expected, self._least)
                 self._expected = None
                 return compare(scene, self._config.tolerances)
         return ()

@@ -1,4 +1,4 @@
-"""The top face of a box as a scan has it: which rays meet its plane, and where, and on which sides its edges show."""
+"""The top face of a box as a scan has it: where rays cross its plane, and which tell where it ends."""
 
 from __future__ import annotations
 

@@ -15,8 +15,9 @@ from pack_interfaces.msg import (
     UnwantedContact,
 )
 from pack_interfaces.srv import GripperCommand, LayOnTable, PlanLayout, RemoveBox, ResetCell, SpawnBox
-from sensor_msgs.msg import CompressedImage
+from sensor_msgs.msg import CompressedImage, PointCloud2
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
 from pack_core.palletizing import topics
 from pack_core.ros.contracts import motion
@@ -66,6 +67,20 @@ BOARD_SIGHTING = Contract(
     topics.BOARD_SIGHTING, BoardSighting, ("vision",), ("fsm", "recorder", "user"),
     "corners of the calibration board in a picture, when it is what is expected", qos=STREAM,
     rate="each picture", recorded=True)
+SCAN_PALLET = Contract(
+    "/pallet_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
+    "scan the pallet now; the points follow, stamped with this moment", kind=Kind.SERVICE)
+PALLET_SCAN = Contract(
+    topics.PALLET_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
+    "where the rays of the scanner over the pallet met something, in the frame `pallet_scanner`", qos=LATEST,
+    rate="on demand", recorded=True)
+SCAN_TABLE = Contract(
+    "/reorientation_table_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
+    "scan table B now; the points follow, stamped with this moment", kind=Kind.SERVICE)
+TABLE_SCAN = Contract(
+    topics.TABLE_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
+    "the same of the scanner over table B, in the frame `reorientation_table_scanner`", qos=LATEST,
+    rate="on demand", recorded=True)
 VISION_FRAME = Contract(
     "/vision/frame", CompressedImage, ("vision",), ("user",),
     "the whole picture, at lower resolution", qos=LATEST, rate="each picture")
