@@ -7,12 +7,14 @@ import numpy as np
 
 from pack_core.motion.moves import Path, Transfer
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
+from pack_core.motion.world import Obstacle
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.grip import ASKED, GripState
 from pack_core.palletizing.orders.layout_plan import Insertion, LayoutPlan, LayoutStatus, PlannedBox
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
+from pack_core.palletizing.scanner import PlaceScan
 from pack_core.paths import config_path
 from pack_core.rotations import Pose, angle_between, from_yaw, multiply
 from pallet_fsm.palletizer import Palletizer
@@ -24,11 +26,15 @@ from pallet_fsm.ports import (
     OpenGripper,
     PalletObservation,
     PursueTarget,
+    ScanPlace,
     SpawnBox,
     StopArm,
     TakePicture,
 )
+from pallet_fsm.scans.look import ScanConfig
+from pallet_fsm.surroundings import furniture, standing_box
 from pallet_fsm.tool_poses import LOOKING_DOWN
+from unit.pallet_fsm.scans.closed_form import scan_of
 
 PERIOD = 0.05
 TICKS = 2
@@ -49,11 +55,16 @@ TURN = 0.3
 MUTES = {
     SpawnBox: "feeder",
     TakePicture: "camera",
+    ScanPlace: "scanner",
     PursueTarget: "motion",
     CloseGripper: "gripper",
     OpenGripper: "gripper",
 }
 """Which part of the cell does a command."""
+
+
+NO_SCANS = ScanConfig(period=0.0)
+"""Most tests do without scans, which take most of the time here."""
 
 
 @dataclass
@@ -95,7 +106,7 @@ class Faults:
 
 @dataclass
 class FakeCell:
-    """Boxes by name, with their true poses."""
+    """Boxes by name, with their true poses; and strangers, which belong to no order."""
 
     order: Order
     faults: Faults = field(default_factory=Faults)
@@ -105,6 +116,8 @@ class FakeCell:
     boxes: dict[str, Pose] = field(default_factory=dict)
     spawned: str = ""
     detection: BoxDetection | None = None
+    scans: dict[str, PlaceScan] = field(default_factory=dict)
+    strangers: list[Obstacle] = field(default_factory=list)
     has_stopped: bool = False
 
     def __post_init__(self) -> None:
@@ -117,13 +130,15 @@ class FakeCell:
     def observe(self) -> PalletObservation:
         self.time += PERIOD
         self._advance()
-        return PalletObservation(self.time, self._status(), self.grip, self.spawned, self.detection)
+        scans = tuple(self.scans.values())
+        return PalletObservation(self.time, self._status(), self.grip, self.spawned, self.detection, scans)
 
     def apply(self, command: Command) -> None:
         actions: dict[type, Callable[[], None]] = {
             SpawnBox: lambda: self._spawn(command.name, command.dims),
             DiscardBox: lambda: self._discard(command.name),
             TakePicture: lambda: self._look(command.expected),
+            ScanPlace: lambda: self._scan(command.place),
             PursueTarget: lambda: self._take(command.target),
             StopArm: self._stop,
             CloseGripper: self._close,
@@ -139,7 +154,16 @@ class FakeCell:
         self.spawned = name
 
     def _discard(self, name: str) -> None:
-        del self.boxes[name]
+        self.boxes.pop(name, None)
+
+    def _scan(self, place: str) -> None:
+        standing = [
+            standing_box(item, self.boxes[item.id])
+            for item in self.order.boxes
+            if item.id in self.boxes and item.id != self.grip.held
+        ]
+        blocks = (*furniture(self._cell), *standing, *self.strangers)
+        self.scans[place] = scan_of(self._cell, place, blocks, self.time)
 
     def _look(self, expected) -> None:
         status, reason, X_WB = DetectionStatus.DETECTED, "", self.boxes[expected.id]
@@ -266,7 +290,7 @@ def plan_as_given(order: Order) -> LayoutPlan:
 def run(order: Order, profile: str = "blended", faults: Faults | None = None) -> tuple[Palletizer, FakeCell]:
     """An order from start to end."""
     cell = FakeCell(order, faults or Faults())
-    config = PalletizerConfig(profile=profile)
+    config = PalletizerConfig(profile=profile, scans=NO_SCANS)
     machine = Palletizer(order, plan_as_given(order), palletizing_cell(), config, 0.0)
     while not machine.machine.is_over:
         for command in machine.step(cell.observe()):

@@ -79,7 +79,9 @@ LINKS = (
     _link((0, 0, 0), (HALF, 0, 0), 6.60, (0.0, 0.0, -0.0065),
           (0.0115, 0.0115, 0.0145), (0.0, 0.0, 0.0)),
 )  # fmt: skip
-X_6F = Pose(np.array([0.0, 0.0, -0.215]), from_rpy((0.0, FULL, 0.0)))
+WRIST_LENGTH = 0.215
+"""From the centre of the wrist to the flange [m]."""
+X_6F = Pose(np.array([0.0, 0.0, -WRIST_LENGTH]), from_rpy((0.0, FULL, 0.0)))
 """Flange F in the last link's frame; its z axis points out of the flange."""
 
 

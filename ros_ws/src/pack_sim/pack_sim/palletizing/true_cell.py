@@ -17,8 +17,8 @@ FURNITURE, CAMERA, SCANNERS = 2, 3, 9
 def true_cell(cell: PalletizingCell, seed: int) -> PalletizingCell:
     """The cell with tables, pallet, camera and scanners where they truly are.
 
-    The arm's base is that of `true_base`. Sizes of the errors are those of the cell's preset. A preset without
-    such errors gives the cell back.
+    The arm's base is that of `true_base`. Sizes of the errors are those of the preset. A preset without such
+    errors gives the cell back.
     """
     faults = cell.imperfections
     found: dict[str, object] = {}

@@ -1,7 +1,7 @@
 """Compares a scan with the boxes that must stand at its place.
 
 Each box is judged by its top face: is it there, and where do its edges lie by the testimony of the rays on
-both sides of them? Then everything counts that is nearer to the scanner than all that is known to stand there.
+both sides of them? Then everything counts that is nearer to the scanner than what is known to stand there.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import Config
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose, from_yaw, multiply, rotate
+from pallet_fsm.scans.box_top import BoxTop
 from pallet_fsm.scans.face_fit import FaceFit, depths, fit_face
 from pallet_fsm.scans.findings import Finding, Oddity
 from pallet_fsm.scans.rays import Rays
-from pallet_fsm.scans.top_face import TopFace
 
 TRACE = 0.3
 """Share of the rays to a box that must meet something at the height of its top, or it is not there."""
@@ -53,7 +53,7 @@ class ScanTolerances(Config):
 
 
 @dataclass(frozen=True)
-class Scene:
+class ScannedScene:
     """What is compared with what.
 
     Attributes:
@@ -77,7 +77,7 @@ class Judgement:
     standing: Obstacle | None
 
 
-def compare(scene: Scene, tolerances: ScanTolerances) -> tuple[Finding, ...]:
+def compare(scene: ScannedScene, tolerances: ScanTolerances) -> tuple[Finding, ...]:
     """What is not as it should be; nothing where all is, as far as the scanner can see it."""
     expected = scene.rays.up_to((scene.place, *scene.boxes), tolerances.slack)
     judged = [
@@ -90,9 +90,9 @@ def compare(scene: Scene, tolerances: ScanTolerances) -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-def _judged(scene: Scene, box: Obstacle, others: Array, limits: ScanTolerances) -> Judgement:
+def _judged(scene: ScannedScene, box: Obstacle, others: Array, limits: ScanTolerances) -> Judgement:
     """A box by its top face; `others` are the distances `(n,)` at which rays would meet all else there."""
-    face, measured = TopFace.of(box), scene.rays.distances
+    face, measured = BoxTop.of(box), scene.rays.distances
     points, distances = face.crossings(scene.rays)
     is_near = np.all(np.abs(points) < face.half + limits.reach, axis=1)
     # What covers the face, and neighbours of nearly its height, hide where it ends.
@@ -113,7 +113,7 @@ def _judged(scene: Scene, box: Obstacle, others: Array, limits: ScanTolerances) 
     return _moved(box, face, found, limits)
 
 
-def _moved(box: Obstacle, face: TopFace, found: FaceFit, limits: ScanTolerances) -> Judgement:
+def _moved(box: Obstacle, face: BoxTop, found: FaceFit, limits: ScanTolerances) -> Judgement:
     """A box that is there; it was moved if by more than is allowed and than its rays leave open."""
     allowed = np.array([limits.position, limits.position, np.deg2rad(limits.angle_deg)])
     if np.all(np.abs(found.shift) <= allowed + 2.0 * found.sigma):
@@ -125,7 +125,7 @@ def _moved(box: Obstacle, face: TopFace, found: FaceFit, limits: ScanTolerances)
     return Judgement(Finding(Oddity.MOVED, box.name, shift_W[:2], turn_deg), standing)
 
 
-def _foreign(scene: Scene, boxes: Sequence[Obstacle], limits: ScanTolerances) -> list[Finding]:
+def _foreign(scene: ScannedScene, boxes: Sequence[Obstacle], limits: ScanTolerances) -> list[Finding]:
     """What is nearer to the scanner than the place and all that stands on it, if there is anything."""
     rays, place = scene.rays, scene.place
     expected = rays.up_to((place, *boxes), limits.slack).min(axis=1)

@@ -9,10 +9,10 @@ from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.scanner import PlaceScan, ScannerMount
 from pallet_fsm.ports import PalletObservation, ScanPlace
-from pallet_fsm.scans.comparison import ScanTolerances, Scene, compare
+from pallet_fsm.scans.comparison import ScannedScene, ScanTolerances, compare
 from pallet_fsm.scans.findings import Finding
 from pallet_fsm.scans.rays import Rays
-from pallet_fsm.scans.shadow import clearance
+from pallet_fsm.scans.shadow import ArmShadow
 
 
 class ScanConfig(Config):
@@ -21,14 +21,16 @@ class ScanConfig(Config):
     period: NonNegativeFloat = Field(
         default=0.2, description="between two scans while the arm comes near or leaves; 0: never [s]"
     )
-    clear: PositiveFloat = Field(
-        default=0.12,
-        description="distance of arm and carried box from a place, seen from above, at which they hide "
-        "nothing of it [m]",
-    )
     near: PositiveFloat = Field(
         default=0.5,
-        description="distance within which the place is scanned; farther away nothing depends on it [m]",
+        description="distance of arm and carried box from a place, seen from above, within which it is "
+        "scanned; while they are farther away nothing depends on it [m]",
+    )
+    clear: PositiveFloat = Field(
+        default=0.15, description="distance from which on a scan is asked for: the arm moves meanwhile [m]"
+    )
+    hides: PositiveFloat = Field(
+        default=0.1, description="distance below which they may hide something of the place [m]"
     )
     patience: PositiveFloat = Field(default=5.0, description="longest time until a scanner answers [s]")
     tolerances: ScanTolerances = ScanTolerances()
@@ -46,12 +48,13 @@ class PlaceLook:
 
     def __init__(self, name: str, place: Obstacle, cell: PalletizingCell, config: ScanConfig) -> None:
         self._name, self._place, self._config = name, place, config
-        self._p_WB, self._X_WS = cell.arm.X_WB.p, cell.scanner_pose(name)
+        self._shadow, self._X_WS = ArmShadow(place, cell), cell.scanner_pose(name)
         mount: ScannerMount = getattr(cell.scanners, name)
         # On what is higher than the place rays are denser: less of it is enough to count.
         self._least = config.tolerances.area / mount.spacing**2
         self._asked = -float("inf")
         self._expected: tuple[Obstacle, ...] | None = None
+        self._clearances: list[tuple[float, float]] = []
 
     @property
     def is_awaited(self) -> bool:
@@ -67,21 +70,30 @@ class PlaceLook:
     ) -> ScanPlace | None:
         """A scan, if it is time for one; `boxes` are those that must stand there now."""
         config = self._config
-        if not config.period or self.is_awaited or seen.time < self._asked + config.period:
+        if not self.is_awaited and (not config.period or seen.time < self._asked + config.period):
             return None
-        apart = clearance(self._place, self._p_WB, seen.motion.X_WT, carried)
+        apart = self._shadow.clearance(seen.motion.X_WT, carried)
+        if self.is_awaited:
+            self._clearances.append((seen.time, apart))
+            return None
         if not config.clear <= apart <= config.near:
             return None
-        self._asked, self._expected = seen.time, boxes
+        self._asked, self._expected, self._clearances = seen.time, boxes, []
         return ScanPlace(self._name)
 
     def answer(self, scans: tuple[PlaceScan, ...]) -> tuple[Finding, ...]:
-        """What is not as it was to be when the scan was asked for; nothing before it has come."""
+        """What is not as it was to be when the scan was asked for; nothing before it has come.
+
+        A scan that was made so late that the arm may have hidden something tells nothing.
+        """
         if self._expected is None:
             return ()
         for scan in scans:
             if scan.place == self._name and scan.time >= self._asked:
-                scene = Scene(Rays.of(scan, self._X_WS), self._place, self._expected, self._least)
+                scene = ScannedScene(Rays.of(scan, self._X_WS), self._place, self._expected, self._least)
                 self._expected = None
-                return compare(scene, self._config.tolerances)
+                is_free = all(
+                    apart > self._config.hides for time, apart in self._clearances if time <= scan.time
+                )
+                return compare(scene, self._config.tolerances) if is_free else ()
         return ()

@@ -17,7 +17,7 @@ PIECE = 0.016
 
 
 @dataclass(frozen=True)
-class TopFace:
+class BoxTop:
     """A rectangle F: the top of a box where it is expected, axes along its edges, z up.
 
     Attributes:
@@ -31,7 +31,7 @@ class TopFace:
     half: Array
 
     @classmethod
-    def of(cls, box: Obstacle) -> TopFace:
+    def of(cls, box: Obstacle) -> BoxTop:
         """The top of a box, whichever of its sides that is."""
         R_WB = to_matrix(box.X_WO.q)
         vertical = int(np.argmax(np.abs(R_WB[2])))

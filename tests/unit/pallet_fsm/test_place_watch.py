@@ -1,0 +1,140 @@
+"""What the machine does when the pallet or table B is not as it was left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from pack_core.motion.world import Obstacle
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.scanner import PlaceScan
+from pack_core.rotations import Pose, from_yaw, multiply
+from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.ports import PalletObservation, ScanPlace
+from pallet_fsm.report import BoxOutcome, OrderReport
+from pallet_fsm.scans.look import PlaceLook, ScanConfig
+from pallet_fsm.states import State
+from pallet_fsm.surroundings import PALLET, furniture
+from pallet_fsm.tool_poses import LOOKING_DOWN
+from unit.pallet_fsm.fake_cell import FakeCell, Faults, given_order, plan_as_given
+from unit.pallet_fsm.scans.closed_form import box_on, scan_of
+
+CELL = palletizing_cell()
+SCANS = ScanConfig(near=10.0)
+"""The fake arm leaps from one way-point to the next: it is looked past from wherever it hides nothing."""
+STRANGER = (0.2, 0.2, 0.15)
+Hand = Callable[[FakeCell, str], None]
+
+
+def built(
+    number: int, hand: Hand | None = None, moment: tuple[int, State] = (0, State.DONE),
+    faults: Faults | None = None, profile: str = "blended",
+) -> tuple[OrderReport, FakeCell, list[str]]:  # fmt: skip
+    """An order with scans, a hand that reaches in once in a state of the n-th box, and the places scanned."""
+    order = given_order(number)
+    name = order.boxes[moment[0]].id
+    cell, scanned = FakeCell(order, faults or Faults()), list[str]()
+    machine = Palletizer(
+        order, plan_as_given(order), CELL, PalletizerConfig(profile=profile, scans=SCANS), 0.0
+    )
+    while not machine.machine.is_over:
+        visits = {(visit.box, visit.state) for visit in machine.machine.visits}
+        if hand is not None and (name, moment[1]) in visits:
+            hand(cell, name)
+            hand = None
+        for command in machine.step(cell.observe()):
+            scanned += [command.place] if isinstance(command, ScanPlace) else []
+            cell.apply(command)
+        assert cell.time < 600.0, machine.machine.visits[-5:]
+    return machine.report(), cell, scanned
+
+
+def take(cell: FakeCell, name: str) -> None:
+    cell.boxes.pop(name)
+
+
+def turn(cell: FakeCell, name: str) -> None:
+    X_WB = cell.boxes[name]
+    cell.boxes[name] = Pose(X_WB.p, multiply(from_yaw(0.3), X_WB.q))
+
+
+def put_on(place: str) -> Hand:
+    block = next(block for block in furniture(CELL) if block.name == place)
+
+    def put(cell: FakeCell, _: str) -> None:
+        x, y = block.X_WO.p[:2] + np.array([0.1, 0.1])
+        cell.strangers.append(box_on(block.size[2], x, y, STRANGER))
+
+    return put
+
+
+@pytest.mark.parametrize("number", [3, 16])
+def test_an_order_that_nobody_reaches_into_is_built_and_watched(number: int) -> None:
+    report, _, scanned = built(number)
+    assert report.is_complete
+    assert not report.faults
+    assert scanned.count(PALLET) > len(report.boxes)
+
+
+@pytest.mark.parametrize(("hand", "words"), [(take, "is gone"), (turn, "17.")])
+def test_a_box_that_leaves_its_place_on_the_pallet_ends_the_order_and_is_lost(hand: Hand, words: str) -> None:
+    report, cell, _ = built(3, hand, (0, State.RETREAT))
+    first, second = report.boxes
+    assert [visit.state for visit in report.faults] == [State.PLACE_CHANGED]
+    assert report.reason.startswith(f"seen on the pallet: box {first.name} ")
+    assert (first.outcome, second.outcome) == (BoxOutcome.LOST, BoxOutcome.PENDING)
+    assert words in first.reason
+    assert cell.has_stopped
+
+
+@pytest.mark.parametrize(("hand", "words"), [(take, "is gone"), (turn, "17.")])
+def test_a_box_that_does_not_stay_on_table_b_is_skipped_with_what_would_stand_on_it(
+    hand: Hand, words: str
+) -> None:
+    report, cell, scanned = built(16, hand, (1, State.STEP_BACK), profile="thesis")
+    skipped = next(box for box in report.boxes if box.outcome is BoxOutcome.SKIPPED)
+    assert words in skipped.reason
+    assert "seen on table B" in skipped.reason
+    assert skipped.name not in cell.boxes
+    assert report.visits[-1].state is State.DONE
+    assert "reorientation_table" in scanned
+
+
+@pytest.mark.parametrize(
+    ("number", "place", "where"), [(3, PALLET, "the pallet"), (16, "reorientation_table", "table B")]
+)
+def test_a_stranger_where_the_carried_box_is_to_stand_stops_the_arm_before_it_is_there(
+    number: int, place: str, where: str
+) -> None:
+    box = 1 if number == 16 else 0
+    report, cell, _ = built(number, put_on(place), (box, State.SAFE_PICK))
+    assert report.reason.startswith(f"seen on {where}: something of 0.")
+    assert report.boxes[box].outcome is BoxOutcome.PENDING
+    assert cell.grip.held == report.boxes[box].name
+
+
+def test_a_scanner_that_never_answers_is_named() -> None:
+    report, _, _ = built(3, faults=Faults(mute=frozenset({"scanner"})))
+    assert report.reason == "the scanner over the pallet does not answer"
+
+
+def looking(tool_y: float) -> PalletObservation:
+    cell = FakeCell(given_order(3), X_WT=Pose(np.array([-0.5, tool_y, 1.5]), LOOKING_DOWN))
+    return cell.observe()
+
+
+@pytest.mark.parametrize(("later", "is_seen"), [(1.15, True), (0.95, False)])
+def test_a_scan_that_was_made_when_the_arm_had_come_over_the_place_tells_nothing(
+    later: float, is_seen: bool
+) -> None:
+    blocks = {block.name: block for block in furniture(CELL)}
+    look = PlaceLook(PALLET, blocks[PALLET], CELL, ScanConfig())
+    assert look.ask(looking(1.15), (), None) == ScanPlace(PALLET)
+    assert look.ask(looking(later), (), None) is None
+    stranger: Obstacle = box_on(CELL.pallet.deck_height, 0.1, 0.5, STRANGER)
+    scan: PlaceScan = scan_of(CELL, PALLET, (*blocks.values(), stranger), time=0.5)
+    assert bool(look.answer((scan,))) is is_seen
+    assert not look.is_awaited
