@@ -110,7 +110,7 @@ def test_a_stranger_where_the_carried_box_is_to_stand_stops_the_arm_before_it_is
     number: int, place: str, where: str
 ) -> None:
     box = 1 if number == 16 else 0
-    report, cell, _ = built(number, put_on(place), (box, State.SAFE_PICK))
+    report, cell, _ = built(number, put_on(place), (box, State.SAFE_PICK), profile="thesis")
     assert report.reason.startswith(f"seen on {where}: something of 0.")
     assert report.boxes[box].outcome is BoxOutcome.PENDING
     assert cell.grip.held == report.boxes[box].name

@@ -1,0 +1,61 @@
+"""Hands on table B and on the pallet, in the whole cell: seen by a scanner, and named in the reason."""
+
+from __future__ import annotations
+
+import pytest
+
+from pack_lockstep.hands import HandCase, HandReport
+from pack_lockstep.palletizing.hands import run_case
+
+
+def after(what: str, when: str) -> HandReport:
+    report = run_case(HandCase(what, when), seed=0)
+    assert not report.problem
+    return report
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        ("box removed", "box lower is gone"),
+        ("box turned by 20 degrees", "degrees from its place"),
+        ("box shifted by 60 mm", "box lower stands 60 mm"),
+    ],
+)
+def test_a_box_that_leaves_its_place_on_the_pallet_stops_the_arm_with_an_empty_hand(
+    what: str, words: str
+) -> None:
+    report = after(what, "retreat")
+    assert words in report.noticed[0]
+    assert report.noticed_after < 2.0
+    assert report.ended == "stopped: lower lost, upper pending"
+    assert report.touches == 0
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [("box removed", "box lower is gone"), ("box turned by 20 degrees", "degrees from its place")],
+)
+def test_a_box_that_does_not_stay_on_table_b_is_skipped_with_what_would_stand_on_it(
+    what: str, words: str
+) -> None:
+    report = after(what, "above table")
+    assert words in report.noticed[0]
+    assert report.ended == "lower skipped, upper skipped"
+    assert report.touches == 0
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    ("what", "when"),
+    [("another box put on table B", "rotate"), ("another box put in its place", "above pallet")],
+)
+def test_another_box_where_the_carried_one_is_to_stand_stops_the_arm_before_they_meet(
+    what: str, when: str
+) -> None:
+    report = after(what, when)
+    assert "that should not be there" in report.noticed[0]
+    assert report.ended == "stopped: lower pending, upper pending"
+    assert report.touches == 0
