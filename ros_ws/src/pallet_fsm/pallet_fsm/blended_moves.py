@@ -37,7 +37,11 @@ class BlendedConfig(Config):
     final_speed: PositiveFloat = Field(default=0.12, description="on it [m/s]")
     standoff: PositiveFloat = Field(default=0.02, description="beside the place, where an insertion begins")
     corner: PositiveFloat = Field(default=0.008, description="cut off where lines meet at an angle [m]")
-    safe: Point = Field(default=(0.0, 0.5, 2.0), description="where to wait for a box [m]")
+    safe: Point = Field(
+        default=(-0.4, 1.5, 2.0),
+        description="where to wait for a box, and where the arm ends: beside the pallet, which its scanner "
+        "sees then [m]",
+    )
     heavy: PositiveFloat = Field(
         default=2.5, description="mass times height from which a box is turned gently [kg m]"
     )
@@ -64,7 +68,7 @@ class BlendedMoves:
         Args:
             state: the first state that the move goes through.
             stop: the state at whose target it ends.
-            item: the box that the move is for; None: it goes to the safe position over the pallet.
+            item: the box that the move is for; None: it goes to the safe position.
             X_WT: the present pose of the tool.
         """
         if state in (State.RETREAT, State.RETURN):  # straight to the next box, if it was found already
@@ -142,7 +146,7 @@ class BlendedMoves:
         ]
 
     def _home(self, X_WT: Pose) -> Leg:
-        """Up along the pallet's own vertical, then to the safe position over the pallet."""
+        """Up along the pallet's own vertical, then to the safe position."""
         safe, up = np.array(self._config.safe), self._goals.in_world(UP)
         goal = Pose(safe, X_WT.q)
         cross = PoseMove(goal, label=Part.CROSS.name)

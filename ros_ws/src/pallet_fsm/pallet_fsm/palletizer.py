@@ -129,10 +129,11 @@ class Palletizer:
         return None if outcome is None else (outcome, self._legs.reason)
 
     def _waits_for_sight(self, state: State) -> bool:
-        """Whether the gripper must not act yet, as what was looked at last is not known."""
+        """Whether the gripper must not act, nor the box be left, before what was looked at last is known."""
         if state is State.GRASP and self._watch.is_looking:
             return True
-        return ROWS[state].grip in (Grip.CLOSE, Grip.OPEN) and self._places.is_looking
+        has_an_end = ROWS[state].grip in (Grip.CLOSE, Grip.OPEN) or state is State.RETURN
+        return has_an_end and self._places.is_looking
 
     def _fire(self, event: Event, reason: str, seen: PalletObservation) -> None:
         before = self.machine.state
