@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Pose, from_yaw, multiply
+from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.place_watch import PlaceWatch
 from pallet_fsm.ports import PalletObservation, ScanPlace
 from pallet_fsm.report import BoxOutcome, OrderReport
 from pallet_fsm.scans.look import PlaceLook, ScanConfig
 from pallet_fsm.states import State
 from pallet_fsm.surroundings import PALLET, furniture
 from pallet_fsm.tool_poses import LOOKING_DOWN
+from pallet_fsm.transitions import Event
 from unit.pallet_fsm.fake_cell import FakeCell, Faults, given_order, plan_as_given
 from unit.pallet_fsm.scans.closed_form import box_on, scan_of
 
@@ -132,9 +137,30 @@ def test_a_scan_that_was_made_when_the_arm_had_come_over_the_place_tells_nothing
 ) -> None:
     blocks = {block.name: block for block in furniture(CELL)}
     look = PlaceLook(PALLET, blocks[PALLET], CELL, ScanConfig())
-    assert look.ask(looking(1.15), (), None) == ScanPlace(PALLET)
-    assert look.ask(looking(later), (), None) is None
+    assert look.ask(looking(1.15), tuple, None) == ScanPlace(PALLET)
+    assert look.ask(looking(later), tuple, None) is None
     stranger: Obstacle = box_on(CELL.pallet.deck_height, 0.1, 0.5, STRANGER)
     scan: PlaceScan = scan_of(CELL, PALLET, (*blocks.values(), stranger), time=0.5)
     assert bool(look.answer((scan,))) is is_seen
     assert not look.is_awaited
+
+
+def test_what_is_seen_on_table_b_counts_once() -> None:
+    order = given_order(16)
+    book = OrderBook(order, plan_as_given(order), CELL)
+    table = CELL.reorientation_table
+    book.current.X_WB = Pose(np.array([*table.centre, table.height + 0.2]))
+    book.current.approach = np.array([1.0, 0.0, 0.0])
+    watch = PlaceWatch(SCANS, CELL, book)
+    watch.observe(looking(1.15))
+    assert ScanPlace("reorientation_table") in watch.commands()
+    seen = replace(looking(1.15), scans=(scan_of(CELL, "reorientation_table", furniture(CELL), 1.0),))
+    watch.observe(seen)
+    event, reason = watch.change(State.STEP_BACK, 1.0) or (None, "")
+    assert (event, reason) == (Event.BOX_CHANGED, f"seen on table B: box {book.current.name} is gone")
+    assert watch.change(State.RETREAT, 1.0) is None
+
+
+def test_distances_between_which_nothing_would_be_scanned_are_refused() -> None:
+    with pytest.raises(ValidationError, match="hides <= clear < near"):
+        ScanConfig(near=0.1)

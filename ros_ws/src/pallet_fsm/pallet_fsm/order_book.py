@@ -69,6 +69,13 @@ class OrderBook:
             if item.outcome is BoxOutcome.PLACED and item.X_WB is not None
         )
 
+    def on_table(self) -> tuple[Obstacle, ...]:
+        """The box in work where it stands on table B, if it does."""
+        item = self.current
+        if item.approach is None or item.X_WB is None or item.is_finished:
+            return ()
+        return (standing_box(item.box, item.X_WB),)
+
     def lose(self, name: str, reason: str) -> None:
         """Note that a box which was placed no longer stands in its place."""
         next(item for item in self.items if item.name == name).finish(BoxOutcome.LOST, reason)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.handling import Handling
 from pallet_fsm.box_watch import Happening
@@ -11,7 +10,7 @@ from pallet_fsm.ports import Command, PalletObservation
 from pallet_fsm.scans.findings import Finding
 from pallet_fsm.scans.look import PlaceLook, ScanConfig
 from pallet_fsm.states import BEFORE_REGRASP, State
-from pallet_fsm.surroundings import PALLET, REORIENTATION_TABLE, furniture, standing_box
+from pallet_fsm.surroundings import PALLET, REORIENTATION_TABLE, furniture
 from pallet_fsm.transitions import Event
 
 
@@ -43,9 +42,9 @@ class PlaceWatch:
         """Take note of scans that have come, and have places scanned."""
         self._on_pallet, self._on_table = self._pallet.answer(seen.scans), self._table.answer(seen.scans)
         carried = self._book.current.carried
-        wanted = [self._pallet.ask(seen, self._book.on_pallet(), carried)]
-        if (boxes := self._due_on_table()) is not None:
-            wanted.append(self._table.ask(seen, boxes, carried))
+        wanted = [self._pallet.ask(seen, self._book.on_pallet, carried)]
+        if self._is_table_in_use:
+            wanted.append(self._table.ask(seen, self._book.on_table, carried))
         self._commands += [command for command in wanted if command is not None]
 
     def commands(self) -> tuple[Command, ...]:
@@ -60,10 +59,11 @@ class PlaceWatch:
                 return Event.HALTED, f"the scanner over {where} does not answer"
         if self._on_pallet:
             return Event.PLACE_CHANGED, f"seen on the pallet: {_words(self._on_pallet)}"
-        if self._on_table:
-            is_box = state in BEFORE_REGRASP and any(finding.box for finding in self._on_table)
+        found, self._on_table = self._on_table, ()  # it counts once: the machine goes on without the box
+        if found:
+            is_box = state in BEFORE_REGRASP and any(finding.box for finding in found)
             event = Event.BOX_CHANGED if is_box else Event.PLACE_CHANGED
-            return event, f"seen on table B: {_words(self._on_table)}"
+            return event, f"seen on table B: {_words(found)}"
         return None
 
     def note_loss(self) -> None:
@@ -72,14 +72,12 @@ class PlaceWatch:
             if finding.box:
                 self._book.lose(finding.box, f"seen on the pallet: {finding}")
 
-    def _due_on_table(self) -> tuple[Obstacle, ...] | None:
-        """What must stand on table B; None where that does not matter now."""
+    @property
+    def _is_table_in_use(self) -> bool:
+        """Whether the box in work is on its way to table B, or stands there."""
         item = self._book.current
-        if item.handling is not Handling.TABLE:
-            return None
-        if item.X_TB is not None:
-            return () if item.approach is None else None  # it is on its way there, or was taken up again
-        return None if item.approach is None or item.X_WB is None else (standing_box(item.box, item.X_WB),)
+        is_on_its_way = item.handling is Handling.TABLE and item.X_TB is not None and item.approach is None
+        return is_on_its_way or bool(self._book.on_table())
 
 
 def _words(findings: tuple[Finding, ...]) -> str:

@@ -108,7 +108,7 @@ def _judged(scene: ScannedScene, box: Obstacle, others: Array, limits: ScanToler
     tells = face.is_told(points)
     found = fit_face(points[tells], is_on[tells], face.half, limits.slack)
     is_inside = depths(points, face.half, found.shift) > limits.slack
-    if is_on[is_inside].mean() < limits.share:
+    if is_on[is_inside].sum() < limits.share * max(1, is_inside.sum()):
         return Judgement(Finding(Oddity.OTHER, box.name), None)
     return _moved(box, face, found, limits)
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from pydantic import Field, NonNegativeFloat, PositiveFloat
+from collections.abc import Callable
+from typing import Self
+
+from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
 
 from pack_core.config import Config
 from pack_core.motion.world import CarriedBox, Obstacle
@@ -35,6 +38,15 @@ class ScanConfig(Config):
     patience: PositiveFloat = Field(default=5.0, description="longest time until a scanner answers [s]")
     tolerances: ScanTolerances = ScanTolerances()
 
+    @model_validator(mode="after")
+    def _leaves_room_to_look(self) -> Self:
+        if not self.hides <= self.clear < self.near:
+            raise ValueError(
+                f"hides, clear and near are {self.hides}, {self.clear} and {self.near} m; allowed: "
+                "hides <= clear < near, or nothing is ever scanned"
+            )
+        return self
+
 
 class PlaceLook:
     """Looks at one place, again and again while the arm is near it and hides nothing.
@@ -66,9 +78,9 @@ class PlaceLook:
         return self.is_awaited and time > self._asked + self._config.patience
 
     def ask(
-        self, seen: PalletObservation, boxes: tuple[Obstacle, ...], carried: CarriedBox | None
+        self, seen: PalletObservation, boxes: Callable[[], tuple[Obstacle, ...]], carried: CarriedBox | None
     ) -> ScanPlace | None:
-        """A scan, if it is time for one; `boxes` are those that must stand there now."""
+        """A scan, if it is time for one; `boxes` gives those that must stand there now."""
         config = self._config
         if not self.is_awaited and (not config.period or seen.time < self._asked + config.period):
             return None
@@ -78,7 +90,7 @@ class PlaceLook:
             return None
         if not config.clear <= apart <= config.near:
             return None
-        self._asked, self._expected, self._clearances = seen.time, boxes, []
+        self._asked, self._expected, self._clearances = seen.time, boxes(), []
         return ScanPlace(self._name)
 
     def answer(self, scans: tuple[PlaceScan, ...]) -> tuple[Finding, ...]:

@@ -18,6 +18,8 @@ STEP = 12
 """Bytes of a point: three floats."""
 NEAREST = 0.1
 """No scanner measures what is nearer than this [m]."""
+MOST = 100_000
+"""Points of a scan at most: comparing more would hold the machine up."""
 
 
 def to_cloud(scan: PlaceScan) -> PointCloud2:
@@ -42,10 +44,11 @@ def from_cloud(message: PointCloud2, place: str) -> PlaceScan:
     frame, n = message.header.frame_id, message.width * message.height
     if frame != scanner_frame(place):
         raise MessageError(f"points in the frame '{frame}'; allowed: {scanner_frame(place)}")
-    if list(message.fields) != list(FIELDS) or message.is_bigendian or len(message.data) != STEP * n or not n:
+    is_packed = list(message.fields) == list(FIELDS) and not message.is_bigendian
+    if not is_packed or len(message.data) != STEP * n or not 0 < n <= MOST:
         raise MessageError(
-            f"{n} points in {len(message.data)} bytes with {len(message.fields)} fields; allowed: at least "
-            "one point, and x, y, z as little-endian floats, without padding"
+            f"{n} points in {len(message.data)} bytes with {len(message.fields)} fields; allowed: 1 to "
+            f"{MOST} points, x, y, z as little-endian floats, without padding"
         )
     points = finite(np.frombuffer(message.data, dtype="<f4").reshape(n, 3), "a scan's points")
     if np.any(np.linalg.norm(points, axis=1) < NEAREST):
