@@ -58,6 +58,8 @@ MOMENTS: dict[str, tuple[str, State, str, tuple[str, ...]]] = {
     "retreat, the next box": (LOWER, State.RETREAT, UPPER, (*_MOVED, EXCHANGED)),
     "above the next box": (UPPER, State.ABOVE_BOX, UPPER, (*_MOVED, EXCHANGED, BESIDE_IT, CAMERA)),
     "grasp, of the upper box": (UPPER, State.GRASP, UPPER, (TURNED, SHIFTED)),
+    "above pallet, the stack": (UPPER, State.ABOVE_PALLET, LOWER, (REMOVED, SHIFTED)),
+    "pre deposit, the stack": (UPPER, State.PRE_DEPOSIT, LOWER, (REMOVED, SHIFTED)),
     "retreat, the stack": (UPPER, State.RETREAT, UPPER, _MOVED),
     "return, the stack": (UPPER, State.RETURN, UPPER, (REMOVED,)),
 }

@@ -79,15 +79,23 @@ class Judgement:
 
 def compare(scene: ScannedScene, tolerances: ScanTolerances) -> tuple[Finding, ...]:
     """What is not as it should be; nothing where all is, as far as the scanner can see it."""
-    expected = scene.rays.up_to((scene.place, *scene.boxes), tolerances.slack)
     judged = [
-        _judged(scene, box, np.delete(expected, i, axis=1).min(axis=1), tolerances)
-        for i, box in enumerate(scene.boxes, start=1)
+        _judged(scene, box, others, tolerances)
+        for box, others in zip(scene.boxes, _all_others(scene, tolerances.slack), strict=True)
     ]
     findings = [one.finding for one in judged if one.finding is not None]
     if not any(finding.oddity is Oddity.OTHER for finding in findings):  # that is a foreign thing itself
         findings += _foreign(scene, [one.standing for one in judged if one.standing is not None], tolerances)
     return tuple(findings)
+
+
+def _all_others(scene: ScannedScene, slack: float) -> list[Array]:
+    """For each box the distances `(n,)` [m] at which rays would meet all else that stands there."""
+    if not scene.boxes:
+        return []
+    expected = scene.rays.up_to((scene.place, *scene.boxes), slack)
+    nearest, (first, second) = expected.argmin(axis=1), np.partition(expected, 1, axis=1)[:, :2].T
+    return [np.where(nearest == i, second, first) for i in range(1, expected.shape[1])]
 
 
 def _judged(scene: ScannedScene, box: Obstacle, others: Array, limits: ScanTolerances) -> Judgement:
