@@ -16,6 +16,7 @@ from pack_core.blocks.planar import PlanarPose
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
 from pack_core.palletizing.grip import GripState
+from pack_core.palletizing.scanner import PlaceScan
 from pack_core.ros.blocks.block_messages import to_sighting
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks, motion, palletizing, shared
@@ -23,6 +24,7 @@ from pack_core.ros.conversions import to_stamp
 from pack_core.ros.motion_messages import to_status
 from pack_core.ros.palletizing.detection_messages import to_detection
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
+from pack_core.ros.palletizing.scan_messages import to_cloud
 from pack_core.rotations import Pose
 from pallet_fsm.ros.observer import Observer
 
@@ -85,3 +87,20 @@ def test_a_detection_from_before_the_simulator_began_anew_answers_no_picture(
     graph.wait_until(lambda: observer.newest is not None and observer.newest.time == AFTER)
     assert observer.newest is not None
     assert observer.newest.detection is None
+
+
+def test_a_scan_from_before_the_simulator_began_anew_answers_no_look(
+    graph: Graph, observer: Observer
+) -> None:
+    graph.connect(shared.CLOCK, palletizing.PALLET_SCAN, palletizing.GRIPPER_STATE, motion.MOTION_STATUS)
+    tick(graph, BEFORE)
+    graph.probe.send(palletizing.GRIPPER_STATE, to_gripper_state(BEFORE, GripState()))
+    status = MotionStatus(BEFORE, 1, MotionState.IDLE, 0, "", 0.0, 0.0, 0.0, 0.0, 0, "", IDENTITY)
+    graph.probe.send(motion.MOTION_STATUS, to_status(status))
+    scan = PlaceScan(BEFORE - 0.2, "pallet", np.array([[0.0, 0.0, 4.0]]))
+    graph.probe.send(palletizing.PALLET_SCAN, to_cloud(scan))
+    graph.wait_until(lambda: observer.newest is not None and observer.newest.scans)
+    tick(graph, AFTER)
+    graph.wait_until(lambda: observer.newest is not None and observer.newest.time == AFTER)
+    assert observer.newest is not None
+    assert not observer.newest.scans
