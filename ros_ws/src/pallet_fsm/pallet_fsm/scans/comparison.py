@@ -7,7 +7,7 @@ both sides of them? Then everything counts that is nearer to the scanner than wh
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydantic import Field, PositiveFloat
@@ -19,6 +19,7 @@ from pallet_fsm.scans.box_top import BoxTop
 from pallet_fsm.scans.face_fit import FaceFit, depths, fit_face
 from pallet_fsm.scans.findings import Finding, Oddity
 from pallet_fsm.scans.rays import Rays
+from pallet_fsm.scans.registration import registered
 
 TRACE = 0.3
 """Share of the rays to a box that must meet something at the height of its top, or it is not there."""
@@ -34,7 +35,7 @@ class ScanTolerances(Config):
         description="by which a ray meets something else if by more; noise is a few millimetres [m]",
     )
     position: PositiveFloat = Field(
-        default=0.008, description="by which a box was moved along an edge if by more [m]"
+        default=0.005, description="by which a box was moved along an edge if by more [m]"
     )
     angle_deg: PositiveFloat = Field(default=2.0, description="by which a box was turned if by more")
     slack: PositiveFloat = Field(
@@ -79,6 +80,8 @@ class Judgement:
 
 def compare(scene: ScannedScene, tolerances: ScanTolerances) -> tuple[Finding, ...]:
     """What is not as it should be; nothing where all is, as far as the scanner can see it."""
+    rays = registered(scene.rays, scene.place, scene.boxes, tolerances.height, tolerances.slack)
+    scene = replace(scene, rays=rays)
     judged = [
         _judged(scene, box, others, tolerances)
         for box, others in zip(scene.boxes, _all_others(scene, tolerances.slack), strict=True)
