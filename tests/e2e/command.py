@@ -10,14 +10,19 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from integration.harness import own_domain
+
 # A background job of a shell ignores Ctrl-C, and so would what it starts.
 PACK = ["env", "--default-signal=INT", sys.executable, "-m", "e2e.small_videos"]
 TESTS = Path(__file__).parents[1]
 
 
 def pack(*arguments: str | Path) -> subprocess.Popen[str]:
-    """Start the command in no domain of a shell; errors come with the output."""
-    environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
+    """Start the command in a domain of this test worker; errors come with the output.
+
+    Left to itself the command takes a domain that looks free, and so may another worker's in that moment.
+    """
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(own_domain())}
     environment["PYTHONPATH"] = f"{TESTS}{os.pathsep}{environment.get('PYTHONPATH', '')}"
     return subprocess.Popen(
         [*PACK, *map(str, arguments)], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
