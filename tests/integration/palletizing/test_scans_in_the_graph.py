@@ -17,6 +17,8 @@ from pack_core.palletizing.scanner import SCANNED, PlaceScan
 from pack_core.paths import config_path
 from pack_core.ros.contracts import motion as motion_contracts
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.contracts import shared
+from pack_core.ros.conversions import from_stamp
 from pack_core.ros.motion_messages import to_status
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
 from pack_core.ros.palletizing.scan_messages import from_cloud, to_cloud
@@ -47,6 +49,7 @@ def test_the_simulator_scans_a_place_when_it_is_asked_to(graph: Graph, place: st
     first = from_cloud(graph.probe.last(points), place)
     assert len(first.points) > 0.9 * len(CELL.scanner_rays(place))
     assert spawn(graph).success
+    graph.wait_until(lambda: from_stamp(graph.probe.last(shared.CLOCK).clock) > first.time)
     graph.call(trigger, Trigger.Request())
     graph.wait_until(lambda: len(graph.probe.mail[points.name]) > 1)
     assert from_cloud(graph.probe.last(points), place).time > first.time
