@@ -40,7 +40,7 @@ class GovernorConfig(Config):
         default=30.0, description="largest pull against a force that holds the object down [N]"
     )
     reflex: NonNegativeFloat = Field(
-        default=3.0, description="by how much each newton measured beyond `push` reduces the push"
+        default=3.0, description="by how much each newton measured beyond `push` or `pull_out` reduces it"
     )
     pull_back: NonNegativeFloat = Field(default=40.0, description="largest force away from the contact [N]")
     approach: PositiveFloat = Field(default=0.03, description="reference speed into the contact [m/s]")
