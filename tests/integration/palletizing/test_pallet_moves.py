@@ -10,7 +10,8 @@ from pack_motion.tracking.config import motion_set
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
-from unit.pallet_fsm.fake_cell import FakeCell, given_order
+from unit.pallet_fsm.fake_cell import FakeCell
+from unit.pallet_fsm.whole_orders import given_order
 
 
 class PlannedCell(FakeCell):

@@ -16,7 +16,7 @@ from pallet_fsm.targets import Situation, targets_of
 from pallet_fsm.thesis_config import ThesisConfig
 from pallet_fsm.tool_poses import LOOKING_DOWN, ToolPoseConfig, grasps
 from pallet_fsm.work_item import WorkItem
-from unit.pallet_fsm.fake_cell import given_order
+from unit.pallet_fsm.whole_orders import given_order
 
 ASKEW = Displacement(shift=(0.002, -0.003, 0.004), turn=(-0.0016, -0.0026, -0.0039))
 BOX = given_order(17).boxes[0]

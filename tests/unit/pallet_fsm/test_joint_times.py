@@ -19,7 +19,7 @@ from pallet_fsm.goals import Goals
 from pallet_fsm.joint_times import joint_time
 from pallet_fsm.tool_poses import ToolPoseConfig, grasps, placements, stands
 from pallet_fsm.work_item import WorkItem
-from unit.pallet_fsm.fake_cell import given_order
+from unit.pallet_fsm.whole_orders import given_order
 
 CELL, POSES, ARM = palletizing_cell(), ToolPoseConfig(), arm_kinematics()
 TURNED = [box for n in range(1, 26) for box in given_order(n).boxes if box.turn.handling is Handling.TABLE]

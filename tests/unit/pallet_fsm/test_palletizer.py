@@ -8,7 +8,9 @@ from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ports import StopArm
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.states import State
-from unit.pallet_fsm.fake_cell import FakeCell, Faults, given_order, misplacement, plan_as_given, run
+from unit.pallet_fsm.fake_cell import FakeCell
+from unit.pallet_fsm.faults import Faults
+from unit.pallet_fsm.whole_orders import given_order, misplacement, plan_as_given, run
 
 TABLE = list(range(21))
 NONE = [*range(6), *range(15, 21)]

@@ -24,8 +24,10 @@ from pallet_fsm.states import State
 from pallet_fsm.surroundings import PALLET, furniture
 from pallet_fsm.tool_poses import LOOKING_DOWN
 from pallet_fsm.transitions import Event
-from unit.pallet_fsm.fake_cell import FakeCell, Faults, given_order, plan_as_given
+from unit.pallet_fsm.fake_cell import FakeCell
+from unit.pallet_fsm.faults import Faults
 from unit.pallet_fsm.scans.closed_form import box_on, scan_of
+from unit.pallet_fsm.whole_orders import given_order, plan_as_given
 
 CELL = palletizing_cell()
 SCANS = ScanConfig(near=10.0)

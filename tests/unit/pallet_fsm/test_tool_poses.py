@@ -6,7 +6,7 @@ from pack_core.palletizing.orders.handling import Handling
 from pack_core.rotations import Pose, from_yaw, rotate, to_matrix
 from pallet_fsm.orientations import CUBE, box_orientations
 from pallet_fsm.tool_poses import ToolPoseConfig, grasps, placements, stands
-from unit.pallet_fsm.fake_cell import given_order
+from unit.pallet_fsm.whole_orders import given_order
 
 CELL, CONFIG = palletizing_cell(), ToolPoseConfig()
 BOXES = [item for number in range(1, 26) for item in given_order(number).boxes]
