@@ -25,7 +25,7 @@ def test_the_recorded_motion_alone_says_how_the_goal_ended() -> None:
     assert judge(run, Criteria()) is PackingExitReason(run.outcome["exit_reason"])
 
 
-def test_a_recording_of_an_earlier_version_has_the_measures_that_came_later() -> None:
+def test_perception_contact_and_lateness_are_measured_from_the_recording() -> None:
     m = measure(load_run(sample_path()))
     # the sample's cup is rigid: the object is exactly where the measured joints have it
     assert (m.m_rot, m.grip_error) == pytest.approx((0.0, 0.0), abs=1e-6)
@@ -33,5 +33,5 @@ def test_a_recording_of_an_earlier_version_has_the_measures_that_came_later() ->
     assert 0.0 < m.m_pos < 0.002
     assert m.is_contained
     assert m.protrusion < 0.003
-    assert 0.2 < m.chatter < 0.4
-    assert m.very_late < m.late < 1.0
+    assert 0.0 < m.chatter < 0.1
+    assert m.very_late <= m.late < 0.2

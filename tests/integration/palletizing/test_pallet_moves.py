@@ -11,25 +11,36 @@ from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from unit.pallet_fsm.fake_cell import FakeCell
+from unit.pallet_fsm.fake_motion import FakeMotion
+from unit.pallet_fsm.faults import Faults
 from unit.pallet_fsm.whole_orders import given_order
 
 
+class PlannedMotion(FakeMotion):
+    """Takes a move only if the real motion finds a way; the next one starts at its end."""
+
+    def __init__(self, faults: Faults) -> None:
+        super().__init__(faults)
+        arm, home = load_arm("palletizing"), np.array(palletizing_cell().arm.home)
+        self.start = arm.chain.forward(home)
+        self._controller = MotionController(arm, motion_set("shipped"), 0.0, home)
+
+    def take(self, target: MotionTarget, *, is_holding: bool) -> None:
+        super().take(target, is_holding=is_holding)
+        answer = self._controller.command(target)
+        if answer.is_accepted:
+            self._controller.reset(0.0, self._controller.plan.trajectory.end.q)
+        else:
+            self._state, self._reason = MotionState.REFUSED, answer.reason
+
+
 class PlannedCell(FakeCell):
-    """Takes a move only if the motion does; the arm is then at its end."""
+    """Its arm does only what the motion plans."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        arm, home = load_arm("palletizing"), np.array(palletizing_cell().arm.home)
-        self.X_WT = arm.chain.forward(home)
-        self._motion = MotionController(arm, motion_set("shipped"), 0.0, home)
-
-    def _take(self, target: MotionTarget) -> None:
-        super()._take(target)
-        answer = self._motion.command(target)
-        if not answer.is_accepted:
-            self._state, self._reason = MotionState.REFUSED, answer.reason
-        else:
-            self._motion.reset(self.time, self._motion.plan.trajectory.end.q)
+        self._motion = PlannedMotion(self.faults)
+        self.X_WT = self._motion.start
 
 
 def test_an_order_with_low_boxes_at_the_table_and_high_neighbours_on_the_pallet_is_clear() -> None:

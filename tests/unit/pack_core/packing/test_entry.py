@@ -4,9 +4,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.entry import ASIDE_MARGIN, LANDING_MARGIN, UPRIGHT_BELOW, Entry, plan_entry, side_of
+from pack_core.packing.entry import (
+    ASIDE_MARGIN,
+    LANDING_MARGIN,
+    UPRIGHT_BELOW,
+    WALL_MARGIN,
+    Entry,
+    plan_entry,
+    side_of,
+)
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
@@ -45,18 +54,26 @@ def test_its_lower_end_keeps_off_what_it_would_land_on(scene: Scene) -> None:
 
 
 @given(st.floats(0.39, 0.61), st.floats(-0.08, 0.08), st.floats(0.0, 2 * np.pi))
-def test_its_lower_end_stays_between_the_walls(x: float, y: float, angle: float) -> None:
+def test_its_lower_face_keeps_off_the_walls(x: float, y: float, angle: float) -> None:
+    """The corners of the lower face, tilted and shifted as at the entry, about the height of the tops."""
     scene = packing_cell().scene
-    place = Pose(
-        np.clip(
-            [x, y, 0.09], [*(scene.container.lower + 0.033), 0.09], [*(scene.container.upper - 0.033), 0.09]
-        )
-    )
+    a, b, c = scene.new_object.half_extents
+    lower, upper = scene.container.lower + [a, b], scene.container.upper - [a, b]
+    place = Pose(np.array([*np.clip([x, y], lower, upper), c]))
     over = np.array([np.cos(angle), np.sin(angle)])
     entry = plan_entry(scene, place, ("tea_box",), {"tea_box": at(0.5, 0.0)}, LEAN, over)
-    bounds = footprint(scene.new_object, Pose(place.p + np.array([*entry.aside, 0.0]))).bounds
-    assert np.all(np.array(bounds[:2]) >= scene.container.lower - 1e-9)
-    assert np.all(np.array(bounds[2:]) <= scene.container.upper + 1e-9)
+    tilt = Rotation.from_rotvec(LEAN * np.array([-over[1], over[0], 0.0]))
+    corners = np.array([[i * a, j * b, 0.0] for i in (-1, 1) for j in (-1, 1)])
+    face = place.p[:2] + entry.aside + tilt.apply(corners)[:, :2]
+    assert np.all(face >= scene.container.lower + WALL_MARGIN - 1e-9)
+    assert np.all(face <= scene.container.upper - WALL_MARGIN + 1e-9)
+
+
+def test_flush_with_a_wall_it_enters_off_the_wall_even_without_obstacles(scene: Scene) -> None:
+    flush = scene.container.upper[0] - scene.new_object.half_extents[0]
+    entry = plan_entry(scene, Pose(np.array([flush, 0.0, 0.09])), (), {}, LEAN, np.zeros(2))
+    np.testing.assert_allclose(entry.at(1.0)[1], [-WALL_MARGIN, 0.0], atol=1e-9)
+    np.testing.assert_allclose(entry.at(UPRIGHT_BELOW)[1], 0.0)
 
 
 @pytest.mark.parametrize("names", [(), ("tea_box",), ("tea_box", "soup_can")])

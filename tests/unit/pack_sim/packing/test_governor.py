@@ -95,7 +95,6 @@ def test_what_presses_is_within_the_bounds(tau: list[float], force: float) -> No
         (CONFIG.bending, 1.0),
         (0.5 * (CONFIG.bending + CONFIG.bending_limit), 0.5),
         (CONFIG.bending_limit, 0.0),
-        (9.0, 0.0),
     ],
 )
 def test_the_arm_gives_way_where_the_load_bends_the_cup(
@@ -104,6 +103,13 @@ def test_the_arm_gives_way_where_the_load_bends_the_cup(
     press(governor, 5.0 * UP, bending=bending)
     tau = J.T @ np.array([10.0, 0.0, -10.0, 5.0, 0.0, 0.0])
     np.testing.assert_allclose(governor.bound(tau, J), share * tau, atol=1e-6)
+
+
+def test_beyond_the_limit_of_bending_it_pulls_back_in_proportion(governor: ContactGovernor) -> None:
+    """As much beyond the limit as giving way takes to get there: it pulls as hard as it may push."""
+    press(governor, 5.0 * UP, bending=2.0 * CONFIG.bending_limit - CONFIG.bending)
+    wrench = wrench_of(governor.bound(J.T @ np.array([0, 0, -15.0, 0, 0, 0]), J))
+    assert wrench[2] == pytest.approx(CONFIG.push, rel=0.01)
 
 
 def test_giving_way_must_begin_before_its_limit() -> None:

@@ -23,6 +23,8 @@ UPRIGHT_BELOW = 0.02
 """Height of the object's lower end over the base below which it is upright again [m]."""
 ASIDE_MARGIN = 0.008
 """Gap between the object's lower edge and its obstacles at the entry [m]."""
+WALL_MARGIN = 0.005
+"""Gap between the object's lower face and the walls at the entry [m]."""
 LANDING_MARGIN = 0.04
 """A lower end this far below the top of an obstacle or a wall has passed it, even when tilted [m]."""
 
@@ -73,7 +75,8 @@ def plan_entry(
 ) -> Entry:  # fmt: skip
     """The entry that leans towards `over`, its lower end offset to the opposite side.
 
-    The offset is the deepest overlap with an obstacle along `over`, plus a margin, cut off at the walls.
+    The offset is the deepest overlap with an obstacle along `over`, plus a margin. It is changed where the lower face
+    would come closer to a wall than `WALL_MARGIN`; the wall then counts among the tops.
 
     Args:
         scene: the container, the objects and the new one, N.
@@ -87,16 +90,19 @@ def plan_entry(
     own = footprint(scene.new_object, X_WN)
     others = [footprint(scene.model_of(name), poses[name]) for name in collisions]
     depth = max((_extent(own.intersection(other), over) for other in others), default=0.0)
-    aside = -(depth + ASIDE_MARGIN) * over if depth > 0.0 else np.zeros(2)
+    wanted = -(depth + ASIDE_MARGIN) * over if depth > 0.0 else np.zeros(2)
+    aside = _within_walls(scene.container, _lower_face(own, X_WN.p[:2], over, lean), wanted)
     # an object stands on the base, so its height is twice its half extent
     tops = tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in collisions)
+    if not np.array_equal(aside, wanted):
+        tops = (*tops, scene.container.height)
     near = [
         name
         for name in (scene.names if reach > 0.0 else ())
         if name not in collisions and footprint(scene.model_of(name), poses[name]).distance(own) < reach
     ]
     beside = tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in near)
-    return Entry(over, lean, _within_walls(scene.container, own, aside), tops, beside)
+    return Entry(over, lean, aside, tops, beside)
 
 
 def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) -> Array:
@@ -112,8 +118,15 @@ def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) 
 def _within_walls(container: Container, outline: shapely.Polygon, shift: Array) -> Array:
     """The shift `(2,)` [m], limited so that the shifted outline stays between the walls."""
     lower, upper = np.array(outline.bounds).reshape(2, 2)
-    least, most = np.minimum(container.lower - lower, 0.0), np.maximum(container.upper - upper, 0.0)
+    least, most = container.lower + WALL_MARGIN - lower, container.upper - WALL_MARGIN - upper
     return np.clip(shift, least, most)
+
+
+def _lower_face(own: shapely.Polygon, p: Array, over: Array, lean: float) -> shapely.Polygon:
+    """The outline of the lower face at the entry: the upright one about `p` `(2,)`, shorter along `over`."""
+    points = shapely.get_coordinates(own) - p
+    along = (points @ over)[:, None] * over
+    return shapely.Polygon(p + points - (1.0 - np.cos(lean)) * along)
 
 
 def _extent(area: shapely.Geometry, direction: Array) -> float:

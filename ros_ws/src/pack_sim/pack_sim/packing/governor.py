@@ -104,7 +104,9 @@ class ContactGovernor:
         limit = self._config.pull_out if self._holds_down else self._config.push
         # like a spring: the harder the contact already is, the less push is allowed, down to a pull back
         beyond = max(self._strength - limit, 0.0)
-        allowed = max(limit - self._config.reflex * beyond, -self._config.pull_back)
+        # and where the load bends the cup too far, a pull back relieves it
+        allowed = min(limit - self._config.reflex * beyond, limit * self._room)
+        allowed = max(allowed, -self._config.pull_back)
         # torques of a unit force away from the contact; the division makes the wrench change by the excess
         back = J[:3].T @ self._away
         return np.asarray(
@@ -129,8 +131,13 @@ class ContactGovernor:
         """Factor on the arm's torques that bounds its push sideways and down; 0 at the limit of bending."""
         config = self._config
         sideways, down = float(np.hypot(wrench[0], wrench[1])), float(max(-wrench[2], 0.0))
-        room = (config.bending_limit - self._bending) / (config.bending_limit - config.bending)
-        return float(np.clip(room, 0.0, 1.0)) / max(1.0, sideways / config.force, down / config.force)
+        return max(self._room, 0.0) / max(1.0, sideways / config.force, down / config.force)
+
+    @property
+    def _room(self) -> float:
+        """Share of the push that the load on the cup leaves: 1 up to `bending`, 0 at its limit, then negative."""
+        config = self._config
+        return min((config.bending_limit - self._bending) / (config.bending_limit - config.bending), 1.0)
 
 
 def _wrench(tau: Array, J: Array) -> Array:

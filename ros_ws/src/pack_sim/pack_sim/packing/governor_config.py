@@ -28,10 +28,10 @@ class GovernorConfig(Config):
         default=20.0, description="largest force of the driver sideways, and down [N]"
     )
     bending: PositiveFloat = Field(
-        default=0.9, description="measured load on the cup from which the arm gives way [N m]"
+        default=0.7, description="measured load on the cup from which the arm gives way [N m]"
     )
     bending_limit: PositiveFloat = Field(
-        default=1.4, description="load at which the arm gives way wholly [N m]"
+        default=1.1, description="load at which the arm presses no more; beyond, it pulls back [N m]"
     )
     push: PositiveFloat = Field(
         default=18.0, description="largest push of the driver against the measured force [N]"
