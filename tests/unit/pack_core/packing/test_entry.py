@@ -16,7 +16,6 @@ from pack_core.packing.entry import (
     plan_entry,
     side_of,
 )
-from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 
@@ -57,13 +56,13 @@ def test_its_lower_end_keeps_off_what_it_would_land_on(scene: Scene) -> None:
 def test_its_lower_face_keeps_off_the_walls(x: float, y: float, angle: float) -> None:
     """The corners of the lower face, tilted and shifted as at the entry, about the height of the tops."""
     scene = packing_cell().scene
-    a, b, c = scene.new_object.half_extents
-    lower, upper = scene.container.lower + [a, b], scene.container.upper - [a, b]
-    place = Pose(np.array([*np.clip([x, y], lower, upper), c]))
+    half = scene.new_object.half_extents
+    lower, upper = scene.container.lower + half[:2], scene.container.upper - half[:2]
+    place = Pose(np.array([*np.clip([x, y], lower, upper), half[2]]))
     over = np.array([np.cos(angle), np.sin(angle)])
     entry = plan_entry(scene, place, ("tea_box",), {"tea_box": at(0.5, 0.0)}, LEAN, over)
     tilt = Rotation.from_rotvec(LEAN * np.array([-over[1], over[0], 0.0]))
-    corners = np.array([[i * a, j * b, 0.0] for i in (-1, 1) for j in (-1, 1)])
+    corners = np.array([[i * half[0], j * half[1], 0.0] for i in (-1, 1) for j in (-1, 1)])
     face = place.p[:2] + entry.aside + tilt.apply(corners)[:, :2]
     assert np.all(face >= scene.container.lower + WALL_MARGIN - 1e-9)
     assert np.all(face <= scene.container.upper - WALL_MARGIN + 1e-9)

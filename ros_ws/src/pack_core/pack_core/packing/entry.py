@@ -37,7 +37,7 @@ class Entry:
         over: horizontal unit vector `(2,)` towards which the upper end leans; zero: straight down.
         lean: tilt at the entry [rad].
         aside: horizontal offset `(2,)` of the lower end from the packing pose at the entry [m].
-        tops: heights of the obstacles' tops over the base [m].
+        tops: heights over the base of the tops of obstacles, and of a wall that it keeps off [m].
         beside: heights of the tops of neighbours, which an object that is a little off its way may meet [m].
     """
 
@@ -75,8 +75,8 @@ def plan_entry(
 ) -> Entry:  # fmt: skip
     """The entry that leans towards `over`, its lower end offset to the opposite side.
 
-    The offset is the deepest overlap with an obstacle along `over`, plus a margin. It is changed where the lower face
-    would come closer to a wall than `WALL_MARGIN`; the wall then counts among the tops.
+    The offset is the deepest overlap with an obstacle along `over`, plus a margin. It is changed where the
+    lower face would come closer to a wall than `WALL_MARGIN`; the wall then counts among the tops.
 
     Args:
         scene: the container, the objects and the new one, N.
@@ -92,17 +92,15 @@ def plan_entry(
     depth = max((_extent(own.intersection(other), over) for other in others), default=0.0)
     wanted = -(depth + ASIDE_MARGIN) * over if depth > 0.0 else np.zeros(2)
     aside = _within_walls(scene.container, _lower_face(own, X_WN.p[:2], over, lean), wanted)
-    # an object stands on the base, so its height is twice its half extent
-    tops = tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in collisions)
+    tops = _tops(scene, collisions)
     if not np.array_equal(aside, wanted):
         tops = (*tops, scene.container.height)
-    near = [
+    near = tuple(
         name
         for name in (scene.names if reach > 0.0 else ())
         if name not in collisions and footprint(scene.model_of(name), poses[name]).distance(own) < reach
-    ]
-    beside = tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in near)
-    return Entry(over, lean, aside, tops, beside)
+    )
+    return Entry(over, lean, aside, tops, _tops(scene, near))
 
 
 def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) -> Array:
@@ -115,11 +113,20 @@ def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) 
     return np.asarray(mean / length) if length > ONE_SIDED else np.zeros(2)
 
 
+def _tops(scene: Scene, names: tuple[str, ...]) -> tuple[float, ...]:
+    # an object stands on the base, so its height is twice its half extent
+    return tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in names)
+
+
 def _within_walls(container: Container, outline: shapely.Polygon, shift: Array) -> Array:
-    """The shift `(2,)` [m], limited so that the shifted outline stays between the walls."""
+    """The shift `(2,)` [m], limited so that the shifted outline keeps `WALL_MARGIN` off the walls.
+
+    An outline that is too large for that is put into the middle.
+    """
     lower, upper = np.array(outline.bounds).reshape(2, 2)
     least, most = container.lower + WALL_MARGIN - lower, container.upper - WALL_MARGIN - upper
-    return np.clip(shift, least, most)
+    middle = 0.5 * (least + most)
+    return np.clip(shift, np.minimum(least, middle), np.maximum(most, middle))
 
 
 def _lower_face(own: shapely.Polygon, p: Array, over: Array, lean: float) -> shapely.Polygon:

@@ -135,7 +135,7 @@ class ContactGovernor:
 
     @property
     def _room(self) -> float:
-        """Share of the push that the load on the cup leaves: 1 up to `bending`, 0 at its limit, then negative."""
+        """Share of the push that the load on the cup leaves: 1 up to `bending`, 0 at its limit, then less."""
         config = self._config
         return min((config.bending_limit - self._bending) / (config.bending_limit - config.bending), 1.0)
 
