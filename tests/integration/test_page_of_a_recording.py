@@ -37,7 +37,7 @@ def test_a_recording_is_shown_to_its_end_and_held_and_set_back(shown: BagPage) -
         browser.wait_for_headline("placed")
         browser.wait_for_text("nothing may be pushed aside now")
         # At its end it is held: it can be set to any time, and its slider be moved by the keyboard.
-        shown.news.seek(4.0)
+        shown.news.seek(6.0)
         browser.wait_for_headline("INSERT")
         robot = shown.page.cell.scene.drawn.body("panda_link4")
         before = steady_picture(shown.server)

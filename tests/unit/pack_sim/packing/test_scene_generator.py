@@ -17,8 +17,8 @@ from pack_sim.packing.scene_generator import generate_scene
 
 SEEDS = range(4)
 SEED_1 = {
-    "soup_can": (0.529, -0.035), "coffee_tin": (0.454, 0.066), "tea_box": (0.545, 0.053),
-    "cracker_box": (0.596, -0.033), "sugar_box": (0.422, -0.004),
+    "soup_can": (0.487, 0.067), "coffee_tin": (0.420, 0.040), "tea_box": (0.455, -0.043),
+    "cracker_box": (0.540, -0.025), "sugar_box": (0.556, 0.074),
 }  # fmt: skip
 """Centres of the objects in the scene of seed 1 [m]."""
 GRID = 0.004

@@ -8,10 +8,11 @@ import mujoco
 import numpy as np
 
 from pack_core.packing.cell import PackingCell, Tip
-from pack_core.packing.scene import Container, Scene
+from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.steering import add_steering
 from pack_core.packing.surroundings import add_surroundings
+from pack_core.packing.table_and_container import add_container, add_table
 from pack_core.packing.tip import add_tip
 from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
 from pack_core.robots.pump import add_pump
@@ -85,8 +86,8 @@ def build_model(
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     _set_solver(spec, timestep)
-    _add_table(spec, scene.friction, surroundings)
-    _add_container(spec, scene.container, scene.friction)
+    add_table(spec, scene.friction, surroundings)
+    add_container(spec, scene.container, scene.friction)
     for item in scene.objects:
         _add_object(spec, spec.worldbody.add_body(name=item.name), item, scene, free=True)
     tool = None if arm is ArmRole.ABSENT else _add_arm(spec, cell)
@@ -134,29 +135,6 @@ def _set_solver(spec: mujoco.MjSpec, timestep: float) -> None:
     # MuJoCo 4.0 reports some contacts between a tilted box and a cylinder a tenth as deep as they are when
     # it looks for several at once, so that objects sink into each other by centimetres. One is exact.
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MULTICCD
-
-
-def _add_table(spec: mujoco.MjSpec, friction: float, surroundings: bool) -> None:
-    spec.worldbody.add_geom(
-        name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(1.0, 0.8, 0.1), condim=3,
-        friction=(friction, 0.005, 0.0001),
-        rgba=(0.5, 0.5, 0.5, 0.0 if surroundings else 1.0),
-    )  # fmt: skip
-
-
-def _add_container(spec: mujoco.MjSpec, container: Container, friction: float) -> None:
-    # half extents, as MuJoCo's boxes take them
-    (w, l), h, t = 0.5 * np.array(container.size), 0.5 * container.height, 0.5 * container.wall
-    x, y = container.centre
-    sides = {
-        "wall_left": ((x, y + l + t), (w + 2 * t, t)), "wall_right": ((x, y - l - t), (w + 2 * t, t)),
-        "wall_near": ((x - w - t, y), (t, l)), "wall_far": ((x + w + t, y), (t, l)),
-    }  # fmt: skip
-    for name, ((px, py), (sx, sy)) in sides.items():
-        spec.worldbody.add_geom(
-            name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=(px, py, h), size=(sx, sy, h),
-            friction=(friction, 0.005, 0.0001), condim=3, rgba=(0.25, 0.42, 0.62, 1.0),
-        )  # fmt: skip
 
 
 def _add_new_object(
