@@ -113,7 +113,7 @@ def test_after_a_jump_plots_and_log_are_those_of_a_recording_that_was_played(
     server: ViserServer, tmp_path: Path, kind: type[Any], write_bag: Any, at: float
 ) -> None:
     bag = write_bag(tmp_path)
-    played = go(*open_recording(server, bag, kind), *np.arange(0.04, at + 0.02, 0.04))
+    played = go(*open_recording(server, bag, kind), *np.arange(0.05, at + 0.02, 0.05))
     page, news = open_recording(server, bag, kind)
     for way in ((1.0, at), (at + 2.5, at)):  # on, and back
         go(page, news, *way)
