@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import IO
 
 import pytest
+from hypothesis import settings
 
 from closing_line import ClosingLine
 
@@ -20,7 +21,10 @@ LOCKS = pytest.StashKey[Path]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the folder of the locks, or take that of the process that started this worker."""
+    """Set hypothesis up; make the folder of the locks, or take that of the process that started this one."""
+    # an example that takes long on a busy machine is no failure: speed is measured by the benchmarks
+    settings.register_profile("packcell", deadline=None)
+    settings.load_profile("packcell")
     started_with = getattr(config, "workerinput", {})
     folder = started_with.get("locks") or tempfile.mkdtemp(prefix="packcell_tests_")
     config.stash[LOCKS] = Path(folder)

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from block_fsm.executor_config import ExecutorConfig
@@ -19,7 +19,6 @@ angles = st.floats(-np.pi, np.pi)
 places = st.builds(PlanarPose, st.floats(0.4, 0.9), st.floats(-0.3, 0.3), angles)
 
 
-@settings(deadline=None)
 @given(places, places, st.sampled_from([0, 1]))
 def test_a_carried_block_arrives_at_its_pose(start: PlanarPose, end: PlanarPose, grasp: int) -> None:
     grip, release = MOTIONS.grasps(PickPlace("a", start, end, grasp))
@@ -30,7 +29,6 @@ def test_a_carried_block_arrives_at_its_pose(start: PlanarPose, end: PlanarPose,
     assert release.p[2] - grip.p[2] == pytest.approx(CONFIG.release_height)
 
 
-@settings(deadline=None)
 @given(places, places, st.sampled_from([0, 1]))
 def test_fingers_close_along_the_planned_axis_pointing_down(
     start: PlanarPose, end: PlanarPose, grasp: int
@@ -41,7 +39,6 @@ def test_fingers_close_along_the_planned_axis_pointing_down(
     assert abs(np.cos(yaw_of(grip.q) - action.pick_yaw)) == pytest.approx(1.0)
 
 
-@settings(deadline=None)
 @given(places, places)
 def test_the_wrist_stays_within_half_a_turn_of_its_neutral_heading(
     start: PlanarPose, end: PlanarPose
@@ -52,7 +49,6 @@ def test_the_wrist_stays_within_half_a_turn_of_its_neutral_heading(
     assert abs(off + wrapped(end.yaw - start.yaw)) <= np.pi + 1e-6
 
 
-@settings(deadline=None)
 @given(places, st.sampled_from([0.0, np.pi / 2, np.pi, -np.pi / 2]), st.floats(0.01, 0.1))
 def test_a_push_starts_behind_the_block_and_ends_with_it_at_its_goal(
     goal: PlanarPose, side: float, distance: float
@@ -67,7 +63,6 @@ def test_a_push_starts_behind_the_block_and_ends_with_it_at_its_goal(
     assert abs(rotate(start.q, [1, 0, 0])[:2] @ along) < 1e-9
 
 
-@settings(deadline=None)
 @given(places, places)
 def test_a_carried_block_passes_over_standing_ones(start: PlanarPose, end: PlanarPose) -> None:
     grip, release = MOTIONS.grasps(PickPlace("a", start, end, 0))

@@ -1,5 +1,5 @@
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from shapely import Polygon, affinity, box
 
@@ -18,7 +18,6 @@ def square(pose: PlanarPose) -> Polygon:
     return affinity.translate(turned, pose.x, pose.y)
 
 
-@settings(deadline=None)
 @given(yaws, yaws, yaws, st.floats(0.045, 0.08))
 def test_blocks_stand_beside_each_other_where_their_outlines_are_near(
     yaw_a: float, yaw_b: float, direction: float, distance: float

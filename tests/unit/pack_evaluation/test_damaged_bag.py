@@ -80,7 +80,7 @@ def test_a_chunk_that_claims_to_be_huge_takes_no_memory(data: bytes) -> None:
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000  # [kB]
 
 
-@settings(deadline=None, max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(seed=st.integers(0, 2**32))
 def test_whatever_is_done_to_a_file_nothing_but_a_bag_error_escapes(data, tmp_path, seed: int) -> None:
     (tmp_path / "bag.mcap").write_bytes(mutated(data, "binary", random.Random(seed)))

@@ -81,7 +81,7 @@ def test_one_iteration_solves_a_linear_problem_as_lqr_does() -> None:
     np.testing.assert_allclose(result.trajectory.us, riccati(plant, 40, x0), atol=1e-8)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(-3, 3), st.floats(-3, 3), st.floats(0.5, 20), st.integers(0, 10_000))
 def test_iterations_never_raise_the_cost(angle: float, speed: float, limit: float, seed: int) -> None:
     plant, cost = Pendulum(is_linear=False, limit=limit), Quadratic()

@@ -22,7 +22,7 @@ def difference(A: Pose, B: Pose) -> Array:
 
 
 @given(q=angles)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_forward_kinematics_are_those_of_the_model(
     kr210_chain: SerialChain, kr210_model: mujoco.MjModel, q: Array
 ) -> None:
@@ -46,14 +46,14 @@ def test_the_chain_read_from_a_model_is_the_one_from_the_table(
 
 
 @given(q=angles, v=angles)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_jacobian_is_the_derivative_of_the_pose(kr210_chain: SerialChain, q: Array, v: Array) -> None:
     moved = difference(kr210_chain.forward(q - H * v), kr210_chain.forward(q + H * v)) / (2 * H)
     np.testing.assert_allclose(kr210_chain.jacobian(q) @ v, moved, atol=1e-6)
 
 
 @given(q=angles, v=angles)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_bias_is_the_derivative_of_the_jacobian(ur10e_chain: SerialChain, q: Array, v: Array) -> None:
     Jdot = (ur10e_chain.jacobian(q + H * v) - ur10e_chain.jacobian(q - H * v)) / (2 * H)
     np.testing.assert_allclose(ur10e_chain.bias(q, v), Jdot @ v, atol=1e-6)

@@ -41,7 +41,7 @@ def is_at(inverse: InverseKinematics, q: Array, X_WT: Pose) -> bool:
 
 
 @given(share=unit)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_every_solution_reaches_the_pose(inverse: InverseKinematics, share: Array) -> None:
     X_WT = inverse.chain.forward(within_limits(inverse, share))
     solutions = inverse.solve(X_WT)
@@ -50,7 +50,7 @@ def test_every_solution_reaches_the_pose(inverse: InverseKinematics, share: Arra
 
 
 @given(share=unit)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_the_branch_of_joint_positions_leads_back_to_them(inverse: InverseKinematics, share: Array) -> None:
     q = within_limits(inverse, share)
     assume(is_regular(inverse, q))
@@ -60,7 +60,7 @@ def test_the_branch_of_joint_positions_leads_back_to_them(inverse: InverseKinema
 
 
 @given(share=unit)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_solutions_lie_on_the_branch_they_are_named_by(inverse: InverseKinematics, share: Array) -> None:
     q = within_limits(inverse, share)
     assume(is_regular(inverse, q))

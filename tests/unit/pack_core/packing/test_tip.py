@@ -91,7 +91,7 @@ def test_a_deflected_cup_comes_to_rest_at_a_millisecond_step(mass: float) -> Non
     assert energies[-1] < 1e-4 * energies[0]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     shift=st.lists(st.floats(-0.01, 0.01), min_size=3, max_size=3),
     turn=st.lists(st.floats(-0.3, 0.3), min_size=3, max_size=3),

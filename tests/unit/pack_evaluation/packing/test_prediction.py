@@ -25,7 +25,7 @@ def test_the_model_has_the_held_object_where_the_measured_arm_holds_it() -> None
     assert (held.times[0], held.times[-1]) == pytest.approx((START, END))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(angle=ANGLES, axis=st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1))
 def test_m_rot_is_the_angle_by_which_the_object_turned_on_the_tip(
     angle: float, axis: tuple[float, float, float]

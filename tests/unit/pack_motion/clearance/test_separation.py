@@ -20,7 +20,7 @@ def distance(R_a: Array, p_a: Array, half_a: Array, R_b: Array, p_b: Array, half
 
 
 @given(p=vectors, turn_a=vectors, turn_b=vectors, half_a=sizes, half_b=sizes)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_the_gap_is_at_most_the_distance_and_positive_where_there_is_one(
     p: Array, turn_a: Array, turn_b: Array, half_a: Array, half_b: Array
 ) -> None:

@@ -38,7 +38,7 @@ def assert_is_consistent(arm: MotionArm, rows: ReferenceTrajectory) -> None:
 
 
 @given(place=places)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_references_keep_every_joint_limit_and_end_at_the_goal(
     arm: MotionArm, place: tuple[float, ...]
 ) -> None:

@@ -18,7 +18,7 @@ def distance(p: Array) -> float:
 
 
 @given(p=vectors)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_gradient_is_the_derivative_of_the_distance(p: Array) -> None:
     local = np.sort(np.abs(np.abs(R.T @ (p - CENTRE)) - HALF))
     assume(local[0] > 1e-3 and np.diff(local).min() > 1e-3)
@@ -29,7 +29,7 @@ def test_gradient_is_the_derivative_of_the_distance(p: Array) -> None:
 
 
 @given(p=vectors, v=vectors)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_curvature_is_the_second_derivative_along_a_straight_way(p: Array, v: Array) -> None:
     w = np.abs(R.T @ (p - CENTRE)) - HALF
     assume(np.abs(w).min() > 1e-2 and w.max() > 2e-2)

@@ -37,7 +37,7 @@ def tree(
 
 
 @given(v=rates, step=rates)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_point_and_axes_get_the_accelerations_they_ask_for(arm: MotionArm, v: Array, step: Array) -> None:
     """Six tasks for six joints: whatever their weights, all are met, and `Jdot v` is accounted for."""
     c = SILENT._replace(
@@ -55,7 +55,7 @@ def test_point_and_axes_get_the_accelerations_they_ask_for(arm: MotionArm, v: Ar
 
 
 @given(v=rates, a_ref=rates)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_a_reference_that_is_kept_up_with_is_followed_exactly(arm: MotionArm, v: Array, a_ref: Array) -> None:
     c = motion_set("shipped").fast
     M, f, _, _ = tree(arm, c, Q, 0.5 * v, Q, 0.5 * v, a_ref)

@@ -42,7 +42,7 @@ def problem(seed: int) -> tuple[Array, Array, Array, Array]:
 
 
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_within_limits_no_allowed_change_is_better(seed: int) -> None:
     """The conditions of Karush, Kuhn and Tucker."""
     M, f, lower, upper = problem(seed)

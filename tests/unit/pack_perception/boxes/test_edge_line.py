@@ -40,7 +40,7 @@ def search(
     return float(edge.middle @ outward) / PIXEL, float(found), np.array([edge.contrast, edge.inside])
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     angle=st.floats(-np.pi, np.pi),
     shift=st.floats(-3.0, 3.0),

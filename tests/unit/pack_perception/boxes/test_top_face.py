@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pack_core.rotations import Array
@@ -42,7 +42,6 @@ def best(edges: list[EdgeLine], dims: tuple[float, float, float]) -> TopPose:
     return min(top_poses(edges, dims[:2], view), key=lambda pose: pose.mismatch)
 
 
-@settings(deadline=None)
 @given(
     yaw=st.floats(-1.5, 1.5), x=st.floats(-0.3, 0.3), y=st.floats(-0.3, 0.3), shows_sides=st.booleans(),
     d_y=st.floats(0.1, 0.35), d_z=st.floats(0.05, 0.3), first=st.integers(0, 3),

@@ -52,7 +52,7 @@ def fit_standing(item: Box | Cylinder, p_WM: Array, *markers: int) -> Pose | Fit
 
 
 @given(place=vectors, yaw=angles, pair=tops, item=items)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_any_standing_pose_is_recovered_from_any_two_markers_of_the_top(
     place: Array, yaw: float, pair: list[int], item: Box | Cylinder
 ) -> None:
@@ -71,7 +71,7 @@ def test_any_standing_pose_is_recovered_from_any_two_markers_of_the_top(
     pair=st.permutations(range(6)).map(lambda o: o[:2]),
     item=items,
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_any_pose_is_recovered_from_two_markers_when_its_axis_is_known(
     p: Array, turn: Array, about_axis: float, pair: list[int], item: Box | Cylinder
 ) -> None:
@@ -88,7 +88,7 @@ def test_any_pose_is_recovered_from_two_markers_when_its_axis_is_known(
 
 
 @given(tilt=st.floats(-0.2, 0.2))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_a_tilt_about_the_line_through_both_markers_is_the_expected_one(tilt: float) -> None:
     """Markers 0 and 2 lie along x."""
     expected = Pose(np.array([0.5, 0.0, 0.1]), exp(np.array([tilt, 0.0, 0.0])))
@@ -100,7 +100,7 @@ def test_a_tilt_about_the_line_through_both_markers_is_the_expected_one(tilt: fl
 
 
 @given(tilt=st.floats(-0.02, 0.02))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_a_tilt_along_the_line_is_shared_by_squared_distances(tilt: float) -> None:
     """Markers 0 and 2 lie along x: a rotation about y is told by them and by the axis."""
     assume(abs(tilt) > 1e-3)

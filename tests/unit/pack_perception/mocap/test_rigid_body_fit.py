@@ -27,7 +27,7 @@ def fit(p_BM: Array, p_WM: Array, visible: Mask) -> tuple[Pose | FitRefusal, flo
 
 
 @given(p=vectors, turn=vectors, visible=subsets, item=st.sampled_from(ITEMS))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_any_pose_is_recovered_from_any_three_or_more_markers(
     p: Array, turn: Array, visible: Mask, item: object
 ) -> None:
@@ -92,7 +92,7 @@ def test_a_mirrored_body_is_never_fitted_by_a_reflection() -> None:
 
 
 @given(p=vectors, turn=vectors, item=st.sampled_from(ITEMS), false=st.integers(0, 5))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_a_marker_that_is_not_there_is_left_out(p: Array, turn: Array, item: object, false: int) -> None:
     X_WB, p_BM = Pose(p, exp(np.pi * turn)), item.markers()
     p_WM = X_WB.apply(p_BM)

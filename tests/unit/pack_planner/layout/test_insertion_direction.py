@@ -94,7 +94,7 @@ def test_a_place_that_is_taken_is_refused_by_name() -> None:
         chosen(EAST.moved((-0.02, 0, 0)))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(boxes=grids(), data=st.data())
 def test_on_its_way_in_a_box_meets_nothing(boxes: list[PlacedBox], data: st.DataObject) -> None:
     target = data.draw(st.sampled_from(boxes))
@@ -105,7 +105,6 @@ def test_on_its_way_in_a_box_meets_nothing(boxes: list[PlacedBox], data: st.Data
         assert not any(moved.overlaps(other) for other in others)
 
 
-@settings(deadline=None)
 @given(
     x=st.floats(-2, 2), y=st.floats(-2, 2), side=st.sampled_from(sorted(SIDES)),
     width=st.floats(0.1, 1.0), depth=st.floats(0.1, 1.0),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import linprog, minimize
 
 from pack_planner.layout.axis_program import least_distance
 
 
-@settings(deadline=None)
 @given(seed=st.integers(0, 10_000), rows=st.integers(1, 12), columns=st.integers(1, 6))
 def test_it_is_feasible_where_a_linear_program_is_and_no_longer_than_a_general_solver_says(
     seed: int, rows: int, columns: int

@@ -80,7 +80,7 @@ def test_boxes_of_different_height_that_reach_into_each_other_are_parted() -> No
     assert separation.boxes[2].clearance(separation.boxes[0])[0] == pytest.approx(GAP, abs=1e-7)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(boxes=grids(), gap_mm=st.integers(1, 10))
 def test_every_gap_is_reached_and_heights_and_sizes_stay(boxes: list[PlacedBox], gap_mm: int) -> None:
     separation = separate(boxes, gap_mm * 1e-3)
@@ -92,7 +92,7 @@ def test_every_gap_is_reached_and_heights_and_sizes_stay(boxes: list[PlacedBox],
         assert np.all(after.upper[:2] < np.array([1.2, 0.8]) + separation.virtual_margin + 1e-7)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(boxes=grids(), gap_mm=st.integers(1, 10))
 def test_a_stack_moves_as_one(boxes: list[PlacedBox], gap_mm: int) -> None:
     separation = separate(boxes, gap_mm * 1e-3)

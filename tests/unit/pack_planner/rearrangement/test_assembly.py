@@ -40,7 +40,7 @@ def test_a_grid_as_wide_as_the_fingers_needs_no_push(n: int) -> None:
 SETS = st.lists(st.lists(st.integers(0, 255), min_size=1, max_size=3), min_size=8, max_size=8)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SETS, SETS)
 def test_the_database_is_what_plain_recursion_finds(place: list[list[int]], push: list[list[int]]) -> None:
     n = len(place)

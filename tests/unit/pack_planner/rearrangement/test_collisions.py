@@ -24,7 +24,7 @@ def polygon(row: Array) -> shapely.Polygon:
     return affinity.affine_transform(box, [cosine, -sine, sine, cosine, x, y])
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 2**32 - 1))
 def test_hits_are_the_polygons_that_overlap(seed: int) -> None:
     rng = np.random.default_rng(seed)

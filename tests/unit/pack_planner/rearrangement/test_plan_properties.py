@@ -52,7 +52,7 @@ def planned(problem: Problem, method: str, seed: int = 0) -> Plan:
 
 @pytest.mark.parametrize("method", METHODS)
 @given(problem=problems())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_a_plan_is_accepted_and_everything_on_its_way_is_possible(method: str, problem: Problem) -> None:
     made = planned(problem, method)
     if not made.is_solved:
@@ -66,7 +66,7 @@ def test_a_plan_is_accepted_and_everything_on_its_way_is_possible(method: str, p
 
 
 @given(problem=problems(), seed=st.integers(0, 99))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_no_method_undercuts_the_bound(problem: Problem, seed: int) -> None:
     plans = [planned(problem, method, seed) for method in METHODS]
     for made in plans:

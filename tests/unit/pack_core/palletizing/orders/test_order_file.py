@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pack_core.errors import OrderError
@@ -128,7 +128,6 @@ JSON = st.recursive(
 )
 
 
-@settings(deadline=None)
 @given(key=st.sampled_from(sorted(example()["boxes"][0])), value=JSON)
 def test_whatever_a_box_holds_nothing_but_an_order_error_escapes(key: str, value: object) -> None:
     order = example()
@@ -136,7 +135,6 @@ def test_whatever_a_box_holds_nothing_but_an_order_error_escapes(key: str, value
     assert has_boxes_or_is_refused(order)
 
 
-@settings(deadline=None)
 @given(key=st.sampled_from(sorted(example())), value=JSON)
 def test_whatever_an_order_holds_nothing_but_an_order_error_escapes(key: str, value: object) -> None:
     assert has_boxes_or_is_refused({**example(), key: value})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pack_core.palletizing.orders.placed_box import PlacedBox
@@ -23,7 +23,6 @@ def test_a_box_on_the_deck_is_carried_whole() -> None:
     assert support.margin == pytest.approx(0.2)
 
 
-@settings(deadline=None)
 @given(offset=st.floats(0.0, 0.399))
 def test_share_and_margin_shrink_with_the_overhang(offset: float) -> None:
     support = support_of(on_top(offset), [BASE])
