@@ -1,8 +1,8 @@
 """How the held object enters among the others: beside its obstacles, leaning over them, lower edge first.
 
 Lowered upright onto an obstacle, the object would come to rest on top of it. So its lower edge enters the
-gap beside the obstacle first. On the way down it moves over its packing pose, which pushes the obstacle
-aside, and turns upright again.
+gap beside the obstacle first, a little off the walls, whose tops would stop it likewise. On the way down it
+moves over its packing pose, which pushes the obstacle aside, and turns upright again.
 """
 
 from __future__ import annotations

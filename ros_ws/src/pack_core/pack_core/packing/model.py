@@ -132,8 +132,8 @@ def _set_solver(spec: mujoco.MjSpec, timestep: float) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
-    # MuJoCo 4.0 reports some contacts between a tilted box and a cylinder a tenth as deep as they are when
-    # it looks for several at once, so that objects sink into each other by centimetres. One is exact.
+    # MuJoCo 4.0 reports some contacts between a tilted box and a cylinder far too shallow, or not at all,
+    # when it looks for several at once, so that objects sink into each other by centimetres. One is exact.
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MULTICCD
 
 
