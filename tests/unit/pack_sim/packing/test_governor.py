@@ -112,6 +112,14 @@ def test_beyond_the_limit_of_bending_it_pulls_back_in_proportion(governor: Conta
     assert wrench[2] == pytest.approx(CONFIG.push, rel=0.01)
 
 
+def test_however_far_the_cup_is_bent_it_pulls_back_with_no_more_than_its_limit(
+    governor: ContactGovernor,
+) -> None:
+    press(governor, 5.0 * UP, bending=9.0)
+    wrench = wrench_of(governor.bound(J.T @ np.array([10.0, 0.0, -10.0, 5.0, 0.0, 0.0]), J))
+    np.testing.assert_allclose(wrench, [0.0, 0.0, CONFIG.pull_back, 0.0, 0.0, 0.0], atol=0.01)
+
+
 def test_giving_way_must_begin_before_its_limit() -> None:
     with pytest.raises(ValidationError, match="less than bending_limit"):
         GovernorConfig(bending=1.5)
