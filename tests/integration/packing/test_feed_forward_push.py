@@ -28,7 +28,7 @@ def push(simulator: Simulator) -> float:
 
 
 def mean_push(*, states_torque: bool) -> float:
-    """Mean push [N] of the last of four seconds in which the arm is sent 5 cm below the top of the tallest object.
+    """Mean push [N] of the last of four seconds in which the arm is sent 5 cm below the tallest object's top.
 
     The cell is planned for in every cycle. Without `states_torque` the plans go out with their torques zero.
     """
