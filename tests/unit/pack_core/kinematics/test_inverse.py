@@ -49,6 +49,20 @@ def test_every_solution_reaches_the_pose(inverse: InverseKinematics, share: Arra
     assert all(is_at(inverse, q, X_WT) for q in solutions.values())
 
 
+@given(share=unit, elbow=st.sampled_from([0.5, 0.6]), wrist=st.sampled_from([0.25, 0.5, 0.75]))
+@settings(max_examples=200)
+def test_a_pose_in_the_wrist_singularity_has_solutions_whatever_the_elbow(
+    ur10e_chain: SerialChain, share: Array, elbow: float, wrist: float
+) -> None:
+    """Axes 2, 3, 4 and 6 are parallel: joint 6 may turn anyhow, but a stretched arm reaches one way alone."""
+    inverse = ParallelAxes(ur10e_chain, ur10e.LIMITS.lower, ur10e.LIMITS.upper)
+    share[[2, 4]] = elbow, wrist
+    X_WT = inverse.chain.forward(within_limits(inverse, share))
+    solutions = inverse.solve(X_WT)
+    assert solutions
+    assert all(is_at(inverse, q, X_WT) for q in solutions.values())
+
+
 @given(share=unit)
 @settings(max_examples=100)
 def test_the_branch_of_joint_positions_leads_back_to_them(inverse: InverseKinematics, share: Array) -> None:

@@ -17,6 +17,8 @@ from pack_core.kinematics.subproblems import angle_about, angles_to_distance, an
 from pack_core.rotations import Array
 
 TOLERANCE = 1e-6
+SINGULAR = 1.0 - 1e-12
+"""Cosine of the angle between axis 6 and axes 2 to 4 from which they count as parallel, 1.4e-6 rad apart."""
 
 
 class ParallelAxes(InverseKinematics):
@@ -56,11 +58,11 @@ def _solve(z: Array, r: Array, w0: Array, R: Array, p: Array) -> tuple[Array, Bo
             R5 = screws.rotation(z[4], q5)
             # R' R1 z[1] = R6' R5' z[1], because R234 keeps z[1]: subproblem 1 for the inverse of R6.
             q6 = -angle_about(z[5], R5.T @ z[1], R.T @ (R1 @ z[1]))
-            R56 = R5 @ screws.rotation(z[5], q6)
-            # What is left for joints 2, 3 and 4: the rotation R234, and E2 E3 r[3] = v, since E4 keeps r[3].
-            turned = R1.T @ R @ R56.T
-            d56 = w0 - R56 @ w0
-            v = R1.T @ (R @ (R56.T @ (r[3] - d56)) + p - r[0]) + r[0]
+            turned, v = _rest(z, r, w0, R, p, R1, R5, q6)
+            turn = _within_reach(z, r, w0, R5, turned, v)
+            if turn != 0.0:
+                q6 += turn
+                turned, v = _rest(z, r, w0, R, p, R1, R5, q6)
             # E2 keeps the distance from r[1]: |E3 r[3] - r[1]| = |v - r[1]|, subproblem 3.
             elbows = angles_to_distance(z[2], r[3] - r[2], r[1] - r[2], np.sqrt(np.sum((v - r[1]) ** 2)))
             if np.isnan(elbows[0]):
@@ -76,3 +78,34 @@ def _solve(z: Array, r: Array, w0: Array, R: Array, p: Array) -> tuple[Array, Bo
                 rows[row] = np.array([q1, q2, q3, lean - q2 - q3, q5, q6])
                 found[row] = True
     return rows, found
+
+
+@numba.njit(cache=True)
+def _rest(
+    z: Array, r: Array, w0: Array, R: Array, p: Array, R1: Array, R5: Array, q6: float
+) -> tuple[Array, Array]:
+    """What is left for joints 2, 3 and 4: the rotation R234, and v = E2 E3 r[3], since E4 keeps r[3]."""
+    R56 = R5 @ screws.rotation(z[5], q6)
+    d56 = w0 - R56 @ w0
+    return R1.T @ R @ R56.T, R1.T @ (R @ (R56.T @ (r[3] - d56)) + p - r[0]) + r[0]
+
+
+@numba.njit(cache=True)
+def _within_reach(z: Array, r: Array, w0: Array, R5: Array, turned: Array, v: Array) -> float:
+    """By how much joint 6 turns so that the elbow reaches v, in the wrist's singularity; 0 where it does.
+
+    There axis 6 is along axes 2, 3 and 4, so that any q6 will do, and moves v on a circle about the wrist's
+    centre: v = r[1] + c + R(z[1], angle) u. Of all v the nearest to r[1] has u against c, the farthest along it.
+    """
+    along = z[5] @ (R5.T @ z[1])
+    if abs(along) < SINGULAR:
+        return 0.0
+    distance = np.sqrt(np.sum((v - r[1]) ** 2))
+    upper_arm, forearm = np.sqrt(np.sum((r[2] - r[1]) ** 2)), np.sqrt(np.sum((r[3] - r[2]) ** 2))
+    if abs(upper_arm - forearm) <= distance <= upper_arm + forearm:
+        return 0.0
+    u = turned @ (r[3] - w0)
+    c = v - r[1] - u
+    angle = angle_about(z[1], u, -c if distance > upper_arm else c)
+    # R234 turns about z[1] by as much more as joint 6 turns less about z[5], which is along it or against it.
+    return -angle if along > 0.0 else angle
