@@ -95,7 +95,8 @@ def _within_reach(z: Array, r: Array, w0: Array, R5: Array, turned: Array, v: Ar
     """By how much joint 6 turns so that the elbow reaches v, in the wrist's singularity; 0 where it does.
 
     There axis 6 is along axes 2, 3 and 4, so that any q6 will do, and moves v on a circle about the wrist's
-    centre: v = r[1] + c + R(z[1], angle) u. Of all v the nearest to r[1] has u against c, the farthest along it.
+    centre: v = r[1] + c + R(z[1], angle) u. Of all v the nearest to r[1] has u against c, the farthest has
+    it along c.
     """
     along = z[5] @ (R5.T @ z[1])
     if abs(along) < SINGULAR:
