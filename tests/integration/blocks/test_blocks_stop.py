@@ -26,6 +26,7 @@ from pack_sim.blocks.blocks_sim_node import BlocksSimNode
 
 LOOK = np.array(blocks_cell().robot.look)
 TURNED = LOOK + np.array([0.9, 0.0, 0.0, 0.0, 0.0, 0.0])
+TURNED_THE_OTHER_WAY = LOOK - np.array([0.9, 0.0, 0.0, 0.0, 0.0, 0.0])
 BRAKING = 1.0
 """The arm stands this long after a stop [s]."""
 HELD = "a"
@@ -86,7 +87,7 @@ def test_a_stopped_arm_keeps_its_block_and_takes_the_next_move(
     assert np.abs(joints(graph).q - TURNED).max() > 0.1
     assert graph.call(shared.RESUME_ARM, shared.RESUME_ARM.type.Request()).success
     with slowly(sim):
-        begin(graph, 2, LOOK)
+        begin(graph, 2, TURNED_THE_OTHER_WAY)
     assert sim.health.counts["refused /joint_setpoints"] == refused
     graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "REACHED", 60.0)
     with sim.lock:

@@ -19,6 +19,9 @@ Desired = tuple[Array, Array, Array]
 class GentleStop:
     """Brings every joint to rest on its own, jerk-limited (ruckig).
 
+    A joint that is speeding up stops doing so at once: with its acceleration ramped down like all others it
+    would gain speed for another `RAMP`. What that takes off the load is the force that accelerated it.
+
     Args:
         time: when the stop begins [s].
         moving: position, velocity and acceleration of the joints at that time.
@@ -28,6 +31,7 @@ class GentleStop:
 
     def __init__(self, time: float, moving: Desired, limits: JointLimits, deceleration: float) -> None:
         q, v, a = moving
+        a = np.where(v * a < 0.0, a, 0.0)
         self._start, self._limits = time, limits
         self._standing = q.copy()
         self._way = ruckig.Trajectory(len(limits))

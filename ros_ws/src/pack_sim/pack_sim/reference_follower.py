@@ -16,6 +16,9 @@ LEAD = 0.1
 """How far ahead of the driver's clock a reference may begin [s]. It begins at a time that has come, by the
 sender's last joint state; one that begins later would have the arm stand at its first row until then."""
 
+ROUNDING = 1e-9
+"""A reference still counts this long after its last row [s], for sums of periods that are rounded."""
+
 
 class ReferenceFollower:
     """Follows the newest reference; without a fresh one it brakes and holds the arm.
@@ -69,7 +72,7 @@ class ReferenceFollower:
             q: measured positions `(n,)` [rad]; the arm is held there before its first reference.
         """
         newest = self._newest
-        if newest is not None and time - self._received <= self._watchdog and time <= newest.end:
+        if newest is not None and time - self._received <= self._watchdog and time <= newest.end + ROUNDING:
             self.is_holding, self._stop = False, None
             desired = self._follow(newest, time)
         else:

@@ -25,12 +25,16 @@ class Rejoining:
         self._limits = limits
 
     def check(self, reference: JointReference, time: float, held: Desired) -> None:
-        """Check that a reference begins where the arm is held at `time` [s], or nearly there.
+        """Check that a reference begins where the arm is held, or nearly there.
+
+        One that begins up to `PERIOD` later than `time` [s] is compared with where the held arm is by then.
 
         Raises:
             MessageError: it is farther away than the velocity limits allow in `PERIOD`.
         """
-        distance, most = reference.at(time)[0] - held[0], PERIOD * self._limits.velocity
+        q, v, _ = held
+        ahead = min(max(reference.time - time, 0.0), PERIOD)
+        distance, most = reference.at(time + ahead)[0] - (q + ahead * v), PERIOD * self._limits.velocity
         joint = int(np.argmax(np.abs(distance) / most))
         if abs(distance[joint]) > most[joint]:
             raise MessageError(
