@@ -15,18 +15,18 @@ shares = st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6).map(np.array)
 
 
 @given(shares, shares)
-def test_a_joint_that_speeds_up_or_stands_gains_no_speed_and_comes_to_rest(
+def test_no_joint_gains_speed_or_turns_round_and_all_come_to_rest(
     speeds: np.ndarray, accelerations: np.ndarray
 ) -> None:
     v, a = speeds * LIMITS.velocity, accelerations * LIMITS.acceleration
     stop = GentleStop(START, (np.zeros(6), v, a), LIMITS, 0.5)
     rows = np.array([stop.at(time)[1] for time in TIMES])
-    was_braking = v * a < 0.0
-    assert np.all(np.abs(rows) <= np.abs(v) + 1e-9, where=~was_braking)
+    assert np.all(np.abs(rows) <= np.abs(v) + 1e-9)
+    assert np.all(rows * np.sign(v) >= -1e-9)
     np.testing.assert_allclose(rows[-1], 0.0, atol=1e-9)
 
 
-@given(shares)
+@given(shares.filter(lambda speeds: bool(np.all(np.abs(speeds) > 0.05))))
 def test_what_was_braking_goes_on_to_brake_without_a_jump(speeds: np.ndarray) -> None:
     v = speeds * LIMITS.velocity
     a = -0.3 * np.sign(v) * LIMITS.acceleration

@@ -62,6 +62,15 @@ def test_a_reference_older_than_the_watchdog_is_not_followed(follower: Reference
     assert follower.is_holding
 
 
+def test_the_last_row_of_a_reference_is_followed_at_a_time_that_rounding_makes_later(
+    follower: ReferenceFollower,
+) -> None:
+    assert 0.1 + 0.2 > 0.3
+    follower.accept(moving(0.0, 0.5, duration=0.3), 0.25)
+    follower.at(0.1 + 0.2, REST)
+    assert not follower.is_holding
+
+
 def test_a_dropped_reference_is_not_followed(follower: ReferenceFollower) -> None:
     follower.accept(moving(0.0, 0.5), 0.0)
     follower.drop()
@@ -109,6 +118,20 @@ def test_references_that_come_back_far_from_where_the_arm_is_held_are_refused(
     )
     follower.at(late + STEP, REST)
     assert not follower.is_holding
+
+
+def test_references_that_begin_a_period_later_are_compared_with_where_the_braking_arm_is_then(
+    follower: ReferenceFollower,
+) -> None:
+    speed = 0.95 * LIMITS.velocity[0]
+    follower.accept(moving(0.0, speed), 0.0)
+    follower.at(0.05, REST)
+    q, v, _ = follower.at(0.05 + STEP, REST)
+    assert follower.is_holding
+    step = PERIOD * v + 0.5 * PERIOD * LIMITS.velocity * np.eye(6)[0]
+    rows = np.tile(q + step, (2, 1))
+    later = JointReference(0.05 + STEP + PERIOD, np.array([0.0, 0.05]), rows, *np.zeros((2, 2, 6)))
+    follower.accept(later, 0.05 + STEP + PERIOD)
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])

@@ -19,8 +19,8 @@ Desired = tuple[Array, Array, Array]
 class GentleStop:
     """Brings every joint to rest on its own, jerk-limited (ruckig).
 
-    A joint that is speeding up stops doing so at once: with its acceleration ramped down like all others it
-    would gain speed for another `RAMP`. What that takes off the load is the force that accelerated it.
+    No joint gains speed in a stop. One that is speeding up stops doing so at once: with its acceleration
+    ramped down it would gain speed for another `RAMP`. One that is about to turn round comes to rest instead.
 
     Args:
         time: when the stop begins [s].
@@ -31,7 +31,7 @@ class GentleStop:
 
     def __init__(self, time: float, moving: Desired, limits: JointLimits, deceleration: float) -> None:
         q, v, a = moving
-        a = np.where(v * a < 0.0, a, 0.0)
+        a = _braking(v, a, deceleration * limits.acceleration / RAMP)
         self._start, self._limits = time, limits
         self._standing = q.copy()
         self._way = ruckig.Trajectory(len(limits))
@@ -55,3 +55,12 @@ class GentleStop:
         elapsed = min(time - self._start, self._way.duration)
         q, v, a = (np.array(row) for row in self._way.at_time(elapsed))
         return np.clip(q, self._limits.lower, self._limits.upper), v, a
+
+
+def _braking(v: Array, a: Array, jerk: Array) -> Array:
+    """The part of accelerations `a` that brakes joints of velocities `v` and turns none round, `(n,)`.
+
+    Ramped down at `jerk`, an acceleration changes the velocity by another a^2 / (2 jerk).
+    """
+    most = np.sqrt(2.0 * jerk * np.abs(v))
+    return np.where(v * a < 0.0, np.clip(a, -most, most), 0.0)
