@@ -21,9 +21,11 @@ HERE, THERE = "packcell_here", "packcell_there"
 ADDRESSES = {HERE: "10.213.7.1", THERE: "10.213.7.2"}
 OWN_MEMORY = "mount -t tmpfs tmpfs /dev/shm && exec "
 """Another machine does not share our memory."""
-NOT_HEARD = 3
-SECONDS = 6.0
-"""Longer than discovery takes where it can succeed; `test_an_opened_cell_is_heard` is the proof."""
+HEARD, NOT_HEARD = "heard", "not heard"
+SILENCE = 6.0
+"""Seconds after which a peer says that it has not heard another: several times what discovery takes."""
+PATIENCE = 60.0
+"""The same where the other is to be heard, on a busy machine, too."""
 
 
 def bound_addresses() -> set[str]:
@@ -76,10 +78,23 @@ def on_machine(machine: str, *command: str) -> list[str]:
     return [*own, *command]
 
 
-def start(machine: str, environment: dict[str, str], *arguments: str) -> subprocess.Popen[bytes]:
-    """A peer that ends with exit code 0 once it has heard another node, else with `NOT_HEARD`."""
-    command = on_machine(machine, sys.executable, str(PEER), machine, str(SECONDS), *arguments)
-    return subprocess.Popen(command, env=environment | {"ROS_DOMAIN_ID": "0"})
+def start(
+    machine: str, environment: dict[str, str], *interface: str, seconds: float = SILENCE
+) -> subprocess.Popen[str]:
+    """A peer that publishes on a machine; ask `who_heard` whether it has heard another."""
+    command = on_machine(machine, sys.executable, str(PEER), machine, str(seconds), *interface)
+    pipe = subprocess.PIPE
+    return subprocess.Popen(
+        command, env=environment | {"ROS_DOMAIN_ID": "0"}, stdin=pipe, stdout=pipe, text=True
+    )
+
+
+def who_heard(*peers: subprocess.Popen[str]) -> list[str]:
+    """`HEARD` or `NOT_HEARD` of each peer; all of them publish until the last one has said so."""
+    answers = [peer.stdout.readline().strip() for peer in peers if peer.stdout]
+    for peer in peers:
+        peer.communicate()  # closes its standard input, which ends it
+    return answers
 
 
 def without_profile(discovery_range: str) -> dict[str, str]:
@@ -87,6 +102,7 @@ def without_profile(discovery_range: str) -> dict[str, str]:
     return environment | {DISCOVERY_VARIABLE: discovery_range}
 
 
-def stranger() -> subprocess.Popen[bytes]:
+def stranger(seconds: float = SILENCE) -> subprocess.Popen[str]:
     """A machine on the network that names ours as its static peer, without any profile."""
-    return start(THERE, without_profile("SUBNET") | {"ROS_STATIC_PEERS": ADDRESSES[HERE]})
+    environment = without_profile("SUBNET") | {"ROS_STATIC_PEERS": ADDRESSES[HERE]}
+    return start(THERE, environment, seconds=seconds)

@@ -1,9 +1,12 @@
-"""A ROS participant that publishes its name, and ends with exit code 0 once it has heard the other, else 3.
+"""A ROS participant that publishes its name until its standard input is closed.
+
+It prints one line: "heard" as soon as it has heard another, or "not heard" after SECONDS.
 
 Usage: peer.py NAME SECONDS [INTERFACE]; opens itself to INTERFACE as `--network` does.
 """
 
 import os
+import select
 import sys
 import time
 
@@ -12,7 +15,6 @@ from std_msgs.msg import String
 
 from pack_bringup.graph.network import network_environment
 
-NOT_HEARD = 3
 name, seconds = sys.argv[1], float(sys.argv[2])
 if sys.argv[3:]:
     os.environ.update(network_environment(sys.argv[3]))
@@ -21,11 +23,17 @@ node = rclpy.create_node(name)
 heard = set()
 node.create_subscription(String, "/names", lambda message: heard.add(message.data), 10)
 publisher = node.create_publisher(String, "/names", 10)
+
+
+def publish() -> None:
+    publisher.publish(String(data=name))
+    rclpy.spin_once(node, timeout_sec=0.05)
+
+
 deadline = time.monotonic() + seconds
 while not heard - {name} and time.monotonic() < deadline:
-    publisher.publish(String(data=name))
-    rclpy.spin_once(node, timeout_sec=0.05)
-for _ in range(20):  # the other needs to hear us, too
-    publisher.publish(String(data=name))
-    rclpy.spin_once(node, timeout_sec=0.05)
-sys.exit(0 if heard - {name} else NOT_HEARD)
+    publish()
+sys.stdout.write("heard\n" if heard - {name} else "not heard\n")
+sys.stdout.flush()
+while not select.select([sys.stdin], [], [], 0)[0]:  # the other may need longer to hear us
+    publish()

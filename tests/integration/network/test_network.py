@@ -10,12 +10,15 @@ import pytest
 import network_rig
 from integration.harness import Graph
 from network_rig import (
+    HEARD,
     HERE,
     NOT_HEARD,
+    PATIENCE,
     bound_addresses,
     shared_memory_of_the_middleware,
     start,
     stranger,
+    who_heard,
     without_profile,
 )
 from pack_bringup.faults.ros.fault_witness import FaultWitness
@@ -73,20 +76,19 @@ def two_machines() -> Iterator[None]:
 
 @pytest.mark.usefixtures("two_machines")
 def test_a_machine_that_names_ours_as_its_peer_neither_hears_nor_is_heard() -> None:
-    ours, theirs = start(HERE, dict(os.environ)), stranger()
-    assert (ours.wait(), theirs.wait()) == (NOT_HEARD, NOT_HEARD)
+    assert who_heard(start(HERE, dict(os.environ)), stranger()) == [NOT_HEARD, NOT_HEARD]
 
 
 @pytest.mark.usefixtures("two_machines")
 def test_an_opened_cell_is_heard() -> None:
-    ours, theirs = start(HERE, dict(os.environ), HERE), stranger()
-    assert (ours.wait(), theirs.wait()) == (0, 0)
+    ours = start(HERE, dict(os.environ), HERE, seconds=PATIENCE)
+    assert who_heard(ours, stranger(PATIENCE)) == [HEARD, HEARD]
 
 
 @pytest.mark.usefixtures("two_machines")
 def test_without_the_profile_a_peer_on_the_network_is_heard() -> None:
-    ours, theirs = start(HERE, without_profile("LOCALHOST")), stranger()
-    assert (ours.wait(), theirs.wait()) == (0, 0)
+    ours = start(HERE, without_profile("LOCALHOST"), seconds=PATIENCE)
+    assert who_heard(ours, stranger(PATIENCE)) == [HEARD, HEARD]
 
 
 def test_opening_says_what_it_opens() -> None:
