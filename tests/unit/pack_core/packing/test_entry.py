@@ -17,7 +17,7 @@ from pack_core.packing.entry import (
     side_of,
 )
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Pose
+from pack_core.rotations import Array, Pose
 
 PLACE = Pose(np.array([0.5, 0.0, 0.09]))
 LEAN = 0.2
@@ -53,7 +53,7 @@ def test_its_lower_end_keeps_off_what_it_would_land_on(scene: Scene) -> None:
 
 
 @given(st.floats(0.39, 0.61), st.floats(-0.08, 0.08), st.floats(0.0, 2 * np.pi))
-def test_its_lower_face_keeps_off_the_walls(x: float, y: float, angle: float) -> None:
+def test_its_lower_face_is_between_the_walls(x: float, y: float, angle: float) -> None:
     """The corners of the lower face, tilted and shifted as at the entry, about the height of the tops."""
     scene = packing_cell().scene
     half = scene.new_object.half_extents
@@ -61,11 +61,31 @@ def test_its_lower_face_keeps_off_the_walls(x: float, y: float, angle: float) ->
     place = Pose(np.array([*np.clip([x, y], lower, upper), half[2]]))
     over = np.array([np.cos(angle), np.sin(angle)])
     entry = plan_entry(scene, place, ("tea_box",), {"tea_box": at(0.5, 0.0)}, LEAN, over)
+    face = lower_face(scene, place, entry)
+    assert np.all(face >= scene.container.lower - 1e-9)
+    assert np.all(face <= scene.container.upper + 1e-9)
+
+
+@pytest.mark.parametrize("room", [0.03, 0.013, 0.0065, 0.0])
+def test_wall_and_obstacle_share_the_room_beside_it(scene: Scene, room: float) -> None:
+    """The tilted lower face has `room` [m] to move between the wall behind it and its obstacle."""
+    depth, over, half = 0.01, np.array([0.0, 1.0]), scene.new_object.half_extents
+    y = scene.container.lower[1] + half[1] * np.cos(LEAN) + depth + room
+    box = at(0.5, y + half[1] - depth + scene.model_of("tea_box").half_extents[1])
+    place = Pose(np.array([0.5, y, half[2]]))
+    entry = plan_entry(scene, place, ("tea_box",), {"tea_box": box}, LEAN, over)
+    share = min(room / (WALL_MARGIN + ASIDE_MARGIN), 1.0)
+    assert -entry.aside[1] - depth == pytest.approx(share * ASIDE_MARGIN)
+    behind = lower_face(scene, place, entry)[:, 1].min() - scene.container.lower[1]
+    assert behind == pytest.approx(room - share * ASIDE_MARGIN)
+
+
+def lower_face(scene: Scene, place: Pose, entry: Entry) -> Array:
+    """The corners `(4, 2)` of the lower face in W, tilted and shifted as at the entry."""
+    half, over = scene.new_object.half_extents, entry.over
     tilt = Rotation.from_rotvec(LEAN * np.array([-over[1], over[0], 0.0]))
     corners = np.array([[i * half[0], j * half[1], 0.0] for i in (-1, 1) for j in (-1, 1)])
-    face = place.p[:2] + entry.aside + tilt.apply(corners)[:, :2]
-    assert np.all(face >= scene.container.lower + WALL_MARGIN - 1e-9)
-    assert np.all(face <= scene.container.upper - WALL_MARGIN + 1e-9)
+    return np.asarray(place.p[:2] + entry.aside + tilt.apply(corners)[:, :2])
 
 
 def test_flush_with_a_wall_it_enters_off_the_wall_even_without_obstacles(scene: Scene) -> None:

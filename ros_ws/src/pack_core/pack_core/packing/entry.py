@@ -22,9 +22,9 @@ ONE_SIDED = 0.3
 UPRIGHT_BELOW = 0.02
 """Height of the object's lower end over the base below which it is upright again [m]."""
 ASIDE_MARGIN = 0.008
-"""Gap between the object's lower edge and its obstacles at the entry [m]."""
+"""Gap between the object's lower edge and its obstacles at the entry, where there is room [m]."""
 WALL_MARGIN = 0.005
-"""Gap between the object's lower face and the walls at the entry [m]."""
+"""Gap between the object's lower face and the walls at the entry, where there is room [m]."""
 LANDING_MARGIN = 0.04
 """A lower end this far below the top of an obstacle or a wall has passed it, even when tilted [m]."""
 
@@ -76,7 +76,7 @@ def plan_entry(
     """The entry that leans towards `over`, its lower end offset to the opposite side.
 
     The offset is the deepest overlap with an obstacle along `over`, plus a margin. It is changed where the
-    lower face would come closer to a wall than `WALL_MARGIN`; the wall then counts among the tops.
+    lower face would come too close to a wall; the wall then counts among the tops.
 
     Args:
         scene: the container, the objects and the new one, N.
@@ -91,7 +91,7 @@ def plan_entry(
     others = [footprint(scene.model_of(name), poses[name]) for name in collisions]
     depth = max((_extent(own.intersection(other), over) for other in others), default=0.0)
     wanted = -(depth + ASIDE_MARGIN) * over if depth > 0.0 else np.zeros(2)
-    aside = _within_walls(scene.container, _lower_face(own, X_WN.p[:2], over, lean), wanted)
+    aside = _off_the_walls(scene.container, _lower_face(own, X_WN.p[:2], over, lean), wanted, over)
     tops = _tops(scene, collisions)
     if not np.array_equal(aside, wanted):
         tops = (*tops, scene.container.height)
@@ -118,13 +118,25 @@ def _tops(scene: Scene, names: tuple[str, ...]) -> tuple[float, ...]:
     return tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in names)
 
 
-def _within_walls(container: Container, outline: shapely.Polygon, shift: Array) -> Array:
-    """The shift `(2,)` [m], limited so that the shifted outline keeps `WALL_MARGIN` off the walls.
+def _off_the_walls(container: Container, face: shapely.Polygon, wanted: Array, over: Array) -> Array:
+    """The offset `(2,)` [m] nearest to the wanted one with which the lower face keeps off the walls.
+
+    Where this takes from the gap to the obstacles, which are on the side `over`, both margins shrink by
+    the same share, so that the lower face finds the middle of the gap that there is.
+    """
+    aside = _within_walls(container, face, wanted, WALL_MARGIN)
+    missing = float((aside - wanted) @ over)
+    share = np.clip(missing / (WALL_MARGIN + ASIDE_MARGIN), 0.0, 1.0)
+    return _within_walls(container, face, wanted, (1.0 - share) * WALL_MARGIN)
+
+
+def _within_walls(container: Container, outline: shapely.Polygon, shift: Array, margin: float) -> Array:
+    """The shift `(2,)` [m], limited so that the shifted outline keeps a margin [m] off the walls.
 
     An outline that is too large for that is put into the middle.
     """
     lower, upper = np.array(outline.bounds).reshape(2, 2)
-    least, most = container.lower + WALL_MARGIN - lower, container.upper - WALL_MARGIN - upper
+    least, most = container.lower + margin - lower, container.upper - margin - upper
     middle = 0.5 * (least + most)
     return np.clip(shift, np.minimum(least, middle), np.maximum(most, middle))
 
