@@ -1,5 +1,7 @@
+import gc
 import random
 import shutil
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -103,3 +105,26 @@ def test_a_bag_that_was_not_split_has_one_file_without_a_number(tmp_path: Path) 
     BagWriter(tmp_path / "bag", TOPICS, message_types(), split_size=float("inf")).close()
     assert files(tmp_path) == {"bag.mcap", "metadata.yaml"}
     assert numbers(tmp_path) == []
+
+
+def test_what_is_kept_in_memory_of_a_finished_file_is_little(tmp_path: Path) -> None:
+    """Whatever the number of topics: a recorder that runs for days finishes thousands of files."""
+    topics = tuple(Topic(f"/numbers_{k}", NUMBER) for k in range(40))
+    types = message_types()
+    data = bytes(types.serialize_cdr(types.types[NUMBER](1.0), NUMBER))
+    writer = BagWriter(tmp_path / "bag", topics, types, split_size=1.0)
+
+    def kept_after(files: int) -> int:
+        for k in range(files):
+            writer.write("/numbers_0", k, data)
+            writer.flush()
+        gc.collect()
+        return tracemalloc.get_traced_memory()[0]
+
+    tracemalloc.start()
+    try:
+        first = kept_after(5)
+        assert kept_after(10) - first < 10 * 4000
+    finally:
+        tracemalloc.stop()
+        writer.close()

@@ -40,7 +40,7 @@ class BagWriter:
     def __init__(self, path: Path, topics: Iterable[Topic], types: Typestore, split_size: float) -> None:
         self.path = path
         self._topics, self._types, self._split_size = tuple(topics), types, split_size
-        self._finished: list[dict[str, Any]] = []
+        self._finished: dict[str, Any] | None = None  # what metadata.yaml says about the files before
         self._finished_size = 0
         self._writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
         self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
@@ -79,7 +79,7 @@ class BagWriter:
         """Write the index of the file at hand, and metadata.yaml about all files."""
         if self._finished:
             self._finish_file()
-            text = yaml.safe_dump({INFORMATION: merged_metadata(self._finished)}, sort_keys=False)
+            text = yaml.safe_dump({INFORMATION: self._finished}, sort_keys=False)
             part = self._writer.metapath.with_suffix(".part")
             part.write_text(text)
             part.replace(self._writer.metapath)
@@ -106,13 +106,15 @@ class BagWriter:
     def _finish_file(self) -> None:
         """Give the file at hand its number and its index, and keep what rosbags says about it."""
         storage = self._storage
-        numbered = self.path / f"{self.path.name}_{len(self._finished)}.mcap"
+        number = len(self._finished["files"]) if self._finished else 0
+        numbered = self.path / f"{self.path.name}_{number}.mcap"
         storage.path.rename(numbered)
         storage.path = numbered  # the name that `close` writes into the metadata
         self._writer.close()
         self._finished_size += numbered.stat().st_size
         # It names this file alone. While it stood there, readers would leave out the files that follow.
-        self._finished.append(yaml.safe_load(self._writer.metapath.read_text())[INFORMATION])
+        told = yaml.safe_load(self._writer.metapath.read_text())[INFORMATION]
+        self._finished = merged_metadata(self._finished, told) if self._finished else told
         self._writer.metapath.unlink()
 
     def _begin_next_file(self) -> None:
@@ -132,23 +134,24 @@ def _compressor() -> Callable[[bytes], bytes]:
     return compress
 
 
-def merged_metadata(parts: list[dict[str, Any]]) -> dict[str, Any]:
-    """What metadata.yaml says about a bag of several files, from what it would say about each alone."""
-    files = [file for part in parts for file in part["files"]]
+def merged_metadata(before: dict[str, Any], after: dict[str, Any]) -> dict[str, Any]:
+    """What metadata.yaml says about a bag's files together, from what it would say about two parts of it."""
+    files = before["files"] + after["files"]
     filled = [file for file in files if file["message_count"]] or files[:1]
     start = min(_start(file) for file in filled)
     end = max(_start(file) + file["duration"]["nanoseconds"] for file in filled)
-    counts = [[topic["message_count"] for topic in part["topics_with_message_count"]] for part in parts]
     topics = [
-        {**topic, "message_count": sum(count)}
-        for topic, count in zip(parts[0]["topics_with_message_count"], zip(*counts, strict=True), strict=True)
+        {**one, "message_count": one["message_count"] + other["message_count"]}
+        for one, other in zip(
+            before["topics_with_message_count"], after["topics_with_message_count"], strict=True
+        )
     ]
     return {
-        **parts[0],
+        **before,
         "relative_file_paths": [file["path"] for file in files],
         "starting_time": {"nanoseconds_since_epoch": start},
         "duration": {"nanoseconds": end - start},
-        "message_count": sum(part["message_count"] for part in parts),
+        "message_count": before["message_count"] + after["message_count"],
         "topics_with_message_count": topics,
         "files": files,
     }
