@@ -122,7 +122,7 @@ def _off_the_walls(container: Container, face: shapely.Polygon, wanted: Array, o
     """The offset `(2,)` [m] nearest to the wanted one with which the lower face keeps off the walls.
 
     Where this takes from the gap to the obstacles, which are on the side `over`, both margins shrink by
-    the same share, so that the lower face finds the middle of the gap that there is.
+    the same share.
     """
     aside = _within_walls(container, face, wanted, WALL_MARGIN)
     missing = float((aside - wanted) @ over)
