@@ -87,6 +87,7 @@ def test_after_a_failure_the_answer_is_rehearsed_and_says_where_to_lean(
     assert response.status == Response.SUCCESS
     assert response.collisions
     assert math.hypot(response.over.x, response.over.y) == pytest.approx(1.0)
+    assert response.lean >= 0.6
 
 
 def test_the_random_variant_is_served(graph: Graph, planner: PlannerNode, scene: Scene) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pack_core.packing.entry import LANDING_MARGIN
+from pack_core.packing.entry import LANDING_MARGIN, WayIn
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
@@ -13,7 +13,7 @@ from pack_mpc.task_config import TaskConfig
 from pack_mpc.weights import Stage
 
 PLACE = Pose(np.array([0.5, 0.0, 0.09]))
-OVER = np.array([-1.0, 0.0])
+LEFT = WayIn(np.array([-1.0, 0.0]), lean=0.3)
 START = Pose(np.array([0.5, 0.0, 0.36]))
 
 
@@ -23,7 +23,7 @@ def task(scene: Scene) -> PackingTask:
 
 
 def placed(task: PackingTask) -> PackingTask:
-    task.place(PLACE, ("tea_box",), OVER, scene_at(START))
+    task.place(PLACE, ("tea_box",), LEFT, scene_at(START))
     return task
 
 
@@ -50,7 +50,7 @@ def test_a_goal_waits_for_its_placement_over_the_middle_of_the_container(
 
 def test_the_object_leans_as_the_planner_says_and_as_far_as_the_weights(scene: Scene) -> None:
     task = placed(PackingTask(scene, TaskConfig(), 10.0, lean=0.3))
-    np.testing.assert_allclose(task.machine.target.axis, np.sin(0.3) * OVER)
+    np.testing.assert_allclose(task.machine.target.axis, np.sin(LEFT.lean) * LEFT.over)
 
 
 @pytest.mark.parametrize("stage", [Stage.PRE_PACK, Stage.INSERT])
@@ -122,7 +122,7 @@ def test_after_a_failure_the_object_is_pushed_more_firmly(task: PackingTask) -> 
 
 
 def test_a_rehearsed_entry_that_halts_is_pushed_ever_more_firmly(task: PackingTask) -> None:
-    task.place(PLACE, ("tea_box",), OVER, scene_at(START), is_rehearsed=True)
+    task.place(PLACE, ("tea_box",), LEFT, scene_at(START), is_rehearsed=True)
     task.update(11.0, Pose(task.machine.target.p_WN))
     task.update(11.1, at(0.12))
     assert task.reliefs == 0.0

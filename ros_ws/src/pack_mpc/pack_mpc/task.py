@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.packing.entry import Entry, plan_entry
+from pack_core.packing.entry import Entry, WayIn, plan_entry
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
@@ -64,7 +64,7 @@ class PackingTask:
         self,
         X_WN: Pose,
         collisions: tuple[str, ...],
-        over: Array,
+        way: WayIn,
         scene: SceneState,
         is_rehearsed: bool = False,
     ) -> None:
@@ -73,14 +73,12 @@ class PackingTask:
         Args:
             X_WN: the packing pose.
             collisions: objects that it overlaps.
-            over: horizontal direction `(2,)` in which the object leans at the entry; zero for none.
+            way: how the object is to enter.
             scene: where the objects are now.
             is_rehearsed: whether the way down was tried in simulation.
         """
         entry = (
-            plan_entry(
-                self._scene, X_WN, collisions, scene.poses(), self.lean, over, self._config.landing_reach
-            )
+            plan_entry(self._scene, X_WN, collisions, scene.poses(), way, self._config.landing_reach)
             if self._knows_objects
             else Entry()
         )

@@ -14,6 +14,7 @@ from pack_core.packing.entry import (
     UPRIGHT_BELOW,
     WALL_MARGIN,
     Entry,
+    WayIn,
     plan_entry,
     side_of,
 )
@@ -36,7 +37,7 @@ def at(x: float, y: float) -> Pose:
 
 def over_its_obstacles(scene: Scene, poses: dict[str, Pose], place: Pose = PLACE) -> Entry:
     names = tuple(poses)
-    return plan_entry(scene, place, names, poses, LEAN, side_of(place, names, poses))
+    return plan_entry(scene, place, names, poses, WayIn(side_of(place, names, poses), LEAN))
 
 
 def lower_face(scene: Scene, place: Pose, entry: Entry) -> Array:
@@ -70,7 +71,7 @@ def test_its_lower_face_keeps_off_the_walls_unless_room_is_missing(x: float, y: 
     lower, upper = scene.container.lower + half[:2], scene.container.upper - half[:2]
     place = Pose(np.array([*np.clip([x, y], lower, upper), half[2]]))
     over = np.array([np.cos(angle), np.sin(angle)])
-    entry = plan_entry(scene, place, ("tea_box",), {"tea_box": at(0.5, 0.0)}, LEAN, over)
+    entry = plan_entry(scene, place, ("tea_box",), {"tea_box": at(0.5, 0.0)}, WayIn(over, LEAN))
     face = lower_face(scene, place, entry)
     margin = min((face - scene.container.lower).min(), (scene.container.upper - face).min())
     assert margin >= -1e-9
@@ -89,7 +90,7 @@ def test_wall_and_obstacle_share_the_room_beside_it(scene: Scene, room: float) -
     y = scene.container.lower[1] + half[1] * np.cos(LEAN) + depth + room
     box = at(0.5, y + half[1] - depth + scene.model_of("tea_box").half_extents[1])
     place = Pose(np.array([0.5, y, half[2]]))
-    entry = plan_entry(scene, place, ("tea_box",), {"tea_box": box}, LEAN, over)
+    entry = plan_entry(scene, place, ("tea_box",), {"tea_box": box}, WayIn(over, LEAN))
     share = min(room / (WALL_MARGIN + ASIDE_MARGIN), 1.0)
     assert -entry.aside[1] - depth == pytest.approx(share * ASIDE_MARGIN)
     behind = lower_face(scene, place, entry)[:, 1].min() - scene.container.lower[1]
@@ -98,9 +99,18 @@ def test_wall_and_obstacle_share_the_room_beside_it(scene: Scene, room: float) -
 
 def test_flush_with_a_wall_it_enters_off_the_wall_even_without_obstacles(scene: Scene) -> None:
     flush = scene.container.upper[0] - scene.new_object.half_extents[0]
-    entry = plan_entry(scene, Pose(np.array([flush, 0.0, 0.09])), (), {}, LEAN, np.zeros(2))
+    entry = plan_entry(scene, Pose(np.array([flush, 0.0, 0.09])), (), {}, WayIn(lean=LEAN))
     np.testing.assert_allclose(entry.at(1.0)[1], [-WALL_MARGIN, 0.0], atol=1e-9)
     np.testing.assert_allclose(entry.at(UPRIGHT_BELOW)[1], 0.0)
+
+
+def test_an_offset_of_its_own_is_kept_and_may_begin_above_anything(scene: Scene) -> None:
+    way = WayIn(np.array([0.6, 0.8]), LEAN, back=0.05)
+    poses = {"tea_box": at(0.5, 0.05)}
+    entry = plan_entry(scene, PLACE, ("tea_box",), poses, way)
+    np.testing.assert_allclose(entry.at(0.2)[1], [-0.03, -0.04])
+    assert max(entry.tops) == 2.0 * max(scene.model_of(name).half_extents[2] for name in scene.names)
+    assert scene.container.height in entry.tops
 
 
 @pytest.mark.parametrize("names", [(), ("tea_box",), ("tea_box", "soup_can")])
@@ -122,7 +132,7 @@ def test_it_may_land_on_a_neighbour_within_reach(
     half = scene.new_object.half_extents[1] + scene.model_of("sugar_box").half_extents[1]
     far = {name: at(2.0, 2.0) for name in scene.names}
     poses = far | {"sugar_box": at(0.5, half + gap)}
-    entry = plan_entry(scene, PLACE, (), poses, LEAN, np.zeros(2), reach)
+    entry = plan_entry(scene, PLACE, (), poses, WayIn(lean=LEAN), reach)
     assert entry.beside == (pytest.approx((0.11,)) if counts else ())
     assert entry.may_land(0.3, 0.08) == (counts or False)
 

@@ -1,19 +1,23 @@
 """Which placement is entered, and leaning to which side."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.entry import plan_entry
 from pack_core.packing.objects import Box
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_planner.placement.approach import ApproachPlanner, beside
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_result import PlacementCandidate
+from pack_planner.placement.rehearsal import Rehearsal
 
 LEAN = 0.4
+RNG = partial(np.random.default_rng, 0)
 SMALL = Box(name="small", shape="box", size=(0.09, 0.06, 0.12), mass=0.3)
 LARGE = Box(name="large", shape="box", size=(0.13, 0.20, 0.12), mass=20.0)
 ONTO_SMALL = PlacementCandidate(Pose(np.array([0.57, 0.0, 0.09])), ("small",), 0.02)
@@ -48,37 +52,49 @@ def test_where_there_is_room_the_first_is_entered_over_its_obstacles_unrehearsed
         (roomy, 1, ONTO_SMALL),
         (tight, 0, ONTO_SMALL),
     ]:
-        choice, _ = chooser.choose(CANDIDATES, alone, scene.poses(), LEAN, failures)
+        choice, _ = chooser.choose(CANDIDATES, alone, scene.poses(), LEAN, failures, RNG())
         assert choice.X_WN is expected.X_WN
 
 
 def test_what_is_entered_easily_over_its_obstacles_needs_no_further_round(scene: Scene) -> None:
     easy = replace(ONTO_SMALL, X_WN=Pose(np.array([0.57, -0.02, 0.09])))
-    choice, rounds = planner(scene).choose([easy], alone, scene.poses(), LEAN, failures=0)
+    choice, rounds = planner(scene).choose([easy], alone, scene.poses(), LEAN, failures=0, rng=RNG())
     assert choice.X_WN is easy.X_WN
-    np.testing.assert_allclose(choice.over, [0.0, 1.0])
+    np.testing.assert_allclose(choice.way.over, [0.0, 1.0])
     assert rounds == 1
 
 
 def test_one_that_can_be_entered_is_chosen_before_a_cheaper_one(scene: Scene) -> None:
-    choice, _ = planner(scene).choose(CANDIDATES, alone, scene.poses(), LEAN, failures=0)
+    choice, _ = planner(scene).choose(CANDIDATES, alone, scene.poses(), LEAN, failures=0, rng=RNG())
     assert choice.X_WN is ONTO_SMALL.X_WN
-    assert choice.over[1] > 0.5
+    assert choice.way.over[1] > 0.5
 
 
-def test_a_hopeless_search_ends_with_half_the_rounds_or_with_the_placements(scene: Scene) -> None:
-    hopeless = [replace(ONTO_LARGE, cost=0.01 * i) for i in range(4)]
-    for rounds, expected in [(4, 3), (9, 5)]:
-        one_by_one = planner(scene, candidates=1, likely=1, rounds=rounds)
-        choice, taken = one_by_one.choose(hopeless, alone, scene.poses(), LEAN, failures=0)
-        assert taken == expected
-        assert choice.X_WN is ONTO_LARGE.X_WN
+def test_a_hopeless_search_takes_all_rounds_and_still_answers(scene: Scene) -> None:
+    hopeless = [replace(ONTO_LARGE, cost=0.01 * i) for i in range(2)]
+    one_by_one = planner(scene, candidates=1, likely=1, rounds=3, random=5)
+    choice, taken = one_by_one.choose(hopeless, alone, scene.poses(), LEAN, failures=0, rng=RNG())
+    assert taken == 4
+    assert choice.X_WN is ONTO_LARGE.X_WN
+
+
+def test_where_every_planned_entry_fails_a_random_one_is_found(scene: Scene) -> None:
+    """Without its obstacle in the list, the object would come straight down onto it."""
+    unaware = replace(ONTO_SMALL, X_WN=Pose(np.array([0.57, 0.02, 0.09])), collisions=())
+    choice, rounds = planner(scene).choose([unaware], alone, scene.poses(), LEAN, failures=0, rng=RNG())
+    assert rounds > 1
+    assert choice.way.back is not None
+    entry = plan_entry(scene, choice.X_WN, (), scene.poses(), choice.way)
+    rehearsed = Rehearsal(scene.description(), packing_cell(), threads=1)
+    assert rehearsed.run(scene.poses(), [choice.X_WN], [entry]).is_success.all()
 
 
 def test_variations_of_what_can_be_entered_are_rehearsed_too(scene: Scene) -> None:
     further = replace(ONTO_SMALL, X_WN=Pose(np.array([0.57, -0.03, 0.09])))
     costly = replace(ONTO_SMALL, cost=0.7)
-    choice, rounds = planner(scene).choose([costly], lambda _: [further], scene.poses(), LEAN, failures=0)
+    choice, rounds = planner(scene).choose(
+        [costly], lambda _: [further], scene.poses(), LEAN, failures=0, rng=RNG()
+    )
     assert choice.X_WN is further.X_WN
     assert rounds == 2
 
@@ -86,24 +102,25 @@ def test_variations_of_what_can_be_entered_are_rehearsed_too(scene: Scene) -> No
 def test_where_there_is_hope_all_rounds_are_taken(scene: Scene) -> None:
     costly = [replace(ONTO_SMALL, cost=1.1 - 0.01 * i) for i in range(9)]
     one_by_one = planner(scene, candidates=1, fresh=1, likely=1, rounds=3)
-    assert one_by_one.choose(costly, alone, scene.poses(), LEAN, failures=0)[1] == 4
+    assert one_by_one.choose(costly, alone, scene.poses(), LEAN, failures=0, rng=RNG())[1] == 4
 
 
 def test_variations_of_what_is_hopeless_are_not(scene: Scene) -> None:
     def refuse(_candidate: PlacementCandidate) -> list[PlacementCandidate]:
         raise AssertionError("varied")
 
-    assert planner(scene).choose([ONTO_LARGE], refuse, scene.poses(), LEAN, failures=0)[1] == 2
+    few = planner(scene, rounds=1, random=1)
+    assert few.choose([ONTO_LARGE], refuse, scene.poses(), LEAN, failures=0, rng=RNG())[1] == 2
 
 
 def test_where_nothing_is_in_the_way_it_comes_down_straight(scene: Scene) -> None:
     free = PlacementCandidate(Pose(np.array([0.5, -0.07, 0.09])), (), 0.0)
-    choice, rounds = planner(scene).choose([free], alone, scene.poses(), LEAN, failures=0)
-    np.testing.assert_array_equal(choice.over, 0.0)
+    choice, rounds = planner(scene).choose([free], alone, scene.poses(), LEAN, failures=0, rng=RNG())
+    np.testing.assert_array_equal(choice.way.over, 0.0)
     assert rounds == 1
 
 
 def test_beside_two_facing_obstacles_there_is_no_side() -> None:
     poses = {"a": Pose(np.array([0.45, 0.0, 0.06])), "b": Pose(np.array([0.55, 0.0, 0.06]))}
     between = PlacementCandidate(Pose(np.array([0.5, 0.0, 0.09])), ("a", "b"), 0.0)
-    np.testing.assert_array_equal(beside(between, poses).over, 0.0)
+    np.testing.assert_array_equal(beside(between, poses, LEAN).way.over, 0.0)

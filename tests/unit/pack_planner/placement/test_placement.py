@@ -65,7 +65,7 @@ def test_algorithm_1_alone_takes_the_cheapest_feasible_sample_and_leans_to_no_si
     assert placement.cost == placement.samples.costs[placement.samples.is_feasible].min()
     assert placement.collisions
     assert not placement.is_rehearsed
-    np.testing.assert_array_equal(placement.over, 0.0)
+    np.testing.assert_array_equal(placement.way.over, 0.0)
 
 
 @pytest.mark.parametrize("count", [1, 6, 100])

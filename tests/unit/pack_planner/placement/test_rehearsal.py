@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.entry import Entry, plan_entry
+from pack_core.packing.entry import Entry, WayIn, plan_entry
 from pack_core.packing.objects import Box
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
@@ -22,7 +22,7 @@ def block_at(y: float, width: float = 0.06) -> Scene:
 
 
 def entry(scene: Scene, over: np.ndarray, lean: float = 0.4) -> Entry:
-    return plan_entry(scene, PLACE, ("block",), scene.poses(), lean, over)
+    return plan_entry(scene, PLACE, ("block",), scene.poses(), WayIn(over, lean))
 
 
 def rehearse(scene: Scene, *entries: Entry, threads: int = 1) -> tuple[list[bool], list[float]]:

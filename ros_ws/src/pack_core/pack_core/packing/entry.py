@@ -7,7 +7,7 @@ moves over its packing pose, which pushes the obstacle aside, and turns upright 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -69,38 +69,52 @@ class Entry:
         return bottom > min((walls, *self.tops, *self.beside)) - LANDING_MARGIN
 
 
-def plan_entry(
-    scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose], lean: float,
-    over: Array, reach: float = 0.0,
-) -> Entry:  # fmt: skip
-    """The entry that leans towards `over`, its lower end offset to the opposite side.
+@dataclass(frozen=True)
+class WayIn:
+    """How the held object is to enter.
 
-    The offset is the deepest overlap with an obstacle along `over`, plus a margin. It is changed where the
-    lower face would come too close to a wall; the wall then counts among the tops.
+    Attributes:
+        over: horizontal unit vector `(2,)` towards which its upper end leans; zero: to no side.
+        lean: tilt at the entry [rad].
+        back: distance [m], against `over`, at which its lower end begins beside the packing pose, whatever
+            is there; None: just beside its obstacles.
+    """
+
+    over: Array = field(default_factory=lambda: np.zeros(2))
+    lean: float = 0.0
+    back: float | None = None
+
+
+def plan_entry(
+    scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose], way: WayIn,
+    reach: float = 0.0,
+) -> Entry:  # fmt: skip
+    """The entry by this way, its lower end offset to the side from which it leans away.
+
+    Unless the way has an offset of its own, it is the deepest overlap with an obstacle along `over`, plus a
+    margin. It is changed where the lower face would come too close to a wall; the wall then counts among the
+    tops. An offset of its own may begin above anything, so everything counts among the tops.
 
     Args:
         scene: the container, the objects and the new one, N.
         X_WN: the packing pose.
         collisions: names of the objects that N overlaps at X_WN (the collision list G of Algorithm 1).
         poses: X_WO of at least these objects.
-        lean: tilt at the entry [rad].
-        over: horizontal unit vector `(2,)` towards which N leans, or zero for a straight entry.
+        way: to which side N leans, how far, and where its lower end begins.
         reach: distance from the packing pose within which objects count as neighbours [m].
     """
-    own = footprint(scene.new_object, X_WN)
-    others = [footprint(scene.model_of(name), poses[name]) for name in collisions]
-    depth = max((_extent(own.intersection(other), over) for other in others), default=0.0)
-    wanted = -(depth + ASIDE_MARGIN) * over if depth > 0.0 else np.zeros(2)
-    aside = _off_the_walls(scene.container, _lower_face(own, X_WN.p[:2], over, lean), wanted, over)
-    tops = _tops(scene, collisions)
-    if not np.array_equal(aside, wanted):
-        tops = (*tops, scene.container.height)
+    own, height = footprint(scene.new_object, X_WN), scene.container.height
+    if way.back is None:
+        aside, is_moved = _beside_obstacles(scene, X_WN, collisions, poses, way)
+        tops = (*_tops(scene, collisions), height) if is_moved else _tops(scene, collisions)
+    else:
+        aside, tops = -way.back * way.over, (*_tops(scene, scene.names), height)
     near = tuple(
         name
         for name in (scene.names if reach > 0.0 else ())
         if name not in collisions and footprint(scene.model_of(name), poses[name]).distance(own) < reach
     )
-    return Entry(over, lean, aside, tops, _tops(scene, near))
+    return Entry(way.over, way.lean, aside, tops, _tops(scene, near))
 
 
 def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) -> Array:
@@ -113,9 +127,22 @@ def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) 
     return np.asarray(mean / length) if length > ONE_SIDED else np.zeros(2)
 
 
-def _tops(scene: Scene, names: tuple[str, ...]) -> tuple[float, ...]:
+def _tops(scene: Scene, names: Iterable[str]) -> tuple[float, ...]:
     # an object stands on the base, so its height is twice its half extent
     return tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in names)
+
+
+def _beside_obstacles(
+    scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose], way: WayIn
+) -> tuple[Array, bool]:
+    """The offset `(2,)` [m] beside the obstacles, and whether a wall has changed it."""
+    own = footprint(scene.new_object, X_WN)
+    others = [footprint(scene.model_of(name), poses[name]) for name in collisions]
+    depth = max((_extent(own.intersection(other), way.over) for other in others), default=0.0)
+    wanted = -(depth + ASIDE_MARGIN) * way.over if depth > 0.0 else np.zeros(2)
+    face = _lower_face(own, X_WN.p[:2], way.over, way.lean)
+    aside = _off_the_walls(scene.container, face, wanted, way.over)
+    return aside, not np.array_equal(aside, wanted)
 
 
 def _off_the_walls(container: Container, face: shapely.Polygon, wanted: Array, over: Array) -> Array:

@@ -110,5 +110,5 @@ class LockstepPlacements:
             if answer.X_WO is None:
                 task.refuse(time, answer.reason)
             else:
-                task.place(answer.X_WO, answer.collisions, answer.over, seen.scene, answer.is_rehearsed)
+                task.place(answer.X_WO, answer.collisions, answer.way, seen.scene, answer.is_rehearsed)
         return planned

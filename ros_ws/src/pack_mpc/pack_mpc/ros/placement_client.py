@@ -8,6 +8,7 @@ from pack_interfaces.srv import PlanPlacement
 from rclpy.task import Future
 
 from pack_core.errors import MessageError
+from pack_core.packing.entry import WayIn
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite, from_pose, to_point, to_pose
@@ -71,11 +72,26 @@ class PlacementClient:
             task.refuse(time, response.message)
             return
         try:
-            X_WN, over = from_pose(response.pose), from_over(response.over)
+            X_WN, way = from_pose(response.pose), to_way(response)
         except MessageError as error:
             task.refuse(time, str(error))
             return
-        task.place(X_WN, tuple(response.collisions), over, seen.scene, response.is_rehearsed)
+        task.place(X_WN, tuple(response.collisions), way, seen.scene, response.is_rehearsed)
+
+
+def to_way(response: PlanPlacement.Response) -> WayIn:
+    """How the object is to enter.
+
+    Raises:
+        MessageError: the side, the tilt or the offset is not what it may be.
+    """
+    (lean,) = finite([response.lean], "lean")
+    back = finite(response.back, "back")
+    if not 0.0 <= lean < 0.5 * np.pi:
+        raise MessageError(f"lean is {lean}; allowed: radians from 0 to below pi / 2")
+    if np.any(back < 0.0):
+        raise MessageError(f"back is {back[0]}; allowed: metres from 0 on, or none")
+    return WayIn(from_over(response.over), float(lean), float(back[0]) if len(back) else None)
 
 
 def from_over(over: Vector3) -> Array:

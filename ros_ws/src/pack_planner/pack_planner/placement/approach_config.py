@@ -16,10 +16,9 @@ class ApproachConfig(Config):
     likely: PositiveInt = Field(
         3, description="placements rehearsed in the first round, leaning over their obstacles"
     )
-    rounds: NonNegativeInt = Field(
-        8, description="most rounds of rehearsals; half as many while all entries fail; 0: no rehearsals"
-    )
+    rounds: NonNegativeInt = Field(8, description="most rounds of rehearsals; 0: no rehearsals")
     candidates: PositiveInt = Field(5, description="placements in a round, the cheapest first")
+    random: PositiveInt = Field(60, description="random entries rehearsed in a round while every entry fails")
     fresh: PositiveInt = Field(
         3, description="new placements in a round beside variations of the best so far"
     )

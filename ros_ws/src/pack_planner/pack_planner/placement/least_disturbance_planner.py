@@ -46,7 +46,7 @@ class LeastDisturbancePlanner(Algorithm1Planner):
         spread = spread_out(ranked, samples.settled, approach.spacing, approach.tried)
         candidates = self._candidates(now, samples, spread)
         vary = partial(self._near, now, rng, near)
-        chosen, rounds = self._approach.choose(candidates, vary, poses, lean, len(avoid))
+        chosen, rounds = self._approach.choose(candidates, vary, poses, lean, len(avoid), rng)
         return PlannedPlacement.success(chosen, rounds, samples)
 
     def _near(

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.packing.entry import WayIn
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Array, Pose
 
@@ -67,13 +68,13 @@ class PlacementCandidate:
         X_WN: the pose of the new object N.
         collisions: objects that it overlaps where they stand now, the collision list G.
         cost: cost by Eq. 6.
-        over: horizontal unit vector `(2,)` towards which it leans at its entry; zero: to no side.
+        way: how it is to enter.
     """
 
     X_WN: Pose
     collisions: tuple[str, ...]
     cost: float
-    over: Array = field(default_factory=lambda: np.zeros(2))
+    way: WayIn = field(default_factory=WayIn)
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ class PlannedPlacement:
         reason: why none was found; empty after success.
         X_WO: the packing pose; None without success.
         collisions: objects that it overlaps where they stand now, the collision list G.
-        over: horizontal unit vector `(2,)` towards which it leans at its entry; zero: to no side.
+        way: how it is to enter.
         cost: cost of the chosen sample by Eq. 6; infinite without success.
         rounds: number of rounds of rehearsals.
         samples: all samples that were tried.
@@ -95,7 +96,7 @@ class PlannedPlacement:
     reason: str
     X_WO: Pose | None
     collisions: tuple[str, ...]
-    over: Array
+    way: WayIn
     cost: float
     rounds: int
     samples: PlacementSamples
@@ -104,7 +105,7 @@ class PlannedPlacement:
     def success(cls, chosen: PlacementCandidate, rounds: int, samples: PlacementSamples) -> Self:
         """The result with a placement that was chosen after `rounds` rounds of rehearsals."""
         return cls(
-            PlacementStatus.SUCCESS, "", chosen.X_WN, chosen.collisions, chosen.over, chosen.cost, rounds,
+            PlacementStatus.SUCCESS, "", chosen.X_WN, chosen.collisions, chosen.way, chosen.cost, rounds,
             samples,
         )  # fmt: skip
 
@@ -112,7 +113,7 @@ class PlannedPlacement:
     def failure(cls, reason: str, samples: PlacementSamples) -> Self:
         """The result when no sample is feasible."""
         status = PlacementStatus.NO_FEASIBLE_PLACEMENT
-        return cls(status, reason, None, (), np.zeros(2), np.inf, 0, samples)
+        return cls(status, reason, None, (), WayIn(), np.inf, 0, samples)
 
     @property
     def is_rehearsed(self) -> bool:

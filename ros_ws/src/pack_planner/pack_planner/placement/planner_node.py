@@ -123,7 +123,9 @@ def _checked_lean(lean: float) -> float:
 def _fill(response: PlanPlacement.Response, placement: PlannedPlacement) -> None:
     response.status, response.message = int(placement.status), placement.reason
     response.collisions, response.cost = list(placement.collisions), placement.cost
-    response.over.x, response.over.y = placement.over.tolist()
+    response.over.x, response.over.y = placement.way.over.tolist()
+    response.lean = placement.way.lean
+    response.back = [] if placement.way.back is None else [placement.way.back]
     response.is_rehearsed = placement.is_rehearsed
     response.samples = _to_samples(placement.samples)
     if placement.X_WO is not None:

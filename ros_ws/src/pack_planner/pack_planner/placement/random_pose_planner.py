@@ -35,11 +35,11 @@ class RandomPosePlanner:
         self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
         avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02, near: Pose | None = None,
     ) -> PlannedPlacement:  # fmt: skip
-        """A random pose, leaning towards the objects that it overlaps; `lean`, `near` have no influence."""
+        """A random pose, leaning towards the objects that it overlaps; `near` has no influence."""
         poses, now = self._evaluation.start(state)
         sampled = self._evaluation.sample(poses, rng)
         # at equal costs the order is that of the samples, so this is the first one away from `avoid`
         k = cheapest_elsewhere(np.zeros(len(sampled)), sampled, avoid, avoid_radius)[0]
         samples, _ = self._evaluation.evaluate(now, sampled[[k]])
         candidate = self._evaluation.candidate(now, sampled[k], samples.costs[0])
-        return PlannedPlacement.success(beside(candidate, poses), 0, samples)
+        return PlannedPlacement.success(beside(candidate, poses, lean), 0, samples)
