@@ -11,7 +11,7 @@ from pack_core.packing.entry import plan_entry
 from pack_core.packing.objects import Box
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
-from pack_planner.placement.approach import ApproachPlanner, beside
+from pack_planner.placement.approach import ApproachPlanner
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal
@@ -118,9 +118,3 @@ def test_where_nothing_is_in_the_way_it_comes_down_straight(scene: Scene) -> Non
     choice, rounds = planner(scene).choose([free], alone, scene.poses(), LEAN, failures=0, rng=RNG())
     np.testing.assert_array_equal(choice.way.over, 0.0)
     assert rounds == 1
-
-
-def test_beside_two_facing_obstacles_there_is_no_side() -> None:
-    poses = {"a": Pose(np.array([0.45, 0.0, 0.06])), "b": Pose(np.array([0.55, 0.0, 0.06]))}
-    between = PlacementCandidate(Pose(np.array([0.5, 0.0, 0.09])), ("a", "b"), 0.0)
-    np.testing.assert_array_equal(beside(between, poses, LEAN).way.over, 0.0)

@@ -104,11 +104,16 @@ def plan_entry(
         reach: distance from the packing pose within which objects count as neighbours [m].
     """
     own, height = footprint(scene.new_object, X_WN), scene.container.height
-    if way.back is None:
-        aside, is_moved = _beside_obstacles(scene, X_WN, collisions, poses, way)
-        tops = (*_tops(scene, collisions), height) if is_moved else _tops(scene, collisions)
-    else:
+    if way.back is not None:
         aside, tops = -way.back * way.over, (*_tops(scene, scene.names), height)
+    else:
+        others = [footprint(scene.model_of(name), poses[name]) for name in collisions]
+        depth = max((_extent(own.intersection(other), way.over) for other in others), default=0.0)
+        wanted = -(depth + ASIDE_MARGIN) * way.over if depth > 0.0 else np.zeros(2)
+        face = _lower_face(own, X_WN.p[:2], way.over, way.lean)
+        aside, tops = _off_the_walls(scene.container, face, wanted, way.over), _tops(scene, collisions)
+        if not np.array_equal(aside, wanted):
+            tops = (*tops, height)
     near = tuple(
         name
         for name in (scene.names if reach > 0.0 else ())
@@ -130,19 +135,6 @@ def side_of(X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose]) 
 def _tops(scene: Scene, names: Iterable[str]) -> tuple[float, ...]:
     # an object stands on the base, so its height is twice its half extent
     return tuple(2.0 * float(scene.model_of(name).half_extents[2]) for name in names)
-
-
-def _beside_obstacles(
-    scene: Scene, X_WN: Pose, collisions: tuple[str, ...], poses: Mapping[str, Pose], way: WayIn
-) -> tuple[Array, bool]:
-    """The offset `(2,)` [m] beside the obstacles, and whether a wall has changed it."""
-    own = footprint(scene.new_object, X_WN)
-    others = [footprint(scene.model_of(name), poses[name]) for name in collisions]
-    depth = max((_extent(own.intersection(other), way.over) for other in others), default=0.0)
-    wanted = -(depth + ASIDE_MARGIN) * way.over if depth > 0.0 else np.zeros(2)
-    face = _lower_face(own, X_WN.p[:2], way.over, way.lean)
-    aside = _off_the_walls(scene.container, face, wanted, way.over)
-    return aside, not np.array_equal(aside, wanted)
 
 
 def _off_the_walls(container: Container, face: shapely.Polygon, wanted: Array, over: Array) -> Array:

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
-from geometry_msgs.msg import Vector3
 from pack_interfaces.srv import PlanPlacement
 from rclpy.task import Future
 
 from pack_core.errors import MessageError
-from pack_core.packing.entry import WayIn
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import finite, from_pose, to_point, to_pose
+from pack_core.ros.conversions import from_pose, to_point, to_pose
 from pack_core.ros.scene_messages import to_scene
-from pack_core.rotations import Array, Pose
+from pack_core.ros.way_messages import from_way
+from pack_core.rotations import Pose
 from pack_mpc.session import PackingObservation, PackingSession
-
-UNIT_TOLERANCE = 1e-3
-"""How far the length of a direction may be from 1."""
 
 
 class PlacementClient:
@@ -72,36 +67,8 @@ class PlacementClient:
             task.refuse(time, response.message)
             return
         try:
-            X_WN, way = from_pose(response.pose), to_way(response)
+            X_WN, way = from_pose(response.pose), from_way(response)
         except MessageError as error:
             task.refuse(time, str(error))
             return
         task.place(X_WN, tuple(response.collisions), way, seen.scene, response.is_rehearsed)
-
-
-def to_way(response: PlanPlacement.Response) -> WayIn:
-    """How the object is to enter.
-
-    Raises:
-        MessageError: the side, the tilt or the offset is not what it may be.
-    """
-    (lean,) = finite([response.lean], "lean")
-    back = finite(response.back, "back")
-    if not 0.0 <= lean < 0.5 * np.pi:
-        raise MessageError(f"lean is {lean}; allowed: radians from 0 to below pi / 2")
-    if np.any(back < 0.0):
-        raise MessageError(f"back is {back[0]}; allowed: metres from 0 on, or none")
-    return WayIn(from_over(response.over), float(lean), float(back[0]) if len(back) else None)
-
-
-def from_over(over: Vector3) -> Array:
-    """The horizontal direction `(2,)` in which the object leans at the entry.
-
-    Raises:
-        MessageError: it is neither a unit vector nor zero.
-    """
-    direction = finite([over.x, over.y], "over")
-    length = float(np.linalg.norm(direction))
-    if length > 0.0 and abs(length - 1.0) > UNIT_TOLERANCE:
-        raise MessageError(f"over has a length of {length:.3f}; allowed: 1, or 0 for no side")
-    return direction

@@ -9,18 +9,18 @@ the base, they rehearse random entries, too: any side, any offset, some steeper.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from itertools import islice
 
 import numpy as np
 
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.entry import Entry, WayIn, plan_entry, side_of
+from pack_core.packing.entry import Entry, plan_entry
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_planner.placement.approach_config import ApproachConfig
+from pack_planner.placement.approach_options import Vary, beside, random_ways, to_every_side, varied
 from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal
 
@@ -34,14 +34,6 @@ FAILURE = 1.0
 """What a failed rehearsal adds to a score."""
 HOPELESS = 2.0 * FAILURE
 """An entry with this score or more fails; variations of it are not rehearsed."""
-TURNS = np.deg2rad([-20.0, 0.0, 20.0])
-"""Angles between the sides to which the best entry and its variations lean [rad]."""
-STEEPER = 4.0 / 3.0
-"""Half of the random entries are tilted this many times as far, but at most halfway to lying flat."""
-FARTHEST = 0.08
-"""Largest offset of a random entry's lower end [m]."""
-Vary = Callable[[PlacementCandidate], list[PlacementCandidate]]
-"""Samples feasible placements near a given one."""
 
 
 class ApproachPlanner:
@@ -78,13 +70,14 @@ class ApproachPlanner:
             return beside(candidates[0], poses, lean), 0
         likely = [beside(candidate, poses, lean) for candidate in candidates[: self._config.likely]]
         best, lowest = self._cheapest(likely, poses)
-        fresh, rounds, enough = iter(candidates), 1, GOOD
-        while rounds <= self._config.rounds and lowest >= enough:
-            if lowest < HOPELESS:
-                options = self._further(fresh, self._config.fresh, poses, lean) + _varied(best, vary)
-            else:
-                options = self._further(fresh, self._config.candidates, poses, lean)
-                options += self._random(candidates, lean, rng)
+        config, fresh, rounds, enough = self._config, iter(candidates), 1, GOOD
+        while rounds <= config.rounds and lowest >= enough:
+            is_hopeless = lowest >= HOPELESS
+            further = islice(fresh, config.candidates if is_hopeless else config.fresh)
+            options = to_every_side(further, poses, lean, config.sides)
+            options += (
+                random_ways(candidates, lean, config.random, rng) if is_hopeless else varied(best, vary)
+            )
             if not options:
                 break
             option, score = self._cheapest(options, poses)
@@ -92,30 +85,6 @@ class ApproachPlanner:
             if score < lowest:
                 best, lowest = option, score
         return best, rounds
-
-    def _further(
-        self, fresh: Iterator[PlacementCandidate], n: int, poses: Mapping[str, Pose], lean: float
-    ) -> list[PlacementCandidate]:
-        """The next n candidates, each once for every side to which it may lean."""
-        angles = 2.0 * np.pi * np.arange(self._config.sides) / self._config.sides
-        ways = [WayIn(over, lean) for over in _sides(angles)]
-        options: list[PlacementCandidate] = []
-        for candidate in islice(fresh, n):
-            options.append(beside(candidate, poses, lean))
-            options += [replace(candidate, way=way) for way in ways if candidate.collisions]
-        return options
-
-    def _random(
-        self, candidates: Sequence[PlacementCandidate], lean: float, rng: np.random.Generator
-    ) -> list[PlacementCandidate]:
-        """Random candidates that enter from random sides and offsets."""
-        n = self._config.random
-        chosen = rng.integers(len(candidates), size=n)
-        sides = _sides(rng.uniform(0.0, 2.0 * np.pi, n))
-        leans = rng.choice([lean, min(STEEPER * lean, 0.5 * (lean + 0.5 * np.pi))], n)
-        backs = rng.uniform(0.0, FARTHEST, n)
-        drawn = zip(chosen.tolist(), sides, leans.tolist(), backs.tolist(), strict=True)
-        return [replace(candidates[k], way=WayIn(over, tilt, back)) for k, over, tilt, back in drawn]
 
     def _cheapest(
         self, options: Sequence[PlacementCandidate], poses: Mapping[str, Pose]
@@ -157,26 +126,3 @@ class ApproachPlanner:
         standing = [footprint(scene.model_of(name), poses[name]) for name in scene.names]
         area = sum(outline.area for outline in (*standing, footprint(scene.new_object, candidate.X_WN)))
         return float(area / np.prod(scene.container.size))
-
-
-def beside(candidate: PlacementCandidate, poses: Mapping[str, Pose], lean: float) -> PlacementCandidate:
-    """The candidate leaning towards its obstacles, without a rehearsal."""
-    return replace(candidate, way=WayIn(side_of(candidate.X_WN, candidate.collisions, poses), lean))
-
-
-def _varied(best: PlacementCandidate, vary: Vary) -> list[PlacementCandidate]:
-    """Placements near the best one, which lean to its side and a little to the left and right of it."""
-    turns = TURNS if best.way.over.any() else [0.0]
-    ways = [replace(best.way, over=_turned(best.way.over, turn)) for turn in turns]
-    return [replace(near, way=way) for near in vary(best) for way in ways]
-
-
-def _sides(angles: Array) -> Array:
-    """The horizontal unit vectors `(n, 2)` in these directions `(n,)` [rad]."""
-    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
-
-
-def _turned(over: Array, angle: float) -> Array:
-    """The horizontal vector `(2,)`, turned by an angle [rad]."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]]) @ over

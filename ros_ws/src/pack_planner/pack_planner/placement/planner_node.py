@@ -19,6 +19,7 @@ from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.way_messages import checked_lean, fill_way
 from pack_core.rotations import Pose
 from pack_planner.filling.ros.filling_messages import fill_response, plan_filling
 from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
@@ -97,7 +98,7 @@ class PlannerNode(CellNode):
         placement = self._planners.of(request.variant).plan(
             state,
             np.random.default_rng(request.seed),
-            lean=_checked_lean(request.lean),
+            lean=checked_lean(request.lean),
             avoid=[finite([p.x, p.y, p.z], "point to avoid") for p in request.avoid],
             avoid_radius=_checked_radius(request.avoid_radius),
             near=from_pose(request.near[0]) if request.near else None,
@@ -114,18 +115,10 @@ def _checked_radius(radius: float) -> float:
     return radius
 
 
-def _checked_lean(lean: float) -> float:
-    if not 0.0 <= lean < 0.5 * np.pi:
-        raise MessageError(f"lean is {lean}; allowed: radians from 0 to below pi / 2")
-    return lean
-
-
 def _fill(response: PlanPlacement.Response, placement: PlannedPlacement) -> None:
     response.status, response.message = int(placement.status), placement.reason
     response.collisions, response.cost = list(placement.collisions), placement.cost
-    response.over.x, response.over.y = placement.way.over.tolist()
-    response.lean = placement.way.lean
-    response.back = [] if placement.way.back is None else [placement.way.back]
+    fill_way(response, placement.way)
     response.is_rehearsed = placement.is_rehearsed
     response.samples = _to_samples(placement.samples)
     if placement.X_WO is not None:

@@ -18,7 +18,7 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_core.states import SceneState
-from pack_planner.placement.approach import beside
+from pack_planner.placement.approach_options import beside
 from pack_planner.placement.placement_config import PlacementConfig
 from pack_planner.placement.placement_evaluation import PlacementEvaluation
 from pack_planner.placement.placement_result import PlannedPlacement

@@ -1,0 +1,59 @@
+"""The way in between cores and the answer of `/plan_placement`."""
+
+from __future__ import annotations
+
+import numpy as np
+from geometry_msgs.msg import Vector3
+from pack_interfaces.srv import PlanPlacement
+
+from pack_core.errors import MessageError
+from pack_core.packing.entry import WayIn
+from pack_core.ros.conversions import finite
+from pack_core.rotations import Array
+
+UNIT_TOLERANCE = 1e-3
+"""How far the length of a direction may be from 1."""
+
+
+def fill_way(response: PlanPlacement.Response, way: WayIn) -> None:
+    """Write the way into the answer."""
+    response.over.x, response.over.y = way.over.tolist()
+    response.lean = way.lean
+    response.back = [] if way.back is None else [way.back]
+
+
+def from_way(response: PlanPlacement.Response) -> WayIn:
+    """The way in of an answer.
+
+    Raises:
+        MessageError: the side, the tilt or the offset is not what it may be.
+    """
+    back = finite(response.back, "back")
+    if np.any(back < 0.0):
+        raise MessageError(f"back is {back[0]}; allowed: metres from 0 on, or none")
+    lean = checked_lean(response.lean)
+    return WayIn(from_over(response.over), lean, float(back[0]) if len(back) else None)
+
+
+def checked_lean(lean: float) -> float:
+    """The tilt [rad], if it is one.
+
+    Raises:
+        MessageError: it is not.
+    """
+    if not 0.0 <= lean < 0.5 * np.pi:
+        raise MessageError(f"lean is {lean}; allowed: radians from 0 to below pi / 2")
+    return lean
+
+
+def from_over(over: Vector3) -> Array:
+    """The horizontal direction `(2,)` in which the object leans at the entry.
+
+    Raises:
+        MessageError: it is neither a unit vector nor zero.
+    """
+    direction = finite([over.x, over.y], "over")
+    length = float(np.linalg.norm(direction))
+    if length > 0.0 and abs(length - 1.0) > UNIT_TOLERANCE:
+        raise MessageError(f"over has a length of {length:.3f}; allowed: 1, or 0 for no side")
+    return direction
