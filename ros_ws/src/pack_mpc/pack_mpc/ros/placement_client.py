@@ -9,8 +9,8 @@ from pack_core.errors import MessageError
 from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose, to_point, to_pose
+from pack_core.ros.packing.way_messages import from_way
 from pack_core.ros.scene_messages import to_scene
-from pack_core.ros.way_messages import from_way
 from pack_core.rotations import Pose
 from pack_mpc.session import PackingObservation, PackingSession
 
