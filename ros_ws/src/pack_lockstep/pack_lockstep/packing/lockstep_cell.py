@@ -103,7 +103,7 @@ class LockstepPlacements:
                 avoid_radius=task.avoid_radius, lean=task.lean, near=self._near,
             )  # fmt: skip
             config = self._config
-            latency = config.placement_latency + planned.rounds * config.rehearsal_latency
+            latency = config.placement_latency + planned.rehearsals * config.rehearsal_latency
             self._answer = (time + latency, planned)
         if self._answer is not None and time >= self._answer[0]:
             answer, self._answer = self._answer[1], None

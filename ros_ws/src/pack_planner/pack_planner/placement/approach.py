@@ -4,7 +4,7 @@ Algorithm 1 judges where the new object ends, not how it gets there: on its way 
 push aside. Here the entries of its best placements are rehearsed in simulation, leaning to several sides.
 The good ones are rehearsed again with their goals a few millimetres off. Further rounds rehearse variations
 of the best entry so far and further placements. While every entry fails, as where hardly anything is left of
-the base, they rehearse random entries, too: any side, any offset, some steeper.
+the base, they rehearse random entries that begin over gaps: any side, any offset, some steeper.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_planner.placement.approach_config import ApproachConfig
 from pack_planner.placement.approach_options import Vary, beside, random_ways, to_every_side, varied
+from pack_planner.placement.gaps import covered
 from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal
 
@@ -63,28 +64,40 @@ class ApproachPlanner:
             rng: source of the random entries.
 
         Returns:
-            The choice, and the number of rounds of rehearsals; 0 if none was needed.
+            The choice, and the number of rehearsals; 0 if none was needed.
         """
         is_roomy = not failures and self._covered(candidates[0], poses) < self._config.crowded
         if is_roomy or not self._config.rounds:
             return beside(candidates[0], poses, lean), 0
+        before = self._rehearsal.count
         likely = [beside(candidate, poses, lean) for candidate in candidates[: self._config.likely]]
         best, lowest = self._cheapest(likely, poses)
         config, fresh, rounds, enough = self._config, iter(candidates), 1, GOOD
         while rounds <= config.rounds and lowest >= enough:
-            is_hopeless = lowest >= HOPELESS
-            further = islice(fresh, config.candidates if is_hopeless else config.fresh)
-            options = to_every_side(further, poses, lean, config.sides)
-            options += (
-                random_ways(candidates, lean, config.random, rng) if is_hopeless else varied(best, vary)
-            )
+            if lowest >= HOPELESS:
+                options = self._over_gaps(candidates, poses, lean, rng)
+            else:
+                further = islice(fresh, config.fresh)
+                options = to_every_side(further, poses, lean, config.sides) + varied(best, vary)
             if not options:
                 break
             option, score = self._cheapest(options, poses)
             rounds, enough = rounds + 1, GOOD if score < lowest else FAIR
             if score < lowest:
                 best, lowest = option, score
-        return best, rounds
+        return best, self._rehearsal.count - before
+
+    def _over_gaps(
+        self,
+        candidates: Sequence[PlacementCandidate],
+        poses: Mapping[str, Pose],
+        lean: float,
+        rng: np.random.Generator,
+    ) -> list[PlacementCandidate]:
+        """Of many random entries those that begin most nearly over gaps."""
+        drawn = random_ways(candidates, lean, self._config.drawn, rng)
+        first = np.argsort(covered(self._scene, poses, drawn), kind="stable")[: self._config.random]
+        return [drawn[k] for k in first]
 
     def _cheapest(
         self, options: Sequence[PlacementCandidate], poses: Mapping[str, Pose]

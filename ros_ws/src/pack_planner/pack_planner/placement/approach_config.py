@@ -17,8 +17,11 @@ class ApproachConfig(Config):
         3, description="placements rehearsed in the first round, leaning over their obstacles"
     )
     rounds: NonNegativeInt = Field(8, description="most rounds of rehearsals; 0: no rehearsals")
-    candidates: PositiveInt = Field(5, description="placements in a round, the cheapest first")
-    random: PositiveInt = Field(60, description="random entries rehearsed in a round while every entry fails")
+    candidates: PositiveInt = Field(40, description="placements that are considered, the cheapest first")
+    drawn: PositiveInt = Field(400, description="random entries drawn in a round while every entry fails")
+    random: PositiveInt = Field(
+        40, description="how many of them are rehearsed: those that begin most nearly over gaps"
+    )
     fresh: PositiveInt = Field(
         3, description="new placements in a round beside variations of the best so far"
     )
@@ -34,8 +37,3 @@ class ApproachConfig(Config):
         6, description="best entries of a round that are rehearsed again, perturbed"
     )
     error: NonNegativeFloat = Field(0.006, description="perturbation of these rehearsals [m]")
-
-    @property
-    def tried(self) -> int:
-        """How many placements are rehearsed at most."""
-        return max(self.likely, self.rounds * self.candidates)

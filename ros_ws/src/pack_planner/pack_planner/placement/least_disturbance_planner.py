@@ -43,11 +43,11 @@ class LeastDisturbancePlanner(Algorithm1Planner):
         ranked, approach = self._ranked(samples, avoid, avoid_radius), self._config.approach
         if not len(ranked):
             return PlannedPlacement.failure(reason, samples)
-        spread = spread_out(ranked, samples.settled, approach.spacing, approach.tried)
+        spread = spread_out(ranked, samples.settled, approach.spacing, approach.candidates)
         candidates = self._candidates(now, samples, spread)
         vary = partial(self._near, now, rng, near)
-        chosen, rounds = self._approach.choose(candidates, vary, poses, lean, len(avoid), rng)
-        return PlannedPlacement.success(chosen, rounds, samples)
+        chosen, rehearsals = self._approach.choose(candidates, vary, poses, lean, len(avoid), rng)
+        return PlannedPlacement.success(chosen, rehearsals, samples)
 
     def _near(
         self, now: Array, rng: np.random.Generator, wanted: Pose | None, candidate: PlacementCandidate

@@ -88,7 +88,7 @@ class PlannedPlacement:
         collisions: objects that it overlaps where they stand now, the collision list G.
         way: how it is to enter.
         cost: cost of the chosen sample by Eq. 6; infinite without success.
-        rounds: number of rounds of rehearsals.
+        rehearsals: how many entries were rehearsed.
         samples: all samples that were tried.
     """
 
@@ -98,15 +98,15 @@ class PlannedPlacement:
     collisions: tuple[str, ...]
     way: WayIn
     cost: float
-    rounds: int
+    rehearsals: int
     samples: PlacementSamples
 
     @classmethod
-    def success(cls, chosen: PlacementCandidate, rounds: int, samples: PlacementSamples) -> Self:
-        """The result with a placement that was chosen after `rounds` rounds of rehearsals."""
+    def success(cls, chosen: PlacementCandidate, rehearsals: int, samples: PlacementSamples) -> Self:
+        """The result with a placement that was chosen after so many rehearsals."""
         return cls(
-            PlacementStatus.SUCCESS, "", chosen.X_WN, chosen.collisions, chosen.way, chosen.cost, rounds,
-            samples,
+            PlacementStatus.SUCCESS, "", chosen.X_WN, chosen.collisions, chosen.way, chosen.cost,
+            rehearsals, samples,
         )  # fmt: skip
 
     @classmethod
@@ -118,4 +118,4 @@ class PlannedPlacement:
     @property
     def is_rehearsed(self) -> bool:
         """Whether the entry was rehearsed in simulation."""
-        return self.rounds > 0
+        return self.rehearsals > 0

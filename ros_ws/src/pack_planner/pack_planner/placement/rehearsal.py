@@ -52,11 +52,15 @@ class Rehearsed:
 
 
 class Rehearsal:
-    """Rehearses entries of a scene's new object; results do not depend on the number of threads."""
+    """Rehearses entries of a scene's new object; results do not depend on the number of threads.
+
+    Attributes:
+        count: how many rehearsals there were.
+    """
 
     def __init__(self, scene: Scene, cell: PackingCell, threads: int) -> None:
         """Build the model; `threads` 0 uses all cores."""
-        self._scene = scene
+        self._scene, self.count = scene, 0
         self._physics = BatchPhysics(scene, cell, timestep=TIMESTEP, held=HeldRole.STEERED, threads=threads)
 
     def run(self, poses: Mapping[str, Pose], goals: Sequence[Pose], entries: Sequence[Entry]) -> Rehearsed:
@@ -65,6 +69,7 @@ class Rehearsal:
         steps = max(map(len, paths)) + round(REST / TIMESTEP)
         controls = np.stack([np.pad(path, ((0, steps - len(path)), (0, 0)), mode="edge") for path in paths])
         starts = np.stack([self._start(poses, path[0]) for path in paths])
+        self.count += len(goals)
         states = self._physics.roll_out(starts, controls)
         new = self._scene.new_object
         heights = self._of(new.name, states)[..., 2]
