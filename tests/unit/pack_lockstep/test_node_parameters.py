@@ -26,6 +26,20 @@ def test_keys_of_the_node_alone_are_passed_over(tmp_path, monkeypatch) -> None:
     assert load_parameters("packing/mpc", SessionConfig).weights == "table_1"
 
 
+def test_a_dotted_key_is_one_of_a_section_as_it_is_for_a_node(tmp_path, monkeypatch) -> None:
+    text = "{controller: {threads: 3}, controller.optimizer: ilqr, task.stages.stall_time: 0.7}"
+    write(tmp_path, monkeypatch, f"mpc: {{ros__parameters: {text}}}")
+    config = load_parameters("packing/mpc", SessionConfig)
+    assert (config.controller.optimizer, config.controller.threads) == ("ilqr", 3)
+    assert config.task.stages.stall_time == 0.7
+
+
+def test_a_name_for_a_value_and_a_section_is_refused(tmp_path, monkeypatch) -> None:
+    write(tmp_path, monkeypatch, "mpc: {ros__parameters: {task: 1, task.timeout: 2}}")
+    with pytest.raises(ConfigError, match="both for a value and for a section"):
+        load_parameters("packing/mpc", SessionConfig)
+
+
 @pytest.mark.parametrize("text", ["[]", "mpc: {}", "planner: {ros__parameters: {}}"])
 def test_a_file_of_another_form_is_refused(tmp_path, monkeypatch, text: str) -> None:
     write(tmp_path, monkeypatch, text)

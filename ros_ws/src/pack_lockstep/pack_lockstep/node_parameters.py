@@ -8,6 +8,7 @@ from pydantic import BaseModel
 
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError
+from pack_core.parameter_fields import nested
 from pack_core.paths import config_path
 from pack_core.text.reader import load_yaml
 
@@ -29,8 +30,10 @@ def load_parameters(node: str, cls: type[C]) -> C:
 def parameters_of(node: str) -> tuple[dict[str, Any], str]:
     """All of `config/nodes/<node>.yaml`, e.g. of `packing/mpc`, and the file's name for errors.
 
+    As for a ROS node, `section.key: value` means the same as `section: {key: value}`.
+
     Raises:
-        ConfigError: the file is missing, or is not of this node.
+        ConfigError: the file is missing, is not of this node, or has a name for both a value and a section.
     """
     path, name = config_path("nodes", f"{node}.yaml"), node.rpartition("/")[2]
     parameters: Any = load_yaml(path)
@@ -38,4 +41,7 @@ def parameters_of(node: str) -> tuple[dict[str, Any], str]:
         parameters = parameters.get(key) if isinstance(parameters, dict) else None
     if not isinstance(parameters, dict):
         raise ConfigError(f"{path}: expected `{name}: ros__parameters:` at the top, with keys and values")
-    return parameters, str(path)
+    try:
+        return nested(parameters), str(path)
+    except (AttributeError, TypeError):  # the section is a number or a text
+        raise ConfigError(f"{path}: a name stands both for a value and for a section of values") from None
