@@ -13,6 +13,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_planner.placement.approach import OFF, ApproachPlanner
 from pack_planner.placement.approach_config import ApproachConfig
+from pack_planner.placement.approach_options import beside
 from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal
 
@@ -56,6 +57,16 @@ def test_where_there_is_room_the_first_is_entered_over_its_obstacles_unrehearsed
     ]:
         choice, _ = chooser.choose(CANDIDATES, alone, scene.poses(), LEAN, failures, RNG())
         assert choice.X_WN is expected.X_WN
+
+
+def test_where_obstacles_leave_no_side_to_lean_to_the_first_is_rehearsed_too(scene: Scene) -> None:
+    between = replace(ONTO_LARGE, X_WN=Pose(np.array([0.5, 0.0, 0.09])), collisions=("large", "small"))
+    poses = {"large": Pose(np.array([0.43, 0.0, 0.06])), "small": Pose(np.array([0.57, 0.0, 0.06]))}
+    one_sided = replace(ONTO_SMALL, X_WN=Pose(np.array([0.57, -0.03, 0.09])))
+    roomy = planner(scene, crowded=1.0)
+    assert not beside(between, poses, LEAN).way.over.any()
+    assert roomy.choose([between, one_sided], alone, poses, LEAN, failures=0, rng=RNG())[1] > 0
+    assert roomy.choose([one_sided], alone, poses, LEAN, failures=0, rng=RNG())[1] == 0
 
 
 def test_what_is_entered_easily_over_its_obstacles_needs_no_further_round(scene: Scene) -> None:

@@ -66,9 +66,9 @@ class ApproachPlanner:
         Returns:
             The choice, and the number of rehearsals; 0 if none was needed.
         """
-        is_roomy = not failures and self._covered(candidates[0], poses) < self._config.crowded
-        if is_roomy or not self._config.rounds:
-            return beside(candidates[0], poses, lean), 0
+        first = beside(candidates[0], poses, lean)
+        if self._is_likely(first, poses, failures) or not self._config.rounds:
+            return first, 0
         before = self._rehearsal.count
         likely = [beside(candidate, poses, lean) for candidate in candidates[: self._config.likely]]
         best, lowest = self._cheapest(likely, poses)
@@ -132,6 +132,11 @@ class ApproachPlanner:
         goals = [Pose(option.X_WN.p + shift, option.X_WN.q) for shift in shifts for option in options]
         seen = self._rehearsal.run(poses, goals, [*entries] * len(shifts))
         return np.asarray(RESISTANCE * seen.lags + FAILURE * ~seen.is_success).reshape(len(shifts), -1)
+
+    def _is_likely(self, first: PlacementCandidate, poses: Mapping[str, Pose], failures: int) -> bool:
+        """Whether the first placement needs no rehearsal: there is room, and a side to lean to."""
+        is_surrounded = bool(first.collisions) and not first.way.over.any()
+        return not failures and not is_surrounded and self._covered(first, poses) < self._config.crowded
 
     def _covered(self, candidate: PlacementCandidate, poses: Mapping[str, Pose]) -> float:
         """Share of the container's base that the objects cover, the new one included."""

@@ -11,7 +11,9 @@ class ApproachConfig(Config):
     """Parameters of the rehearsals."""
 
     crowded: NonNegativeFloat = Field(
-        0.5, description="covered share of the base from which on the first placement is rehearsed, too"
+        0.5,
+        description="covered share of the base from which on the first placement is rehearsed, too; "
+        "one with obstacles all around always is",
     )
     likely: PositiveInt = Field(
         3, description="placements rehearsed in the first round, leaning over their obstacles"
