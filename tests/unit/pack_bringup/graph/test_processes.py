@@ -101,17 +101,25 @@ def test_the_environment_is_added_to_ours() -> None:
     assert f"pear {Path.home()}" in output.getvalue()
 
 
-@pytest.mark.parametrize(("ours", "theirs"), [(None, "2"), ("7", "7")])
-def test_the_c_library_reserves_few_arenas_unless_we_say_otherwise(
-    ours: str | None, theirs: str, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("name", "ours", "theirs"),
+    [
+        ("MALLOC_ARENA_MAX", None, "2"),
+        ("MALLOC_ARENA_MAX", "7", "7"),
+        ("MALLOC_MMAP_THRESHOLD_", None, "8388608"),
+        ("MALLOC_MMAP_THRESHOLD_", "65536", "65536"),
+    ],
+)
+def test_the_c_library_keeps_little_free_memory_unless_we_say_otherwise(
+    name: str, ours: str | None, theirs: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delenv("MALLOC_ARENA_MAX", raising=False)
+    monkeypatch.delenv(name, raising=False)
     if ours is not None:
-        monkeypatch.setenv("MALLOC_ARENA_MAX", ours)
+        monkeypatch.setenv(name, ours)
     log = Mailbox()
-    with ProcessGroup({"sim": ["sh", "-c", "echo arenas $MALLOC_ARENA_MAX"]}, output=log) as group:
+    with ProcessGroup({"sim": ["sh", "-c", f"echo it is ${name}"]}, output=log) as group:
         group.wait()
-        assert log.wait_for(f"arenas {theirs}")
+        assert log.wait_for(f"it is {theirs}")
 
 
 def test_an_unknown_process_is_answered_with_the_known_ones() -> None:

@@ -23,7 +23,7 @@ class RecorderConfig(Config):
     path: str = Field(default="", description="the run's folder; empty: bags/<cell>_<date>_seed<seed>")
     cell: str = Field(default="packing", description="the cell whose topics are recorded")
     record: Record = Field(default="goals", description="when to record: while goals run, always, or never")
-    split_mb: float = Field(default=64.0, gt=0.0, description="size at which another file is begun [MB]")
+    split_mb: float = Field(default=24.0, gt=0.0, description="size at which another file is begun [MB]")
     limit_gb: float = Field(default=10.0, gt=0.0, description="size of the bag at which recording ends [GB]")
     required: bool = Field(
         default=False, description="end the node, and so the goal in progress, when recording fails"
