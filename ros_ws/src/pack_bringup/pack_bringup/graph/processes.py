@@ -19,7 +19,7 @@ from honcho.process import Process
 
 from pack_core.errors import PackError
 
-ENVIRONMENT = {"MALLOC_ARENA_MAX": "2", "MALLOC_MMAP_THRESHOLD_": str(8 * 2**20)}
+ENVIRONMENT = {"MALLOC_ARENA_MAX": "2", "MALLOC_MMAP_THRESHOLD_": str(4 * 2**20)}
 """What holds unless our own environment says otherwise, so that nodes do not grow in an hour.
 
 Nodes begin and end threads, and for a new one the C library may reserve another arena of memory, which a

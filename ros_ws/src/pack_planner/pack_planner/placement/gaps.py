@@ -41,9 +41,11 @@ def first_parts(item: SceneItem, options: Sequence[PlacementCandidate]) -> Array
         [-over[:, 1], over[:, 0], np.zeros(len(over))]
     )
     R_WN = (Rotation.from_rotvec(tilts) * turned).as_matrix()
+    # the hull's corners, tilted, with the lower end where the way in begins
     corners = item.hull() @ R_WN.transpose(0, 2, 1)
     ends = np.array([option.X_WN.p[:2] - (option.way.back or 0.0) * option.way.over for option in options])
     corners[..., :2] += (ends + item.half_extents[2] * R_WN[:, :2, 2])[:, None]
+    # what enters first has the corners below this level, and the points at which edges cross it
     level = corners[..., 2].min(axis=1, keepdims=True) + ENTERS_FIRST
     a, b = corners[:, (edges := _edges(item))[:, 0]], corners[:, edges[:, 1]]
     crosses = (a[..., 2] < level) != (b[..., 2] < level)
