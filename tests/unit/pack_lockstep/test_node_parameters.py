@@ -1,5 +1,7 @@
 """The nodes' parameter files as configuration of the cores."""
 
+import itertools
+
 import pytest
 
 from pack_core.errors import ConfigError
@@ -27,15 +29,21 @@ def test_keys_of_the_node_alone_are_passed_over(tmp_path, monkeypatch) -> None:
 
 
 def test_a_dotted_key_is_one_of_a_section_as_it_is_for_a_node(tmp_path, monkeypatch) -> None:
-    text = "{controller: {threads: 3}, controller.optimizer: ilqr, task.stages.stall_time: 0.7}"
-    write(tmp_path, monkeypatch, f"mpc: {{ros__parameters: {text}}}")
+    text = "task.stages.stall_time: 0.7"
+    for keys in itertools.permutations([text, "controller: {threads: 3}", "controller.optimizer: ilqr"]):
+        write(tmp_path, monkeypatch, f"mpc: {{ros__parameters: {{{', '.join(keys)}}}}}")
+        check_sections()
+
+
+def check_sections() -> None:
     config = load_parameters("packing/mpc", SessionConfig)
     assert (config.controller.optimizer, config.controller.threads) == ("ilqr", 3)
     assert config.task.stages.stall_time == 0.7
 
 
-def test_a_name_for_a_value_and_a_section_is_refused(tmp_path, monkeypatch) -> None:
-    write(tmp_path, monkeypatch, "mpc: {ros__parameters: {task: 1, task.timeout: 2}}")
+@pytest.mark.parametrize("keys", ["task: 1, task.timeout: 2", "task.timeout: 2, task: 1"])
+def test_a_name_for_a_value_and_a_section_is_refused(tmp_path, monkeypatch, keys: str) -> None:
+    write(tmp_path, monkeypatch, f"mpc: {{ros__parameters: {{{keys}}}}}")
     with pytest.raises(ConfigError, match="both for a value and for a section"):
         load_parameters("packing/mpc", SessionConfig)
 

@@ -42,6 +42,7 @@ def parameters_of(node: str) -> tuple[dict[str, Any], str]:
     if not isinstance(parameters, dict):
         raise ConfigError(f"{path}: expected `{name}: ros__parameters:` at the top, with keys and values")
     try:
-        return nested(parameters), str(path)
+        # sections first, so that a dotted key adds to its section wherever it stands in the file
+        return nested(dict(sorted(parameters.items(), key=lambda item: item[0].count(".")))), str(path)
     except (AttributeError, TypeError):  # the section is a number or a text
         raise ConfigError(f"{path}: a name stands both for a value and for a section of values") from None
