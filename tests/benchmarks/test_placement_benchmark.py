@@ -1,6 +1,7 @@
 """How long a placement and a blocked scene take."""
 
 import itertools
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -32,17 +33,30 @@ def planning(crowded: float) -> Callable[[], PlannedPlacement]:
     return lambda: planner.plan(state, np.random.default_rng(0), lean=0.6)
 
 
+def seconds(run: Callable[[], object]) -> float:
+    """How long a call takes [s of wall clock]."""
+    started = time.perf_counter()
+    run()
+    return time.perf_counter() - started
+
+
 def test_a_placement_takes_no_longer_than_lockstep_says(benchmark: BenchmarkFixture) -> None:
     benchmark.pedantic(planning(crowded=1.0), rounds=10, warmup_rounds=1)
     assert benchmark.stats.stats.median < LockstepConfig().placement_latency
 
 
-def test_rehearsals_take_no_longer_than_lockstep_says(benchmark: BenchmarkFixture) -> None:
-    plan, config = planning(crowded=0.0), LockstepConfig()
-    count = plan().rehearsals
-    benchmark.pedantic(plan, rounds=10)
+def test_rehearsals_take_no_longer_beside_a_placement_than_lockstep_says() -> None:
+    plain, rehearsed, config = planning(crowded=1.0), planning(crowded=0.0), LockstepConfig()
+    count = rehearsed().rehearsals
     assert count > 0
-    assert benchmark.stats.stats.median < config.placement_latency + count * config.rehearsal_latency
+    # In turn, so that both meet the machine in the same state.
+    plain_s, rehearsed_s = (
+        float(np.median(times)) for times in zip(*((seconds(plain), seconds(rehearsed)) for _ in range(10)))
+    )
+    charged = count * config.rehearsal_latency / config.placement_latency
+    measured = rehearsed_s / plain_s - 1.0
+    print(f"{count} rehearsals take {measured:.2f} times as long as a placement; lockstep: {charged:.2f}")
+    assert measured < charged
 
 
 def test_a_blocked_scene_takes_at_most_2_s(benchmark: BenchmarkFixture) -> None:

@@ -90,17 +90,27 @@ def test_a_time_out_in_fine_tune_is_a_success_and_one_before_is_not(task: Packin
     assert not early.outcome.success
 
 
-def test_a_stall_retreats_and_asks_for_another_placement_once_it_moves_nothing_any_more(
-    task: PackingTask,
+def test_a_stall_retreats_and_asks_for_another_placement_at_once(task: PackingTask) -> None:
+    placed(task).update(11.0, Pose(task.machine.target.p_WN))
+    task.update(11.1, at(0.12))
+    assert not task.needs_placement
+    assert task.update(14.0, at(0.12))
+    assert task.machine.stage is Stage.PRE_PACK
+    assert task.needs_placement
+    np.testing.assert_allclose(task.avoid[0], PLACE.p)
+
+
+def test_a_placement_that_comes_while_the_object_is_on_its_way_out_does_not_turn_it_round(
+    task: PackingTask, scene: Scene
 ) -> None:
     placed(task).update(11.0, Pose(task.machine.target.p_WN))
     task.update(11.1, at(0.12))
-    assert task.update(14.0, at(0.12))
+    task.update(14.0, at(0.12))
+    placed(task).update(14.1, at(0.13))
     assert task.machine.stage is Stage.PRE_PACK
-    assert not task.needs_placement
-    task.update(14.5, at(0.18))
-    assert task.needs_placement
-    np.testing.assert_allclose(task.avoid[0], PLACE.p)
+    # Straight up, as it may be wedged, until it is clear of the others.
+    np.testing.assert_array_equal(task.machine.target.p_WN[:2], PLACE.p[:2])
+    assert task.machine.target.p_WN[2] > scene.rim
 
 
 def test_after_a_stall_the_object_waits_over_the_container_for_its_placement(task: PackingTask) -> None:

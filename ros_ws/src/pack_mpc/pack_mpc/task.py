@@ -52,8 +52,12 @@ class PackingTask:
 
     @property
     def needs_placement(self) -> bool:
-        """Whether to plan a placement now: not while the object may still move others on its way out."""
-        return not self._has_placement and (self.machine is None or self.machine.is_out)
+        """Whether to plan a placement now: before the first attempt, and from the moment an attempt fails.
+
+        After a failure the held object is still among the others then, but its way out hardly moves them:
+        docs/packing/findings.md, "What the lower face lands on".
+        """
+        return not self._has_placement
 
     @property
     def avoid(self) -> list[Array]:

@@ -22,7 +22,7 @@ class LockstepConfig(Config):
         default=0.3, description="Algorithm 1 takes [s of simulated time]"
     )
     rehearsal_latency: NonNegativeFloat = Field(
-        default=0.0025, description="and so much each rehearsal of an entry [s of simulated time]"
+        default=0.003, description="and so much each rehearsal of an entry [s of simulated time]"
     )
     settle: PositiveFloat = Field(
         default=0.3, description="before the goal, so that everything has been seen [s]"
