@@ -19,12 +19,12 @@ from honcho.process import Process
 
 from pack_core.errors import PackError
 
-ENVIRONMENT = {"MALLOC_ARENA_MAX": "2", "MALLOC_MMAP_THRESHOLD_": str(4 * 2**20)}
+ENVIRONMENT = {"MALLOC_ARENA_MAX": "2", "MALLOC_MMAP_THRESHOLD_": str(256 * 2**10)}
 """What holds unless our own environment says otherwise, so that nodes do not grow in an hour.
 
 Nodes begin and end threads, and for a new one the C library may reserve another arena of memory, which a
-process then keeps. It also keeps what large pictures leave free, in pieces, unless blocks of their size
-[byte] are reserved by themselves and given back at once.
+process then keeps. It also keeps what pictures and rollouts leave free, in pieces, unless blocks of their
+size [byte] are reserved by themselves and given back at once.
 """
 
 
