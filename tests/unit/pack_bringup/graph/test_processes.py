@@ -106,7 +106,7 @@ def test_the_environment_is_added_to_ours() -> None:
     [
         ("MALLOC_ARENA_MAX", None, "2"),
         ("MALLOC_ARENA_MAX", "7", "7"),
-        ("MALLOC_MMAP_THRESHOLD_", None, "4194304"),
+        ("MALLOC_MMAP_THRESHOLD_", None, "262144"),
         ("MALLOC_MMAP_THRESHOLD_", "65536", "65536"),
     ],
 )
