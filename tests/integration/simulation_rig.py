@@ -23,6 +23,10 @@ WHO = "the test's button"
 FACTOR = "real_time_factor"
 SLOW = 0.1
 """Real-time factor at which the 40 ms of setpoints that the driver has last for 0.4 s of wall clock."""
+FRESH = 0.05
+"""Age up to which a driver follows setpoints without braking, in every cell [s]."""
+TICK = 0.004
+"""What the pacing counts for a turn in which simulated time stands [s]."""
 GOES_ON = 0.25
 """After a pause: longer than setpoints last, so that any joint states that it cost would show [s]."""
 
@@ -50,6 +54,27 @@ def accept_times(node: Any) -> list[float]:
 
     node.simulator.accept = noted
     return times
+
+
+@contextmanager
+def standing_without_setpoints(node: Any, accepted: list[float]) -> Iterator[None]:
+    """Let simulated time stand meanwhile as long as the driver's setpoints are `FRESH` old.
+
+    However late a busy machine hands them over, the driver then has them in time.
+
+    Args:
+        node: the simulator's.
+        accepted: when it took them, as `accept_times` notes it.
+    """
+    advance: Callable[[], float] = node.advance
+
+    def held() -> float:
+        is_fed = not accepted or node.simulator.time < accepted[-1] + FRESH
+        return advance() if is_fed else TICK
+
+    node.advance = held
+    yield
+    node.advance = advance
 
 
 def set_state(graph: Graph, state: int) -> SimulationResult:

@@ -10,11 +10,12 @@ from trajectory_msgs.msg import JointTrajectory
 
 from integration.harness import Graph
 from integration.packing.sim_rig import SPEED, joint_samples, newest_joints, ramp, speeds, start_sim
-from integration.simulation_rig import accept_times
+from integration.simulation_rig import accept_times, standing_without_setpoints
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.joint_messages import to_setpoints
+from pack_sim.packing.sim_node import PackingSimNode
 
 AT_REST = 0.02
 """[rad/s]"""
@@ -34,19 +35,26 @@ def test_the_arm_follows_setpoints_and_holds_when_they_grow_stale(graph: Graph) 
     assert node.simulator.controller.is_holding
 
 
-def follow_and_send(graph: Graph, bad: JointTrajectory) -> float:
+def follow_and_send(graph: Graph, node: PackingSimNode, bad: JointTrajectory) -> float:
     """Stream a good ramp, with bad setpoints in between; the speed at which the joint went on."""
-    start = newest_joints(graph)
+    start, accepted = newest_joints(graph), accept_times(node)
     good = to_setpoints(ramp(start, 2.0), PANDA.joints)
     passed = (0.1, 0.1 + DURATION)
-    while newest_joints(graph).time < start.time + passed[1]:
-        is_bad_due = newest_joints(graph).time > start.time + passed[0]
-        for message in (good, bad) if is_bad_due else (good,):
-            graph.probe.send(contracts.SETPOINTS, message)
-            seen = newest_joints(graph).time
-            graph.wait_until(lambda seen=seen: newest_joints(graph).time > seen + 0.01)
+    with standing_without_setpoints(node, accepted):
+        while newest_joints(graph).time < start.time + passed[1]:
+            dealt_with = len(accepted) + refused(node)
+            is_bad_due = newest_joints(graph).time > start.time + passed[0]
+            for message in (good, bad) if is_bad_due else (good,):
+                dealt_with += 1
+                graph.probe.send(contracts.SETPOINTS, message)
+                graph.wait_until(lambda least=dealt_with: len(accepted) + refused(node) >= least)
     before, after = joint_samples(graph, start.time + passed[0])[0], newest_joints(graph)
     return float(after.q[0] - before.q[0]) / (after.time - before.time)
+
+
+def refused(node: PackingSimNode) -> int:
+    """How many setpoints the driver has refused."""
+    return node.health.counts["refused /joint_torque_setpoints"]
 
 
 @pytest.mark.parametrize(
@@ -70,7 +78,7 @@ def test_bad_setpoints_are_refused_counted_and_named_while_the_arm_goes_on(
     bad = to_setpoints(ramp(newest_joints(graph), 1.0), PANDA.joints)
     for point in bad.points:
         setattr(point, column, value)
-    assert follow_and_send(graph, bad) == pytest.approx(SPEED, rel=0.25)
+    assert follow_and_send(graph, node, bad) == pytest.approx(SPEED, rel=0.25)
     node.report()
     graph.wait_until(lambda: status_of(graph).level == DiagnosticStatus.WARN)
     status = status_of(graph)

@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from integration.harness import Graph
 from integration.palletizing.pallet_rig import SPEED, joint_samples, newest_joints, ramp, start_pallet_sim
-from integration.simulation_rig import accept_times
+from integration.simulation_rig import accept_times, standing_without_setpoints
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.joint_messages import to_trajectory
@@ -30,11 +30,11 @@ def test_the_arm_follows_setpoints_and_brakes_when_they_grow_stale(graph: Graph)
     start = newest_joints(graph)
     accepted = accept_times(node)
     reference = to_trajectory(ramp(start, 5.0), JOINTS)
-    seen = start.time
-    while seen < start.time + 0.5:
-        graph.probe.send(motion.SETPOINTS, reference)
-        graph.wait_until(lambda before=seen: newest_joints(graph).time > before + 0.01)
-        seen = newest_joints(graph).time
+    with standing_without_setpoints(node, accepted):
+        while newest_joints(graph).time < start.time + 0.5:
+            taken = len(accepted)
+            graph.probe.send(motion.SETPOINTS, reference)
+            graph.wait_until(lambda taken=taken: len(accepted) > taken)
     graph.wait_until(lambda: newest_joints(graph).time > accepted[-1] + 0.6)
     samples = joint_samples(graph, start.time)
     assert max(sample.v[0] for sample in samples) == pytest.approx(SPEED, rel=0.05)
