@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import lfilter
 
 from pack_core.packing.topics import WRENCH_RATE
 from pack_core.rotations import Array
@@ -20,18 +19,19 @@ class ForceRecord:
 
     def __init__(self) -> None:
         self._forces: list[float] = []
-        self._filter_state = np.zeros(1)
+        self._filtered = 0.0
 
     def note(self, forces: Array) -> float:
         """Note new samples `(n,)` [N], and return the largest of them after the filter; 0 without any.
 
         The filter keeps one noisy sample from ending a goal.
         """
-        if not len(forces):  # the filter's state after no samples would be whatever was in memory
-            return 0.0
         self._forces.extend(forces.tolist())
-        smooth, self._filter_state = lfilter([GAIN], [1.0, GAIN - 1.0], forces, zi=self._filter_state)
-        return float(np.max(smooth, initial=0.0))
+        peak = 0.0
+        for force in forces.tolist():
+            self._filtered += GAIN * (force - self._filtered)
+            peak = max(peak, self._filtered)
+        return peak
 
     @property
     def mean(self) -> float:
