@@ -18,8 +18,6 @@ from pack_bringup.graph.processes import ProcessGroup
 from pack_bringup.recording.run_record import BAG_FOLDER
 from pack_core.errors import PackError
 
-START_TIMEOUT = 120.0
-"""For a node to come up [s of wall clock]."""
 STAGE_TIMEOUT = 150.0
 """For a goal to come into a stage, and to end after a fault [s of wall clock]."""
 MOVES = 0.05
@@ -74,7 +72,7 @@ class FaultBench:
         return FaultReport(case.name, case.node, case.fault, case.stage, **found)
 
     def _await_ready(self) -> None:
-        self._witness.await_ready(self._names, START_TIMEOUT)
+        self._witness.await_ready(self._names)
         settled = time.monotonic() + 1.0  # all have then heard of each other
         self._witness.spin_until(lambda: time.monotonic() > settled, 2.0)
 

@@ -31,6 +31,9 @@ JOINTS = "/joint_states"
 QUEUE = 10_000
 """Joint states that may wait while the witness does something else: a gap would shift what is measured."""
 
+START_TIMEOUT = 300.0
+"""For nodes to come up [s of wall clock]; the first start compiles, for 100 s on a slow machine."""
+
 
 class FaultWitness:
     """A node for the time of a `with` block; nothing is heard but in `spin_until`.
@@ -102,19 +105,19 @@ class FaultWitness:
                 self._on_joints(message, sent_ns)
         return True
 
-    def await_ready(self, names: Sequence[str], timeout: float) -> None:
+    def await_ready(self, names: Sequence[str]) -> None:
         """Listen until all these nodes have said that they are ready.
 
         Raises:
-            PackError: some have not within `timeout` [s of wall clock]; it names them.
+            PackError: some have not within `START_TIMEOUT`; it names them.
         """
 
         def late() -> list[str]:
             ready = {name for name, status in self.statuses.items() if status.state == NodeStatus.READY}
             return [name for name in names if name not in ready]
 
-        if not self.spin_until(lambda: not late(), timeout):
-            raise PackError(f"not ready after {timeout:.0f} s: {', '.join(late())}")
+        if not self.spin_until(lambda: not late(), START_TIMEOUT):
+            raise PackError(f"not ready after {START_TIMEOUT:.0f} s: {', '.join(late())}")
 
     def send(self, goal: CellGoal) -> None:
         """Put the cell into the goal's scene and send the goal.
