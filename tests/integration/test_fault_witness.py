@@ -1,16 +1,18 @@
-"""What sends goals to a cell for hours leaves nothing behind in it."""
+"""What sends goals to a cell for hours leaves nothing behind in it, and waits for no node that has ended."""
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+import pytest
 from pack_interfaces.action import Palletize
 from std_srvs.srv import Trigger
 
 from integration.goal_rig import ACTION, Waiter
 from integration.harness import Graph
 from pack_bringup.faults.ros.fault_witness import FaultWitness
+from pack_core.errors import PackError
 from pack_core.ros.contracts.contract import Contract, Kind
 
 RESET = Contract("/start_over", Trigger, ("user",), ("sim",), "begin anew", kind=Kind.SERVICE)
@@ -63,3 +65,11 @@ def test_goal_after_goal_is_sent_by_one_client_alone(graph: Graph) -> None:
         assert node.started == 3
         assert graph.probe.count_clients(RESET.name) == 1
         assert graph.probe.count_clients(SENDING) == 1
+
+
+def test_a_node_that_ended_is_not_waited_for(graph: Graph) -> None:
+    with (
+        FaultWitness("packing", graph.context.get_domain_id()) as witness,
+        pytest.raises(PackError, match="not ready: sim ended with exit code 1"),
+    ):
+        witness.await_ready(["sim", "mpc"], lambda: {"sim": 1})

@@ -97,7 +97,7 @@ def _run(cell: str, hours: float, seed: int, sim: dict[str, str], folder: Path, 
         group = ProcessGroup(commands, environment={"ROS_DOMAIN_ID": str(domain)}, output=log)
         with group, FaultWitness(cell, domain) as witness:
             try:
-                witness.await_ready([node.name for node in graph.nodes])
+                witness.await_ready([node.name for node in graph.nodes], lambda: group.exit_codes)
             except PackError as error:
                 raise PackError(f"{error}; see {folder / LOG}") from error
             began = time.monotonic()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
 import rclpy
@@ -105,19 +105,25 @@ class FaultWitness:
                 self._on_joints(message, sent_ns)
         return True
 
-    def await_ready(self, names: Sequence[str]) -> None:
+    def await_ready(self, names: Sequence[str], exit_codes: Callable[[], Mapping[str, int]] = dict) -> None:
         """Listen until all these nodes have said that they are ready.
 
+        Args:
+            names: of the nodes.
+            exit_codes: how those ended that did, by name; by default none does.
+
         Raises:
-            PackError: some have not within `START_TIMEOUT`; it names them.
+            PackError: some have not within `START_TIMEOUT`, or have ended; it names them.
         """
 
         def late() -> list[str]:
-            ready = {name for name, status in self.statuses.items() if status.state == NodeStatus.READY}
-            return [name for name in names if name not in ready]
+            return [n for n in names if n not in self.statuses or self.statuses[n].state != NodeStatus.READY]
 
-        if not self.spin_until(lambda: not late(), START_TIMEOUT):
-            raise PackError(f"not ready after {START_TIMEOUT:.0f} s: {', '.join(late())}")
+        self.spin_until(lambda: bool(exit_codes()) or not late(), START_TIMEOUT)
+        if ended := [f"{name} ended with exit code {code}" for name, code in exit_codes().items()]:
+            raise PackError(f"not ready: {', '.join(ended)}")
+        if missing := late():
+            raise PackError(f"not ready after {START_TIMEOUT:.0f} s: {', '.join(missing)}")
 
     def send(self, goal: CellGoal) -> None:
         """Put the cell into the goal's scene and send the goal.
