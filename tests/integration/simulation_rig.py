@@ -24,7 +24,7 @@ FACTOR = "real_time_factor"
 SLOW = 0.1
 """Real-time factor at which the 40 ms of setpoints that the driver has last for 0.4 s of wall clock."""
 FRESH = 0.05
-"""Age up to which a driver follows setpoints without braking, in every cell [s]."""
+"""Half of the age at which a driver brakes for want of newer setpoints, in every cell [s]."""
 TICK = 0.004
 """What the pacing counts for a turn in which simulated time stands [s]."""
 GOES_ON = 0.25
@@ -58,7 +58,7 @@ def accept_times(node: Any) -> list[float]:
 
 @contextmanager
 def standing_without_setpoints(node: Any, accepted: list[float]) -> Iterator[None]:
-    """Let simulated time stand meanwhile as long as the driver's setpoints are `FRESH` old.
+    """Let simulated time stand meanwhile whenever the driver's setpoints are `FRESH` old.
 
     However late a busy machine hands them over, the driver then has them in time.
 

@@ -26,9 +26,9 @@ class ForceRecord:
 
         The filter keeps one noisy sample from ending a goal.
         """
-        self._forces.extend(forces.tolist())
-        peak = 0.0
-        for force in forces.tolist():
+        samples, peak = forces.tolist(), 0.0
+        self._forces.extend(samples)
+        for force in samples:  # scipy.signal.lfilter would take the node a second to import
             self._filtered += GAIN * (force - self._filtered)
             peak = max(peak, self._filtered)
         return peak
