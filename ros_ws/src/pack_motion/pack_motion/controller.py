@@ -195,7 +195,7 @@ class MotionController:
 
     def status(self) -> MotionStatus:
         """State and progress of the newest move."""
-        return self._monitor.status(self._time, self._pursuit)
+        return self._monitor.status(self._pursuit)
 
     def _follow(self, target: MotionTarget, plan: MotionPlan) -> None:
         self._target = target

@@ -90,11 +90,11 @@ class MoveMonitor:
             is_slowed = pursuit.gives_way and pursuit.rate < 1.0
             self._reason = self._explained("gives way", *near) if is_slowed else ""
 
-    def status(self, time: float, pursuit: Pursuit) -> MotionStatus:
-        """State and progress of the move at `time` [s]."""
+    def status(self, pursuit: Pursuit) -> MotionStatus:
+        """State and progress of the move at the newest measurement."""
         progress = self.progress
         return MotionStatus(
-            time=time, id=self._id, state=self.state, segment=pursuit.segment,
+            time=progress.time, id=self._id, state=self.state, segment=pursuit.segment,
             label=pursuit.plan.segments[pursuit.segment].label, remaining=pursuit.remaining,
             position_error=progress.position_error, orientation_error=progress.orientation_error,
             path_error=progress.path_error, reached_steps=progress.reached_steps, reason=self._reason,

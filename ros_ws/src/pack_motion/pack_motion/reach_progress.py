@@ -17,12 +17,17 @@ MEMORY = 64
 
 
 class ReachProgress:
-    """Compares the measured tool pose with the commanded one and with the goal."""
+    """Compares the measured tool pose with the commanded one and with the goal.
+
+    Attributes:
+        time: of the newest measurement [s]; 0 before the first.
+        X_WT: the tool in it.
+    """
 
     def __init__(self, arm: MotionArm) -> None:
         self._arm = arm
         self._commanded: deque[tuple[float, JointState]] = deque(maxlen=MEMORY)
-        self.X_WT = Pose(np.zeros(3))
+        self.time, self.X_WT = 0.0, Pose(np.zeros(3))
         self.position_error = self.orientation_error = self.path_error = np.inf
         self.reached_steps = 0
 
@@ -48,7 +53,7 @@ class ReachProgress:
 
     def see(self, sample: JointSample, X_WG: Pose) -> None:
         """Update the tool pose and its error to the goal X_WG."""
-        self.X_WT = self._arm.chain.forward(sample.q)
+        self.time, self.X_WT = sample.time, self._arm.chain.forward(sample.q)
         self.position_error = float(np.linalg.norm(self.X_WT.p - X_WG.p))
         self.orientation_error = float(angle_between(self.X_WT.q, X_WG.q))
 

@@ -40,8 +40,9 @@ class PlaceWatch:
 
     def observe(self, seen: PalletObservation) -> None:
         """Take note of scans that have come, and have places scanned."""
-        self._on_pallet, self._on_table = self._pallet.answer(seen.scans), self._table.answer(seen.scans)
         carried = self._book.current.carried
+        self._on_pallet = self._pallet.answer(seen, carried)
+        self._on_table = self._table.answer(seen, carried)
         wanted = [self._pallet.ask(seen, self._book.on_pallet, carried)]
         if self._is_table_in_use:
             wanted.append(self._table.ask(seen, self._book.on_table, carried))

@@ -73,7 +73,7 @@ class MotionStatus:
     """Where a move stands.
 
     Attributes:
-        time: [s].
+        time: of the measurement [s].
         id: of the target.
         state: what the controller is doing.
         segment: index of the running segment; -1 before the first target.

@@ -64,7 +64,7 @@ class Observer:
     def newest(self) -> PalletObservation | None:
         """The present observation; None before the first messages of motion and gripper.
 
-        Its time is the node's clock: the time in the motion's status is that of setpoints, which are ahead.
+        Its time is the node's clock; the motion's status has the time of the measurement, which is earlier.
         """
         if self._motion is None or self._grip is None:
             return None

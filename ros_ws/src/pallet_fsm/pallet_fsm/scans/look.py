@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Self
 
 from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
@@ -10,12 +11,15 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
 from pack_core.config import Config
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.scanner import PlaceScan, ScannerMount
+from pack_core.palletizing.scanner import ScannerMount
 from pallet_fsm.ports import PalletObservation, ScanPlace
 from pallet_fsm.scans.comparison import ScannedScene, ScanTolerances, compare
 from pallet_fsm.scans.findings import Finding
 from pallet_fsm.scans.rays import Rays
 from pallet_fsm.scans.shadow import ArmShadow
+
+GAP = 0.1
+"""Time between two measurements of the arm in which it cannot come over a place and be gone again [s]."""
 
 
 class ScanConfig(Config):
@@ -48,6 +52,14 @@ class ScanConfig(Config):
         return self
 
 
+@dataclass(frozen=True)
+class Sight:
+    """How far arm and carried box were from a place when they were measured: time [s] and clearance [m]."""
+
+    time: float
+    clearance: float
+
+
 class PlaceLook:
     """Looks at one place, again and again while the arm is near it and hides nothing.
 
@@ -66,7 +78,7 @@ class PlaceLook:
         self._least = config.tolerances.area / mount.spacing**2
         self._asked = -float("inf")
         self._expected: tuple[Obstacle, ...] | None = None
-        self._clearances: list[tuple[float, float]] = []
+        self._sights: list[Sight] = []
 
     @property
     def is_awaited(self) -> bool:
@@ -82,30 +94,39 @@ class PlaceLook:
     ) -> ScanPlace | None:
         """A scan, if it is time for one; `boxes` gives those that must stand there now."""
         config = self._config
-        if not self.is_awaited and (not config.period or seen.time < self._asked + config.period):
+        if self.is_awaited or not config.period or seen.time < self._asked + config.period:
             return None
-        apart = self._shadow.clearance(seen.motion.X_WT, carried)
-        if self.is_awaited:
-            self._clearances.append((seen.time, apart))
+        sight = self._sight(seen, carried)
+        if not config.clear <= sight.clearance <= config.near:
             return None
-        if not config.clear <= apart <= config.near:
-            return None
-        self._asked, self._expected, self._clearances = seen.time, boxes(), []
+        self._asked, self._expected, self._sights = seen.time, boxes(), [sight]
         return ScanPlace(self._name)
 
-    def answer(self, scans: tuple[PlaceScan, ...]) -> tuple[Finding, ...]:
-        """What is not as it was to be when the scan was asked for; nothing before it has come.
+    def answer(self, seen: PalletObservation, carried: CarriedBox | None) -> tuple[Finding, ...]:
+        """What is not as it was to be when the scan was asked for.
 
-        A scan that was made so late that the arm may have hidden something tells nothing.
+        There is nothing to tell before the scan has come, and the arm was measured at its time or later: a
+        scan tells something only if the arm is known to have hidden nothing then.
         """
         if self._expected is None:
             return ()
-        for scan in scans:
-            if scan.place == self._name and scan.time >= self._asked:
+        self._sights.append(self._sight(seen, carried))
+        for scan in seen.scans:
+            if scan.place == self._name and self._asked <= scan.time <= seen.motion.time:
                 scene = ScannedScene(Rays.of(scan, self._X_WS), self._place, self._expected, self._least)
                 self._expected = None
-                is_free = all(
-                    apart > self._config.hides for time, apart in self._clearances if time <= scan.time
-                )
-                return compare(scene, self._config.tolerances) if is_free else ()
+                return compare(scene, self._config.tolerances) if self._is_free(scan.time) else ()
         return ()
+
+    def _sight(self, seen: PalletObservation, carried: CarriedBox | None) -> Sight:
+        return Sight(seen.motion.time, self._shadow.clearance(seen.motion.X_WT, carried))
+
+    def _is_free(self, time: float) -> bool:
+        """Whether the arm hid nothing at `time` [s], by what was measured since the scan was asked for.
+
+        Between two measurements that are far apart in time the arm may have come and gone.
+        """
+        after = next(i for i, sight in enumerate(self._sights) if sight.time >= time)
+        until = self._sights[: after + 1]
+        is_gapless = after == 0 or until[-1].time - until[-2].time <= GAP
+        return is_gapless and all(sight.clearance > self._config.hides for sight in until)
