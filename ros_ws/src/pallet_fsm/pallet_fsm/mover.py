@@ -4,27 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pydantic import Field, PositiveFloat
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
 from pack_core.motion.world import CarriedBox, Obstacle
-from pallet_fsm.checkers import TOLERANCES, TargetChecker
+from pallet_fsm.checkers import TOLERANCES, TargetChecker, ToolSpeed
 from pallet_fsm.goals import Leg
 from pallet_fsm.ports import PursueTarget
 from pallet_fsm.profile import Profile
-from pallet_fsm.states import ROWS, Check, Part, State
+from pallet_fsm.states import ROWS, Check, Grip, Part, State
 from pallet_fsm.transitions import Event
 
 
 class MoverConfig(Config):
-    """How long the machine waits for the motion."""
+    """How long the machine waits for the motion, and until when before the gripper acts."""
 
     answer_time: PositiveFloat = Field(
         default=10.0, description="longest time until the motion accepts or refuses a target [s]"
     )
     settling_time: PositiveFloat = Field(
         default=2.0, description="longest time from the end of a motion until its target is confirmed [s]"
+    )
+    rest_speed: PositiveFloat = Field(
+        default=0.003,
+        description="the gripper acts once the tool is slower: a box in it is pressed by an arm that still "
+        "moves against what the box stands on [m/s]",
+    )
+    rest_time: NonNegativeFloat = Field(
+        default=0.5, description="longest time that the gripper waits for that [s]"
     )
 
 
@@ -44,6 +52,7 @@ class Mover:
         self._sent, self._ended = 0.0, 0.0
         self._is_accepted = False
         self._checker: TargetChecker | None = None
+        self._speed = ToolSpeed()
         self._surroundings: tuple[CarriedBox | None, tuple[Obstacle, ...]] = (None, ())
         self.leg: Leg | None = None
         self.reason = ""
@@ -83,7 +92,7 @@ class Mover:
         (self.leg, contacts), self._rest = self._rest[0], self._rest[1:]
         self._id, self._sent, self._ended, self._is_accepted = self._id + 1, time, float("inf"), False
         check = ROWS[self.leg.end].check or Check.TRANSIT
-        self._checker = TargetChecker(self.leg.X_WT, check)
+        self._checker, self._speed = TargetChecker(self.leg.X_WT, check), ToolSpeed()
         carried, obstacles = self._surroundings
         return PursueTarget(
             MotionTarget(self._id, self.leg.move, carried, obstacles, contacts, TOLERANCES[check])
@@ -97,16 +106,25 @@ class Mover:
     def _arrive(self, status: MotionStatus) -> Event | None:
         assert self._checker is not None
         is_there = self._checker.look(status.X_WT)
+        self._speed.look(status.time, status.X_WT.p)
         if status.state is not MotionState.REACHED:
             return None
-        if is_there:
+        self._ended = min(self._ended, status.time)
+        if is_there and self._is_at_rest(status):
             self.leg = None
             return Event.REACHED
-        self._ended = min(self._ended, status.time)
         if status.time > self._ended + self._config.settling_time:
             error_mm = 1000.0 * status.position_error
             return self._trouble(Event.MOTION_STUCK, f"stopped {error_mm:.1f} mm from the target")
         return None
+
+    def _is_at_rest(self, status: MotionStatus) -> bool:
+        """Whether the arm is slow enough for the gripper, if that is to act, or has had its time for it."""
+        assert self.leg is not None
+        if ROWS[self.leg.end].grip not in (Grip.CLOSE, Grip.OPEN):
+            return True
+        is_slow = self._speed.value <= self._config.rest_speed
+        return is_slow or status.time > self._ended + self._config.rest_time
 
     def _has_passed(self, status: MotionStatus, state: State) -> bool:
         if status.state is MotionState.HELD:
