@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,8 @@ import numpy as np
 from pack_core.errors import BagError
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
-from pack_core.packing.topics import DESCRIPTION, FILL_RESULT, SCENE
+from pack_core.packing.topics import DESCRIPTION, FILL_RESULT, SCENE, SETTLED_SAMPLES
+from pack_core.ros.conversions import from_stamp
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
@@ -29,8 +30,8 @@ from pack_planner.placement.placement_planner import (
     PlacementPlanners,
 )
 
-WINDOW = 0.05
-"""Requests are not recorded; a request's scene is one of those this close to the time it was sent [s]."""
+SAME = 1e-6
+"""Times that differ by less are of the same scene [s]."""
 LIMIT_MM = 1e-6
 """The same scene gives the same placement, so only rounding is allowed."""
 
@@ -40,13 +41,13 @@ class Request:
     """A request for a placement, with the placement that was recorded.
 
     Attributes:
-        sent: approximate time of the request [s].
+        planned_for: time of the scene that the placement was planned for [s].
         tried: positions of the earlier placements `(n, 3)` [m].
         p_WT: recorded position of the placement `(3,)` [m].
         collisions: recorded collision list of the placement.
     """
 
-    sent: float
+    planned_for: float
     tried: Array
     p_WT: Array
     collisions: tuple[str, ...]
@@ -85,55 +86,50 @@ def replay_planner(
     config = given.parameters("planner", PlacementPlannerConfig)
     planner = PlacementPlanners(scene, given.packing_cell(), config).of(method.placement_variant)
     session = given.parameters("mpc", SessionConfig)
-    rows = tuple(
-        _compare(planner, session, request, _near(scenes, request.sent), seed) for request in requests(run)
-    )
+    times = [from_stamp(message.header.stamp) for message in bag.of(SETTLED_SAMPLES)]
+    rows = tuple(_compare(planner, session, request, scenes, seed) for request in requests(run, times))
     return Replay("planner", {SCENE: count}, rows)
 
 
-def requests(run: Run) -> Iterator[Request]:
-    """The requests of a goal in their order.
+def requests(run: Run, planned_for: Sequence[float]) -> Iterator[Request]:
+    """The requests of a goal that were taken up, in their order.
 
-    The first is sent at the goal's start, each later one once the object is out of the container again.
-    Iterations before the first answer move above the container's middle and have no placement yet.
+    A placement that was taken up is the last that was planned before. Iterations before the first answer
+    move above the container's middle and have no placement yet.
+
+    Args:
+        run: the goal.
+        planned_for: times of the scenes that placements were planned for [s], in order.
+
+    Raises:
+        BagError: a placement was taken up that was not planned in the recording.
     """
-    done = run.iterations
+    done, times = run.iterations, np.array(planned_for)
     numbers, starts = np.unique(done.placements, return_index=True)
     firsts = [int(i) for i in starts[numbers > 0]]
     for n, first in enumerate(firsts):
-        sent = run.start if n == 0 else _out(run, firsts[n - 1], first)
-        yield Request(sent, done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first])
-
-
-def _out(run: Run, start: int, end: int) -> float:
-    """When, in iterations `start` to `end`, the placement was given up and the object was out [s]."""
-    done, scene = run.iterations, run.scene
-    above = [stage == "PRE_PACK" for stage in done.stages]
-    back = [i for i in range(start + 1, end) if above[i] and not above[i - 1]]
-    bottoms = run.estimate[run.held].at(done.times).p[:, 2] - scene.new_object.half_extents[2]
-    out = [i for i in range(back[-1] if back else end, end) if bottoms[i] >= scene.rim]
-    return float(done.times[min(out[0] + 1, end) if out else end - 1])
-
-
-def _near(scenes: list[SceneState], time: float) -> list[SceneState]:
-    return [scene for scene in scenes if abs(scene.time - time) <= WINDOW]
+        before = times[times < done.times[first]]
+        if not before.size:
+            raise BagError(f"the recording has no message of {SETTLED_SAMPLES} before placement {n + 1}")
+        yield Request(float(before[-1]), done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first])
 
 
 def _compare(
-    planner: PlacementPlanner, session: SessionConfig, request: Request, scenes: list[SceneState],
+    planner: PlacementPlanner,
+    session: SessionConfig,
+    request: Request,
+    scenes: Sequence[SceneState],
     seed: int,
-) -> ComparisonRow:  # fmt: skip
-    """Compare the recorded placement with the nearest of those that are planned for the scenes."""
+) -> ComparisonRow:
+    """Compare the recorded placement with the one that is planned for the same scene."""
     radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
-    best, planned = float("inf"), 0
-    for scene in scenes:
+    seen = [scene for scene in scenes if abs(scene.time - request.planned_for) < SAME]
+    error = float("inf")
+    for scene in seen[:1]:
         placement = planner.plan(
             scene, np.random.default_rng(seed + len(request.tried)), lean=lean,
             avoid=list(request.tried), avoid_radius=radius,
         )  # fmt: skip
-        planned += 1
         if placement.X_WO is not None and placement.collisions == request.collisions:
-            best = min(best, 1e3 * float(np.linalg.norm(placement.X_WO.p - request.p_WT)))
-        if best <= LIMIT_MM:
-            break
-    return ComparisonRow(f"placement {len(request.tried) + 1}", planned, best, best, LIMIT_MM)
+            error = 1e3 * float(np.linalg.norm(placement.X_WO.p - request.p_WT))
+    return ComparisonRow(f"placement {len(request.tried) + 1}", len(seen[:1]), error, error, LIMIT_MM)
