@@ -25,6 +25,8 @@ SLOW = 0.1
 """Real-time factor at which the 40 ms of setpoints that the driver has last for 0.4 s of wall clock."""
 FRESH = 0.05
 """Half of the age at which a driver brakes for want of newer setpoints, in every cell [s]."""
+AMPLE = 0.02
+"""Half of the time for which the setpoints of the motion last [s]."""
 TICK = 0.004
 """What the pacing counts for a turn in which simulated time stands [s]."""
 GOES_ON = 0.25
@@ -57,19 +59,20 @@ def accept_times(node: Any) -> list[float]:
 
 
 @contextmanager
-def standing_without_setpoints(node: Any, accepted: list[float]) -> Iterator[None]:
-    """Let simulated time stand meanwhile whenever the driver's setpoints are `FRESH` old.
+def standing_without_setpoints(node: Any, accepted: list[float], fresh: float = FRESH) -> Iterator[None]:
+    """Let simulated time stand meanwhile whenever the driver's setpoints are `fresh` old.
 
     However late a busy machine hands them over, the driver then has them in time.
 
     Args:
         node: the simulator's.
         accepted: when it took them, as `accept_times` notes it.
+        fresh: age of the newest setpoints at which time stands until there are newer ones [s].
     """
     advance: Callable[[], float] = node.advance
 
     def held() -> float:
-        is_fed = not accepted or node.simulator.time < accepted[-1] + FRESH
+        is_fed = not accepted or node.simulator.time < accepted[-1] + fresh
         return advance() if is_fed else TICK
 
     node.advance = held
@@ -113,13 +116,14 @@ def assert_a_pause_loses_nothing(graph: Graph, sim: Any, motion_node: MotionNode
     """Pause a simulator in the middle of a move, and let it go on.
 
     Time stands still, nobody takes it for a fault, the arm moves on as if nothing had been, and the move is
-    carried out to its end. Around the pause time passes so slowly that a busy machine loses no joint states.
+    carried out to its end. Around the pause time passes so slowly that a busy machine loses no joint states,
+    and stands where setpoints are late for all that.
 
     Returns:
         The simulated time of the pause [s].
     """
     graph.probe.listen(shared.DIAGNOSTICS)
-    with slowly(sim):
+    with slowly(sim), standing_without_setpoints(sim, accept_times(sim), AMPLE):
         interruptions = motion_node.health.counts["interrupted"]
         pause(graph)
         stands, mail = sim.simulator.time, graph.probe.mail[shared.DIAGNOSTICS.name]

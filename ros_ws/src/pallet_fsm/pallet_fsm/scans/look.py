@@ -53,7 +53,7 @@ class ScanConfig(Config):
 
 
 @dataclass(frozen=True)
-class Sight:
+class ArmDistance:
     """How far arm and carried box were from a place when they were measured: time [s] and clearance [m]."""
 
     time: float
@@ -78,7 +78,7 @@ class PlaceLook:
         self._least = config.tolerances.area / mount.spacing**2
         self._asked = -float("inf")
         self._expected: tuple[Obstacle, ...] | None = None
-        self._sights: list[Sight] = []
+        self._distances: list[ArmDistance] = []
 
     @property
     def is_awaited(self) -> bool:
@@ -96,10 +96,10 @@ class PlaceLook:
         config = self._config
         if self.is_awaited or not config.period or seen.time < self._asked + config.period:
             return None
-        sight = self._sight(seen, carried)
-        if not config.clear <= sight.clearance <= config.near:
+        distance = self._distance(seen, carried)
+        if not config.clear <= distance.clearance <= config.near:
             return None
-        self._asked, self._expected, self._sights = seen.time, boxes(), [sight]
+        self._asked, self._expected, self._distances = seen.time, boxes(), [distance]
         return ScanPlace(self._name)
 
     def answer(self, seen: PalletObservation, carried: CarriedBox | None) -> tuple[Finding, ...]:
@@ -110,7 +110,7 @@ class PlaceLook:
         """
         if self._expected is None:
             return ()
-        self._sights.append(self._sight(seen, carried))
+        self._distances.append(self._distance(seen, carried))
         for scan in seen.scans:
             if scan.place == self._name and self._asked <= scan.time <= seen.motion.time:
                 scene = ScannedScene(Rays.of(scan, self._X_WS), self._place, self._expected, self._least)
@@ -118,15 +118,15 @@ class PlaceLook:
                 return compare(scene, self._config.tolerances) if self._is_free(scan.time) else ()
         return ()
 
-    def _sight(self, seen: PalletObservation, carried: CarriedBox | None) -> Sight:
-        return Sight(seen.motion.time, self._shadow.clearance(seen.motion.X_WT, carried))
+    def _distance(self, seen: PalletObservation, carried: CarriedBox | None) -> ArmDistance:
+        return ArmDistance(seen.motion.time, self._shadow.clearance(seen.motion.X_WT, carried))
 
     def _is_free(self, time: float) -> bool:
         """Whether the arm hid nothing at `time` [s], by what was measured since the scan was asked for.
 
         Between two measurements that are far apart in time the arm may have come and gone.
         """
-        after = next(i for i, sight in enumerate(self._sights) if sight.time >= time)
-        until = self._sights[: after + 1]
+        after = next(i for i, distance in enumerate(self._distances) if distance.time >= time)
+        until = self._distances[: after + 1]
         is_gapless = after == 0 or until[-1].time - until[-2].time <= GAP
-        return is_gapless and all(sight.clearance > self._config.hides for sight in until)
+        return is_gapless and all(distance.clearance > self._config.hides for distance in until)

@@ -1,0 +1,30 @@
+"""Has numba compile what the cells compute with, once and for all: `python -m pack_bringup.compiling`.
+
+What is compiled is kept beside its source. The tests need it: no test's time is spent on it then.
+"""
+
+from __future__ import annotations
+
+from pack_motion.arm.arms import load_arm
+from pack_motion.motion_node import MotionNodeConfig
+from pack_motion.tracking.config import motion_set
+from pack_motion.warm_up import warm_up as warm_up_motion
+from pack_planner.rearrangement.planner import warm_up as warm_up_rearrangement
+from pallet_fsm.joint_times import warm_up as warm_up_joint_times
+
+ARMS = ("palletizing", "blocks")
+"""Cells whose arms follow moves."""
+
+
+def main() -> None:
+    """Compile everything, or load what was compiled before."""
+    print("Compiling what moves arms and plans rearrangements (a minute the first time)", flush=True)
+    shipped = motion_set(MotionNodeConfig.model_fields["parameters"].default)
+    for cell in ARMS:
+        warm_up_motion(load_arm(cell), shipped)
+    warm_up_joint_times()
+    warm_up_rearrangement()
+
+
+if __name__ == "__main__":
+    main()
