@@ -21,6 +21,7 @@ demo: setup ## a run with report (CELL=packing, palletizing, blocks; SEED, ARGS)
 	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
 
 test: setup ## tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
+	@echo "Compiling what moves arms and plans rearrangements (a minute the first time)"
 	@$(IN_ENV) python -m pack_bringup.compiling
 	@$(IN_ENV) pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --benchmark-disable \
 		-m "not benchmark and not long" $(ARGS)

@@ -6,7 +6,6 @@ What is compiled is kept beside its source. The tests need it: no test's time is
 from __future__ import annotations
 
 from pack_motion.arm.arms import load_arm
-from pack_motion.motion_node import MotionNodeConfig
 from pack_motion.tracking.config import motion_set
 from pack_motion.warm_up import warm_up as warm_up_motion
 from pack_planner.rearrangement.planner import warm_up as warm_up_rearrangement
@@ -18,10 +17,8 @@ ARMS = ("palletizing", "blocks")
 
 def main() -> None:
     """Compile everything, or load what was compiled before."""
-    print("Compiling what moves arms and plans rearrangements (a minute the first time)", flush=True)
-    shipped = motion_set(MotionNodeConfig.model_fields["parameters"].default)
     for cell in ARMS:
-        warm_up_motion(load_arm(cell), shipped)
+        warm_up_motion(load_arm(cell), motion_set("shipped"))
     warm_up_joint_times()
     warm_up_rearrangement()
 
