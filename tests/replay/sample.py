@@ -12,7 +12,7 @@ from pack_evaluation.bag import Bag, read_bag
 from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.packing.run import Run
 
-COUNTS = {"/joint_states": 1550, "/mocap/markers": 372, "/scene": 375, "/mpc/status": 252}
+COUNTS = {"/joint_states": 3700, "/mocap/markers": 888, "/scene": 917, "/mpc/status": 52}
 """Messages that the sample holds; scores count for nothing if frames are missing."""
 SEED = 5
 """Of the goal."""
