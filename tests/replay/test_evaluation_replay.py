@@ -33,5 +33,5 @@ def test_perception_contact_and_lateness_are_measured_from_the_recording() -> No
     assert 0.0 < m.m_pos < 0.002
     assert m.is_contained
     assert m.protrusion < 0.003
-    assert 0.03 < m.chatter < 0.08
-    assert 0.0 < m.very_late < m.late < 1.0
+    assert 0.04 < m.chatter < 0.07
+    assert 0.0 < m.very_late < 0.1 < 0.5 < m.late < 0.6  # recorded on a slow machine

@@ -1,6 +1,7 @@
-"""Has numba compile what the cells compute with, once and for all: `python -m pack_bringup.compiling`.
+"""Has numba compile what moves arms and plans rearrangements: `python -m pack_bringup.compiling`.
 
-What is compiled is kept beside its source. The tests need it: no test's time is spent on it then.
+It takes longest of all that is compiled, and is kept beside its source. `make test` does it first, so that no
+test's time is spent on it.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ ARMS = ("palletizing", "blocks")
 
 
 def main() -> None:
-    """Compile everything, or load what was compiled before."""
+    """Compile it, or load what was compiled before."""
     for cell in ARMS:
         warm_up_motion(load_arm(cell), motion_set("shipped"))
     warm_up_joint_times()

@@ -123,13 +123,14 @@ def _compare(
 ) -> ComparisonRow:
     """Compare the recorded placement with the one that is planned for the same scene."""
     radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
-    seen = [scene for scene in scenes if abs(scene.time - request.planned_for) < SAME]
+    scene = next((scene for scene in scenes if abs(scene.time - request.planned_for) < SAME), None)
     error = float("inf")
-    for scene in seen[:1]:
+    if scene is not None:
         placement = planner.plan(
             scene, np.random.default_rng(seed + len(request.tried)), lean=lean,
             avoid=list(request.tried), avoid_radius=radius,
         )  # fmt: skip
         if placement.X_WO is not None and placement.collisions == request.collisions:
             error = 1e3 * float(np.linalg.norm(placement.X_WO.p - request.p_WT))
-    return ComparisonRow(f"placement {len(request.tried) + 1}", len(seen[:1]), error, error, LIMIT_MM)
+    name = f"placement {len(request.tried) + 1}"
+    return ComparisonRow(name, int(scene is not None), error, error, LIMIT_MM)
