@@ -18,9 +18,11 @@ CONFIG = MoverConfig()
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def approach(end: State, speed: float, duration: float = 1.0) -> tuple[float, Event | None]:
+def approach(
+    end: State, speed: float, duration: float = 1.0, config: MoverConfig = CONFIG
+) -> tuple[float, Event | None]:
     """Time until a move to `end` counts as done, with a tool that comes down at `speed` [m/s], and how."""
-    mover = Mover(profile_of("blended"), CONFIG)
+    mover = Mover(profile_of("blended"), config)
     goal = Pose(np.array([1.0, 2.0, 0.5]), LOOKING_DOWN)
     mover.begin([(Leg(Path(()), goal, end), frozenset())], None, (), 0.0)
     for time in np.arange(PERIOD, duration, PERIOD):
@@ -43,6 +45,13 @@ def test_the_gripper_does_not_wait_for_ever() -> None:
     time, event = approach(State.GRASP, 1.1 * CONFIG.rest_speed)
     assert event is Event.REACHED
     assert time == pytest.approx(CONFIG.rest_time + PERIOD, abs=1.5 * PERIOD)
+
+
+def test_a_tool_at_its_target_is_not_stuck_however_long_the_gripper_may_wait() -> None:
+    config = MoverConfig(rest_time=0.5, settling_time=0.2)
+    time, event = approach(State.GRASP, 1.1 * config.rest_speed, config=config)
+    assert event is Event.REACHED
+    assert time == pytest.approx(config.rest_time + PERIOD, abs=1.5 * PERIOD)
 
 
 def test_where_the_gripper_does_not_act_the_tool_may_still_move() -> None:

@@ -113,7 +113,7 @@ class Mover:
         if is_there and self._is_at_rest(status):
             self.leg = None
             return Event.REACHED
-        if status.time > self._ended + self._config.settling_time:
+        if not is_there and status.time > self._ended + self._config.settling_time:
             error_mm = 1000.0 * status.position_error
             return self._trouble(Event.MOTION_STUCK, f"stopped {error_mm:.1f} mm from the target")
         return None
