@@ -127,27 +127,24 @@ def test_a_folder_that_cannot_be_made_is_refused_with_the_reason(tmp_path: Path)
         Recorder(tmp_path / "file" / "bag", [NUMBERS], message_types())
 
 
-def test_a_recording_ends_whole_at_its_limit_and_says_so(tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "bag", [NUMBERS], message_types(), limit=100.0)
-    write_numbers(recorder, 10)
-    deadline = time.monotonic() + 20.0
-    while not recorder.fault:
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-    assert "limit" in recorder.fault
-    assert "limit_gb" in recorder.fault
-    write_numbers(recorder, 5)
-    recorder.close()
-    bag = read_bag(tmp_path)
-    assert (len(bag.messages), bag.is_cut, recorder.dropped) == (10, False, 5)
-
-
 def wait_for_fault(recorder: Recorder) -> str:
-    deadline = time.monotonic() + 10.0
+    deadline = time.monotonic() + 20.0
     while not recorder.fault:
         assert time.monotonic() < deadline, "no fault was noticed"
         time.sleep(0.01)
     return recorder.fault
+
+
+def test_a_recording_ends_whole_at_its_limit_and_says_so(tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "bag", [NUMBERS], message_types(), limit=100.0)
+    write_numbers(recorder, 10)
+    fault = wait_for_fault(recorder)
+    assert "limit" in fault
+    assert "limit_gb" in fault
+    write_numbers(recorder, 5)
+    recorder.close()
+    bag = read_bag(tmp_path)
+    assert (len(bag.messages), bag.is_cut, recorder.dropped) == (10, False, 5)
 
 
 def test_a_bag_that_is_removed_while_it_is_written_is_noticed(tmp_path: Path) -> None:

@@ -52,12 +52,18 @@ def test_the_mark_that_editors_put_in_front_is_no_part_of_the_text() -> None:
     assert decoded(b"\xef\xbb\xbfa: 1", "file") == "a: 1"
 
 
-@given(st.text())
-def test_no_text_read_as_json_raises_anything_but_a_config_error(text: str) -> None:
+def refusal(text: str) -> str:
+    """Why the text is no JSON; empty if it is."""
     try:
-        parse_json(text, "text")
-    except ConfigError:
-        return
+        parse_json(text, "the file")
+    except ConfigError as error:
+        return str(error)
+    return ""
+
+
+@given(st.text())
+def test_a_text_is_json_or_refused_by_the_name_of_its_file(text: str) -> None:
+    assert not (said := refusal(text)) or said.startswith("the file")
 
 
 @pytest.mark.parametrize(
