@@ -18,6 +18,7 @@ from pack_core.rotations import (
     multiply,
     normalize,
     rotate,
+    tilts,
     to_matrix,
     yaw_of,
 )
@@ -106,6 +107,13 @@ def test_log_undoes_exp(rotation_vector: Array) -> None:
 def test_yaws_add_up(a: float, b: float) -> None:
     turn = (yaw_of(multiply(from_yaw(a), from_yaw(b))) - a - b) / (2 * np.pi)
     assert turn == pytest.approx(round(turn), abs=1e-9)
+
+
+@given(st.floats(-3.1, 3.1), st.floats(0.0, 3.1))
+def test_a_tilt_leans_the_z_axis_to_its_side_by_its_length(side: float, tilt: float) -> None:
+    towards = np.array([np.cos(side), np.sin(side)])
+    axis = rotate(exp(tilts(tilt * towards[None])[0]), [0.0, 0.0, 1.0])
+    np.testing.assert_allclose(axis, [*(np.sin(tilt) * towards), np.cos(tilt)], atol=1e-12)
 
 
 @given(quaternions, st.floats(0.0, 3.1))

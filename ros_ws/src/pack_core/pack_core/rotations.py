@@ -142,6 +142,11 @@ def from_rpy(rpy: npt.ArrayLike) -> Array:
     return multiply(from_yaw(yaw), multiply(exp([0.0, pitch, 0.0]), exp([roll, 0.0, 0.0])))
 
 
+def tilts(towards: Array) -> Array:
+    """Rotation vectors `(n, 3)` that lean the z axis to horizontal vectors `(n, 2)`, by their lengths."""
+    return np.column_stack([-towards[:, 1], towards[:, 0], np.zeros(len(towards))])
+
+
 def yaw_of(q: npt.ArrayLike) -> float:
     """Heading [rad] of the rotated x axis in the horizontal plane."""
     x_axis = rotate(q, np.array([1.0, 0.0, 0.0]))

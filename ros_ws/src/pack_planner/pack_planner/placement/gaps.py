@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Array, Pose, tilts
 from pack_planner.placement.placement_result import PlacementCandidate
 
 ENTERS_FIRST = 0.02
@@ -37,10 +37,8 @@ def first_parts(item: SceneItem, options: Sequence[PlacementCandidate]) -> Array
     """Outlines `(n,)`, as seen from above, of what enters first: the lowest `ENTERS_FIRST` of the object."""
     over = np.array([option.way.over for option in options])
     turned = Rotation.from_quat([option.X_WN.q for option in options], scalar_first=True)
-    tilts = np.array([[option.way.lean] for option in options]) * np.column_stack(
-        [-over[:, 1], over[:, 0], np.zeros(len(over))]
-    )
-    R_WN = (Rotation.from_rotvec(tilts) * turned).as_matrix()
+    leans = np.array([[option.way.lean] for option in options])
+    R_WN = (Rotation.from_rotvec(tilts(leans * over)) * turned).as_matrix()
     # the hull's corners, tilted, with the lower end where the way in begins
     corners = item.hull() @ R_WN.transpose(0, 2, 1)
     ends = np.array([option.X_WN.p[:2] - (option.way.back or 0.0) * option.way.over for option in options])

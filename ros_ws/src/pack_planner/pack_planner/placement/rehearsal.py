@@ -17,7 +17,7 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.entry import Entry
 from pack_core.packing.model import HeldRole
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array, Pose, rotate, yaw_of
+from pack_core.rotations import Array, Pose, rotate, tilts, yaw_of
 from pack_planner.placement.batch_physics import BatchPhysics
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -94,9 +94,8 @@ class Rehearsal:
         axes, asides = entry.at(bottoms)
         # a box looks the same after half a turn: the yaw nearest to zero keeps the rotation vector short
         yaw = (yaw_of(X_WN.q) + np.pi / 2) % np.pi - np.pi / 2
-        # the object's z axis leans by its x and y components, that is, it turns about (-y, x)
-        tilts = Rotation.from_rotvec(np.column_stack([-axes[:, 1], axes[:, 0], np.zeros(len(axes))]))
-        turns = tilts * Rotation.from_rotvec([0.0, 0.0, yaw])
+        # the sine of a tilt, which the axes have, stands for the tilt: it is 6 % less at an entry of 0.6 rad
+        turns = Rotation.from_rotvec(tilts(axes)) * Rotation.from_rotvec([0.0, 0.0, yaw])
         # the centre is half a height up the leaning axis from the lower end
         places = X_WN.p[:2] + half_height * axes + asides
         return np.column_stack([places, bottoms + half_height, turns.as_rotvec()])
