@@ -143,7 +143,7 @@ def from_rpy(rpy: npt.ArrayLike) -> Array:
 
 
 def tilts(towards: Array) -> Array:
-    """Rotation vectors `(n, 3)` that lean the z axis to horizontal vectors `(n, 2)`, by their lengths."""
+    """Rotation vectors `(n, 3)` leaning the z axis to horizontal vectors `(n, 2)` by their lengths [rad]."""
     return np.column_stack([-towards[:, 1], towards[:, 0], np.zeros(len(towards))])
 
 
