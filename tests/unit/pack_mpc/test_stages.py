@@ -129,6 +129,7 @@ def test_a_rehearsed_entry_that_halts_is_led_on(scene: Scene, is_rehearsed: bool
         np.testing.assert_allclose(machine.target.axis, axis)
         np.testing.assert_allclose(machine.target.p_WN[:2], PLACE[:2] + 0.09 * axis + aside)
         assert machine.target.is_rehearsed is is_rehearsed
+        assert machine.target.press == is_rehearsed * StageConfig().press.after(waited)
 
 
 def test_the_way_back_is_straight_up_until_it_is_out(scene: Scene) -> None:

@@ -16,6 +16,7 @@ from pack_core.states import SceneState
 from pack_mpc.cost import PackingCost
 from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
 from pack_mpc.predictor import Predictor
+from pack_mpc.press import pressing
 from pack_mpc.residuals import Residuals
 from pack_mpc.solution import Solution
 from pack_mpc.target import PackingTarget
@@ -121,4 +122,6 @@ class PackingController:
         cost = PackingCost(residuals, weights, self._weights.torque)
         solution = self._optimizer.improve(x0, cost, stage, target)
         self._in_flight = solution.setpoints.until(self._config.published)
-        return ControlPlan(self._in_flight, solution, 1e3 * (wall_clock.perf_counter() - started))
+        # The prediction leaves the press out: it moves the object only once what bears it gives way.
+        setpoints = pressing(plant, self._in_flight, target.press)
+        return ControlPlan(setpoints, solution, 1e3 * (wall_clock.perf_counter() - started))

@@ -10,6 +10,7 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, rotate, yaw_of
 from pack_mpc.placement import ChosenPlacement
+from pack_mpc.press import PressConfig
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
 
@@ -36,6 +37,7 @@ class StageConfig(Config):
         default=0.1,
         description="speed of the target down a rehearsed entry while the object halts [m/s]",
     )
+    press: PressConfig = PressConfig()
     stall_time: PositiveFloat = Field(
         default=2.0, description="time without progress after which INSERT or FINE-TUNE has stalled [s]"
     )
@@ -88,8 +90,10 @@ class StageMachine:
                 return self._straight_up(p_WN[2])
             return PackingTarget(p_WN, self._yaw, axis)
         lands = entry.may_land(self._scene.container.height, bottom)
+        is_rehearsed = self.placement.is_rehearsed
+        press = self._config.press.after(self.halt) if is_rehearsed else 0.0
         return PackingTarget(
-            p_WN, self._yaw, axis, entry.over, self.placement.collisions, lands, self.placement.is_rehearsed
+            p_WN, self._yaw, axis, entry.over, self.placement.collisions, lands, is_rehearsed, press
         )
 
     def _wanted_height(self, bottom: float) -> float:

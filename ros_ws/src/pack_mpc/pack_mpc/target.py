@@ -21,6 +21,7 @@ class PackingTarget:
         collisions: names of the objects that overlap the packing pose (the paper's collision list G).
         may_land: whether the object may come down on top of another one, or of a wall, on its way.
         is_rehearsed: whether the target lies on an entry that was tried in simulation beforehand.
+        press: force down on the held object beyond what the cost asks for [N].
     """
 
     p_WN: Array
@@ -30,3 +31,4 @@ class PackingTarget:
     collisions: tuple[str, ...] = ()
     may_land: bool = False
     is_rehearsed: bool = False
+    press: float = 0.0

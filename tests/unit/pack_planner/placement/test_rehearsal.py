@@ -25,8 +25,11 @@ def entry(scene: Scene, over: np.ndarray, lean: float = 0.4) -> Entry:
     return plan_entry(scene, PLACE, ("block",), scene.poses(), WayIn(over, lean))
 
 
-def rehearse(scene: Scene, *entries: Entry, threads: int = 1) -> tuple[list[bool], list[float]]:
-    rehearsal = Rehearsal(scene.description(), packing_cell(), threads)
+def rehearse(
+    scene: Scene, *entries: Entry, threads: int = 1, force: float = 25.0
+) -> tuple[list[bool], list[float]]:
+    cell = packing_cell(f"push: {{force: {force}, moment: {0.1 * force}}}")
+    rehearsal = Rehearsal(scene.description(), cell, threads)
     seen = rehearsal.run(scene.poses(), [PLACE] * len(entries), entries)
     return seen.is_success.tolist(), seen.lags.tolist()
 
@@ -56,6 +59,12 @@ def test_leaning_away_from_the_block_it_lands_on_it() -> None:
 def test_what_fills_the_width_of_the_container_is_in_the_way() -> None:
     scene = block_at(0.0, width=0.21)
     (success,), _ = rehearse(scene, entry(scene, TOWARDS_Y))
+    assert not success
+
+
+def test_hardly_pushed_it_stays_on_top_of_the_block() -> None:
+    scene = block_at(0.02)
+    (success,), _ = rehearse(scene, entry(scene, TOWARDS_Y), force=0.2)
     assert not success
 
 

@@ -115,18 +115,18 @@ def test_beyond_the_limit_of_bending_it_pulls_back_in_proportion(governor: Conta
 def test_however_far_the_cup_is_bent_it_pulls_back_with_no_more_than_its_limit(
     governor: ContactGovernor,
 ) -> None:
-    press(governor, 5.0 * UP, bending=9.0)
+    press(governor, 5.0 * UP, bending=5.0 * CONFIG.bending_limit)
     wrench = wrench_of(governor.bound(J.T @ np.array([10.0, 0.0, -10.0, 5.0, 0.0, 0.0]), J))
     np.testing.assert_allclose(wrench, [0.0, 0.0, CONFIG.pull_back, 0.0, 0.0, 0.0], atol=0.01)
 
 
 def test_giving_way_must_begin_before_its_limit() -> None:
     with pytest.raises(ValidationError, match="less than bending_limit"):
-        GovernorConfig(bending=1.5)
+        GovernorConfig(bending=1.5, bending_limit=1.1)
 
 
 def test_beyond_the_push_limit_it_pulls_back_in_proportion(governor: ContactGovernor) -> None:
-    press(governor, 28.0 * UP, steps=200)
+    press(governor, (CONFIG.push + 10.0) * UP, steps=200)
     wrench = wrench_of(governor.bound(J.T @ np.array([0, 0, -15.0, 0, 0, 0]), J))
     assert wrench[2] == pytest.approx(CONFIG.reflex * 10.0 - CONFIG.push, rel=0.01)
 
@@ -138,6 +138,37 @@ def test_only_the_velocity_into_the_contact_is_capped(governor: ContactGovernor)
     np.testing.assert_allclose(slowed[[0, 1, 3, 4, 5, 6]], v[[0, 1, 3, 4, 5, 6]], atol=1e-9)
     assert slowed[2] == pytest.approx(-CONFIG.approach, abs=1e-4)
     np.testing.assert_array_equal(governor.slow_down(-v, J), -v)
+
+
+def rest(governor: ContactGovernor, seconds: float, speed: float = 0.0) -> None:
+    """Follow the cup, which moves with this speed into a contact from below, for some time."""
+    for _ in range(round(seconds / STEP)):
+        governor.follow(-speed * UP)
+
+
+def test_on_what_goes_on_bearing_the_object_the_speed_down_grows(governor: ContactGovernor) -> None:
+    press(governor, 10.0 * UP)
+    v = np.array([0.2, 0.0, -0.3, 0.0, 0.0, 0.0, 0.5])
+    rest(governor, 0.5)
+    assert governor.slow_down(v, J)[2] == pytest.approx(-CONFIG.approach - 0.5 * CONFIG.build_up, abs=1e-4)
+    rest(governor, 5.0)
+    np.testing.assert_allclose(governor.slow_down(v, J), v)
+
+
+def test_what_gives_way_is_met_slowly_again(governor: ContactGovernor) -> None:
+    press(governor, 10.0 * UP)
+    rest(governor, 5.0)
+    rest(governor, STEP, speed=0.02)
+    slowed = governor.slow_down(np.array([0.0, 0.0, -0.3, 0.0, 0.0, 0.0, 0.0]), J)
+    assert slowed[2] == pytest.approx(-CONFIG.approach, abs=1e-4)
+
+
+def test_sideways_the_speed_into_a_contact_does_not_grow(governor: ContactGovernor) -> None:
+    side = np.array([1.0, 0.0, 0.0])
+    press(governor, 10.0 * side)
+    rest(governor, 5.0)
+    slowed = governor.slow_down(np.array([-0.3, 0.0, -0.3, 0.0, 0.0, 0.0, 0.0]), J)
+    np.testing.assert_allclose(slowed[[0, 2]], [-CONFIG.approach, -0.3], atol=1e-4)
 
 
 def test_what_is_held_down_is_drawn_out_harder_than_is_pressed(governor: ContactGovernor) -> None:

@@ -46,6 +46,18 @@ class Tip(Config):
     damping_time: PositiveFloat
 
 
+class PushLimits(Config):
+    """How hard the arm may push with what it holds, which is how hard it does in rehearsals of entries.
+
+    Attributes:
+        force: largest force along each axis of the world [N].
+        moment: largest moment about each of them [N m].
+    """
+
+    force: PositiveFloat
+    moment: PositiveFloat
+
+
 class MocapCameras(Config):
     """The motion capture system.
 
@@ -84,6 +96,7 @@ class PackingCell(Config):
     robot: ArmDrive
     pump: Pump
     suction: Suction
+    push: PushLimits
     tip: Tip | None
     """Compliance of the cup; None: the held object is rigidly fixed to it."""
     mocap: MocapCameras

@@ -7,7 +7,7 @@ from enum import Enum
 import mujoco
 import numpy as np
 
-from pack_core.packing.cell import PackingCell, Tip
+from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.steering import add_steering
@@ -94,7 +94,7 @@ def build_model(
     if lip_touches:
         cup = spec.geom("pump_cup")
         cup.contype = cup.conaffinity = 1
-    _add_new_object(spec, tool, scene, held, cell.tip)
+    _add_new_object(spec, tool, scene, held, cell)
     if arm is ArmRole.DRIVEN:
         add_motors(spec, cell.robot.arm)
     elif arm is ArmRole.SERVO:
@@ -138,7 +138,7 @@ def _set_solver(spec: mujoco.MjSpec, timestep: float) -> None:
 
 
 def _add_new_object(
-    spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: HeldRole, tip: Tip | None
+    spec: mujoco.MjSpec, tool: mujoco.MjsBody | None, scene: Scene, held: HeldRole, cell: PackingCell
 ) -> None:
     item = scene.new_object
     if held in (HeldRole.FREE, HeldRole.STEERED):
@@ -146,13 +146,13 @@ def _add_new_object(
         body = spec.worldbody.add_body(name=item.name, gravcomp=is_steered)
         _add_object(spec, body, item, scene, free=True)
         if is_steered:
-            add_steering(spec, body)
+            add_steering(spec, body, cell.push.force, cell.push.moment)
     elif held is not HeldRole.ABSENT and tool is not None:
         X_TN, is_rigid = held_pose(scene), held is HeldRole.RIGID
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)
         _add_object(spec, body, item, scene, free=False)
         if not is_rigid:
-            add_tip(body, tip, cup_point(scene))
+            add_tip(body, cell.tip, cup_point(scene))
         body.add_site(name="tip", pos=cup_point(scene))
         _add_sensors(spec, item.name)
 

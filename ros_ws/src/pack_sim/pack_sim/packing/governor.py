@@ -16,6 +16,8 @@ HOLD_TARE_TIME = 0.05
 """Time constant of the bias estimate while the arm is held [s]."""
 HOLDS_DOWN = 0.7
 """A contact whose unit force has a downward part over this holds the object down: within 45 degrees of it."""
+AT_REST = 0.01
+"""Speed into the contact below which the cup rests against it [m/s]."""
 DAMPING = 1e-4
 """Damping of the least-squares problems below, which keeps them solvable near singular postures."""
 
@@ -36,6 +38,7 @@ class ContactGovernor:
         self._bias = np.zeros(3)
         self._touched = -np.inf
         self._drawn_back = 0.0
+        self._rested = 0.0
 
     def update(self, time: float, force: Array, bending: float, *, is_holding: bool) -> bool:
         """Update with the external force on the held object `(3,)` [N] and the cup's bending moment [N m].
@@ -57,7 +60,7 @@ class ContactGovernor:
             self._touched = time
         is_free = time - self._touched > self._config.latch
         if is_free:
-            self._drawn_back = 0.0
+            self._drawn_back = self._rested = 0.0
             self._tare(force, self._config.tare_time)
         return not is_free
 
@@ -65,11 +68,13 @@ class ContactGovernor:
         """Detect a bias that passes for a contact, from the cup's velocity `(3,)` [m/s].
 
         A contact ends when the cup yields. A force that has pushed the cup back by more than `draw_back` and
-        still persists is taken for a bias of the sensor.
+        still persists is taken for a bias of the sensor. How long the cup has been at rest is noted, too.
         """
         if self._strength <= self._config.trigger:
             return
-        self._drawn_back = max(0.0, self._drawn_back + self._timestep * float(self._away @ velocity))
+        speed = float(self._away @ velocity)
+        self._rested = self._rested + self._timestep if speed > -AT_REST else 0.0
+        self._drawn_back = max(0.0, self._drawn_back + self._timestep * speed)
         if self._drawn_back > self._config.draw_back:
             self._bias = self._limited(self._bias + self._force)
             self._force, self._touched, self._drawn_back = np.zeros(3), -np.inf, 0.0
@@ -83,10 +88,16 @@ class ContactGovernor:
         return bias * min(1.0, self._config.bias / max(float(np.linalg.norm(bias)), 1e-9))
 
     def slow_down(self, v_d: Array, J: Array) -> Array:
-        """The desired joint velocity `(7,)`, its speed into the contact limited; J is the cup's `(6, 7)`."""
+        """The desired joint velocity `(7,)`, its speed into the contact limited; J is the cup's `(6, 7)`.
+
+        The damping turns what is left of it into a push. An impact is met with `approach` alone. On what
+        goes on bearing the object the downward part may grow, by `build_up` [m/s^2], until it gives way.
+        """
         if self._strength <= self._config.trigger or self._holds_down:
             return v_d
-        excess = float(-self._away @ (J[:3] @ v_d)) - self._config.approach
+        speed = J[:3] @ v_d
+        down = min(max(-float(speed[2] * self._away[2]), 0.0), self._config.build_up * self._rested)
+        excess = -float(self._away @ speed) - self._config.approach - down
         if excess <= 0.0:
             return v_d
         linear = J[:3]

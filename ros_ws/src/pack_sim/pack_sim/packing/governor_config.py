@@ -25,16 +25,16 @@ class GovernorConfig(Config):
         default=0.005, description="time constant of the filter of the measured force [s]"
     )
     force: PositiveFloat = Field(
-        default=20.0, description="largest force of the driver sideways, and down [N]"
+        default=28.0, description="largest force of the driver sideways, and down [N]"
     )
     bending: PositiveFloat = Field(
-        default=0.7, description="measured load on the cup from which the arm gives way [N m]"
+        default=4.0, description="measured load on the cup from which the arm gives way [N m]"
     )
     bending_limit: PositiveFloat = Field(
-        default=1.1, description="load at which the arm presses no more; beyond, it pulls back [N m]"
+        default=6.0, description="load at which the arm presses no more; beyond, it pulls back [N m]"
     )
     push: PositiveFloat = Field(
-        default=18.0, description="largest push of the driver against the measured force [N]"
+        default=25.0, description="largest push of the driver against the measured force [N]"
     )
     pull_out: PositiveFloat = Field(
         default=30.0, description="largest pull against a force that holds the object down [N]"
@@ -44,6 +44,10 @@ class GovernorConfig(Config):
     )
     pull_back: NonNegativeFloat = Field(default=40.0, description="largest force away from the contact [N]")
     approach: PositiveFloat = Field(default=0.03, description="reference speed into the contact [m/s]")
+    build_up: NonNegativeFloat = Field(
+        default=0.3,
+        description="by how much it grows each second downwards, while the cup rests on the contact [m/s^2]",
+    )
 
     @model_validator(mode="after")
     def _gives_way_before_its_limit(self) -> GovernorConfig:
