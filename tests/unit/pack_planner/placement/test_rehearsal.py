@@ -26,10 +26,9 @@ def entry(scene: Scene, over: np.ndarray, lean: float = 0.4) -> Entry:
 
 
 def rehearse(
-    scene: Scene, *entries: Entry, threads: int = 1, force: float = 25.0
+    scene: Scene, *entries: Entry, threads: int = 1, over: str = "{}"
 ) -> tuple[list[bool], list[float]]:
-    cell = packing_cell(f"push: {{force: {force}, moment: {0.1 * force}}}")
-    rehearsal = Rehearsal(scene.description(), cell, threads)
+    rehearsal = Rehearsal(scene.description(), packing_cell(over), threads)
     seen = rehearsal.run(scene.poses(), [PLACE] * len(entries), entries)
     return seen.is_success.tolist(), seen.lags.tolist()
 
@@ -64,7 +63,7 @@ def test_what_fills_the_width_of_the_container_is_in_the_way() -> None:
 
 def test_hardly_pushed_it_stays_on_top_of_the_block() -> None:
     scene = block_at(0.02)
-    (success,), _ = rehearse(scene, entry(scene, TOWARDS_Y), force=0.2)
+    (success,), _ = rehearse(scene, entry(scene, TOWARDS_Y), over="push: {force: 0.2, moment: 0.02}")
     assert not success
 
 

@@ -47,7 +47,7 @@ class Tip(Config):
 
 
 class PushLimits(Config):
-    """How hard the arm may push with what it holds, which is how hard it does in rehearsals of entries.
+    """How hard the arm may push with what it holds; rehearsals of entries push as hard.
 
     Attributes:
         force: largest force along each axis of the world [N].

@@ -90,14 +90,14 @@ class ContactGovernor:
     def slow_down(self, v_d: Array, J: Array) -> Array:
         """The desired joint velocity `(7,)`, its speed into the contact limited; J is the cup's `(6, 7)`.
 
-        The damping turns what is left of it into a push. An impact is met with `approach` alone. On what
-        goes on bearing the object the downward part may grow, by `build_up` [m/s^2], until it gives way.
+        The damping turns what is left of it into a push. An impact is met with `approach` alone. While the
+        cup rests there, the speed may grow by `build_up` [m/s^2], as far as its vertical part brings it in.
         """
         if self._strength <= self._config.trigger or self._holds_down:
             return v_d
         speed = J[:3] @ v_d
-        down = min(max(-float(speed[2] * self._away[2]), 0.0), self._config.build_up * self._rested)
-        excess = -float(self._away @ speed) - self._config.approach - down
+        vertical = min(max(-float(speed[2] * self._away[2]), 0.0), self._config.build_up * self._rested)
+        excess = -float(self._away @ speed) - self._config.approach - vertical
         if excess <= 0.0:
             return v_d
         linear = J[:3]

@@ -46,7 +46,7 @@ class GovernorConfig(Config):
     approach: PositiveFloat = Field(default=0.03, description="reference speed into the contact [m/s]")
     build_up: NonNegativeFloat = Field(
         default=0.3,
-        description="by how much it grows each second downwards, while the cup rests on the contact [m/s^2]",
+        description="by how much it grows each second vertically, while the cup rests there [m/s^2]",
     )
 
     @model_validator(mode="after")
