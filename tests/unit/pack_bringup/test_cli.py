@@ -22,6 +22,8 @@ class Called:
 
     def __call__(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         self._patch.setattr(sys, "argv", ["pack", *arguments])
+        # the name of the program is argv's then, whether pytest is called as a command or as a module
+        self._patch.setattr(sys.modules["__main__"], "__package__", None)
         with pytest.raises(SystemExit) as ended:
             main()
         said = self._captured.readouterr()
