@@ -9,6 +9,14 @@ LOG = """10:00:00 sim      | starting
 10:00:02 sim      | ended with exit code 2
 10:00:02 recorder | Traceback
 10:00:02 recorder | OSError: the disk is full
+10:00:03 vision   | free(): invalid pointer
+10:00:03 vision   | Fatal Python error: Aborted
+10:00:03 vision   |
+10:00:03 vision   | Thread 0x0001 (most recent call first):
+10:00:03 vision   |   File "waiting.py", line 5 in wait
+10:00:03 vision   |
+10:00:03 vision   | Current thread 0x0002 (most recent call first):
+10:00:03 vision   |   File "drawing.py", line 7 in draw
 """
 
 
@@ -28,6 +36,14 @@ def test_a_node_that_named_no_error_is_quoted(tmp_path: Path) -> None:
     said = last_words(log_in(tmp_path), "recorder")
     assert said.endswith("Traceback\n  OSError: the disk is full")
     assert str(tmp_path) in said
+
+
+def test_of_a_node_that_crashed_the_thread_that_did_is_quoted(tmp_path: Path) -> None:
+    said = last_words(log_in(tmp_path), "vision").splitlines()
+    assert said[0].startswith("it crashed")
+    assert [line.strip() for line in said[1:]] == [
+        "free(): invalid pointer", "Fatal Python error: Aborted", 'File "drawing.py", line 7 in draw',
+    ]  # fmt: skip
 
 
 def test_a_node_that_wrote_nothing_is_said_to_have(tmp_path: Path) -> None:

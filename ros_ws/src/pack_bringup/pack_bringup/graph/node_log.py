@@ -11,6 +11,8 @@ COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 LAST_LINES = 12
 ERROR = "error: "
 """How the line begins in which a node says why it ends (pack_core/ros/run.py)."""
+CRASH, CRASHED_THREAD = "Fatal Python error: ", "Current thread "
+"""How the lines begin in which Python says that C or C++ code broke, and in which of the threads."""
 
 
 class Tee(io.TextIOBase):
@@ -41,9 +43,20 @@ def lines_of(log: Path, name: str) -> list[str]:
 
 
 def last_words(log: Path, name: str) -> str:
-    """Why a node ended: the error that it named, else the last lines that it wrote."""
+    """Why a node ended: the error that it named, else where it crashed, else the last lines that it wrote."""
     lines = lines_of(log, name)
     if errors := [line.removeprefix(ERROR) for line in lines if line.startswith(ERROR)]:
         return f"{errors[-1]} (log: {log})"
+    if crash := _crash(lines):
+        return f"it crashed in the code of a library; all its threads are in {log}:\n  " + "\n  ".join(crash)
     shown = "\n  ".join(lines[-LAST_LINES:]) or "it wrote nothing"
     return f"its last lines in {log}:\n  {shown}"
+
+
+def _crash(lines: list[str]) -> list[str]:
+    """What the C library and Python said of a crash, then what the thread was doing; empty for none."""
+    at = next((i for i, line in enumerate(lines) if line.startswith(CRASH)), None)
+    if at is None:
+        return []
+    thread = next((i for i in range(at, len(lines)) if lines[i].startswith(CRASHED_THREAD)), at)
+    return lines[max(at - 1, 0) : at + 1] + lines[thread + 1 : thread + 1 + LAST_LINES]

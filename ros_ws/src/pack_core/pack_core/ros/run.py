@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import gc
 import signal
 import sys
@@ -17,6 +18,9 @@ from pack_core.ros.cell_node import CellNode
 SWITCH_INTERVAL = 0.001
 """A thread that has to react waits this long for one that computes [s]; Python's default is 0.005."""
 
+STDERR = 2
+"""File descriptor of what a process says of errors."""
+
 ENDS = (ExternalShutdownException,)
 """What an executor raises because the process is told to stop."""
 
@@ -28,6 +32,8 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
         0 after a clean end, 2 when the configuration was refused.
     """
     sys.setswitchinterval(SWITCH_INTERVAL)
+    # Where a library's C or C++ code breaks, the log then says what every thread was doing.
+    faulthandler.enable(STDERR)
     # An interrupt shuts the context down, which ends spinning. Raised as an exception besides, at whatever
     # line it meets, it could leave a lock held, and the end would wait for it.
     signal.signal(signal.SIGINT, lambda *_: None)
