@@ -24,6 +24,15 @@ def test_every_preset_makes_a_cell_and_a_configuration(name: str) -> None:
     assert lockstep_config(preset).latency > 0
 
 
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_driver_lets_the_arm_push_as_hard_as_the_planner_and_the_controller_mean_it_to(name: str) -> None:
+    preset = load_preset(name)
+    config = lockstep_config(preset)
+    planned, pressed = preset.packing_cell().push.force, config.session.task.stages.press.force
+    governor = config.simulator.governor
+    assert max(planned, pressed) <= governor.push <= governor.force
+
+
 def test_a_preset_changes_what_it_names_and_nothing_else() -> None:
     preset = PackingPreset(cell={"suction": {"shear": 12.0}}, sim={"mocap": {"latency": 0.05}})
     suction, before = preset.packing_cell().suction, packing_cell().suction
