@@ -61,6 +61,7 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
+        gc.unfreeze()  # so that what the node was made of is freed: nanobind (ruckig) reports what is not
         # All is done. A second Ctrl-C would meet the interpreter at its end, which takes its handler away
         # first, and the exit code would tell of a failure.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
