@@ -27,6 +27,7 @@ LastWords = Callable[..., str]
 def last_words(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Iterator[LastWords]:
     """Runs an executable in this process until it ends with exit code 2; the one line that it prints."""
     handler, interval = signal.getsignal(signal.SIGINT), sys.getswitchinterval()
+    monkeypatch.setattr("faulthandler.enable", lambda _: None)  # where a crash is reported is pytest's to say
 
     def run(package: str, executable: str, *parameters: str) -> str:
         path = str(find_executable(package, executable))

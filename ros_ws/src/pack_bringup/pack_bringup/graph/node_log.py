@@ -54,9 +54,10 @@ def last_words(log: Path, name: str) -> str:
 
 
 def _crash(lines: list[str]) -> list[str]:
-    """What the C library and Python said of a crash, then what the thread was doing; empty for none."""
-    at = next((i for i, line in enumerate(lines) if line.startswith(CRASH)), None)
-    if at is None:
+    """What was said of the last crash, then what the thread that crashed was doing; empty for none."""
+    crashes = [i for i, line in enumerate(lines) if line.startswith(CRASH)]
+    if not crashes:
         return []
+    at = crashes[-1]
     thread = next((i for i in range(at, len(lines)) if lines[i].startswith(CRASHED_THREAD)), at)
     return lines[max(at - 1, 0) : at + 1] + lines[thread + 1 : thread + 1 + LAST_LINES]
