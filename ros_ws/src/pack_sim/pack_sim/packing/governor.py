@@ -20,6 +20,8 @@ AT_REST = 0.01
 """Speed into the contact below which the cup rests against it [m/s]."""
 DAMPING = 1e-4
 """Damping of the least-squares problems below, which keeps them solvable near singular postures."""
+TINY = 1e-9
+"""Guards divisions by the magnitude of a force [N]."""
 
 
 class ContactGovernor:
@@ -33,7 +35,7 @@ class ContactGovernor:
     def __init__(self, config: GovernorConfig, timestep: float) -> None:
         self._config = config
         self._timestep = timestep
-        self._force = np.zeros(3)
+        self._take(np.zeros(3))
         self._bending = 0.0
         self._bias = np.zeros(3)
         self._touched = -np.inf
@@ -53,9 +55,10 @@ class ContactGovernor:
         self._bending += gain * (bending - self._bending)
         if is_holding:
             self._tare(force, HOLD_TARE_TIME)
-            self._force, self._touched = np.zeros(3), -np.inf
+            self._take(np.zeros(3))
+            self._touched = -np.inf
             return False
-        self._force = self._force + gain * (force - self._bias - self._force)
+        self._take(self._force + gain * (force - self._bias - self._force))
         if self._strength > self._config.trigger:
             self._touched = time
         is_free = time - self._touched > self._config.latch
@@ -63,6 +66,11 @@ class ContactGovernor:
             self._drawn_back = self._rested = 0.0
             self._tare(force, self._config.tare_time)
         return not is_free
+
+    def _take(self, force: Array) -> None:
+        """Keep the filtered force `(3,)`, its magnitude, and the unit vector along which it pushes."""
+        self._force, self._strength = force, float(np.linalg.norm(force))
+        self._away = force / max(self._strength, TINY)
 
     def follow(self, velocity: Array) -> None:
         """Detect a bias that passes for a contact, from the cup's velocity `(3,)` [m/s].
@@ -77,7 +85,8 @@ class ContactGovernor:
         self._drawn_back = max(0.0, self._drawn_back + self._timestep * speed)
         if self._drawn_back > self._config.draw_back:
             self._bias = self._limited(self._bias + self._force)
-            self._force, self._touched, self._drawn_back = np.zeros(3), -np.inf, 0.0
+            self._take(np.zeros(3))
+            self._touched, self._drawn_back = -np.inf, 0.0
 
     def _tare(self, force: Array, tare_time: float) -> None:
         gain = self._timestep / (tare_time + self._timestep)
@@ -85,7 +94,7 @@ class ContactGovernor:
 
     def _limited(self, bias: Array) -> Array:
         """The bias, limited to `config.bias` [N] so that a slowly growing contact is not taken for one."""
-        return bias * min(1.0, self._config.bias / max(float(np.linalg.norm(bias)), 1e-9))
+        return bias * min(1.0, self._config.bias / max(float(np.linalg.norm(bias)), TINY))
 
     def slow_down(self, v_d: Array, J: Array) -> Array:
         """The desired joint velocity `(7,)`, its speed into the contact limited; J is the cup's `(6, 7)`.
@@ -123,15 +132,6 @@ class ContactGovernor:
         return np.asarray(
             scale * tau + max(push - allowed, 0.0) / float(self._away @ _wrench(back, J)[:3]) * back
         )
-
-    @property
-    def _strength(self) -> float:
-        return float(np.linalg.norm(self._force))
-
-    @property
-    def _away(self) -> Array:
-        """Unit vector `(3,)` along which the contact pushes the held object."""
-        return np.asarray(self._force / self._strength)
 
     @property
     def _holds_down(self) -> bool:
