@@ -97,13 +97,13 @@ class PackingPlant:
         return np.array(data.body(self.scene.new_object.name).xpos)
 
     def held_jacobian(self, q: Array) -> Array:
-        """Jacobian `(3, 7)` of the held object's position in the world, the joints at `q` `(7,)` [rad]."""
-        data, J = self._datas[0], np.empty((3, self.model.nv))
+        """Jacobian `(6, 7)` of the held object in the world, linear part first, the joints at `q` `(7,)`."""
+        data, J = self._datas[0], np.empty((6, self.model.nv))
         mujoco.mj_resetData(self.model, data)
         data.qpos[self.layout.q - 1] = q
         mujoco.mj_kinematics(self.model, data)
         mujoco.mj_comPos(self.model, data)
-        mujoco.mj_jacBody(self.model, data, J, None, self.model.body(self.scene.new_object.name).id)
+        mujoco.mj_jacBody(self.model, data, J[:3], J[3:], self.model.body(self.scene.new_object.name).id)
         return J[:, self.layout.v - 1 - self.model.nq]
 
     def rollout(self, x0: Array, us: Array) -> tuple[Array, Array]:

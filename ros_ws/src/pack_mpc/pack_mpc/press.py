@@ -37,5 +37,5 @@ def pressing(plant: PackingPlant, setpoints: Setpoints, force: float) -> Setpoin
     if not force:
         return setpoints
     limit = plant.arm.limits.effort
-    down = plant.held_jacobian(setpoints.q[0]).T @ np.array([0.0, 0.0, -force])
+    down = plant.held_jacobian(setpoints.q[0])[:3].T @ np.array([0.0, 0.0, -force])
     return replace(setpoints, tau=np.clip(setpoints.tau + down, -limit, limit))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 
 from pack_core.rotations import Array
-from pack_mpc.plant import STATE, PackingPlant
+from pack_mpc.plant import PackingPlant
 
 DAMPING = 1e-4
 """Added to J J' before it is inverted, so that joint speeds stay bounded near a singular posture."""
@@ -83,17 +82,9 @@ class ResolvedRateServo:
 
     def __init__(self, plant: PackingPlant, x0: Array, q_ref: Array, leash: float) -> None:
         self._limits = plant.arm.limits
-        model, data = plant.model, mujoco.MjData(plant.model)
-        mujoco.mj_setState(model, data, x0, STATE)
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        jacobian = np.zeros((6, model.nv))
-        body = model.body(plant.scene.new_object.name).id
-        mujoco.mj_jacBody(model, data, jacobian[:3], jacobian[3:], body)
-        # layout.v counts in the state [time, qpos, qvel]: less 1 and nq, it counts degrees of freedom.
-        self._J = jacobian[:, plant.layout.v - 1 - model.nq]
-        self._inverse = self._J.T @ np.linalg.inv(self._J @ self._J.T + DAMPING * np.eye(6))
         q = x0[plant.layout.q]
+        self._J = plant.held_jacobian(q)
+        self._inverse = self._J.T @ np.linalg.inv(self._J @ self._J.T + DAMPING * np.eye(6))
         self._posture = NULL_SPACE_RATE * (np.eye(7) - self._inverse @ self._J) @ (self._limits.middle - q)
         self._start = q + _limited(q_ref - q, self._J, leash)
 
