@@ -50,7 +50,7 @@ def stamp_in(data: bytes) -> float:
 def finite(values: object, what: str) -> Array:
     """The values as an array of floats, refused when one is NaN or infinite."""
     array = np.array(values, dtype=float)
-    if not np.all(np.isfinite(array)):
+    if not np.isfinite(array).all():
         raise MessageError(f"{what} is not finite: {array.tolist()}")
     return array
 
