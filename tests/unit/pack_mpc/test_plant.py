@@ -6,6 +6,7 @@ import pytest
 
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import HELD_POSITION
+from pack_core.rotations import Array
 from pack_mpc.plant import STATE, PackingPlant
 
 
@@ -52,6 +53,23 @@ def test_output_derivatives_are_the_jacobian_of_the_held_object(plant: PackingPl
     mujoco.mj_jacBody(plant.model, data, jacobian, None, plant.model.body(plant.scene.new_object.name).id)
     arm = plant.layout.v - 1 - plant.model.nq
     np.testing.assert_allclose(lin.C[5, plant.sensor(HELD_POSITION), :7], jacobian[:, arm], atol=1e-4)
+
+
+def test_the_jacobian_of_the_held_object_agrees_with_central_differences(plant: PackingPlant, joints) -> None:
+    data, body = mujoco.MjData(plant.model), plant.model.body(plant.scene.new_object.name).id
+    J, h = plant.held_jacobian(joints.q), 1e-6
+
+    def pose_at(q: Array) -> tuple[Array, Array]:
+        data.qpos[plant.layout.q - 1] = q
+        mujoco.mj_kinematics(plant.model, data)
+        return data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()
+
+    for k, step in enumerate(h * np.eye(7)):
+        (p_less, R_less), (p_more, R_more) = pose_at(joints.q - step), pose_at(joints.q + step)
+        np.testing.assert_allclose(J[:3, k], (p_more - p_less) / (2 * h), atol=1e-6)
+        # dR/dq R' is the cross product matrix of the angular velocity
+        W = (R_more - R_less) / (2 * h) @ pose_at(joints.q)[1].T
+        np.testing.assert_allclose(J[3:, k], [W[2, 1], W[0, 2], W[1, 0]], atol=1e-6)
 
 
 def test_key_points_are_interpolated_linearly(plant: PackingPlant, trajectory) -> None:
