@@ -34,7 +34,7 @@ def test_a_shifted_spline_is_the_same_motion_later() -> None:
 def test_a_constant_twist_moves_the_held_object_as_it_says(plant, joints, state, axis: int) -> None:
     x0 = plant.state(joints, state)
     twist = 0.1 * np.eye(6)[axis]
-    servo = ResolvedRateServo(plant, x0, x0[plant.layout.q], leash=0.04)
+    servo = ResolvedRateServo(plant, joints.q, joints.q, leash=0.04)
     q, v = servo.references(np.tile(twist, (1, 50, 1)), 0.012)
     _, ys = plant.rollout(x0, np.concatenate([q, v], axis=2))
     moved = ys[0, -1, plant.sensor(HELD_POSITION)] - ys[0, 0, plant.sensor(HELD_POSITION)]
@@ -43,7 +43,7 @@ def test_a_constant_twist_moves_the_held_object_as_it_says(plant, joints, state,
 
 def test_the_lead_of_a_reference_far_ahead_is_limited(plant, joints, state) -> None:
     x0 = plant.state(joints, state)
-    servo = ResolvedRateServo(plant, x0, x0[plant.layout.q] + 0.5, leash=0.04)
+    servo = ResolvedRateServo(plant, joints.q, joints.q + 0.5, leash=0.04)
     q, _ = servo.references(np.zeros((1, 1, 6)), 0.012)
     ahead = x0.copy()
     ahead[plant.layout.q] = q[0, 0]

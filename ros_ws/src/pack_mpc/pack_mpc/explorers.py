@@ -77,13 +77,10 @@ def _torque_per_acceleration(plant: PackingPlant, x0: Array) -> Array:
     model, data = plant.model, mujoco.MjData(plant.model)
     mujoco.mj_setState(model, data, x0, STATE)
     mujoco.mj_forward(model, data)
-    jacobian, inertia = np.zeros((6, model.nv)), np.zeros((model.nv, model.nv))
-    body = model.body(plant.scene.new_object.name).id
-    mujoco.mj_jacBody(model, data, jacobian[:3], jacobian[3:], body)
+    inertia = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, inertia)
     # layout.v counts in the state [time, qpos, qvel]: less 1 and nq, it counts degrees of freedom.
-    arm = plant.layout.v - 1 - model.nq
-    J = jacobian[:, arm]
+    arm, J = plant.layout.v - 1 - model.nq, plant.held_jacobian(x0[plant.layout.q])
     # tau' = a' (J J')^-1 J M: the joint accelerations J^+ a times the inertia; damped near singular postures.
     damped = J @ J.T + DAMPING * np.eye(6)
     return np.asarray(np.linalg.solve(damped, J) @ inertia[np.ix_(arm, arm)])

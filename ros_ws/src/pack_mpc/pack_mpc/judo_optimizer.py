@@ -76,7 +76,7 @@ class JudoOptimizer(Optimizer):
         """One iteration from the state `x0`: the mean of the cheapest splines is the plan."""
         last, now, q_arm = self._reference, float(x0[0]), x0[self.plant.layout.q]
         start, q_ref = (now, q_arm) if last is None else (last.time, last.at(now, q_arm))
-        servo = ResolvedRateServo(self.plant, x0, q_ref, self._sgn.leash)
+        servo = ResolvedRateServo(self.plant, q_arm, q_ref, self._sgn.leash)
         nominal = self._basis.shifted(self._knots, now - start)
         self._method.pre_optimization(start + self._basis.knots, now + self._basis.knots)
         samples = np.clip(self._method.sample_control_knots(nominal), -1.0, 1.0)

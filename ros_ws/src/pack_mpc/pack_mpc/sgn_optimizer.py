@@ -100,9 +100,9 @@ class SgnOptimizer(Optimizer):
         config = self._config
         down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
         self._lower[2] = -down
-        last = self._reference
-        q_ref = x0[self.plant.layout.q] if last is None else last.at(float(x0[0]), x0[self.plant.layout.q])
-        servo = ResolvedRateServo(self.plant, x0, q_ref, config.leash)
+        last, q_arm = self._reference, x0[self.plant.layout.q]
+        q_ref = q_arm if last is None else last.at(float(x0[0]), q_arm)
+        servo = ResolvedRateServo(self.plant, q_arm, q_ref, config.leash)
         nominal = self._clip(self._shifted(x0))
         thetas, signs = self._first_batch(nominal, x0, target)
         first = self._roll_out(servo, x0, cost, thetas)

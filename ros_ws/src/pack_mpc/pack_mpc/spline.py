@@ -75,14 +75,13 @@ class ResolvedRateServo:
 
     Args:
         plant: the model with servos.
-        x0: full state `(nx,)`.
+        q: joint positions at that state `(7,)` [rad].
         q_ref: joint positions at which the reference stands `(7,)` [rad].
         leash: lead limit: how far the reference may be ahead of the arm, measured at the held object [m].
     """
 
-    def __init__(self, plant: PackingPlant, x0: Array, q_ref: Array, leash: float) -> None:
+    def __init__(self, plant: PackingPlant, q: Array, q_ref: Array, leash: float) -> None:
         self._limits = plant.arm.limits
-        q = x0[plant.layout.q]
         self._J = plant.held_jacobian(q)
         self._inverse = self._J.T @ np.linalg.inv(self._J @ self._J.T + DAMPING * np.eye(6))
         self._posture = NULL_SPACE_RATE * (np.eye(7) - self._inverse @ self._J) @ (self._limits.middle - q)
