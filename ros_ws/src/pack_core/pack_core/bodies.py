@@ -26,7 +26,8 @@ def penetrations(model: mujoco.MjModel, data: mujoco.MjData) -> dict[tuple[str, 
     for (a, b), distance in zip(data.contact.geom.tolist(), data.contact.dist.tolist(), strict=True):
         # MuJoCo's distance is negative where geoms overlap; one pair may touch in several points.
         deepest[a, b] = max(deepest.get((a, b), 0.0), -distance)
-    return {(model.geom(a).name, model.geom(b).name): depth for (a, b), depth in deepest.items()}
+    names = {i: mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, i) or "" for pair in deepest for i in pair}
+    return {(names[a], names[b]): depth for (a, b), depth in deepest.items()}
 
 
 def body_pose(data: mujoco.MjData, name: str) -> Pose:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -97,12 +98,17 @@ class Setpoints:
         """Position, velocity and torque `(n,)` at `time` [s]: interpolated, and held beyond the ends."""
         offset, offsets = time - self.time, self.offsets
         last = len(offsets) - 1
-        i = min(max(int(np.searchsorted(offsets, offset, side="right")) - 1, 0), last)
+        i = min(max(int(offsets.searchsorted(offset, side="right")) - 1, 0), last)
         j = min(i + 1, last)
         span = offsets[j] - offsets[i]
         s = min(max((offset - offsets[i]) / span, 0.0), 1.0) if span > 0 else 0.0
-        q, v, tau = ((1 - s) * rows[i] + s * rows[j] for rows in (self.q, self.v, self.tau))
+        q, v, tau = (1 - s) * self._rows[:, i] + s * self._rows[:, j]
         return q, v, tau
+
+    @cached_property
+    def _rows(self) -> Array:
+        """Positions, velocities and torques `(3, T, n)`."""
+        return np.stack([self.q, self.v, self.tau])
 
     def until(self, offset: float) -> Setpoints:
         """The rows up to `offset` [s] from the first."""

@@ -7,6 +7,8 @@ motion, where bounds would only make the arm late.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from pack_core.rotations import Array
@@ -69,7 +71,7 @@ class ContactGovernor:
 
     def _take(self, force: Array) -> None:
         """Keep the filtered force `(3,)`, its magnitude, and the unit vector along which it pushes."""
-        self._force, self._strength = force, float(np.linalg.norm(force))
+        self._force, self._strength = force, _length(force)
         self._away = force / max(self._strength, TINY)
 
     def follow(self, velocity: Array) -> None:
@@ -94,7 +96,7 @@ class ContactGovernor:
 
     def _limited(self, bias: Array) -> Array:
         """The bias, limited to `config.bias` [N] so that a slowly growing contact is not taken for one."""
-        return bias * min(1.0, self._config.bias / max(float(np.linalg.norm(bias)), TINY))
+        return bias * min(1.0, self._config.bias / max(_length(bias), TINY))
 
     def slow_down(self, v_d: Array, J: Array) -> Array:
         """The desired joint velocity `(7,)`, its speed into the contact limited; J is the cup's `(6, 7)`.
@@ -149,6 +151,11 @@ class ContactGovernor:
         """Share of the push that the load on the cup leaves: 1 up to `bending`, 0 at its limit, then less."""
         config = self._config
         return min((config.bending_limit - self._bending) / (config.bending_limit - config.bending), 1.0)
+
+
+def _length(v: Array) -> float:
+    """What `np.linalg.norm` gives, in a third of its time for one vector."""
+    return math.sqrt(v @ v)
 
 
 def _wrench(tau: Array, J: Array) -> Array:

@@ -126,7 +126,7 @@ class JointController:
         q_d, v_d, tau_ff = self.reference(time, q, v, M)
         if self.is_holding:  # a stop is not made slower by the bound on the torque's rate
             tau: Array = tau_ff + self._kp_hold * (q_d - q) + self._kd_hold * (v_d - v)
-            self._tau = np.clip(tau, -self._limits.effort, self._limits.effort)
+            self._tau = _between(tau, -self._limits.effort, self._limits.effort)
             return self._tau
         tau = tau_ff + self._kp * (q_d - q) + self._kd * (v_d - v)
         # The speed at which the setpoints drive each joint: their own, and that which their torque would
@@ -138,8 +138,8 @@ class JointController:
             slowed = self._governor.slow_down(w_d, self._jacobian)
             tau += self._kd_hold * (slowed - w_d) + self._compensation(slowed)
             tau = self._governor.bound(tau, self._jacobian)
-        tau = np.clip(tau, self._tau - self._torque_step, self._tau + self._torque_step)
-        self._tau = np.clip(tau, -self._limits.effort, self._limits.effort)
+        tau = _between(tau, self._tau - self._torque_step, self._tau + self._torque_step)
+        self._tau = _between(tau, -self._limits.effort, self._limits.effort)
         return self._tau
 
     def _compensation(self, w_d: Array) -> Array:
@@ -149,6 +149,11 @@ class JointController:
 
     def _is_fresh(self, plan: Setpoints, time: float) -> bool:
         return time - self._received <= self._watchdog and time <= plan.time + plan.offsets[-1]
+
+
+def _between(values: Array, lower: Array, upper: Array) -> Array:
+    """What `np.clip` gives, in a fifth of its time for a few values."""
+    return np.minimum(np.maximum(values, lower), upper)
 
 
 def _check(setpoints: Setpoints, limits: JointLimits) -> None:

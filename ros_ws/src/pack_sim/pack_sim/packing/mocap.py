@@ -116,12 +116,13 @@ class MocapSystem:
     def visible_counts(self, model: mujoco.MjModel, data: mujoco.MjData, p_WM: Array) -> Counts:
         """How many cameras see each of the markers at `p_WM` `(n, 3)`."""
         counts = np.zeros(len(p_WM), dtype=int)
-        for p_C, axis in zip(self._p_WC, self._axes, strict=True):
-            p_CM = p_WM - p_C
-            ranges = np.linalg.norm(p_CM, axis=1)
-            in_view = np.flatnonzero(p_CM @ axis >= ranges * self._min_cosine)
-            rays = p_CM[in_view] / ranges[in_view, None]
-            counts[in_view] += _reached(model, data, p_C, rays, ranges[in_view])
+        p_CM = p_WM - self._p_WC[:, None]
+        ranges = np.linalg.norm(p_CM, axis=2)
+        rays = p_CM / ranges[..., None]
+        is_in_view = (p_CM @ self._axes[..., None])[..., 0] >= ranges * self._min_cosine
+        for c, p_C in enumerate(self._p_WC):
+            in_view = is_in_view[c].nonzero()[0]
+            counts[in_view] += _reached(model, data, p_C, rays[c, in_view], ranges[c, in_view])
         return counts
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -45,11 +45,16 @@ class PumpModel:
         Returns:
             Whether the pump still holds the object.
         """
-        raw = (float(force[2]), float(np.hypot(force[0], force[1])), float(np.hypot(torque[0], torque[1])))
+        fx, fy, pull = force.tolist()
+        tx, ty, _ = torque.tolist()
         old, g = self.state.load, self._gain
-        load = Load(*(a + g * (b - a) for a, b in zip((old.pull, old.shear, old.moment), raw, strict=True)))
+        load = Load(
+            old.pull + g * (pull - old.pull),
+            old.shear + g * (float(np.hypot(fx, fy)) - old.shear),
+            old.moment + g * (float(np.hypot(tx, ty)) - old.moment),
+        )
         reason = self._excess(load)
-        self.state = replace(self.state, load=load)
+        self.state = PumpState(self.state.is_closed, load, self.state.release_reason)
         if reason:
             self.open(reason)
         return not reason

@@ -98,20 +98,19 @@ class ScenePhysics:
     def cup_jacobian(self) -> Array:
         """Jacobian `(6, 7)` of the cup, linear part first, in the world frame."""
         J = np.empty((6, self.model.nv))
-        mujoco.mj_jacBody(self.model, self.data, J[:3], J[3:], self.model.body("tool").id)
+        mujoco.mj_jacBody(self.model, self.data, J[:3], J[3:], self._tool)
         return J[:, self._v]
 
     def cup_pressure(self) -> Array:
         """Force `(3,)` [N] of all contacts on the empty cup and pump, in world axes."""
         model, data, total, wrench = self.model, self.data, np.zeros(3), np.zeros(6)
-        tool = model.body("tool").id
         for i in range(data.ncon):
             contact = data.contact[i]
             bodies = model.geom_bodyid[contact.geom]
-            if tool in bodies:
+            if self._tool in bodies:
                 mujoco.mj_contactForce(model, data, i, wrench)
                 # the contact's frame has its axes as rows, and the force acts on the second geom
-                sign = 1.0 if bodies[1] == tool else -1.0
+                sign = 1.0 if bodies[1] == self._tool else -1.0
                 total += sign * contact.frame.reshape(3, 3).T @ wrench[:3]
         return total
 
@@ -121,7 +120,10 @@ class ScenePhysics:
         seen.qpos[:], seen.qvel[:] = self.data.qpos, self.data.qvel
         for forward in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):
             forward(model, seen)
-        return SceneState(self.time, {name: _object_state(model, seen, name) for name in self._names})
+        return SceneState(
+            self.time,
+            {name: _object_state(model, seen, i) for name, i in zip(self._names, self._bodies, strict=True)},
+        )
 
     def rebuild(
         self, scene: Scene, held: HeldRole, joints: JointSample, truth: SceneState, *, lip_touches: bool
@@ -148,6 +150,8 @@ class ScenePhysics:
         self.data, self._seen = mujoco.MjData(model), mujoco.MjData(model)
         self.data.time = time
         self._names = [*scene.names, scene.new_object.name]
+        self._bodies = [int(model.body(name).id) for name in self._names]
+        self._tool = int(model.body("tool").id)
         joints = [model.joint(name) for name in self._cell.robot.arm.joints]
         self._q = np.array([joint.qposadr[0] for joint in joints])
         self._v = np.array([joint.dofadr[0] for joint in joints])
@@ -168,8 +172,8 @@ class ScenePhysics:
             self.data.joint(name).qpos[0] = value
 
 
-def _object_state(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> ObjectState:
+def _object_state(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> ObjectState:
     twist = np.empty(6)
-    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, model.body(name).id, twist, 0)
+    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, twist, 0)
     # MuJoCo gives the angular part first
-    return ObjectState(body_pose(data, name), twist[3:].copy(), twist[:3].copy())
+    return ObjectState(Pose(data.xpos[body], data.xquat[body]), twist[3:], twist[:3])
