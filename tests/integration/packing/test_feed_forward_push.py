@@ -7,7 +7,8 @@ import numpy as np
 from pack_core.packing.cell import packing_cell
 from pack_mpc.cost import PackingCost
 from pack_mpc.residuals import Residuals
-from pack_mpc.sgn_optimizer import SgnConfig, SgnOptimizer
+from pack_mpc.sgn_config import SgnConfig
+from pack_mpc.sgn_optimizer import SgnOptimizer
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
 from pack_sim.packing.scene_generator import generate_scene

@@ -1,5 +1,7 @@
 """The predicted state is the one that the driver brings about."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,7 +40,7 @@ def test_prediction_agrees_with_the_driver(
     simulator.accept(setpoints)
     run(simulator, 0.06)
     x = plant.state(simulator.joints(), simulator.truth())
-    predicted = Predictor(scene.description(), packing_cell()).predict(x, setpoints, latency)
+    predicted = Predictor(scene.description(), packing_cell()).predict(x, (setpoints,), latency)
     simulator.accept(setpoints)
     run(simulator, latency)
     np.testing.assert_allclose(predicted[plant.layout.q], simulator.joints().q, atol=4e-3)
@@ -46,9 +48,29 @@ def test_prediction_agrees_with_the_driver(
     assert predicted[0] == pytest.approx(simulator.time)
 
 
+def test_prediction_agrees_with_a_driver_that_waits_for_the_time_of_the_next_setpoints(
+    scene: Scene, plant: PackingPlant, simulator: Simulator
+) -> None:
+    before = swing(simulator)
+    simulator.accept(before)
+    run(simulator, 0.06)
+    # at two thirds of the speed from where the arm is by then
+    begins = simulator.time + 0.03
+    q, slower = before.at(begins)[0], 2.0 / 3.0 * before.v
+    after = replace(before, time=begins, q=q + before.offsets[:, None] * slower, v=slower)
+    simulator.accept(after)
+    x = plant.state(simulator.joints(), simulator.truth())
+    predictor = Predictor(scene.description(), packing_cell())
+    run(simulator, 0.06)
+    q = simulator.joints().q
+    np.testing.assert_allclose(predictor.predict(x, (before, after), 0.06)[plant.layout.q], q, atol=1.5e-3)
+    for wrong in (before, after):
+        assert np.abs(predictor.predict(x, (wrong,), 0.06)[plant.layout.q] - q).max() > 3e-3
+
+
 def test_without_setpoints_the_arm_is_predicted_to_stay(
     scene: Scene, plant: PackingPlant, simulator: Simulator
 ) -> None:
     x = plant.state(simulator.joints(), simulator.truth())
-    predicted = Predictor(scene.description(), packing_cell()).predict(x, None, 0.096)
+    predicted = Predictor(scene.description(), packing_cell()).predict(x, (), 0.096)
     np.testing.assert_allclose(predicted[plant.layout.q], simulator.joints().q, atol=1e-6)

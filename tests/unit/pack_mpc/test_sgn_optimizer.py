@@ -12,7 +12,8 @@ from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_mpc.cost import PackingCost
 from pack_mpc.residuals import Residuals
-from pack_mpc.sgn_optimizer import SgnConfig, SgnOptimizer
+from pack_mpc.sgn_config import SgnConfig
+from pack_mpc.sgn_optimizer import SgnOptimizer
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
 
@@ -95,3 +96,23 @@ def test_a_model_that_diverges_leaves_a_finite_plan(optimizer, x0, monkeypatch) 
     solution = optimizer.improve(x0, cost, Stage.PRE_PACK, ABOVE)
     assert np.isfinite(solution.cost)
     assert np.all(np.isfinite(solution.setpoints.q))
+
+
+def test_an_iteration_that_begins_late_perturbs_the_first_knot_and_one_of_the_others_in_turn(
+    optimizer, x0, monkeypatch
+) -> None:
+    tried, config = [], SgnConfig()
+    roll_out = optimizer._roll_out
+    monkeypatch.setattr(optimizer, "_roll_out", lambda *args: tried.append(args[-1]) or roll_out(*args))
+    cost = cost_of(optimizer, ABOVE)
+    for pause in (0.0, 0.9 * config.late, 1.1 * config.late, 1.1 * config.late):
+        x0[0] += pause
+        optimizer.improve(x0, cost, Stage.PRE_PACK, ABOVE)
+    firsts, seconds = tried[::2], tried[1::2]
+    # beside the perturbations: the nominal spline, a halt and the straight way
+    varied = [np.any(first[1:-2] != first[0], axis=(0, 2)).tolist() for first in firsts]
+    assert varied == [[True, True, True]] * 2 + [[True, True, False], [True, False, True]]
+    assert [len(first) for first in firsts] == [3 + 18, 3 + 18, 3 + 12, 3 + 12]
+    for first, second, knots in zip(firsts, seconds, varied, strict=True):
+        moved = np.any(second != first[0], axis=(0, 2))
+        assert not np.any(moved & ~np.array(knots)), "a knot that was not perturbed stays as it was"

@@ -87,7 +87,7 @@ class PackingController:
         own = getattr(config, config.optimizer)
         self._optimizer = optimizer_class(config.optimizer)(scene, cell, own, config.threads)
         self._predictor = Predictor(scene, cell)
-        self._in_flight: Setpoints | None = None
+        self._in_flight: tuple[Setpoints, ...] = ()
 
     def change_cost(self) -> None:
         """Tell the optimizer that the stage or the target has changed."""
@@ -121,7 +121,9 @@ class PackingController:
         weights = self._weights.in_force(stage, stage_age, reliefs=reliefs, is_rehearsed=target.is_rehearsed)
         cost = PackingCost(residuals, weights, self._weights.torque)
         solution = self._optimizer.improve(x0, cost, stage, target)
-        self._in_flight = solution.setpoints.until(self._config.published)
+        sent = solution.setpoints.until(self._config.published)
+        # The driver follows the plan before until this one begins.
+        self._in_flight = (*self._in_flight[-1:], sent)
         # The prediction leaves the press out: it moves the object only once what bears it gives way.
-        setpoints = pressing(plant, self._in_flight, target.press)
+        setpoints = pressing(plant, sent, target.press)
         return ControlPlan(setpoints, solution, 1e3 * (wall_clock.perf_counter() - started))

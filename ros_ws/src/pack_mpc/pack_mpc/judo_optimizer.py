@@ -23,7 +23,7 @@ from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.feed_forward import predicted_setpoints
 from pack_mpc.plant import PackingPlant
-from pack_mpc.sgn_optimizer import SgnConfig
+from pack_mpc.sgn_config import SgnConfig
 from pack_mpc.solution import Optimizer, Solution
 from pack_mpc.spline import Basis, ResolvedRateServo, ServoReference
 from pack_mpc.target import PackingTarget

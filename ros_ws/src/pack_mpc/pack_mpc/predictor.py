@@ -28,21 +28,25 @@ class Predictor:
         self._plant = PackingPlant(scene, driven, timestep=TIMESTEP, threads=1, arm=ArmRole.SERVO)
         self._data = mujoco.MjData(self._plant.model)
 
-    def predict(self, x: Array, setpoints: Setpoints | None, latency: float) -> Array:
+    def predict(self, x: Array, setpoints: tuple[Setpoints, ...], latency: float) -> Array:
         """The full state `(nx,)` after `latency` [s], rounded to whole steps.
 
         Args:
             x: full state `(nx,)`.
-            setpoints: setpoints in flight; None if the arm holds.
+            setpoints: setpoints in flight, oldest first, each in force from its own time on; before the
+                first of them the arm holds.
             latency: time to predict [s].
         """
         model, layout, data = self._plant.model, self._plant.layout, self._data
         mujoco.mj_resetData(model, data)
         mujoco.mj_setState(model, data, x, STATE)
         hold = Setpoints(x[0], np.zeros(1), x[layout.q][None], np.zeros((1, 7)), np.zeros((1, 7)))
-        reference, arm = setpoints or hold, layout.v - 1 - model.nq
+        plans, arm = (hold, *setpoints), layout.v - 1 - model.nq
         for _ in range(round(latency / TIMESTEP)):
-            q_d, v_d, tau_ff = reference.at(data.time + TIMESTEP)
+            time = data.time + TIMESTEP
+            # those that begin within the step count for all of it from its middle on
+            in_force = [plan for plan in plans if plan.time <= time - 0.5 * TIMESTEP]
+            q_d, v_d, tau_ff = in_force[-1].at(time)
             data.ctrl[:] = np.concatenate([q_d, v_d])
             data.qfrc_applied[arm] = tau_ff
             mujoco.mj_step(model, data)

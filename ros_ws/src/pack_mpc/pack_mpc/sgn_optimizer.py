@@ -10,9 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
 
-from pack_core.config import Config
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
@@ -20,39 +18,11 @@ from pack_core.rotations import Array
 from pack_mpc.cost import PackingCost
 from pack_mpc.feed_forward import predicted_setpoints
 from pack_mpc.plant import PackingPlant
+from pack_mpc.sgn_config import SgnConfig
 from pack_mpc.solution import Optimizer, Solution
 from pack_mpc.spline import Basis, ResolvedRateServo, ServoReference
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage
-
-
-class SgnConfig(Config):
-    """Parameters of the optimizer `sgn`; a twist is linear [m/s], then angular [rad/s]."""
-
-    timestep: PositiveFloat = Field(default=0.02, description="time step of the model [s]")
-    horizon: PositiveInt = Field(default=30, description="length of the horizon, in steps")
-    knots: PositiveInt = Field(default=3, description="knots of the twist spline")
-    step_linear: PositiveFloat = Field(default=0.05, description="step of the finite differences [m/s]")
-    step_angular: PositiveFloat = Field(default=0.25, description="step of the finite differences [rad/s]")
-    explorers: NonNegativeInt = Field(
-        default=0, description="random splines in each iteration, where perturbations alone get stuck"
-    )
-    spread_linear: PositiveFloat = Field(default=0.12, description="standard deviation of explorers [m/s]")
-    spread_angular: PositiveFloat = Field(default=0.5, description="standard deviation of explorers [rad/s]")
-    dampings: tuple[PositiveFloat, ...] = Field(
-        default=(0.01, 0.1, 1.0),
-        description="dampings of the Gauss-Newton steps, one rollout each",
-    )
-    speed_linear: PositiveFloat = Field(default=0.4, description="largest linear twist [m/s]")
-    speed_down: PositiveFloat = Field(default=0.4, description="largest downward twist [m/s]")
-    speed_landing: PositiveFloat = Field(
-        default=0.07, description="largest downward twist where the object may land on another [m/s]"
-    )
-    speed_angular: PositiveFloat = Field(default=1.5, description="largest angular twist [rad/s]")
-    effort: NonNegativeFloat = Field(default=0.02, description="weight of the squared knots in the cost")
-    leash: PositiveFloat = Field(
-        default=0.04, description="lead limit: how far the reference may be ahead of the arm [m]"
-    )
 
 
 @dataclass(frozen=True)
@@ -93,6 +63,7 @@ class SgnOptimizer(Optimizer):
         self._upper = np.array([config.speed_linear] * 3 + [config.speed_angular] * 3)
         self._lower = -self._upper
         self._theta = np.zeros((config.knots, 6))
+        self._turn = 0
         self._reference: ServoReference | None = None
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
@@ -104,7 +75,8 @@ class SgnOptimizer(Optimizer):
         q_ref = q_arm if last is None else last.at(float(x0[0]), q_arm)
         servo = ResolvedRateServo(self.plant, q_arm, q_ref, config.leash)
         nominal = self._clip(self._shifted(x0))
-        thetas, signs = self._first_batch(nominal, x0, target)
+        is_late = last is not None and float(x0[0]) - last.time > config.late
+        thetas, signs = self._first_batch(nominal, x0, target, self._due(is_late=is_late))
         first = self._roll_out(servo, x0, cost, thetas)
         steps = self._gauss_newton(first, thetas, signs)
         second = self._roll_out(servo, x0, cost, steps)
@@ -126,15 +98,26 @@ class SgnOptimizer(Optimizer):
             return np.zeros_like(self._theta)
         return self._basis.shifted(self._theta, float(x0[0]) - self._reference.time)
 
-    def _first_batch(self, nominal: Array, x0: Array, target: PackingTarget) -> tuple[Array, Array]:
+    def _due(self, *, is_late: bool) -> np.ndarray:
+        """Whether each knot `(K,)` is perturbed in this iteration."""
+        knots = np.arange(len(self._theta))
+        if not is_late or len(knots) < 3:
+            return np.ones(len(knots), dtype=bool)
+        self._turn = 1 + self._turn % (len(knots) - 1)
+        return np.asarray((knots == 0) | (knots == self._turn))
+
+    def _first_batch(
+        self, nominal: Array, x0: Array, target: PackingTarget, due: np.ndarray
+    ) -> tuple[Array, Array]:
         """The splines of the first batch, all within bounds, and the signs of the perturbations.
 
         Returns:
-            Splines `(B, K, 6)`: the nominal one, one perturbation for each of its n = 6 K parameters, a
-            halt, a straight way to the target, random explorers; and signs `(n,)`.
+            Splines `(B, K, 6)`: the nominal one, one perturbation for each of the n parameters of the knots
+            that are due, a halt, a straight way to the target, random explorers; and signs `(6 K,)`, 0 where
+            nothing is perturbed.
         """
-        signs = self._signs(nominal)
-        deltas = np.diag(signs * self._steps.ravel()).reshape(-1, *nominal.shape)
+        signs = (self._signs(nominal) * due[:, None]).ravel()
+        deltas = np.diag(signs * self._steps.ravel())[signs != 0.0].reshape(-1, *nominal.shape)
         explorers = nominal + self._rng.normal(size=(self._config.explorers, *nominal.shape)) * self._spread
         straight = np.stack([np.zeros_like(nominal), self._straight(x0, target)])
         thetas = np.concatenate(
@@ -143,10 +126,10 @@ class SgnOptimizer(Optimizer):
         return thetas, signs
 
     def _signs(self, nominal: Array) -> Array:
-        """Random signs of the perturbations `(n,)`, towards the inside where a bound is near."""
+        """Random signs of the perturbations `(K, 6)`, towards the inside where a bound is near."""
         signs = self._rng.choice([-1.0, 1.0], nominal.shape)
         ahead = nominal + signs * self._steps
-        return np.where((ahead > self._upper) | (ahead < self._lower), -signs, signs).ravel()
+        return np.where((ahead > self._upper) | (ahead < self._lower), -signs, signs)
 
     def _straight(self, x0: Array, target: PackingTarget) -> Array:
         """The spline that heads straight for the target and stops there."""
@@ -171,18 +154,18 @@ class SgnOptimizer(Optimizer):
         gradient g = J'r + e theta and half the Hessian H = J'J + e I. The steps are Levenberg-Marquardt's,
         -(H + d diag(H))^-1 g, short ones for a large damping d.
         """
-        n, nominal = thetas[0].size, thetas[0]
+        varied, nominal = np.flatnonzero(signs), thetas[0]
+        n = len(varied)
         # Rollout 0 is the nominal one, 1 to n are its perturbations.
-        J = (batch.residuals[1 : n + 1] - batch.residuals[0]).T / (signs * self._steps.ravel())
+        J = (batch.residuals[1 : n + 1] - batch.residuals[0]).T / (signs * self._steps.ravel())[varied]
         if not np.all(np.isfinite(J)):
             return np.asarray(nominal[None])
-        gradient = J.T @ batch.residuals[0] + self._config.effort * nominal.ravel()
+        gradient = J.T @ batch.residuals[0] + self._config.effort * nominal.ravel()[varied]
         hessian = J.T @ J + self._config.effort * np.eye(n)
-        steps = [
-            -np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), gradient)
-            for damping in self._config.dampings
-        ]
-        return self._clip(np.asarray(nominal + np.array(steps).reshape(-1, *nominal.shape)))
+        steps = np.zeros((len(self._config.dampings), nominal.size))
+        for step, damping in zip(steps, self._config.dampings, strict=True):
+            step[varied] = -np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), gradient)
+        return self._clip(nominal + steps.reshape(-1, *nominal.shape))
 
     def _clip(self, thetas: Array) -> Array:
         return np.asarray(np.clip(thetas, self._lower, self._upper))

@@ -24,9 +24,9 @@ class WorkerConfig(Config):
         default=0.12, description="longest time over which a state is predicted [s]"
     )
     waiting_period: NonNegativeFloat = Field(
-        default=0.1,
+        default=0.075,
         description="least time from one iteration to the next while a placement is being planned, which "
-        "needs the processor more [s of wall clock]",
+        "needs the processor more; less than the driver's watchdog, or the arm brakes [s of wall clock]",
     )
 
 

@@ -66,6 +66,31 @@ def test_setpoints_are_interpolated_between_rows(controller: JointController) ->
     np.testing.assert_allclose(controller.reference(0.99, HOME, ZERO, M)[0], HOME)
 
 
+def test_setpoints_that_come_early_wait_for_their_time_while_those_before_go_on(
+    controller: JointController,
+) -> None:
+    controller.accept(setpoints(HOME), 0.0)
+    controller.accept(setpoints(HOME + 0.1, time=0.03), 0.01)
+    for time, expected in ((0.01, HOME), (0.029, HOME), (0.03, HOME + 0.1), (0.05, HOME + 0.1)):
+        np.testing.assert_allclose(controller.reference(time, HOME, ZERO, M)[0], expected)
+
+
+def test_early_setpoints_wait_no_longer_than_until_others_come(controller: JointController) -> None:
+    controller.accept(setpoints(HOME), 0.0)
+    controller.accept(setpoints(HOME + 0.1, time=0.06), 0.01)
+    controller.accept(setpoints(HOME + 0.2, time=0.07), 0.02)
+    np.testing.assert_allclose(controller.reference(0.021, HOME, ZERO, M)[0], HOME + 0.1)
+    np.testing.assert_allclose(controller.reference(0.071, HOME, ZERO, M)[0], HOME + 0.2)
+
+
+def test_setpoints_of_the_past_end_those_that_wait(controller: JointController) -> None:
+    controller.accept(setpoints(HOME), 0.0)
+    controller.accept(setpoints(HOME + 0.1, time=0.03), 0.01)
+    controller.accept(setpoints(HOME, rows=1), 0.02)  # a hold: over when it comes
+    controller.reference(0.04, HOME, ZERO, M)
+    assert controller.is_holding
+
+
 def test_without_setpoints_the_arm_is_held_where_it_was_first_seen(controller: JointController) -> None:
     controller.torque(0.0, HOME, ZERO, M)
     tau = controller.torque(0.5, HOME + 0.01, ZERO, M)

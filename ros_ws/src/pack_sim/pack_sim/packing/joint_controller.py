@@ -22,6 +22,8 @@ SLACK = 1e-6
 LEAD = 1.0
 """How far ahead of the driver's clock setpoints may begin [s]. A plan begins tens of milliseconds ahead; one
 that begins much later was stamped by another clock, and its first row would be taken for now."""
+SAME_TIME = 1e-6
+"""Times that differ by no more are equal but for rounding [s]."""
 BRAKE_TIME = 0.005
 """Time constant of the stop before a hold [s]; the gains of Eq. 4 alone would take up to 0.4 s."""
 SLIDING = 0.02
@@ -57,6 +59,7 @@ class JointController:
         self._torque_step, self._tau = torque_step, np.zeros(len(self._limits))
         self._jacobian: Array | None = None
         self._setpoints: Setpoints | None = None
+        self._next: Setpoints | None = None
         self._received = -np.inf
         self._q_hold: Array | None = None
         self.is_holding = False
@@ -64,6 +67,9 @@ class JointController:
 
     def accept(self, setpoints: Setpoints, time: float) -> None:
         """Check and store setpoints that arrived at `time` [s].
+
+        Those that come early wait for the time of their first row, while the arm follows the ones before: it
+        would be ahead of the plan else, and jerk. They wait no longer than until others come.
 
         Raises:
             MessageError: wrong size, not finite, out of order, beyond a joint's limits, or of another clock.
@@ -74,11 +80,15 @@ class JointController:
                 f"setpoints begin {setpoints.time - time:.3f} s ahead of the driver's time {time:.3f} s; "
                 f"allowed: {LEAD:.3f} s. Their stamp must be of the clock that stamps the joint states"
             )
-        self._setpoints, self._received = setpoints, time
+        if setpoints.time > time + SAME_TIME:
+            self._setpoints, self._next = self._next or self._setpoints, setpoints
+        else:
+            self._setpoints, self._next = setpoints, None
+        self._received = time
 
     def drop(self) -> None:
         """Discard the setpoints, as when their sender died: brake and hold from the next step on."""
-        self._setpoints = None
+        self._setpoints = self._next = None
 
     def update_contact(
         self, time: float, force: Array, bending: float, v: Array, J: Callable[[], Array]
@@ -102,6 +112,8 @@ class JointController:
         self, time: float, q: Array, v: Array, M: Callable[[], Array]
     ) -> tuple[Array, Array, Array]:
         """Desired position, velocity and feed-forward torque at `time`, each `(7,)`; see `torque`."""
+        if self._next is not None and time >= self._next.time - SAME_TIME:
+            self._setpoints, self._next = self._next, None
         plan = self._setpoints
         if plan is not None and self._is_fresh(plan, time):
             self._q_hold, self.is_holding = None, False
