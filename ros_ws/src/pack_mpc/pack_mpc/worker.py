@@ -24,7 +24,7 @@ class WorkerConfig(Config):
         default=0.12, description="longest time over which a state is predicted [s]"
     )
     waiting_period: NonNegativeFloat = Field(
-        default=0.075,
+        default=0.06,
         description="least time from one iteration to the next while a placement is being planned, which "
         "needs the processor more; less than the driver's watchdog, or the arm brakes [s of wall clock]",
     )
