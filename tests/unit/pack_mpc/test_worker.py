@@ -4,7 +4,9 @@ import threading
 from collections.abc import Callable, Iterator
 
 import pytest
+import yaml
 
+from pack_core.paths import config_path
 from pack_mpc.worker import Worker, WorkerConfig
 
 
@@ -83,3 +85,12 @@ def test_a_worker_that_waits_for_nothing_plans_as_fast_as_it_can() -> None:
     recorder.worker.wake()
     assert recorder.done.wait(30.0)
     recorder.worker.stop()
+
+
+def test_the_arm_does_not_brake_between_two_plans_while_a_placement_is_planned() -> None:
+    def shipped(node: str) -> dict:
+        text = config_path("nodes", "packing", f"{node}.yaml").read_text()
+        return yaml.safe_load(text)[node]["ros__parameters"]
+
+    # what is left is for an iteration that takes longer than the one before
+    assert shipped("mpc")["worker"]["waiting_period"] <= 0.7 * shipped("sim")["watchdog"]
