@@ -1,8 +1,8 @@
 """Spline Gauss-Newton by rollouts (SGN): a few twist knots, large finite differences, explorers.
 
-One batch of rollouts perturbs every knot by a step that is large enough to see past a contact; the
-Gauss-Newton steps that follow from it, at several dampings, are rolled out in a second batch, and the
-cheapest rollout of both is the plan. Every rollout is independent of the others.
+One batch of rollouts perturbs the knots, each or in a late iteration some of them, by a step that is large
+enough to see past a contact; the Gauss-Newton steps that follow from it, at several dampings, are rolled out
+in a second batch, and the cheapest rollout of both is the plan. Every rollout is independent of the others.
 """
 
 from __future__ import annotations

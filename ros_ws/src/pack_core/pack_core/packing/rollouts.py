@@ -83,11 +83,11 @@ class SleepingRollouts:
         ys = np.empty((*controls.shape[:2], self._model.nsensordata))
         batch = Batch(x0s, controls, xs, ys)
         branches, shared = batch.branches()
-        # The pool begins its tasks in order: the beginning first, and last those that wait for it.
-        begun = self._pool.submit(self._begin, batch, shared)
         alone = [i for i in range(len(x0s)) if i not in branches]
+        # The pool begins its tasks in order: the common beginning first, and last those that wait for it.
+        begun = [self._pool.submit(self._begin, batch, shared)] if branches else []
         tasks = [self._pool.submit(self._simulate, batch, i) for i in alone]
-        tasks += [self._pool.submit(self._go_on, batch, i, shared, begun) for i in branches]
+        tasks += [self._pool.submit(self._go_on, batch, i, shared, *begun) for i in branches]
         for task in tasks:
             task.result()  # the results are in xs and ys; asking hands on what a thread raised
         return xs, ys
@@ -99,11 +99,10 @@ class SleepingRollouts:
         self._roll_out(batch, i, batch.x0s, slice(0, batch.steps))
 
     def _begin(self, batch: Batch, steps: int) -> None:
-        """Simulate the first steps of rollout 0 and keep its data, if other rollouts begin with them."""
-        if steps:
-            mujoco.mj_resetData(self._model, self._own.data)
-            self._roll_out(batch, 0, batch.x0s, slice(0, steps))
-            mujoco.mj_copyData(self._common, self._model, self._own.data)
+        """Simulate the first steps of rollout 0, with which others begin, and keep its data."""
+        mujoco.mj_resetData(self._model, self._own.data)
+        self._roll_out(batch, 0, batch.x0s, slice(0, steps))
+        mujoco.mj_copyData(self._common, self._model, self._own.data)
 
     def _go_on(self, batch: Batch, i: int, steps: int, begun: Future[None]) -> None:
         """Simulate rollout `i` from the end of the common beginning."""

@@ -21,7 +21,7 @@ SLACK = 1e-6
 """By how much a setpoint may exceed a limit, for rounding errors [rad, rad/s, N m]."""
 LEAD = 1.0
 """How far ahead of the driver's clock setpoints may begin [s]. A plan begins tens of milliseconds ahead; one
-that begins much later was stamped by another clock, and its first row would be taken for now."""
+that begins much later was stamped by another clock, and its time would never come."""
 SAME_TIME = 1e-6
 """Times that differ by no more are equal but for rounding [s]."""
 BRAKE_TIME = 0.005
@@ -68,8 +68,8 @@ class JointController:
     def accept(self, setpoints: Setpoints, time: float) -> None:
         """Check and store setpoints that arrived at `time` [s].
 
-        Those that come early wait for the time of their first row, while the arm follows the ones before: it
-        would be ahead of the plan else, and jerk. They wait no longer than until others come.
+        Those that come early wait for the time of their first row, which is where the arm will be by then,
+        and the arm goes on with the ones before. They wait no longer than until others come.
 
         Raises:
             MessageError: wrong size, not finite, out of order, beyond a joint's limits, or of another clock.
