@@ -6,10 +6,10 @@ ARGS ?=
 WORKERS ?= 2
 IN_ENV := source tools/env.sh &&
 
-.PHONY: help setup demo test slow bench fuzz lint lock clean
+.PHONY: help setup demo test slow bench fuzz regression lint lock clean
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
 	@echo '  e.g. make demo SEED=3 ARGS="--no-video"; .venv/bin/pack demo --help lists them'
 	@echo '       make demo takes about 3 minutes the first time, about 1 afterwards'
 	@echo '       make demo ARGS="--live" shows the run in the browser while it goes on'
@@ -34,6 +34,9 @@ bench: setup ## measure speed and success (ARGS goes to the command)
 
 fuzz: setup ## broken files and messages through every reader (ARGS)
 	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m fuzz $(ARGS)
+
+regression: setup ## record and compare figures of two versions (ARGS="record DIR", "compare OLD NEW")
+	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m regression $(ARGS)
 
 lint: setup ## ruff, formatting, mypy
 	@$(IN_ENV) ruff check && ruff format --check && mypy
