@@ -17,11 +17,11 @@ from trajectory_msgs.msg import JointTrajectory
 from integration.harness import Graph
 from pack_core.joints import JointSample, Setpoints
 from pack_core.robots.seven_axis_arm import SevenAxisArm
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state, to_setpoints
+from pack_core.ros.node import CellNode
 
 SENDER = "mpc"
 """Name of the node that sends setpoints in the cell; a driver may watch whether it is alive."""

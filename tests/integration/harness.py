@@ -22,8 +22,8 @@ from rclpy.publisher import Publisher
 from pack_bringup.graph.domains import DOMAINS, is_free
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.goal_refusal import REFUSED
-from pack_core.ros.guarded_node import GuardedNode
+from pack_core.ros.goal_node import REFUSED
+from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
 
 N = TypeVar("N", bound=Node)
@@ -188,7 +188,7 @@ class Graph:
         rclpy.try_shutdown(context=self.context)
 
     def _check_failures(self) -> None:
-        nodes = [node for node in self._nodes if isinstance(node, GuardedNode)]
+        nodes = [node for node in self._nodes if isinstance(node, CellNode)]
         failed = {node.get_name(): node.health.last for node in nodes if node.failures.total}
         assert self.failures_allowed or not failed, f"callbacks have failed: {failed}"
 

@@ -12,8 +12,8 @@ from std_srvs.srv import Trigger
 
 from integration.goal_rig import FAULT_TIME, Waiter, ended, refusal, send
 from integration.harness import Graph
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
+from pack_core.ros.node import CellNode
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from pack_interfaces.msg import NodeStatus
 from integration.goal_rig import Waiter, send
 from integration.harness import Graph
 from pack_bringup.ros.status_listener import StatusListener
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
+from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
 
 

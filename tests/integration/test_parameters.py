@@ -19,8 +19,8 @@ from pack_core.cells import CELLS
 from pack_core.config import AT_ONCE, NEXT_GOAL, Config
 from pack_core.errors import ConfigError, PackError
 from pack_core.parameter_fields import flat_values
-from pack_core.ros.cell_node import CellNode
-from pack_core.ros.params import plain, read_parameters
+from pack_core.ros.node import CellNode
+from pack_core.ros.params import plain
 
 OF_CELLS = {(node.package, node.executable) for cell in CELLS for node in load_graph(cell).nodes}
 EXECUTABLES = sorted({*OF_CELLS, ("pack_viewer", "live_node")})
@@ -44,7 +44,7 @@ def config_of(package: str, executable: str, graph: Graph, patch: pytest.MonkeyP
     def catch(_: CellNode, cls: type[BaseModel], *__: object) -> None:
         raise Caught(cls)
 
-    patch.setattr(module, "read_parameters", catch)
+    patch.setattr(CellNode, "read_parameters", catch)
     (node,) = (
         kind for kind in vars(module).values()
         if isinstance(kind, type) and issubclass(kind, CellNode) and kind.__module__ == module.__name__
@@ -59,7 +59,7 @@ class Told(CellNode):
 
     def __init__(self, cls: type[BaseModel], **kwargs: Any) -> None:
         super().__init__("told", **kwargs)
-        self.told = read_parameters(self, cls, self._take)
+        self.told = self.read_parameters(cls, self._take)
 
     def _take(self, config: BaseModel) -> None:
         if getattr(config, "label", "") == "forbidden":

@@ -10,8 +10,7 @@ from rclpy.node import Node
 from std_msgs.msg import Empty
 
 from integration.harness import Graph
-from pack_core.ros.peer_watch import PeerWatch
-from pack_core.ros.sign_of_life import SignOfLife
+from pack_core.ros.watch.peer_watch import PeerWatch, SignOfLife
 
 LOST = SimpleNamespace(alive_count=0)
 """What the middleware reports when a publisher has been silent for its lease."""

@@ -16,9 +16,9 @@ from std_msgs.msg import Float64
 
 from integration.harness import PATIENCE, Graph
 from pack_core.errors import ConfigError
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
-from pack_core.ros.failures import IN_A_ROW
+from pack_core.ros.health import IN_A_ROW
+from pack_core.ros.node import CellNode
 from pack_core.ros.stream import NodeThread, Stream, StreamReader, StreamWait
 
 NUMBERS = shared.REAL_TIME_FACTOR

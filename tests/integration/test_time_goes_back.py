@@ -18,10 +18,10 @@ from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
 from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.ros.blocks.block_messages import to_sighting
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks, motion, palletizing, shared
 from pack_core.ros.conversions import to_stamp
 from pack_core.ros.motion_messages import to_status
+from pack_core.ros.node import CellNode
 from pack_core.ros.palletizing.detection_messages import to_detection
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
 from pack_core.ros.palletizing.scan_messages import to_cloud

@@ -20,9 +20,9 @@ from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.blocks.problem_file import problem_text
 from pack_core.motion.target import MotionState
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion, shared
+from pack_core.ros.node import CellNode
 
 GOALS = {"a": PlanarPose(0.62, 0.05, 0.0), "b": PlanarPose(0.6728, 0.05, 0.0)}
 AWAY = PlanarPose(0.55, -0.1, 0.4)

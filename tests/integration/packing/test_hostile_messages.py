@@ -9,10 +9,10 @@ import pytest
 
 from integration.harness import Graph
 from integration.packing.cell_rig import Cell
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract, Kind
+from pack_core.ros.node import CellNode
 
 NODES = ("sim", "perception", "planner", "mpc")
 FLOATS = (float("nan"), float("inf"), -1e308, 1e-300, 0.0)

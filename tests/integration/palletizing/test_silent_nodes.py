@@ -11,9 +11,9 @@ from integration.harness import Graph
 from integration.palletizing.pallet_rig import newest_joints, start_pallet_sim
 from pack_core.motion.moves import Path, PoseMove
 from pack_core.motion.target import MotionTarget
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion
 from pack_core.ros.motion_messages import to_target
+from pack_core.ros.node import CellNode
 from pack_core.rotations import Pose, from_rpy
 from pack_motion.motion_node import MotionNode
 from pack_sim.palletizing.pallet_sim_node import PalletSimNode

@@ -31,7 +31,6 @@ from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
 from pack_core.ros.goal_markers import goal_markers
 from pack_core.ros.goal_node import GoalNode
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 
 
@@ -51,7 +50,7 @@ class BlockFsmNode(GoalNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("fsm", **kwargs)
-        self._config = read_parameters(self, BlockFsmNodeConfig, self._change)
+        self._config = self.read_parameters(BlockFsmNodeConfig, self._change)
         self._cell = blocks_cell()
         self._chain = chain_from_model(arm_model(self._cell), JOINTS, TOOL)
         self._executor: Executor | None = None

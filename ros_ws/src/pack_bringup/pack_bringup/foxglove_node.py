@@ -12,12 +12,11 @@ from pack_bringup.recording.message_types import message_types
 from pack_core.cells import check_cell
 from pack_core.config import Config
 from pack_core.errors import ConfigError
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract, Kind
 from pack_core.ros.contracts.table import wiring_of
 from pack_core.ros.conversions import from_stamp
-from pack_core.ros.params import read_parameters
+from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import NodeThread, Stream
 
@@ -90,7 +89,7 @@ class FoxgloveNode(CellNode):
         if foxglove is None:
             raise ConfigError("foxglove-sdk is not installed; docs/rviz_and_foxglove.md says how")
         super().__init__("foxglove", **kwargs)
-        config = read_parameters(self, FoxgloveNodeConfig)
+        config = self.read_parameters(FoxgloveNodeConfig)
         contracts = wiring_of(check_cell(config.cell))
         types = message_types()
         self.topics = [ServedTopic(self, c, types) for c in contracts if c.kind is Kind.TOPIC]

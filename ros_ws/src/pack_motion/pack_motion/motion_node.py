@@ -16,17 +16,16 @@ from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionTarget
-from pack_core.ros.cell_node import CellNode
+from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import NEWEST
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.joint_messages import from_joint_state, to_trajectory
 from pack_core.ros.motion_messages import from_target, to_status
+from pack_core.ros.node import CellNode
 from pack_core.ros.obstacle_messages import from_obstacles
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
-from pack_core.ros.stamp_check import StampCheck
 from pack_core.ros.stream import Stream, StreamReader
 from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
@@ -59,7 +58,7 @@ class MotionNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("motion", **kwargs)
-        self._config = read_parameters(self, MotionNodeConfig)
+        self._config = self.read_parameters(MotionNodeConfig)
         self._arm, self._set = load_arm(self._config.cell), motion_set(self._config.parameters)
         warm_up(self._arm, self._set)
         self._stream: SetpointStream | None = None

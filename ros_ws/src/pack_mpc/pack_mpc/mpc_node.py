@@ -16,7 +16,6 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.joint_messages import to_setpoints
 from pack_core.ros.packing.cell_parameter import read_packing_cell
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_mpc.mpc_node_config import MpcNodeConfig
 from pack_mpc.optimizers import optimizer_class
@@ -39,7 +38,7 @@ class MpcNode(GoalNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("mpc", **kwargs)
-        self._change(read_parameters(self, MpcNodeConfig, self._change))
+        self._change(self.read_parameters(MpcNodeConfig, self._change))
         self._cell = read_packing_cell(self)
         self._scene: Scene | None = None
         self._pursued: PackGoal | FillGoal | None = None

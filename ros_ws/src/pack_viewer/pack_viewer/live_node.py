@@ -11,10 +11,9 @@ from pydantic import Field
 
 from pack_core.cells import CELLS, cell_part
 from pack_core.config import Config
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts.contract import Kind
 from pack_core.ros.contracts.table import wiring_of
-from pack_core.ros.params import read_parameters
+from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import NodeThread
 from pack_viewer.cell_page import CellPage
@@ -59,7 +58,7 @@ class LiveNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("live", **kwargs)
-        config = read_parameters(self, LiveNodeConfig)
+        config = self.read_parameters(LiveNodeConfig)
         token = os.environ.get(TOKEN_VARIABLE, "")
         page: type[CellPage] = cell_part(config.cell, "page")
         self._server = open_server(config.port, f"PackCell · {config.cell}", host=config.host, token=token)

@@ -20,7 +20,6 @@ from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.goal_markers import goal_markers, vertex_markers
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.palletizing.layout_messages import from_layout
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pallet_fsm.joint_times import warm_up
 from pallet_fsm.palletizer import Palletizer
@@ -55,7 +54,7 @@ class PalletFsmNode(GoalNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("fsm", **kwargs)
-        self._change(read_parameters(self, PalletFsmNodeConfig, self._change))
+        self._change(self.read_parameters(PalletFsmNodeConfig, self._change))
         warm_up()
         self._run: OrderRun | None = None
         self._stepping = threading.Lock()

@@ -8,8 +8,8 @@ from typing import Any, cast
 import pytest
 
 from pack_core.errors import MessageError
-from pack_core.ros.cell_node import CellNode
-from pack_core.ros.stamp_check import AHEAD, StampCheck
+from pack_core.ros.clock import AHEAD, StampCheck
+from pack_core.ros.node import CellNode
 
 
 class Clock:

@@ -11,22 +11,22 @@ import time
 
 import pytest
 
-from pack_core.ros import local_nodes
-from pack_core.ros.local_nodes import nodes_on_this_machine
-from pack_core.ros.watch_connection import WatchConnection
-from pack_core.ros.watch_socket import BACKLOG, MOST_WATCHERS, WatchSocket
+from pack_core.ros.watch import local_nodes
+from pack_core.ros.watch.local_nodes import nodes_on_this_machine
+from pack_core.ros.watch.watch_connection import WatchConnection
+from pack_core.ros.watch.watch_socket import BACKLOG, MOST_WATCHERS, WatchSocket
 
 DOMAIN = os.getpid()
 CHILD = f"""
 import sys
-from pack_core.ros.watch_socket import WatchSocket
+from pack_core.ros.watch.watch_socket import WatchSocket
 watched = WatchSocket({DOMAIN}, "child")
 print("up", flush=True)
 sys.stdin.read()
 """
 FORKS = f"""
 import os, sys, signal
-from pack_core.ros.watch_socket import WatchSocket
+from pack_core.ros.watch.watch_socket import WatchSocket
 watched = WatchSocket({DOMAIN}, "child")
 print("up", flush=True)
 sys.stdin.readline()

@@ -16,9 +16,9 @@ from block_fsm.ros.pending_requests import (
     PendingPlan,
     PendingRequest,
 )
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
+from pack_core.ros.node import CellNode
 
 
 class RequestRunner:

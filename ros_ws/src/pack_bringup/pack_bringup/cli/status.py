@@ -35,7 +35,7 @@ def status(domain: Domain = None, network: Network = "") -> None:
     """
     from pack_bringup.graph.running import all_cell_nodes, described, running_cells
     from pack_bringup.ros.status_listener import StatusListener
-    from pack_core.ros.local_nodes import nodes_on_this_machine
+    from pack_core.ros.watch.local_nodes import nodes_on_this_machine
 
     os.environ.update(environment_of(network))
     where = domain_of(domain)

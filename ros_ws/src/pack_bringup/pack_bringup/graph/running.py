@@ -8,7 +8,7 @@ from pack_bringup.graph.domains import DOMAINS, is_free
 from pack_bringup.graph.graph import load_graph
 from pack_core.cells import CELLS
 from pack_core.errors import PackError
-from pack_core.ros.local_nodes import nodes_on_this_machine
+from pack_core.ros.watch.local_nodes import nodes_on_this_machine
 
 
 def check_domain_is_free(

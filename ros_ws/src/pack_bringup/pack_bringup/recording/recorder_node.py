@@ -18,11 +18,10 @@ from pack_bringup.recording.ros.recorder_config import RecorderConfig, begin_rec
 from pack_core import stamps
 from pack_core.cells import optional_cell_part
 from pack_core.errors import BagError, MessageError, PackError
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import nodes_of, recorded
 from pack_core.ros.conversions import stamp_in
-from pack_core.ros.params import read_parameters
+from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import NodeThread, Stream
 
@@ -46,7 +45,7 @@ class RecorderNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("recorder", **kwargs)
-        config = read_parameters(self, RecorderConfig)
+        config = self.read_parameters(RecorderConfig)
         self._is_required = config.required
         if config.record == "never":
             self.get_logger().info("recording nothing (record: never)")

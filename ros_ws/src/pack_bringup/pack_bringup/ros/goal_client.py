@@ -8,12 +8,12 @@ from typing import Any
 from pack_interfaces.msg import NodeStatus, SimulationState
 
 from pack_core.errors import PackError
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_sender import GoalSender
+from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
-from pack_core.ros.sign_of_life import alive_topic
+from pack_core.ros.watch.peer_watch import alive_topic
 
 
 class GoalClient(CellNode):

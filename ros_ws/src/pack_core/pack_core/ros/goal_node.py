@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
+from pack_interfaces.msg import ArmState
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
 from pack_core.errors import PackError
-from pack_core.ros.arm_stops import ArmStops
-from pack_core.ros.awaited_answer import ServiceAnswers
-from pack_core.ros.cell_node import CellNode
+from pack_core.ros.awaited_answer import ONCE, ServiceAnswers
+from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.shared import CLOCK
-from pack_core.ros.goal_refusal import refused_result
-from pack_core.ros.silent_peers import SilentPeers
+from pack_core.ros.node import CellNode
+from pack_core.ros.watch.peer_watch import SilentPeers
 
+REFUSED = "refused: "
+"""How the message of a goal's result begins when the goal was not taken; the reason follows."""
 CHECK_PERIOD = 0.1
 """Time between two looks at how long peers have been silent [s of wall clock]."""
 
@@ -198,3 +200,61 @@ class GoalNode(CellNode, ABC):
         if lost and self._goal is not None:
             self.on_lost_peers(lost)
         self.answers.check(time.monotonic(), is_cancelled=self.is_cancel_requested)
+
+
+class ArmStops:
+    """Ends a goal in progress when the arm is stopped, and has a stopped arm released for a later goal.
+
+    Stops are counted, because of a stop and its release only the second message may come.
+
+    Args:
+        node: pursues the goals.
+        on_stop: ends the goal in progress; is called once for a stop, with the reason in words.
+        answers: of services, as the node waits for them.
+    """
+
+    def __init__(self, node: CellNode, on_stop: Callable[[str], None], answers: ServiceAnswers) -> None:
+        self._node, self._on_stop, self._answers = node, on_stop, answers
+        self._arm = ArmState()
+        self._stops_known = 0
+        self._resume = node.create_client(shared.RESUME_ARM.type, shared.RESUME_ARM.name)
+        node.listen(shared.ARM_STATE, self._on_state)
+
+    def expect_goal(self) -> None:
+        """A goal has come: it may release an arm that was stopped before, but not one stopped from now on."""
+        self._stops_known = self._arm.stops
+
+    async def release(self) -> None:
+        """Have the driver follow setpoints again, if it was stopped before the goal came.
+
+        Raises:
+            PackError: it was stopped since, which the goal must not undo, or the driver does not answer.
+        """
+        if not self._arm.is_stopped:
+            return
+        known = self._stops_known  # when the goal came
+        if self._arm.stops == known:
+            # Never a second time: it could release the arm from a stop that came in between.
+            await self._answers.of(self._resume, shared.RESUME_ARM.type.Request(), ONCE)
+        if self._arm.stops != known:
+            raise PackError(_stopped(self._arm.reason))
+
+    def _on_state(self, message: ArmState) -> None:
+        self._arm = message
+        is_new = message.stops > self._stops_known
+        if self._node.is_busy or message.stops < self._stops_known:  # fewer: the driver began anew
+            self._stops_known = message.stops
+        if self._node.is_busy and is_new:
+            self._on_stop(_stopped(message.reason))
+
+
+def _stopped(reason: str) -> str:
+    return f"the arm was stopped: {reason or 'and released at once'}"
+
+
+def refused_result(kind: type[Any], reason: str) -> Any:
+    """The result, of an action's result type, of a goal that is not taken for this reason."""
+    result = kind(success=False, message=REFUSED + reason)
+    if hasattr(result, "exit_reason"):
+        result.exit_reason = "refused"
+    return result

@@ -10,9 +10,9 @@ from rclpy.action import ActionClient
 from rclpy.task import Future
 
 from pack_core.errors import PackError
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.goal_refusal import REFUSED
+from pack_core.ros.goal_node import REFUSED
+from pack_core.ros.node import CellNode
 
 SETTLE = 1.0
 """Wait before a goal is sent [s of wall clock], so that all nodes have heard each other, and of what a reset

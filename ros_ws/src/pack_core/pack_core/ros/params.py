@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -22,9 +22,6 @@ from pack_core.parameter_fields import (
     nested,
     parameter_fields,
 )
-
-if TYPE_CHECKING:
-    from pack_core.ros.cell_node import CellNode
 
 C = TypeVar("C", bound=BaseModel)
 
@@ -107,25 +104,6 @@ class ParameterSet(Generic[C]):
                 allowed = kind_in_words(self.fields[name])
                 raise ConfigError(f"{self._source}: key '{name}' is {value!r}; allowed: {allowed}")
         return validate_config(self._class, nested(self._values | dict(given)), self._source)
-
-
-def read_parameters(node: CellNode, cls: type[C], on_change: Callable[[C], None] | None = None) -> C:
-    """Declare every field of `cls` as a parameter and return the validated configuration.
-
-    Nested configuration classes become dotted names; a section that may be None is there as soon as
-    one of its parameters is given.
-
-    Args:
-        node: whose parameters they are.
-        cls: the configuration; a field marked `Changeable` may be set while the node runs.
-        on_change: takes the configuration with a new value; a PackError that it raises refuses the value.
-            Needed as soon as a field is changeable.
-
-    Raises:
-        ConfigError: a parameter has a value that is not allowed.
-    """
-    node.parameter_set = ParameterSet(node, cls, on_change)
-    return node.parameter_set.config
 
 
 def plain(value: Any) -> Any:

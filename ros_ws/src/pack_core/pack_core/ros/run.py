@@ -13,7 +13,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from pack_core.errors import PackError
-from pack_core.ros.cell_node import CellNode
+from pack_core.ros.node import CellNode
 
 SWITCH_INTERVAL = 0.001
 """A thread that has to react waits this long for one that computes [s]; Python's default is 0.005."""

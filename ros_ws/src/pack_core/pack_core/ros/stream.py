@@ -10,32 +10,17 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rclpy.callback_groups import CallbackGroup
 from rclpy.event_handler import EventHandler, QoSSubscriptionEventType
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from pack_core.ros.clock import TakenByHand
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.guarded_node import GuardedNode
+from pack_core.ros.node import CellNode
 
 PAUSE = 0.05
 """After a turn that failed [s of wall clock], so that one that always fails does not take a whole core."""
-
-
-class TakenByHand(CallbackGroup):
-    """Keeps its subscriptions out of the executor: whoever made them takes the messages."""
-
-    def can_execute(self, entity: Any) -> bool:
-        """Never."""
-        return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        """Never."""
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        """Nothing began."""
 
 
 class Stream:
@@ -146,7 +131,7 @@ class NodeThread:
         name: of the thread.
     """
 
-    def __init__(self, node: GuardedNode, turn: Callable[[], None], name: str) -> None:
+    def __init__(self, node: CellNode, turn: Callable[[], None], name: str) -> None:
         self._node, self._turn, self._name = node, turn, name
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
@@ -180,7 +165,7 @@ class StreamReader(NodeThread):
     """
 
     def __init__(
-        self, node: GuardedNode, streams: Sequence[Stream], read: Callable[[], None], period: float
+        self, node: CellNode, streams: Sequence[Stream], read: Callable[[], None], period: float
     ) -> None:
         wait = StreamWait(node, streams)
 

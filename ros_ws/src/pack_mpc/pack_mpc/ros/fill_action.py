@@ -11,8 +11,8 @@ from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.node import CellNode
 from pack_mpc.ros.fill_clients import FillClients
 from pack_mpc.ros.fill_goal import FillGoal
 from pack_mpc.ros.fill_messages import to_fill_progress, to_fill_report, to_fill_result

@@ -9,10 +9,10 @@ from rclpy.task import Future
 
 from pack_core.errors import MessageError
 from pack_core.packing.arrangement import Arrangement
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.conversions import from_pose
+from pack_core.ros.node import CellNode
 
 
 class FillClients:

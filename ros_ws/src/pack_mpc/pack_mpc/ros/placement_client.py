@@ -6,9 +6,9 @@ from pack_interfaces.srv import PlanPlacement
 from rclpy.task import Future
 
 from pack_core.errors import MessageError
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import from_pose, to_point, to_pose
+from pack_core.ros.node import CellNode
 from pack_core.ros.packing.way_messages import from_way
 from pack_core.ros.scene_messages import to_scene
 from pack_core.rotations import Pose

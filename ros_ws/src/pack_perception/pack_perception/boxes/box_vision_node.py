@@ -15,12 +15,11 @@ from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, E
 from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.ros.camera_messages import from_camera_info, from_image
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import from_stamp
+from pack_core.ros.node import CellNode
 from pack_core.ros.palletizing.detection_messages import from_expected_box, to_detection
 from pack_core.ros.palletizing.sighting_messages import to_sighting
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_perception.boxes.board_corners import sight_board
 from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig
@@ -41,7 +40,7 @@ class BoxVisionNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("vision", **kwargs)
-        self._config = read_parameters(self, VisionNodeConfig)
+        self._config = self.read_parameters(VisionNodeConfig)
         self._known = known_cell(self._config.preset, self._config.calibration)
         self._vision = BoxVision(self._config)
         self._camera: PinholeCamera | None = None

@@ -15,16 +15,15 @@ from std_msgs.msg import String
 
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
-from pack_core.ros.cell_node import CellNode
+from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import stamp_in
 from pack_core.ros.joint_messages import from_joint_state
+from pack_core.ros.node import CellNode
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.packing.marker_messages import from_markers
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import SceneWriter
-from pack_core.ros.stamp_check import StampCheck
 from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.estimator_config import EstimatorConfig
@@ -49,7 +48,7 @@ class PerceptionNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("perception", **kwargs)
-        self._config = read_parameters(self, PerceptionNodeConfig)
+        self._config = self.read_parameters(PerceptionNodeConfig)
         self._cell = read_packing_cell(self)
         self._estimator: HandOverEstimator | None = None
         self._names: list[str] = []

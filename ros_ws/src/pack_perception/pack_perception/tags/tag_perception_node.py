@@ -11,10 +11,9 @@ from pack_core.blocks.cell import blocks_cell
 from pack_core.camera import PinholeCamera
 from pack_core.ros.blocks.block_messages import from_tags, to_sighting
 from pack_core.ros.camera_messages import from_camera_info, from_image
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.conversions import from_stamp
-from pack_core.ros.params import read_parameters
+from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
 
@@ -24,7 +23,7 @@ class TagPerceptionNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("tags", **kwargs)
-        self._config = read_parameters(self, TagVisionConfig)
+        self._config = self.read_parameters(TagVisionConfig)
         self._cell = blocks_cell()
         self._vision: TagVision | None = None
         self._camera: PinholeCamera | None = None

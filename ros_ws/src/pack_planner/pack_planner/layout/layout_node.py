@@ -8,10 +8,9 @@ from pack_interfaces.srv import PlanLayout
 
 from pack_core.errors import OrderError, PackError
 from pack_core.palletizing.orders.order_file import parse_order
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.node import CellNode
 from pack_core.ros.palletizing.layout_messages import fill_layout
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 
@@ -21,7 +20,7 @@ class LayoutNode(CellNode):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__("layout", **kwargs)
-        self._change(read_parameters(self, LayoutConfig, self._change))
+        self._change(self.read_parameters(LayoutConfig, self._change))
         self.create_service(PlanLayout, contracts.PLAN_LAYOUT.name, self._serve)
 
     def _change(self, config: LayoutConfig) -> None:

@@ -12,12 +12,11 @@ from std_msgs.msg import String
 
 from pack_core.errors import MessageError, PackError
 from pack_core.packing.scene import Scene
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.conversions import finite, from_pose, to_pose
+from pack_core.ros.node import CellNode
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.packing.way_messages import checked_lean, fill_way
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Pose
@@ -33,7 +32,7 @@ class PlannerNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("planner", **kwargs)
-        self._config = read_parameters(self, PlacementPlannerConfig, self._change)
+        self._config = self.read_parameters(PlacementPlannerConfig, self._change)
         self._cell = read_packing_cell(self)
         self._scene: Scene | None = None
         self._planners: PlacementPlanners | None = None

@@ -12,9 +12,8 @@ from pack_core.blocks.plan import Plan
 from pack_core.config import NEXT_REQUEST
 from pack_core.errors import PackError
 from pack_core.ros.blocks.rearrangement_messages import fill_plan, from_request
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
-from pack_core.ros.params import read_parameters
+from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_planner.rearrangement.methods import METHODS, MethodName, RearrangementConfig
 from pack_planner.rearrangement.planner import plan, warm_up
@@ -36,7 +35,7 @@ class RearrangementNode(CellNode):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__("rearrangement", **kwargs)
-        self._config = read_parameters(self, RearrangementNodeConfig, self._change)
+        self._config = self.read_parameters(RearrangementNodeConfig, self._change)
         warm_up()
         self.create_service(PlanRearrangement, contracts.PLAN_REARRANGEMENT.name, self._serve)
 

@@ -20,7 +20,6 @@ from pack_core.paths import config_path
 from pack_core.robots.ur10e import LIMITS
 from pack_core.ros.blocks.block_messages import to_tags
 from pack_core.ros.contracts import blocks as contracts
-from pack_core.ros.params import read_parameters
 from pack_sim.blocks.ros.blocks_publisher import BlocksPublisher
 from pack_sim.blocks.ros.camera_publisher import CameraPublisher
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
@@ -42,7 +41,7 @@ class BlocksSimNode(MotionSimNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(LIMITS.names, **kwargs)
-        self._config = read_parameters(self, BlocksSimNodeConfig, self.change_pace)
+        self._config = self.read_parameters(BlocksSimNodeConfig, self.change_pace)
         self._cell, self._finger_commands = blocks_cell(), 0
         self._publisher = BlocksPublisher(self, self._config.timestep)
         self._tags = self.advertise(contracts.TAGS)

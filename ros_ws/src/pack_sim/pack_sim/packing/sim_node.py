@@ -19,7 +19,6 @@ from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.joint_messages import from_setpoints
 from pack_core.ros.packing.cell_parameter import read_packing_cell
-from pack_core.ros.params import read_parameters
 from pack_core.ros.run import run_node
 from pack_sim.packing.ros.sensor_publisher import SensorPublisher
 from pack_sim.packing.scene_generator import generate_scene
@@ -40,7 +39,7 @@ class PackingSimNode(PhysicsNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self._config = read_parameters(self, PackingSimNodeConfig, self._change)
+        self._config = self.read_parameters(PackingSimNodeConfig, self._change)
         self._cell = read_packing_cell(self)
         self._sensors = SensorPublisher(self, self._config.timestep)
         self._description = self.advertise(contracts.DESCRIPTION)

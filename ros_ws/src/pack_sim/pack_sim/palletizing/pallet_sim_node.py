@@ -18,7 +18,6 @@ from pack_core.palletizing.robot_description import describe_robot
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import from_pose
-from pack_core.ros.params import read_parameters
 from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig
@@ -54,7 +53,7 @@ class PalletSimNode(MotionSimNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(LIMITS.names, **kwargs)
-        self._config = read_parameters(self, PalletSimNodeConfig, self.change_pace)
+        self._config = self.read_parameters(PalletSimNodeConfig, self.change_pace)
         self._cell = palletizing_cell(self._config.preset)
         known = known_cell(self._config.preset, self._config.calibration).calibration
         self._assumed = None if known is None else known.gears

@@ -13,9 +13,9 @@ from std_srvs.srv import Trigger
 
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_stamp
+from pack_core.ros.node import CellNode
 
 STANDING = 0.02
 """Largest speed of a joint that counts as standing [rad/s]: the servo's last swing is below it."""

@@ -7,8 +7,8 @@ import threading
 from pack_interfaces.msg import SimulationResult, SimulationState
 from pack_interfaces.srv import GetSimulationState, SetSimulationState
 
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
+from pack_core.ros.node import CellNode
 
 NAMES = {
     SimulationState.STATE_STOPPED: "stopped",

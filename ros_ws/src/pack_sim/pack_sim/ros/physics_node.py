@@ -17,9 +17,9 @@ from trajectory_msgs.msg import JointTrajectory
 from pack_core.config import AT_ONCE, Config
 from pack_core.joints import JointSample
 from pack_core.robots.described_robot import DescribedRobot
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.node import CellNode
 from pack_sim.pacing import Pacer
 from pack_sim.ros.arm_brake import ArmBrake
 from pack_sim.ros.frame_publisher import FramePublisher

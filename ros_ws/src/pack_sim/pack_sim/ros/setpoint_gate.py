@@ -8,8 +8,8 @@ from threading import Lock
 from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.errors import MessageError
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.node import CellNode
 from pack_core.ros.sole_publisher import SolePublisher
 from pack_core.ros.stream import Stream, StreamReader
 from pack_sim.ros.arm_brake import ArmBrake

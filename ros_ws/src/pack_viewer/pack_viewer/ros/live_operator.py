@@ -15,10 +15,10 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from pack_core.errors import PackError
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_sender import GoalSender
+from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
 from pack_viewer.cell_condition import CellCondition
 from pack_viewer.event_log import EventLog

@@ -11,7 +11,7 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 from viser import GuiApi, GuiEvent
 
-from pack_core.ros.cell_node import CellNode
+from pack_core.ros.node import CellNode
 from pack_viewer.event_log import EventLog
 from pack_viewer.ros.run_form import TunedParameters
 

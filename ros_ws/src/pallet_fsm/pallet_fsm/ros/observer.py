@@ -14,11 +14,11 @@ from pack_core.motion.target import MotionStatus
 from pack_core.palletizing.box_detection import BoxDetection
 from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.scanner import PlaceScan
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.motion_messages import from_status
+from pack_core.ros.node import CellNode
 from pack_core.ros.palletizing.detection_messages import from_detection
 from pack_core.ros.palletizing.gripper_messages import from_gripper_state
 from pack_core.ros.palletizing.scan_messages import from_cloud

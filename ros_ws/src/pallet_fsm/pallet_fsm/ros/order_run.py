@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.goal_node import GoalNode
+from pack_core.ros.node import CellNode
 from pallet_fsm.machine import Visit
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.ports import Command, PalletObservation

@@ -20,8 +20,8 @@ from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_stamp
-from pack_core.ros.sign_of_life import SignOfLife
-from pack_core.ros.watch_socket import WatchSocket
+from pack_core.ros.watch.peer_watch import SignOfLife
+from pack_core.ros.watch.watch_socket import WatchSocket
 from pack_evaluation.raw_bag import RawMessage, Topic
 
 DEPTH = 100

@@ -7,9 +7,9 @@ from array import array
 import cv2
 from sensor_msgs.msg import CompressedImage
 
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import to_stamp
+from pack_core.ros.node import CellNode
 from pack_perception.boxes.debug_images import DebugImages
 from pack_perception.boxes.segmentation import Picture
 

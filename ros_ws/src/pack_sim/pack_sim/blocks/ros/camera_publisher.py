@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from pack_core.blocks.cell import BlocksCell
 from pack_core.ros.camera_messages import to_camera_info, to_image
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.node import CellNode
 from pack_core.rotations import Array
 from pack_sim.blocks.overhead_camera import OverheadCamera, Picture
 from pack_sim.camera_thread import CameraThread

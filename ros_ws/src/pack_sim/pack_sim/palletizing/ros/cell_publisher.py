@@ -13,11 +13,11 @@ from pack_core import topics as shared_topics
 from pack_core.palletizing import topics
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.robots.kr210 import JOINTS
-from pack_core.ros.cell_node import CellNode
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.conversions import to_stamp
 from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.node import CellNode
 from pack_core.ros.obstacle_messages import to_obstacles
 from pack_core.ros.palletizing.gripper_messages import to_gripper_state
 from pack_core.ros.scene_messages import to_scene

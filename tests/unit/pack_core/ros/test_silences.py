@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from pack_core.ros.silence_log import LASTING, SilenceLog
+from pack_core.ros.watch.peer_watch import LASTING, SilenceLog, SilentPeers
 
 
 @dataclass
@@ -57,3 +57,18 @@ def test_a_peer_whose_process_lives_is_no_error(logger: Logger) -> None:
     log.note("sim", 10.0)
     log.write([Watch(has_ended=False)], 10.0 + 2.0 * LASTING)
     assert logger.lines == ["WARN node 'sim' lives but is silent: it hangs, or this machine is too busy"]
+
+
+def test_a_silence_lasts_from_its_beginning_until_the_node_is_heard_of_again() -> None:
+    silent = SilentPeers()
+    assert not silent
+    silent.note("sim", False, 10.0)
+    silent.note("sim", False, 11.5)
+    silent.note("mpc", False, 11.0)
+    assert str(silent) == "mpc, sim"
+    assert silent.lasting(1.0, 11.0) == []
+    assert silent.lasting(1.0, 11.9) == ["sim"]
+    silent.note("sim", True, 12.0)
+    assert silent.lasting(1.0, 20.0) == ["mpc"]
+    silent.note("mpc", True, 20.0)
+    assert not silent

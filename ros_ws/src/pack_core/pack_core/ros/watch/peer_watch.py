@@ -1,4 +1,4 @@
-"""Watch over another node, in two ways.
+"""Watch over other nodes, in two ways, and what is said of those that are silent.
 
 Every node gives signs of life; the middleware reports when it has not done so for the length of a lease,
 also from another machine and also when the process hangs. A connection to the process (`watch_connection`)
@@ -9,18 +9,56 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
+from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
+from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Empty
 
-from pack_core.ros.sign_of_life import ALIVE_QOS, alive_topic
-from pack_core.ros.watch_connection import WatchConnection
+from pack_core.ros.watch.watch_connection import WatchConnection
 
+LEASE = Duration(seconds=0.5)
+"""A node counts as dead when it has not been heard of for this long, in wall clock."""
+ALIVE_QOS = QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE)
+MESSAGE_PERIOD = 1.0
+"""How often the sign is a message as well [s of wall clock]."""
 CONNECT_PERIOD = 0.1
 """How often a connection to a peer without one is tried [s of wall clock]."""
+LASTING = 3.0
+"""Silence that is written to the log [s of wall clock]. It is acted upon and reported at once; but a busy
+machine keeps nodes waiting while a cell starts, and nodes end one after the other when it ends."""
+
+
+def alive_topic(name: str) -> str:
+    """Where a node asserts that it is alive."""
+    return f"/alive/{name}"
+
+
+class SignOfLife:
+    """Asserts the liveliness of a node (DDS liveliness, MANUAL_BY_TOPIC).
+
+    Once a second it is a message, too: the middleware does not always report that a publisher which was
+    silent is heard again.
+
+    Args:
+        node: that has the publisher.
+        name: of the node that is alive.
+    """
+
+    def __init__(self, node: Node, name: str) -> None:
+        self._publisher = node.create_publisher(Empty, alive_topic(name), ALIVE_QOS)
+        self._sent = -float("inf")
+
+    def give(self) -> None:
+        """Say that the node is alive; to be called several times within the lease."""
+        if (now := time.monotonic()) - self._sent < MESSAGE_PERIOD:
+            self._publisher.assert_liveliness()
+        else:
+            self._sent = now
+            self._publisher.publish(Empty())
 
 
 class PeerWatch:
@@ -124,3 +162,64 @@ class PeerWatch:
             except Exception:
                 if self._node.context.ok():
                     raise  # otherwise the watching node has ended in between
+
+
+class SilenceLog:
+    """Writes a line for each silence that lasts; an error only where no process of the peer is left.
+
+    Args:
+        logger: of the node that watches.
+    """
+
+    def __init__(self, logger: Any) -> None:
+        self._logger = logger
+        self._since: dict[str, float] = {}
+
+    def note(self, peer: str, now: float) -> None:
+        """A peer has fallen silent at `now` [s]; any thread may say so."""
+        self._since[peer] = now
+
+    def write(self, watches: Sequence[PeerWatch], now: float) -> None:
+        """Write about the silences that have lasted until `now` [s]; to be called now and then."""
+        for peer, since in list(self._since.items()):
+            watch = next(watch for watch in watches if watch.peer == peer)
+            if watch.is_alive:
+                self._since.pop(peer, None)
+            elif now - since > LASTING:
+                self._since.pop(peer, None)
+                self._write(watch)
+
+    def _write(self, watch: PeerWatch) -> None:
+        if watch.has_ended:
+            self._logger.error(f"node '{watch.peer}' has ended: restart it (pack run, or pack up)")
+        else:
+            self._logger.warning(
+                f"node '{watch.peer}' lives but is silent: it hangs, or this machine is too busy"
+            )
+
+
+class SilentPeers:
+    """The watched nodes that are silent now; true while there is one.
+
+    Written by the threads that watch and read by the executor: each method reads a copy.
+    """
+
+    def __init__(self) -> None:
+        self._since: dict[str, float] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._since)
+
+    def __str__(self) -> str:
+        return ", ".join(sorted(self._since.copy()))
+
+    def note(self, peer: str, is_alive: bool, now: float) -> None:
+        """A node has fallen silent, or was heard of again, at `now` [s]."""
+        if is_alive:
+            self._since.pop(peer, None)
+        else:
+            self._since.setdefault(peer, now)
+
+    def lasting(self, duration: float, now: float) -> list[str]:
+        """Names of the nodes that have been silent for longer than `duration` [s], sorted."""
+        return sorted(peer for peer, since in self._since.copy().items() if now - since > duration)

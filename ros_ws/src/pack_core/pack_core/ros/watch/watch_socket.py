@@ -8,8 +8,8 @@ import threading
 from contextlib import suppress
 from dataclasses import dataclass
 
-from pack_core.ros.death_notice import SYS_FUTEX, HeldMutexes
-from pack_core.ros.local_nodes import NUMBER, address_of, is_of_this_user
+from pack_core.ros.watch.death_notice import SYS_FUTEX, HeldMutexes
+from pack_core.ros.watch.local_nodes import NUMBER, address_of, is_of_this_user
 
 BACKLOG = 64
 """Watchers that the system queues until they are accepted."""

@@ -14,8 +14,8 @@ from __future__ import annotations
 import socket
 from contextlib import suppress
 
-from pack_core.ros.death_notice import DeathNotice
-from pack_core.ros.local_nodes import NUMBER, address_of, is_of_this_user
+from pack_core.ros.watch.death_notice import DeathNotice
+from pack_core.ros.watch.local_nodes import NUMBER, address_of, is_of_this_user
 
 CONNECT_TIMEOUT = 0.1
 """Longest time for which a watcher waits for the answer of a socket that nobody serves [s]."""
