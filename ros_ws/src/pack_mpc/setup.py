@@ -1,10 +1,12 @@
+from xml.etree import ElementTree
+
 from setuptools import find_packages, setup
 
 package = "pack_mpc"
 
 setup(
     name=package,
-    version="0.1.0",
+    version=ElementTree.parse("package.xml").findtext("version"),
     license="Apache-2.0",
     packages=find_packages(),
     data_files=[

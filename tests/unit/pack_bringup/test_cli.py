@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from pack_bringup.cli.main import main
+from pack_evaluation.provenance import project_version
 
 PACK = [sys.executable, "-c", "from pack_bringup.cli.main import main; main()"]
 
@@ -34,6 +35,18 @@ class Called:
 @pytest.fixture
 def call(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Called:
     return Called(monkeypatch, capfd)
+
+
+def test_pack_says_its_version_and_commit(call: Called) -> None:
+    outcome = call("--version")
+    assert outcome.returncode == 0
+    assert outcome.stdout.startswith(f"PackCell {project_version()}, commit ")
+
+
+@pytest.mark.parametrize("command", [(), ("up",), ("bag", "info"), ("benchmark", "blocks"), ("run",)])
+def test_h_is_help_of_every_command(call: Called, command: tuple[str, ...]) -> None:
+    assert call(*command, "-h").stdout == call(*command, "--help").stdout
+    assert "Usage: " in call(*command, "-h").stdout
 
 
 def test_run_passes_arguments_on_as_they_are(prefix: Path) -> None:

@@ -1,4 +1,4 @@
-"""Which code made a result: the commit and the versions of the packages it depends on."""
+"""Which code made a result: its version and commit, and the versions of the packages it depends on."""
 
 from __future__ import annotations
 
@@ -11,9 +11,14 @@ from pack_core.paths import project_root
 PACKAGES = ("mujoco", "numpy", "scipy", "numba", "rosbags", "ros-jazzy-rclpy", "ros-jazzy-rmw-fastrtps-cpp")
 
 
+def project_version() -> str:
+    """The version that stands in the file VERSION; every package.xml has the same."""
+    return (project_root() / "VERSION").read_text().strip()
+
+
 def installed_versions() -> dict[str, str]:
-    """The version of every installed package that results depend on, by name."""
-    versions = {}
+    """The version of PackCell and of every installed package that results depend on, by name."""
+    versions = {"packcell": project_version()}
     for package in PACKAGES:
         try:
             versions[package] = version(package)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
 import typer
 
@@ -24,8 +25,9 @@ from pack_bringup.cli.terminal import no_colours, notice
 from pack_core.cells import CELLS, optional_cell_part
 from pack_core.errors import PackError
 
+HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
 app = typer.Typer(
-    context_settings={"color": False} if no_colours() else {},
+    context_settings=HELP_OPTIONS | ({"color": False} if no_colours() else {}),
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="markdown",
@@ -49,6 +51,26 @@ for command in (demo, evaluate, benchmark, bag, play, up, goal, status, run, soa
 for cell in CELLS:
     for cells_own in optional_cell_part(cell, "commands") or ():
         app.add_typer(cells_own)
+
+
+def _show_version(is_wanted: bool) -> None:
+    if is_wanted:
+        from pack_evaluation.provenance import checked_out_commit, project_version
+
+        typer.echo(f"PackCell {project_version()}, commit {checked_out_commit()}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", is_eager=True, callback=_show_version, help="Say which version and commit this is."
+        ),
+    ] = False,
+) -> None:
+    """Options in front of a command; those of `pack` itself end it."""
 
 
 def main() -> None:
