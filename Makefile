@@ -35,7 +35,7 @@ bench: setup ## measure speed and success (ARGS goes to the command)
 fuzz: setup ## broken files and messages through every reader (ARGS)
 	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m fuzz $(ARGS)
 
-regression: setup ## record and compare figures of two versions (ARGS="record DIR", "compare OLD NEW")
+regression: setup ## record and compare two versions (ARGS="record DIR", "compare A B")
 	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m regression $(ARGS)
 
 lint: setup ## ruff, formatting, mypy
