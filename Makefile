@@ -17,7 +17,7 @@ help: ## list the targets
 setup: ## make .venv, install and build; does only what has changed
 	@PYTHON="$(PYTHON)" tools/setup.sh
 
-demo: setup ## a run with report (CELL=packing, palletizing, blocks; SEED, ARGS)
+demo: setup ## run and report (CELL=packing, palletizing, blocks; SEED; ARGS)
 	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
 
 test: setup ## tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
@@ -35,7 +35,7 @@ bench: setup ## measure speed and success (ARGS goes to the command)
 fuzz: setup ## broken files and messages through every reader (ARGS)
 	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m fuzz $(ARGS)
 
-regression: setup ## record and compare two versions (ARGS="record DIR", "compare A B")
+regression: setup ## compare two versions (ARGS="record DIR", "compare A B")
 	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m regression $(ARGS)
 
 lint: setup ## ruff, formatting, mypy
