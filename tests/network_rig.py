@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from pack_bringup.graph.network import DISCOVERY_VARIABLE, PROFILE_VARIABLE
+from pack_core.network import DISCOVERY_VARIABLE, PROFILE_VARIABLE
 
 PEER = Path(__file__).parent / "integration" / "network" / "peer.py"
 HERE, THERE = "packcell_here", "packcell_there"

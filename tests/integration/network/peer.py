@@ -14,11 +14,16 @@ import rclpy
 from std_msgs.msg import String
 
 from pack_bringup.graph.network import network_environment
+from pack_core.network import PROFILE_VARIABLE
+from pack_core.ros.run import start_ros
 
 name, seconds = sys.argv[1], float(sys.argv[2])
 if sys.argv[3:]:
     os.environ.update(network_environment(sys.argv[3]))
-rclpy.init()
+if PROFILE_VARIABLE in os.environ:
+    start_ros()
+else:  # a stranger
+    rclpy.init()
 node = rclpy.create_node(name)
 heard = set()
 node.create_subscription(String, "/names", lambda message: heard.add(message.data), 10)

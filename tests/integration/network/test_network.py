@@ -10,10 +10,12 @@ import pytest
 import network_rig
 from integration.harness import Graph
 from network_rig import (
+    ADDRESSES,
     HEARD,
     HERE,
     NOT_HEARD,
     PATIENCE,
+    THERE,
     bound_addresses,
     shared_memory_of_the_middleware,
     start,
@@ -22,10 +24,11 @@ from network_rig import (
     without_profile,
 )
 from pack_bringup.faults.ros.fault_witness import FaultWitness
-from pack_bringup.graph.network import network_warning
+from pack_bringup.graph.network import network_environment
 from pack_bringup.recording.playback import load_playback
 from pack_bringup.recording.ros.bag_player import BagPlayer
 from pack_core.errors import PackError
+from pack_core.network import network_warning
 from pack_core.paths import bags_path
 
 SHARES = """
@@ -80,6 +83,20 @@ def test_a_machine_that_names_ours_as_its_peer_neither_hears_nor_is_heard() -> N
 
 
 @pytest.mark.usefixtures("two_machines")
+def test_a_variable_that_would_open_a_cell_does_not() -> None:
+    ours = start(HERE, {**os.environ, "ROS_LOCALHOST_ONLY": "1", "ROS_STATIC_PEERS": ADDRESSES[THERE]})
+    assert who_heard(ours, stranger()) == [NOT_HEARD, NOT_HEARD]
+
+
+@pytest.mark.usefixtures("two_machines")
+@pytest.mark.parametrize("variable", ["ROS_LOCALHOST_ONLY=1", "ROS_DISCOVERY_SERVER=192.0.2.9:11811"])
+def test_a_variable_that_would_keep_an_opened_cell_closed_does_not(variable: str) -> None:
+    name, _, value = variable.partition("=")
+    ours = start(HERE, {**os.environ, name: value}, HERE, seconds=PATIENCE)
+    assert who_heard(ours, stranger(PATIENCE)) == [HEARD, HEARD]
+
+
+@pytest.mark.usefixtures("two_machines")
 def test_an_opened_cell_is_heard() -> None:
     ours = start(HERE, dict(os.environ), HERE, seconds=PATIENCE)
     assert who_heard(ours, stranger(PATIENCE)) == [HEARD, HEARD]
@@ -92,10 +109,10 @@ def test_without_the_profile_a_peer_on_the_network_is_heard() -> None:
 
 
 def test_opening_says_what_it_opens() -> None:
-    assert "command its arm" in network_warning("lo")
-    assert "127.0.0.1" in network_warning("lo")
+    assert "command its arm" in network_warning(["192.0.2.2"])
+    assert "192.0.2.2" in network_warning(["192.0.2.2"])
 
 
 def test_an_unknown_interface_is_refused_with_those_that_exist() -> None:
     with pytest.raises(PackError, match=r"no network interface 'eth99'; this machine has: .*lo"):
-        network_warning("eth99")
+        network_environment("eth99")

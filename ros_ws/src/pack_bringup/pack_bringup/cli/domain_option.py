@@ -7,14 +7,16 @@ from typing import Annotated
 
 import typer
 
+from pack_core.network import LAST_DOMAIN, domain_in
+
 Domain = Annotated[
-    int | None, typer.Option(min=0, max=101, help="ROS domain id; the environment's if not given.")
+    int | None, typer.Option(min=0, max=LAST_DOMAIN, help="ROS domain id; the environment's if not given.")
 ]
 
 
 def domain_of(option: int | None) -> int:
     """The domain that an option names, else the environment's, else 0 as ROS has it."""
-    return int(os.environ.get("ROS_DOMAIN_ID") or 0) if option is None else option
+    return domain_in(os.environ) or 0 if option is None else option
 
 
 def domain_words(option: int | None) -> str:

@@ -13,6 +13,7 @@ import typer
 
 from pack_bringup.cli.benchmark_options import Fresh, JsonFile, Output
 from pack_bringup.cli.interrupts import end_as_by_ctrl_c
+from pack_bringup.cli.network_option import prepare_network
 from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.faults.fault import FAULT_COLUMNS, Fault, fault_cases, fault_row
 
@@ -84,6 +85,7 @@ def running_bench(cell: str, seed: int, folder: Path) -> Iterator[FaultBench]:
     from pack_core.cells import cell_part
 
     end_as_by_ctrl_c()  # of a process that stands still nothing else would remain
+    prepare_network()
     graph, domain = load_graph(cell), choose_domain(os.environ)
     check_domain_is_free(domain, cell, [node.name for node in graph.nodes])
     goal = cell_part(cell, "seeded_goal")(seed)

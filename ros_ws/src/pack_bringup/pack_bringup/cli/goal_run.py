@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 from collections.abc import Callable
 from typing import Annotated, Any, NoReturn
@@ -12,7 +11,7 @@ import typer
 from pack_bringup.cell_goal import CellGoal
 from pack_bringup.cli.domain_option import domain_of
 from pack_bringup.cli.live import LiveLine
-from pack_bringup.cli.network_option import environment_of
+from pack_bringup.cli.network_option import prepare_network
 from pack_bringup.demo import progress_of
 from pack_bringup.graph.running import nodes_here, running_cells
 from pack_bringup.pace import Pace
@@ -41,10 +40,10 @@ def run_goal(
     Raises:
         PackError: the cell does not run here, or the goal was refused.
     """
+    prepare_network(network)
     from pack_bringup.ros.follow_goal import follow_goal
     from pack_bringup.ros.goal_client import GoalClient
 
-    os.environ.update(environment_of(network))
     where = domain_of(domain)
     if not network:
         _check_running(goal.cell, where)

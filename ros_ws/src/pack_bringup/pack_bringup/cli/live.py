@@ -14,6 +14,7 @@ from rich.text import Text
 from pack_bringup.cell_goal import Progress
 from pack_bringup.cli.evaluate import evaluator_of, run_evaluation, show
 from pack_bringup.cli.interrupts import end_as_by_ctrl_c
+from pack_bringup.cli.network_option import prepare_network
 from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.cli.terminal import notice
 from pack_bringup.demo import LOG, Job, run_demo
@@ -42,6 +43,7 @@ def run_live(
     Raises:
         PackError: the folder cannot take the run, a node did not come up or died, or the goal was refused.
     """
+    prepare_network()
     make_output_folder(job.folder, taken_by=(BAG_FOLDER, RECORD, LOG))
     end_as_by_ctrl_c()
     if page:

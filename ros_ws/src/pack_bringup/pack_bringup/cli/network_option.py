@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Annotated
 
 import typer
@@ -17,11 +18,19 @@ Network = Annotated[
 ]
 
 
-def environment_of(network: str) -> dict[str, str]:
-    """Environment variables for `--network`, after saying what it opens; none if it was not given."""
-    from pack_bringup.graph.network import network_environment, network_warning
+def prepare_network(network: str = "") -> None:
+    """Put this command's environment, and so that of what it starts, in order before it joins a graph.
 
-    if not network:
-        return {}
-    notice(network_warning(network), typer.colors.YELLOW, is_error=True)
-    return network_environment(network)
+    Args:
+        network: what `--network` names; empty: this machine alone.
+
+    Raises:
+        PackError: no such interface, or a variable has a value with which no node starts.
+    """
+    from pack_bringup.graph.network import network_environment
+    from pack_core.network import enforce
+
+    if network:
+        os.environ.update(network_environment(network))
+    for sentence in enforce(os.environ):
+        notice(sentence, typer.colors.YELLOW, is_error=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +9,7 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn
 
 from pack_bringup.cli.interrupts import end_as_by_ctrl_c
-from pack_bringup.cli.network_option import Network, environment_of
+from pack_bringup.cli.network_option import Network, prepare_network
 from pack_bringup.cli.page_options import PORT, Port
 
 if TYPE_CHECKING:
@@ -64,11 +63,11 @@ def play(
     if live:
         show_recording(bag, port, rate, start)
         return
+    prepare_network(network)
     from pack_bringup.recording.playback import load_playback
     from pack_bringup.recording.ros.bag_player import BagPlayer
     from pack_core.ros.contracts.table import wiring_of
 
-    os.environ.update(environment_of(network))
     wiring = wiring_of(cell)
     chosen = topics if node is None else [*(topics or []), *heard_by(node, wiring)]
     playback = load_playback(bag, chosen, start=start, end=end)

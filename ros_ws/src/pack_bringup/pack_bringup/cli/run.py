@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.cli.network_option import Network, environment_of
+from pack_bringup.cli.network_option import Network, prepare_network
 from pack_bringup.graph.executables import find_executable
 
 app = typer.Typer()
@@ -30,6 +30,7 @@ def run(
     - `pack run --network eth0 pack_mpc mpc_node`, for a cell that is spread over several machines
     """
     path = str(find_executable(package, executable))
+    prepare_network(network)
     rest = arguments or []
     passed_on = rest[1:] if rest[:1] == ["--"] else rest
-    os.execve(path, [path, *passed_on], os.environ | environment_of(network))
+    os.execve(path, [path, *passed_on], os.environ)

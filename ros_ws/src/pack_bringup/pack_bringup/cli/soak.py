@@ -15,6 +15,7 @@ import typer
 from pack_bringup.cli.benchmark_options import Fresh, JsonFile, Output
 from pack_bringup.cli.demo_options import RealTimeFactor
 from pack_bringup.cli.interrupts import end_as_by_ctrl_c
+from pack_bringup.cli.network_option import prepare_network
 from pack_bringup.cli.output_folder import make_output_folder
 from pack_bringup.soak.soak_report import GROWTH_COLUMNS, HOUR, growth_table, plot
 from pack_bringup.soak.soak_report import summary as soak_summary
@@ -89,6 +90,7 @@ def _run(cell: str, hours: float, seed: int, sim: dict[str, str], folder: Path, 
     from pack_core.errors import PackError
 
     end_as_by_ctrl_c()
+    prepare_network()
     graph, domain = load_graph(cell), choose_domain(os.environ)
     check_domain_is_free(domain, cell, [node.name for node in graph.nodes])
     recorder = {"path": f'"{(folder / RECORDING).resolve()}"', "record": "goals"}

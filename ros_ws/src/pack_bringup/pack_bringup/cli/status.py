@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import time
 from typing import TYPE_CHECKING
 
 import typer
 
 from pack_bringup.cli.domain_option import Domain, domain_of
-from pack_bringup.cli.network_option import Network, environment_of
+from pack_bringup.cli.network_option import Network, prepare_network
 from pack_bringup.cli.terminal import show_table
 
 if TYPE_CHECKING:
@@ -33,11 +32,11 @@ def status(domain: Domain = None, network: Network = "") -> None:
     - `pack status`
     - `pack status --domain 7`
     """
+    prepare_network(network)
     from pack_bringup.graph.running import all_cell_nodes, described, running_cells
     from pack_bringup.ros.status_listener import StatusListener
     from pack_core.ros.watch.local_nodes import nodes_on_this_machine
 
-    os.environ.update(environment_of(network))
     where = domain_of(domain)
     with StatusListener(where) as listener:
         known = all_cell_nodes()

@@ -15,7 +15,7 @@ from pack_bringup.bring_up import wait_until_ready
 from pack_bringup.cli.domain_option import Domain, domain_of, domain_words
 from pack_bringup.cli.foxglove_option import FOXGLOVE_ADDRESS, Foxglove, foxglove_command
 from pack_bringup.cli.interrupts import end_as_by_ctrl_c
-from pack_bringup.cli.network_option import Network, environment_of
+from pack_bringup.cli.network_option import Network, prepare_network
 from pack_bringup.cli.page_options import HOST, PORT, Host, Live, Port, Token, page_process
 from pack_bringup.cli.terminal import notice
 from pack_bringup.graph.graph import conditions, load_graph, parse_overrides
@@ -94,9 +94,10 @@ def up(
     if record is not None and "recorder" in names:
         given = merged(given, {"recorder": {"record": record}})
     commands = graph.commands(merged(given, parse_overrides(settings or [])))
+    prepare_network(network)
     where = domain_of(domain)
     check_domain_is_free(where, cell, names)
-    environment = {**environment_of(network), "ROS_DOMAIN_ID": str(where)}
+    environment = {"ROS_DOMAIN_ID": str(where)}
     if page := page_process(cell, live, port, host, token):
         commands |= page.commands()
         environment |= page.environment()

@@ -7,19 +7,20 @@ import socket
 from collections.abc import Mapping
 
 from pack_core.errors import PackError
+from pack_core.network import LAST_DOMAIN, domain_in
 
-DOMAINS = 100
-"""Domain ids from 1 on that leave Linux' ephemeral ports alone."""
+DOMAINS = LAST_DOMAIN - 1
+"""Domain ids from 1 on that are tried."""
 
 
 def choose_domain(environment: Mapping[str, str]) -> int:
     """The environment's ROS_DOMAIN_ID, else a free one.
 
     Raises:
-        PackError: every domain is in use.
+        PackError: it is no domain, or every domain is in use.
     """
-    if given := environment.get("ROS_DOMAIN_ID", ""):
-        return int(given)
+    if (given := domain_in(environment)) is not None:
+        return given
     for k in range(DOMAINS):
         domain = 1 + (os.getpid() + k) % DOMAINS
         if is_free(domain):

@@ -12,10 +12,8 @@ from xml.etree import ElementTree
 from ament_index_python.packages import get_package_share_directory
 
 from pack_core.errors import PackError
+from pack_core.network import DISCOVERY_VARIABLE, NAMESPACE, PROFILE_VARIABLE
 
-PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
-DISCOVERY_VARIABLE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-NAMESPACE = "http://www.eprosima.com"
 SIOCGIFADDR = 0x8915
 """The request that asks Linux for an interface's IPv4 address (netdevice(7))."""
 
@@ -31,14 +29,6 @@ def network_environment(interface: str) -> dict[str, str]:
     """
     profile = _profile_path(address_of(interface))
     return {PROFILE_VARIABLE: str(profile), DISCOVERY_VARIABLE: "SUBNET"}
-
-
-def network_warning(interface: str) -> str:
-    """What `network_environment` opens, in one sentence for the person at the terminal."""
-    return (
-        f"network open: every machine that reaches {address_of(interface)} ({interface}) can hear this cell, "
-        "reset it and command its arm, without a password (docs/network.md)"
-    )
 
 
 def address_of(interface: str) -> str:

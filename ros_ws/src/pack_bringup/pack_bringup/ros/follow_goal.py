@@ -11,6 +11,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from pack_bringup.ros.goal_client import GoalClient
+from pack_core.ros.run import confirm_network, start_ros
 
 
 def follow_goal(
@@ -28,10 +29,11 @@ def follow_goal(
         domain: ROS domain; the environment's if None.
         linger: wall clock to stay after the result, so that the end is recorded [s].
     """
-    rclpy.init(domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+    start_ros(domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
     executor, node = SingleThreadedExecutor(), None
     try:
         node = make()
+        confirm_network()
         executor.add_node(node)
         while node.result is None:
             _turn(executor, node, on_turn)

@@ -17,6 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from pack_core.ros.contracts import shared
 from pack_core.ros.node_status import LISTENING
+from pack_core.ros.run import confirm_network, start_ros
 
 STATE_WORDS = {
     NodeStatus.STARTING: "starting",
@@ -45,9 +46,10 @@ class StatusListener:
     def __enter__(self) -> Self:
         self._context = Context()
         signals = SignalHandlerOptions.NO  # they are the caller's
-        rclpy.init(context=self._context, domain_id=self._domain, signal_handler_options=signals)
+        start_ros(context=self._context, domain_id=self._domain, signal_handler_options=signals)
         # No CellNode: it only listens, and two of them may listen at a time.
         self._node = rclpy.create_node(f"status_{os.getpid()}", context=self._context)
+        confirm_network()
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._node.create_subscription(NodeStatus, shared.NODE_STATUS.name, self._on_status, LISTENING)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import faulthandler
 import gc
+import os
 import signal
 import sys
 from collections.abc import Callable
+from typing import Any
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from pack_core.errors import PackError
+from pack_core.network import check_bound, enforce, network_warning
 from pack_core.ros.node import CellNode
 
 SWITCH_INTERVAL = 0.001
@@ -29,7 +32,7 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
     """Spin the node that `make` builds until it is told to stop.
 
     Returns:
-        0 after a clean end, 2 when the configuration was refused.
+        0 after a clean end, 2 when the configuration was refused, or the network is wider than asked for.
     """
     sys.setswitchinterval(SWITCH_INTERVAL)
     # Where a library's C or C++ code breaks, the log then says what every thread was doing.
@@ -37,11 +40,12 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
     # An interrupt shuts the context down, which ends spinning. Raised as an exception besides, at whatever
     # line it meets, it could leave a lock held, and the end would wait for it.
     signal.signal(signal.SIGINT, lambda *_: None)
-    rclpy.init(args=args)
-    executor = SingleThreadedExecutor()
-    node = None
+    executor = node = None
     try:
+        start_ros(args=args)
+        executor = SingleThreadedExecutor()
         node = make()
+        confirm_network()
         # What the imports and the constructor made stays; looking through all of it again and again for
         # garbage would hold up every thread, for 50 ms and more at a time.
         gc.collect()
@@ -57,7 +61,8 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
         if rclpy.ok():
             raise  # otherwise it met the end while it was being built or worked
     finally:
-        executor.shutdown()
+        if executor is not None:
+            executor.shutdown()
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
@@ -66,6 +71,29 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
         # first, and the exit code would tell of a failure.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     return 0
+
+
+def start_ros(**options: Any) -> None:
+    """`rclpy.init`, in an environment in which no variable opens the network or hinders discovery.
+
+    Raises:
+        ConfigError: a variable has a value with which nothing starts.
+    """
+    for sentence in enforce(os.environ):
+        print(f"warning: {sentence}", file=sys.stderr)
+    rclpy.init(**options)
+
+
+def confirm_network() -> None:
+    """Make sure that this process listens where it may and nowhere else; say so where that is open.
+
+    To be called once the first node is made: the middleware opens its sockets with it.
+
+    Raises:
+        ConfigError: it listens elsewhere.
+    """
+    if opened := check_bound():
+        print(network_warning(opened), file=sys.stderr)
 
 
 def _spin(executor: SingleThreadedExecutor, node: Node) -> None:

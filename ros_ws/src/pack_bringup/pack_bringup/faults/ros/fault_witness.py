@@ -25,6 +25,7 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import wiring_of
 from pack_core.ros.conversions import from_stamp
 from pack_core.ros.node_status import LISTENING
+from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.stream import Stream
 
 JOINTS = "/joint_states"
@@ -69,10 +70,11 @@ class FaultWitness:
 
     def __enter__(self) -> Self:
         self._context = Context()
-        rclpy.init(
+        start_ros(
             context=self._context, domain_id=self._domain, signal_handler_options=SignalHandlerOptions.NO
         )
         self.node = rclpy.create_node("fault_witness", context=self._context)
+        confirm_network()
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         hear = {

@@ -20,6 +20,7 @@ from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.ros.contracts import shared
 from pack_core.ros.conversions import to_stamp
+from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.watch.peer_watch import SignOfLife
 from pack_core.ros.watch.watch_socket import WatchSocket
 from pack_evaluation.raw_bag import RawMessage, Topic
@@ -49,8 +50,9 @@ class BagPlayer:
         self._playback = playback
         classes = {name: _class_of(topic, playback) for name, topic in playback.topics.items()}
         self._context = Context()
-        rclpy.init(context=self._context, domain_id=domain)
+        start_ros(context=self._context, domain_id=domain)
         self._node = Node("player", context=self._context)
+        confirm_network()
         self._publishers = {
             name: self._node.create_publisher(classes[name], name, _qos_of(topic))
             for name, topic in playback.topics.items()
