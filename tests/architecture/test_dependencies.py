@@ -1,6 +1,6 @@
 """Dependencies run one way, floor by floor, and package.xml says so.
 
-interfaces <- core <- leaves and evaluation <- lockstep <- bring-up
+interfaces <- core <- leaves and evaluation <- baselines <- lockstep <- bring-up
 """
 
 import ast
@@ -23,10 +23,13 @@ FLOORS = (
         "pack_sim", "pack_perception", "pack_planner", "pack_mpc", "pack_motion", "pallet_fsm", "block_fsm",
         "pack_evaluation",
     },
+    {"pack_baselines"},
     {"pack_lockstep", "pack_viewer"},
     {"pack_bringup"},
 )  # fmt: skip
 """Packages of one floor never import each other."""
+BASELINES = "pack_baselines"
+"""What exists to be compared with: it registers itself, and nothing imports it."""
 OF_ALL_CELLS = ("pack_evaluation", "pack_lockstep", "pack_viewer", "pack_bringup", "pack_core", "pack_sim")
 """Packages that serve all cells."""
 DRAWING = {"matplotlib", "jinja2", "imageio_ffmpeg", "PIL"}
@@ -113,6 +116,11 @@ def test_only_the_viewer_needs_what_the_page_is_made_with(package: str) -> None:
 @pytest.mark.parametrize("package", PYTHON_PACKAGES)
 def test_a_package_imports_only_what_is_below_it(package: str) -> None:
     assert imported_packages(package) & set(PACKAGES) <= allowed(package)
+
+
+@pytest.mark.parametrize("package", PYTHON_PACKAGES)
+def test_no_package_imports_the_baselines(package: str) -> None:
+    assert BASELINES not in imported_packages(package)
 
 
 @pytest.mark.parametrize("package", PYTHON_PACKAGES)

@@ -1,6 +1,7 @@
 """Node files, entry points and graph files name the same executables."""
 
 import ast
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
@@ -15,21 +16,26 @@ PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/setup.py"))
 CELLS = sorted(path.stem for path in config_path("graphs").glob("*.yaml"))
 
 
-def entry_points(package: str) -> dict[str, str]:
-    """Executable name to `module:function`, as setup.py has them."""
+def groups_of(package: str) -> dict[str, list[str]]:
+    """Entry points of every group, `name = module:attribute`, as setup.py has them."""
     tree = ast.parse((SOURCES / package / "setup.py").read_text())
-    texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
-    lines = [text for text in texts if isinstance(text, str) and " = " in text]
-    return dict(line.split(" = ") for line in lines)
+    keywords = (node for node in ast.walk(tree) if isinstance(node, ast.keyword))
+    found = [ast.literal_eval(keyword.value) for keyword in keywords if keyword.arg == "entry_points"]
+    return dict(*found)
+
+
+def scripts_of(package: str) -> dict[str, str]:
+    """Executable name to `module:function`."""
+    return dict(line.split(" = ") for line in groups_of(package).get("console_scripts", []))
 
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_every_node_file_is_an_entry_point_and_every_entry_point_a_file(package: str) -> None:
     paths = (SOURCES / package / package).rglob("*_node.py")
     files = {path.stem for path in paths if "ros" not in path.parent.parts}
-    points = entry_points(package)
-    assert {name for name in points if name.endswith("_node")} == files
-    for name, target in points.items():
+    scripts = scripts_of(package)
+    assert {name for name in scripts if name.endswith("_node")} == files
+    for name, target in scripts.items():
         module, function = target.split(":")
         path = SOURCES / package / Path(*module.split(".")).with_suffix(".py")
         assert f"def {function}(" in path.read_text(), name
@@ -37,7 +43,16 @@ def test_every_node_file_is_an_entry_point_and_every_entry_point_a_file(package:
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_every_entry_point_is_installed(package: str) -> None:
-    assert {path.name for path in executables_of(package)} == set(entry_points(package))
+    assert {path.name for path in executables_of(package)} == set(scripts_of(package))
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_what_a_package_registers_is_installed_and_there(package: str) -> None:
+    for group, lines in groups_of(package).items():
+        installed = {f"{entry.name} = {entry.value}": entry for entry in entry_points(group=group)}
+        assert set(lines) <= set(installed), "make setup"
+        if group != "console_scripts":
+            assert all(installed[line].load() for line in lines)
 
 
 @pytest.mark.parametrize("cell", CELLS)

@@ -12,7 +12,7 @@ from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, PackingController
-from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
+from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.solution import Optimizer
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights
@@ -30,7 +30,7 @@ def build(scene: Scene, optimizer: str, threads: int = 2) -> PackingController:
 def optimizer(request: pytest.FixtureRequest) -> str:
     """The name of each registered optimizer that is installed."""
     try:
-        optimizer_class(request.param).require()
+        OPTIMIZERS[request.param].require()
     except PackError as error:
         pytest.skip(str(error))
     return str(request.param)
@@ -87,13 +87,16 @@ def test_obstacles_repel_no_more_once_eq_3_has_run_out(scene: Scene, joints, sta
 
 @pytest.mark.parametrize("name", OPTIMIZERS)
 def test_a_registered_optimizer_has_a_section_of_parameters(name: str) -> None:
-    cls = optimizer_class(name)
+    cls = OPTIMIZERS[name]
     assert issubclass(cls, Optimizer)
     assert isinstance(getattr(ControllerConfig(optimizer=name), name), cls.parameters)
 
 
 def test_an_unknown_optimizer_is_refused_with_those_that_exist() -> None:
-    for choose in (optimizer_class, lambda name: validate_config(ControllerConfig, {"optimizer": name}, "")):
+    def configure(name: str) -> None:
+        validate_config(ControllerConfig, {"optimizer": name}, "")
+
+    for choose in (OPTIMIZERS.__getitem__, configure):
         with pytest.raises(ConfigError, match="'magic'; allowed: sgn, ilqr, judo"):
             choose("magic")
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import time as wall_clock
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
-from pydantic import AfterValidator, Field, PositiveFloat, create_model
+from pydantic import AfterValidator, Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
+from pack_core.register import with_sections
 from pack_core.states import SceneState
 from pack_mpc.cost import PackingCost
-from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
+from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.predictor import Predictor
 from pack_mpc.press import pressing
 from pack_mpc.residuals import Residuals
@@ -22,31 +23,12 @@ from pack_mpc.solution import Solution
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, WeightSet
 
-
-def _registered(name: str) -> str:
-    """The name of an optimizer; anything else is refused with those that exist."""
-    if name not in OPTIMIZERS:
-        raise ValueError(", ".join(OPTIMIZERS))
-    return name
+OptimizerName = Annotated[str, AfterValidator(OPTIMIZERS.known)]
+"""A configuration's field that names an optimizer."""
 
 
-OptimizerName = Annotated[str, AfterValidator(_registered)]
-
-if TYPE_CHECKING:
-    _OptimizerSections = Config
-else:
-    # One section of parameters for each optimizer of the register, under its name.
-    _OptimizerSections = create_model(
-        "_OptimizerSections",
-        __base__=Config,
-        **{
-            name: (optimizer_class(name).parameters, optimizer_class(name).parameters())
-            for name in OPTIMIZERS
-        },
-    )
-
-
-class ControllerConfig(_OptimizerSections):
+@with_sections({name: optimizer.parameters for name, optimizer in OPTIMIZERS.items()})
+class ControllerConfig(Config):
     """Parameters of the controller, and of each optimizer in a section of its name."""
 
     optimizer: OptimizerName = Field(default="sgn", description="what plans; its name in optimizers.py")
@@ -85,7 +67,7 @@ class PackingController:
         self.scene = scene
         self._config, self._weights = config, weights
         own = getattr(config, config.optimizer)
-        self._optimizer = optimizer_class(config.optimizer)(scene, cell, own, config.threads)
+        self._optimizer = OPTIMIZERS[config.optimizer](scene, cell, own, config.threads)
         self._predictor = Predictor(scene, cell)
         self._in_flight: tuple[Setpoints, ...] = ()
 

@@ -18,7 +18,7 @@ from pack_core.ros.joint_messages import to_setpoints
 from pack_core.ros.packing.cell_parameter import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_mpc.mpc_node_config import MpcNodeConfig
-from pack_mpc.optimizers import optimizer_class
+from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.ros.fill_action import FillAction
 from pack_mpc.ros.fill_goal import FillGoal
 from pack_mpc.ros.mailbox import Mailbox
@@ -59,7 +59,7 @@ class MpcNode(GoalNode):
     def _change(self, config: MpcNodeConfig) -> None:
         """Use these parameters from the next goal on."""
         load_weights(config.weights)  # what there is not is found now, not at the next goal
-        optimizer_class(config.controller.optimizer).require()
+        OPTIMIZERS[config.controller.optimizer].require()
         self._config = config
 
     @property

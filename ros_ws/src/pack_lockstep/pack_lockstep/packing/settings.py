@@ -16,7 +16,7 @@ from pack_core.packing.scene_file import load_scene
 from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_config
 from pack_lockstep.packing.presets import load_preset
 from pack_mpc.controller import OptimizerName
-from pack_mpc.optimizers import OPTIMIZERS, optimizer_class
+from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.weights import load_weights
 
 MM = 1e3
@@ -109,7 +109,7 @@ def set_up(settings: BenchmarkSettings, threads: int) -> PackingSetup:
     if settings.weights is not None:
         preset = preset.over("mpc", {"weights": settings.weights})
     setup = PackingSetup(settings, preset.packing_cell(), lockstep_config(preset))
-    optimizer_class(setup.optimizer).require()
+    OPTIMIZERS[setup.optimizer].require()
     return setup
 
 

@@ -5,6 +5,7 @@ import sys
 import numpy as np
 import pytest
 
+from pack_baselines.judo_optimizer import JudoConfig, JudoOptimizer
 from pack_core.errors import PackError
 from pack_core.joints import JointSample
 from pack_core.packing.cell import packing_cell
@@ -12,7 +13,6 @@ from pack_core.robots.panda import PANDA
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_mpc.cost import PackingCost
-from pack_mpc.judo_optimizer import JudoConfig, JudoOptimizer
 from pack_mpc.residuals import Residuals
 from pack_mpc.target import PackingTarget
 from pack_mpc.weights import Stage, load_weights

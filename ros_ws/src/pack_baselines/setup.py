@@ -1,0 +1,18 @@
+from xml.etree import ElementTree
+
+from setuptools import find_packages, setup
+
+package = "pack_baselines"
+
+setup(
+    name=package,
+    version=ElementTree.parse("package.xml").findtext("version"),
+    license="Apache-2.0",
+    packages=find_packages(),
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+    ],
+    # What the registers of the shipped packages find (pack_core/register.py).
+    entry_points={"pack_mpc.optimizers": ["judo = pack_baselines.judo_optimizer:JudoOptimizer"]},
+)
