@@ -75,9 +75,13 @@ class RateGovernor:
     def _allowed_speed(self, threat: Threat) -> float:
         """Speed of the tool [m/s] from which it can brake in time.
 
-        For an obstacle that moves, it must come to rest before they are nearer than `stop_distance`, though
-        the obstacle goes on for `reaction`: the separation of ISO/TS 15066, 5.5.4. For one that stands, it
-        must brake to `avoid_speed` at `avoid_distance`, at which the policies lead it around.
+        The distance to an obstacle that moves at `v_o` is kept at or above `v^2 / 2a + d_0 + t_r v_o`, with
+        the tool's speed `v`, `a` = `avoid_deceleration`, `d_0` = `stop_distance`, `t_r` = `reaction`. Near
+        one that stands the tool brakes to `avoid_speed` at `avoid_distance`: the policies lead it around.
+
+        This is not the protective separation distance of ISO/TS 15066, 5.5.4, which is larger: there the
+        person walks on while the robot stops, too, the robot goes on while it reacts, and intrusion and the
+        uncertainty of both positions are added. Also, only the tool's speed is bounded.
         """
         c = self._config
         if threat.speed > MOVES:
