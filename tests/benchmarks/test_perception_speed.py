@@ -7,8 +7,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from pack_core.packing.cell import packing_cell
-from pack_perception.mocap.estimator_config import EstimatorConfig
-from pack_perception.mocap.physics_estimator import PhysicsEstimator
+from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
 from pack_sim.packing.simulator import Simulator
 from pack_sim.packing.simulator_config import SimulatorConfig
 from unit.pack_perception.mocap.pushing import CONTACT, Moment, pushing_run, standing_scene

@@ -12,9 +12,8 @@ from pack_core.packing.cell import packing_cell
 from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.scene_item import TOP_MARKERS
 from pack_core.rotations import Array, Pose, angle_between, exp, from_yaw, log, multiply, rotate
-from pack_perception.mocap.alignment import Mask
-from pack_perception.mocap.axis_fit import AxisFitConfig, Z, fit_with_axis
-from pack_perception.mocap.rigid_body_fit import FitRefusal
+from pack_perception.mocap.rigid_body_fit import FitRefusal, Mask
+from pack_perception.mocap.sighting import AxisFitConfig, Z, fit_with_axis
 
 CONFIG = AxisFitConfig()
 SCENE = packing_cell().scene

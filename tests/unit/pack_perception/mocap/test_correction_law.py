@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pack_core.rotations import from_yaw
-from pack_perception.mocap.correction_law import CorrectionConfig, corrections, is_put_anew, pose_errors
+from pack_perception.mocap.physics_estimator import CorrectionConfig, corrections, is_put_anew, pose_errors
 
 CONFIG = CorrectionConfig()
 PERIOD = 1 / 120

@@ -11,8 +11,8 @@ from pack_core.packing.model import held_pose
 from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.packing_list import PackingList, handed_over
 from pack_core.rotations import Pose
-from pack_perception.mocap.estimator_config import EstimatorConfig
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
+from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_sim.packing.simulator import Simulator
 from pack_sim.packing.simulator_config import SimulatorConfig
 

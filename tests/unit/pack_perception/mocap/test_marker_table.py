@@ -10,7 +10,7 @@ import pytest
 from pack_core.errors import MessageError
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.markers import MarkerFrame
-from pack_perception.mocap.marker_table import MarkerTable
+from pack_perception.mocap.sighting import MarkerTable
 
 SCENE = packing_cell().scene
 FRAME = MarkerFrame(

@@ -13,9 +13,7 @@ from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
 from pack_core.rotations import angle_between
 from pack_core.states import SceneState, Source
-from pack_perception.mocap.estimator_config import EstimatorConfig
-from pack_perception.mocap.estimator_report import Correction
-from pack_perception.mocap.physics_estimator import PhysicsEstimator
+from pack_perception.mocap.physics_estimator import Correction, EstimatorConfig, PhysicsEstimator
 from pack_perception.mocap.rigid_body_fit import FitRefusal
 from pack_sim.packing.simulator import Simulator
 from pack_sim.packing.simulator_config import SimulatorConfig

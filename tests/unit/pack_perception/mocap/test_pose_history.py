@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pack_perception.mocap.pose_history import PoseHistory
+from pack_perception.mocap.guided_cell import PoseHistory
 
 
 @pytest.fixture

@@ -10,8 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from pack_core.packing.cell import packing_cell
 from pack_core.rotations import Array, Pose, angle_between, exp
-from pack_perception.mocap.alignment import Mask
-from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, fit_rigid_bodies
+from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, Mask, fit_rigid_bodies
 
 CONFIG = FitConfig()
 SCENE = packing_cell().scene

@@ -7,7 +7,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 from pack_core.config import Config
 from pack_lockstep.packing.presets import PackingPreset
 from pack_mpc.session import SessionConfig
-from pack_perception.mocap.estimator_config import EstimatorConfig
+from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_planner.placement.placement_planner import PlacementPlannerConfig
 from pack_sim.packing.simulator_config import SimulatorConfig
 

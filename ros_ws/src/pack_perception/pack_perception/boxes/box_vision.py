@@ -15,8 +15,7 @@ from pack_core.config import Config
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.rotations import Array, Pose, exp, from_yaw, multiply
 from pack_perception.boxes.debug_images import DebugImages, draw_debug_images
-from pack_perception.boxes.edge_line import EdgeConfig, TopFace
-from pack_perception.boxes.face_edges import corners_of, find_edges, rough_corners
+from pack_perception.boxes.edge_line import EdgeConfig, TopFace, corners_of, find_edges, rough_corners
 from pack_perception.boxes.segmentation import Picture, Segmentation, SegmentationConfig, segment
 from pack_perception.boxes.top_face import TopPose, Viewpoint, top_poses
 from pack_perception.boxes.trust import (

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from array import array
 from pathlib import Path
 from typing import Any
 
+import cv2
 from pack_interfaces.msg import ExpectedBox as ExpectedBoxMsg
 from pydantic import Field
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from pack_core.camera import PinholeCamera
 from pack_core.errors import MessageError
@@ -16,15 +18,50 @@ from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.ros.camera_messages import from_camera_info, from_image
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.conversions import from_stamp, to_stamp
 from pack_core.ros.node import CellNode
 from pack_core.ros.palletizing.detection_messages import from_expected_box, to_detection
 from pack_core.ros.palletizing.sighting_messages import to_sighting
 from pack_core.ros.run import run_node
 from pack_perception.boxes.board_corners import sight_board
 from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig
-from pack_perception.boxes.ros.debug_publisher import DebugPublisher
+from pack_perception.boxes.debug_images import DebugImages
+from pack_perception.boxes.segmentation import Picture
 from pack_perception.boxes.table_camera import TableCamera
+
+FRAME_ID = "overhead_camera"
+TOPICS = {
+    "frame": contracts.VISION_FRAME,
+    "roi": contracts.VISION_ROI,
+    "mask": contracts.VISION_MASK,
+    "overlay": contracts.VISION_OVERLAY,
+}
+
+
+class DebugPublisher:
+    """Publishes each detection's pictures: photographs as JPEG, the mask without loss."""
+
+    def __init__(self, node: CellNode) -> None:
+        self._publishers = {name: node.advertise(contract) for name, contract in TOPICS.items()}
+
+    def publish(self, time: float, images: DebugImages) -> None:
+        """Publish the debug images of a picture taken at `time` [s]."""
+        for name, publisher in self._publishers.items():
+            publisher.publish(to_compressed(time, getattr(images, name)))
+
+
+def to_compressed(time: float, image: Picture) -> CompressedImage:
+    """Encode an RGB picture `(h, w, 3)` as JPEG, or a mask `(h, w)` as PNG."""
+    is_mask = image.ndim == 2
+    _, data = (
+        cv2.imencode(".png", image)
+        if is_mask
+        else cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
+    )
+    message = CompressedImage(format="mono8; png compressed" if is_mask else "rgb8; jpeg compressed bgr8")
+    message.header.stamp, message.header.frame_id = to_stamp(time), FRAME_ID
+    message.data = array("B", data.tobytes())
+    return message
 
 
 class VisionNodeConfig(VisionConfig):

@@ -1,7 +1,8 @@
-"""Finds the straight edge of a box with sub-pixel accuracy."""
+"""Finds the straight edges of a box with sub-pixel accuracy: one near a line, or the four of a top face."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -147,3 +148,29 @@ def _levels(profiles: Array, offsets: Array, across: Array, core: float) -> tupl
     sides = [(distance < -core) & (distance > -2 * core), (distance > core) & (distance < 2 * core)]
     inside, outside = (np.sum(profiles * side, axis=1) / np.maximum(side.sum(axis=1), 1) for side in sides)
     return float(np.median(inside)), float(np.median(inside - outside))
+
+
+def rough_corners(outline: Array, face: TopFace) -> Array:
+    """Corners `(4, 2)` [m] of the smallest rectangle around an outline, counter-clockwise from above."""
+    pixels = cv2.boxPoints(cv2.minAreaRect(outline.astype(np.float32))) + np.array(face.corner)
+    corners = face.camera.at_height(pixels, face.height)[:, :2]
+    (x_0, y_0), (x_1, y_1) = corners[1] - corners[0], corners[2] - corners[1]
+    # A negative cross product of two consecutive sides: the corners are clockwise.
+    return corners[::-1] if x_0 * y_1 < y_0 * x_1 else corners
+
+
+def find_edges(face: TopFace, corners: Array, config: EdgeConfig) -> list[EdgeLine | None]:
+    """The edges near the sides of a rectangle with corners `(4, 2)` [m]; None where none is found."""
+    return [find_edge(face, corners[k], corners[(k + 1) % 4], config) for k in range(4)]
+
+
+def corners_of(edges: Sequence[EdgeLine]) -> Array:
+    """The corners `(4, 2)` [m] of four edges: where each edge meets the one before it."""
+    return np.array([_meeting(edges[k - 1], edges[k]) for k in range(4)])
+
+
+def _meeting(first: EdgeLine, second: EdgeLine) -> Array:
+    """The intersection of two lines `(2,)` [m]."""
+    A = np.stack([first.direction, -second.direction], axis=1)
+    along = np.linalg.solve(A, second.middle - first.middle)[0]
+    return np.asarray(first.middle + along * first.direction)

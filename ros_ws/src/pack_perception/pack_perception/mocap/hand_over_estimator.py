@@ -9,8 +9,8 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_perception.mocap.grip_tracker import GripTracker
 from pack_perception.mocap.guided_cell import GuidedCell
-from pack_perception.mocap.marker_table import MarkerTable
 from pack_perception.mocap.physics_estimator import PhysicsEstimator
+from pack_perception.mocap.sighting import MarkerTable
 
 
 class HandOverEstimator(PhysicsEstimator):

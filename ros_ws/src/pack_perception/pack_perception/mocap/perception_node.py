@@ -26,8 +26,8 @@ from pack_core.ros.run import run_node
 from pack_core.ros.scene_messages import SceneWriter
 from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
-from pack_perception.mocap.estimator_config import EstimatorConfig
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
+from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_perception.mocap.rigid_body_fit import FitRefusal
 
 JOINTS_DEPTH = 500

@@ -7,29 +7,112 @@ Together with the direction of the object's z axis they do: as predicted, or upr
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass, field
 
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.config import Config
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.model import HeldRole, held_pose
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Array, Pose, conjugate, log, multiply
 from pack_core.states import ObjectState, SceneState, Source
-from pack_perception.mocap.alignment import Mask
-from pack_perception.mocap.correction_law import corrections, is_put_anew, pose_errors
-from pack_perception.mocap.estimator_config import EstimatorConfig
-from pack_perception.mocap.estimator_report import Advance, Correction
-from pack_perception.mocap.grip_tracker import GripTracker
-from pack_perception.mocap.guided_cell import GuidedCell, Rows, shifted
-from pack_perception.mocap.marker_table import MarkerTable
-from pack_perception.mocap.pose_history import PoseHistory
-from pack_perception.mocap.sighting import sight
+from pack_perception.mocap.grip_tracker import GripConfig, GripTracker
+from pack_perception.mocap.guided_cell import GuidedCell, PoseHistory, Rows, shifted
+from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, Mask
+from pack_perception.mocap.sighting import AxisFitConfig, MarkerTable, sight
 
 TELEPORT = 3.0
 """An arm that moves this many times faster than its velocity limits was placed elsewhere, as by a reset."""
 HISTORY = 50
 """Number of steps of physics by which a marker frame may be late."""
+
+
+class CorrectionConfig(Config):
+    """Gains of the correction; low ones suffice, because physics predicts well."""
+
+    pose_gain: float = Field(default=0.1, gt=0, le=1, description="share of an error corrected each frame")
+    twist_gain: float = Field(default=0.01, ge=0, le=1, description="share of it put down to velocity")
+    jump: PositiveFloat = Field(default=0.03, description="error beyond which an object is put anew [m]")
+    max_period: PositiveFloat = Field(default=0.03, description="between sights that tell a velocity [s]")
+
+
+def pose_errors(seen: Array, expected: Array) -> Array:
+    """Translation [m] and rotation vector [rad] `(k, 6)` in world axes from `expected` to `seen` poses."""
+    turns = log(multiply(seen[:, 3:], conjugate(expected[:, 3:])))
+    return np.concatenate([seen[:, :3] - expected[:, :3], turns], axis=1)
+
+
+def is_put_anew(errors: Array, periods: Array, config: CorrectionConfig) -> Mask:
+    """Which of k objects `(k,)` are set to the measured pose: when first measured, and after a jump."""
+    return np.asarray(np.isinf(periods) | (np.linalg.norm(errors[:, :3], axis=1) > config.jump))
+
+
+def corrections(errors: Array, periods: Array, config: CorrectionConfig) -> tuple[Array, Array]:
+    """Changes of pose and of twist `(k, 6)` that correct k objects.
+
+    Args:
+        errors: `(k, 6)`, from `pose_errors`.
+        periods: time since each was last measured `(k,)` [s]; infinite the first time.
+        config: the gains.
+    """
+    anew = is_put_anew(errors, periods, config)
+    # an error that grew over a long gap says little about the velocity now
+    tells_velocity = ~anew & (periods > 0.0) & (periods <= config.max_period)
+    # an error that arises within one period is one of velocity, error / period; a share of it is corrected
+    rates = np.where(tells_velocity, config.twist_gain, 0.0) / np.where(tells_velocity, periods, 1.0)
+    return np.where(anew, 1.0, config.pose_gain)[:, None] * errors, rates[:, None] * errors
+
+
+class EstimatorConfig(Config):
+    """Parameters of the physics estimator and of its parts."""
+
+    step: float = Field(default=0.004, gt=0, le=0.008, description="longest step of the physics [s]")
+    max_gap: PositiveFloat = Field(
+        default=0.5, description="longest gap between joint samples; after a longer one it starts over [s]"
+    )
+    mocap_age: PositiveFloat = Field(
+        default=0.03, description="age of a fit without physics up to which a pose counts as MOCAP [s]"
+    )
+    correction: CorrectionConfig = CorrectionConfig()
+    fit: FitConfig = FitConfig()
+    axis_fit: AxisFitConfig = AxisFitConfig()
+    grip: GripConfig = GripConfig()
+
+
+@dataclass(frozen=True)
+class Advance:
+    """What happened while physics advanced to a joint sample.
+
+    Attributes:
+        is_restart: whether the estimate was reset, because time or the arm jumped.
+        diverged: objects whose simulated motion diverged and that were put back to their last pose.
+    """
+
+    is_restart: bool = False
+    diverged: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What a marker frame changed.
+
+    Attributes:
+        seen: objects whose pose was corrected.
+        partly: those of them whose markers alone were too few for a pose, so that physics helped.
+        refused: objects whose markers could not be used, and why.
+        mismatched: objects some of whose markers were left out, as they do not match the others.
+        is_unused: whether the frame changed nothing, being older than the history or ahead of the joints.
+    """
+
+    seen: tuple[str, ...] = ()
+    partly: tuple[str, ...] = ()
+    refused: dict[str, FitRefusal] = field(default_factory=dict)
+    mismatched: tuple[str, ...] = ()
+    is_unused: bool = False
 
 
 class PhysicsEstimator:

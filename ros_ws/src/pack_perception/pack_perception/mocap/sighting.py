@@ -1,4 +1,15 @@
-"""Poses of objects from one frame: from their markers alone, or with an axis that physics predicts."""
+"""Poses of objects from one frame: from their markers alone, or with an axis that physics predicts.
+
+Two markers fix five of a body's six coordinates. The sixth, the rotation about the line through both,
+follows from the direction of the body's z axis: up for a standing body, and as predicted for one that physics
+carries. A direction is one more pair of vectors in Kabsch's problem, which then is Wahba's ("A Least Squares
+Estimate of Satellite Attitude").
+
+Let sigma be the standard deviation of a coordinate and S the sum of the markers' squared distances from their
+centre, seen along the axis. Then the yaw has the standard deviation sigma / sqrt(S); for two markers at
+distance b that is sigma * sqrt(2) / b. Of a tilt along their line the markers determine the share
+S / (S + arm^2), of a tilt about that line nothing.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +17,112 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import Field, PositiveFloat
 
-from pack_core.rotations import Array
-from pack_perception.mocap.alignment import Mask
-from pack_perception.mocap.axis_fit import AxisFitConfig, fit_with_axis
-from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, fit_rigid_bodies
+from pack_core.config import Config
+from pack_core.errors import MessageError
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array, rotate
+from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, Fits, Mask, align, fit_rigid_bodies
 
+Z = np.array([0.0, 0.0, 1.0])
+STANDING_ARM = 1.0
+"""Arm of a standing body's axis, so long that markers hardly tilt it [m]."""
 TOO_LITTLE = (FitRefusal.TOO_FEW, FitRefusal.COLLINEAR)
 """Refusals after which a fit with the expected axis is tried; mismatching markers are never used."""
+
+
+class MarkerTable:
+    """Marker frames as arrays: a row for each of a scene's n objects, a column for each of its m markers.
+
+    Attributes:
+        names: names of the objects, the new one last.
+        p_BM: marker positions in the objects' frames `(n, m, 3)` [m].
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.names = [*scene.names, scene.new_object.name]
+        self.p_BM = np.stack([scene.model_of(name).markers() for name in self.names])
+
+    def sort(self, frame: MarkerFrame) -> tuple[Array, Mask]:
+        """Measured positions p_WM `(n, m, 3)` [m], and which of them the frame has `(n, m)`.
+
+        Raises:
+            MessageError: the frame has an object or a marker that the scene does not have.
+        """
+        unknown = set(frame.objects) - set(self.names)
+        if unknown:
+            raise MessageError(f"frame with objects {sorted(unknown)}; the scene has {self.names}")
+        count = self.p_BM.shape[1]
+        if np.any((frame.marker_index < 0) | (frame.marker_index >= count)):
+            raise MessageError(f"frame with marker {frame.marker_index.max()}; objects have 0 to {count - 1}")
+        p_WM, visible = np.zeros_like(self.p_BM), np.zeros(self.p_BM.shape[:2], dtype=bool)
+        rows = np.array([self.names.index(name) for name in frame.objects], dtype=int)[frame.object_index]
+        p_WM[rows, frame.marker_index] = frame.p_WM
+        visible[rows, frame.marker_index] = True
+        return p_WM, visible
+
+
+class AxisFitConfig(Config):
+    """Conditions under which a fit with the axis is accepted."""
+
+    min_markers: int = Field(default=2, ge=2, description="visible markers")
+    min_spread: PositiveFloat = Field(
+        default=0.01, description="rms distance of the markers from their centre, seen along the axis [m]"
+    )
+    max_residual: PositiveFloat = Field(default=0.003, description="rms distance of a marker [m]")
+    arm: PositiveFloat = Field(
+        default=0.01,
+        description="where up the axis a marker would tell its direction as well as physics predicts it [m]",
+    )
+
+
+def fit_with_axis(
+    p_BM: Array, p_WM: Array, visible: Mask, expected: Array, is_known: Mask, config: AxisFitConfig
+) -> Fits:
+    """Fit poses to markers and to the directions in which the z axes are expected.
+
+    Args:
+        p_BM: where the m markers are on each of the k bodies `(k, m, 3)` [m].
+        p_WM: where they were measured `(k, m, 3)` [m].
+        visible: which of them were measured `(k, m)`.
+        expected: expected poses `(k, 7)`; their z axes are used.
+        is_known: bodies `(k,)` whose expected pose comes from earlier fits. The others are taken to stand as
+            expected, and are refused if their markers are not at the height that follows.
+        config: conditions under which a fit is accepted.
+    """
+    arms, axes = np.where(is_known, config.arm, STANDING_ARM), rotate(expected[:, 3:], Z)
+    # a unit vector scaled by the arm counts like a marker that far up the axis: arm^2 z_W z_B^T
+    found = align(p_BM, p_WM, visible, (arms**2)[:, None, None] * axes[:, :, None] * Z)
+    # how much higher the markers are than those of the expected pose
+    lifts = p_WM[:, :, 2] - expected[:, None, 2] - rotate(expected[:, None, 3:], p_BM)[:, :, 2]
+    refusals = tuple(
+        FitRefusal.TOO_FEW if count < config.min_markers
+        else FitRefusal.COLLINEAR if width < config.min_spread
+        else FitRefusal.NOT_STANDING if not known and lift > config.max_residual
+        else FitRefusal.RESIDUAL if miss > config.max_residual
+        else None
+        for count, width, known, lift, miss in zip(
+            visible.sum(axis=1), _rms_from_centre(p_BM[:, :, :2], visible), is_known,
+            _rms(lifts[:, :, None], visible), found.residual, strict=True,
+        )
+    )  # fmt: skip
+    none = np.zeros(len(refusals), dtype=int)
+    return Fits(found.p_WB, found.q_WB, found.residual, refusals, none)
+
+
+def _rms(vectors: Array, visible: Mask) -> Array:
+    """Root of the mean square length `(k,)` of the visible ones of `(k, m, d)`."""
+    squares = (vectors**2).sum(axis=2) * visible
+    return np.asarray(np.sqrt(squares.sum(axis=1) / np.maximum(visible.sum(axis=1), 1)))
+
+
+def _rms_from_centre(points: Array, visible: Mask) -> Array:
+    """Root of the mean square distance `(k,)` of the visible ones of `(k, m, d)` from their centre."""
+    n = np.maximum(visible.sum(axis=1), 1)[:, None]
+    centres = (points * visible[:, :, None]).sum(axis=1) / n
+    return _rms(points - centres[:, None], visible)
 
 
 @dataclass(frozen=True)

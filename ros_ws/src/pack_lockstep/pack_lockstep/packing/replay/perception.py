@@ -20,8 +20,8 @@ from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.track import Track, to_tracks
 from pack_lockstep.packing.presets import PackingPreset
 from pack_lockstep.packing.replay.comparison import ComparisonRow, Replay, check_frames
-from pack_perception.mocap.estimator_config import EstimatorConfig
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
+from pack_perception.mocap.physics_estimator import EstimatorConfig
 
 TOPICS = (DESCRIPTION, JOINT_STATES, MARKERS)
 PERCENT = 95

@@ -1,1 +1,0 @@
-"""ROS shells of box vision."""
