@@ -11,7 +11,7 @@ fi
 case ":${AMENT_PREFIX_PATH:-}:" in
 *:/opt/ros/*)
     echo "This shell has sourced /opt/ros; .venv brings its own ROS 2 and the two do not mix." >&2
-    echo "Open a shell without it, or follow docs/apt.md to use /opt/ros instead of .venv." >&2
+    echo "Open a shell without it, or follow docs/operate/apt.md to use /opt/ros instead of .venv." >&2
     return 1
     ;;
 esac

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes keys for the nodes of a cell, so that only who has one of them can join it (SROS 2, docs/security.md).
+# Makes keys for the nodes of a cell, so that only who has one of them can join it (SROS 2, docs/operate/security.md).
 # Needs ROS 2 from apt (/opt/ros/jazzy): the wheels on PyPI are built without DDS security.
 set -euo pipefail
 
@@ -24,4 +24,4 @@ umask 077 # the keys are for this user alone
 for node in $(sed -n 's/^ *- *{ *name: *\([a-z_]*\).*/\1/p' "$graph") operator; do
     ros2 security create_enclave "$keystore" "/packcell/$cell/$node"
 done
-echo "keys of the cell $cell are in $keystore; start it with keystore:=$keystore (docs/security.md)"
+echo "keys of the cell $cell are in $keystore; start it with keystore:=$keystore (docs/operate/security.md)"

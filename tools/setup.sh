@@ -21,7 +21,7 @@ find_python() {
 
 check_machine() {
     [ "$(uname -sm)" = "Linux x86_64" ] && return
-    echo "The ROS 2 wheels exist for x86-64 Linux only; this is $(uname -sm). docs/apt.md is the way without them." >&2
+    echo "The ROS 2 wheels exist for x86-64 Linux only; this is $(uname -sm). docs/operate/apt.md is the way without them." >&2
     return 1
 }
 

@@ -1,4 +1,4 @@
-"""docs/dataflow.md is what the wiring tables say."""
+"""docs/reference/dataflow.md is what the wiring tables say."""
 
 import re
 from importlib import import_module
@@ -14,8 +14,8 @@ from pack_core.ros.contracts.table import wiring_of, wiring_tables
 
 
 def test_dataflow_page_equals_the_wiring_tables() -> None:
-    page = (project_root() / "docs" / "dataflow.md").read_text()
-    assert page == wiring_page(wiring_tables()), "run: pack wiring --markdown > docs/dataflow.md"
+    page = (project_root() / "docs" / "reference" / "dataflow.md").read_text()
+    assert page == wiring_page(wiring_tables()), "run: pack wiring --markdown > docs/reference/dataflow.md"
 
 
 @pytest.mark.parametrize("cell", CELLS)

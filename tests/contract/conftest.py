@@ -27,7 +27,7 @@ END_TIME = 10.0
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Options of `pytest tests/contract`."""
-    group = parser.getgroup("driver", "the driver under test (docs/packing/robot.md)")
+    group = parser.getgroup("driver", "the driver under test (docs/cells/packing/driver.md)")
     group.addoption("--driver", help="command that starts it; default: the packing cell's simulator")
     group.addoption("--driver-domain", type=int, help="ROS domain on which it runs already; starts nothing")
     group.addoption("--driver-name", help="its node's name in /diagnostics and /alive; default: sim")

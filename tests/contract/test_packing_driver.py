@@ -1,4 +1,4 @@
-"""What every driver of the packing cell's arm must do, seen through its topics alone (docs/packing/robot.md).
+"""What each driver of the packing cell's arm must do, seen through its topics (docs/cells/packing/driver.md).
 
 `pytest tests/contract` runs them against the simulator; the options of the group "driver" name another one.
 With a real arm they MOVE IT: the last joint, by a few degrees. Hang nothing on the tool that may not turn.

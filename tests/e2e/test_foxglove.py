@@ -18,7 +18,7 @@ from pack_core.cells import CELLS
 from pack_core.ros.contracts.contract import Kind
 from pack_core.ros.contracts.table import wiring_of
 
-pytest.importorskip("foxglove", reason="an extra: see docs/rviz_and_foxglove.md")
+pytest.importorskip("foxglove", reason="an extra: see docs/operate/rviz_and_foxglove.md")
 pytestmark = [pytest.mark.e2e, pytest.mark.long, pytest.mark.timeout(300)]
 PORT = 8765
 """The one that the command prints."""

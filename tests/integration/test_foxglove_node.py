@@ -17,7 +17,7 @@ from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Kind
 from pack_core.ros.contracts.table import wiring_of
 
-pytest.importorskip("foxglove", reason="an extra: see docs/rviz_and_foxglove.md")
+pytest.importorskip("foxglove", reason="an extra: see docs/operate/rviz_and_foxglove.md")
 
 
 @pytest.fixture

@@ -82,7 +82,9 @@ class BlockFsmNode(GoalNode):
 
     def refusal(self, request: Rearrange.Goal) -> str:
         if not request.problem.strip():
-            return "the goal's `problem` is empty; allowed: a problem file's text (docs/blocks/manual.md)"
+            return (
+                "the goal's `problem` is empty; allowed: a problem file's text (docs/cells/blocks/manual.md)"
+            )
         parse_problem(request.problem, "goal", self._cell, goals_only=True)  # raises when it is no problem
         return self.waits_for
 

@@ -9,7 +9,7 @@ Arguments:
     domain: ROS domain id; empty: the environment's.
     live: whether to serve the page in the browser.
     record: goals, always or never; empty: as config/nodes/<cell>/recorder.yaml has it.
-    keystore: a folder of keys without which nobody joins the cell (docs/security.md); empty: none.
+    keystore: a folder of keys without which nobody joins the cell (docs/operate/security.md); empty: none.
     set: parameters over all of these, as in `set:="sim.seed=3 sim.real_time_factor=0.5"`.
 """
 

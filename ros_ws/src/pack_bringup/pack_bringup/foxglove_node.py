@@ -87,7 +87,7 @@ class FoxgloveNode(CellNode):
 
     def __init__(self, **kwargs: Any) -> None:
         if foxglove is None:
-            raise ConfigError("foxglove-sdk is not installed; docs/rviz_and_foxglove.md says how")
+            raise ConfigError("foxglove-sdk is not installed; docs/operate/rviz_and_foxglove.md says how")
         super().__init__("foxglove", **kwargs)
         config = self.read_parameters(FoxgloveNodeConfig)
         contracts = wiring_of(check_cell(config.cell))

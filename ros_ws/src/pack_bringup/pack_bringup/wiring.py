@@ -1,4 +1,4 @@
-"""Shows the wiring table: as rows for a terminal, and as the page docs/dataflow.md."""
+"""Shows the wiring table: as rows for a terminal, and as the page docs/reference/dataflow.md."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def wiring_rows(contracts: Iterable[Contract]) -> Iterator[tuple[str, ...]]:
 
 
 def wiring_page(tables: Mapping[str, Sequence[Contract]]) -> str:
-    """The text of docs/dataflow.md, from the contracts by cell."""
+    """The text of docs/reference/dataflow.md, from the contracts by cell."""
     return PAGE + "".join(_section(cell, contracts) for cell, contracts in tables.items())
 
 

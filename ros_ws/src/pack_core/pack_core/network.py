@@ -1,4 +1,4 @@
-"""Who can reach a node: what decides it, and the check of what the middleware really bound (docs/network.md).
+"""Who can reach a node: what decides it, and the check of what was really bound (docs/operate/network.md).
 
 The allow-list of the Fast DDS profile decides alone. Every other variable that ROS 2 or Fast DDS obey in this
 matter is overruled or refused by name before the middleware starts: one of them inherited from somebody's
@@ -31,7 +31,7 @@ LAST_DOMAIN = 101
 LOOPBACK = "127.0.0.1"
 NAMESPACE = "http://www.eprosima.com"
 """XML namespace of Fast DDS profiles."""
-PAGE = "docs/network.md"
+PAGE = "docs/operate/network.md"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Draws the machine from its tables, as mermaid and as text tables: the page docs/palletizing/states.md."""
+"""Draws the machine from its tables, as mermaid and as tables: the page docs/cells/palletizing/states.md."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ RESUMED = "interrupted state"
 
 
 def states_page() -> str:
-    """The text of docs/palletizing/states.md."""
+    """The text of docs/cells/palletizing/states.md."""
     rest = [row for row in TRANSITIONS if row not in CYCLE]
     return PAGE.format(
         cycle="\n".join(_cycle(CYCLE)), faults="\n".join(_faults(rest)), states="\n".join(_table()),

@@ -17,7 +17,7 @@ Host = Annotated[
     str,
     typer.Option(
         help="Address on which the page listens, with --live. Others than this machine's need --token: "
-        "who has it can operate the cell (docs/viewing.md)."
+        "who has it can operate the cell (docs/operate/viewing.md)."
     ),
 ]
 Token = Annotated[

@@ -45,7 +45,7 @@ def up(
     preset: Annotated[
         str,
         typer.Option(
-            help="Conditions: a file of config/presets (packing), or one of docs/palletizing/presets.md."
+            help="Conditions: a file of config/presets (packing) or one of docs/cells/palletizing/presets.md."
         ),
     ] = "",
     calibration: Annotated[
@@ -56,7 +56,9 @@ def up(
     ] = None,
     record: Annotated[
         Record | None,
-        typer.Option(help="Record while goals run, always, or never (docs/recordings.md). Default: goals."),
+        typer.Option(
+            help="Record while goals run, always, or never (docs/reference/recordings.md). Default: goals."
+        ),
     ] = None,
     domain: Domain = None,
     network: Network = "",
@@ -82,8 +84,8 @@ def up(
     - `pack up palletizing --preset real --calibration calibration.yaml --set sim.seed=3`
     - `pack up packing --record never`
     - `pack up packing --only sim --only perception --domain 7`
-    - `pack up packing --live`, to watch and operate the cell in the browser (docs/viewing.md)
-    - `pack up packing --foxglove`, for Foxglove and Lichtblick (docs/rviz_and_foxglove.md)
+    - `pack up packing --live`, to watch and operate the cell in the browser (docs/operate/viewing.md)
+    - `pack up packing --foxglove`, for Foxglove and Lichtblick (docs/operate/rviz_and_foxglove.md)
     - `pack up packing --restart`, for a cell that is left alone
     - `pack up packing --network eth0`, for nodes on other machines
     """

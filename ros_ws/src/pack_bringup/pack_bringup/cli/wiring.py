@@ -16,13 +16,13 @@ app = typer.Typer()
 def wiring(
     cell: Annotated[str, typer.Argument(help="Cell whose wiring is shown.")] = "packing",
     markdown: Annotated[
-        bool, typer.Option("--markdown", help="Write all cells as the page docs/dataflow.md.")
+        bool, typer.Option("--markdown", help="Write all cells as the page docs/reference/dataflow.md.")
     ] = False,
 ) -> None:
     """List every topic, service and action of a cell, with who sends and who takes it.
 
     - `pack wiring packing`
-    - `pack wiring --markdown > docs/dataflow.md`
+    - `pack wiring --markdown > docs/reference/dataflow.md`
     """
     from pack_core.ros.contracts.table import wiring_of, wiring_tables
 

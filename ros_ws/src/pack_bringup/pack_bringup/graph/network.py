@@ -1,4 +1,4 @@
-"""Opens a cell to other machines, which it is closed to unless asked for (docs/network.md)."""
+"""Opens a cell to other machines, which it is closed to unless asked for (docs/operate/network.md)."""
 
 from __future__ import annotations
 

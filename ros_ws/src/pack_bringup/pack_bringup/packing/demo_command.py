@@ -22,7 +22,7 @@ def demo(
     preset: Annotated[
         str,
         typer.Option(
-            help="Run under the conditions of this file of config/presets (docs/packing/presets.md)."
+            help="Run under the conditions of this file of config/presets (docs/cells/packing/presets.md)."
         ),
     ] = "",
     real_time_factor: RealTimeFactor = None,

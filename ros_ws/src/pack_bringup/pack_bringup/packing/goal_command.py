@@ -26,7 +26,7 @@ SceneFile = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        help="Pack in the scene of this file (docs/packing/scenes.md) instead of a generated one.",
+        help="Pack in the scene of this file (docs/cells/packing/scenes.md) instead of a generated one.",
     ),
 ]
 Method = Annotated[PackingMethod, typer.Option(help="The paper's method, or one of its baselines.")]
@@ -39,7 +39,7 @@ Fill = Annotated[
 ]
 ListFile = Annotated[
     Path | None,
-    typer.Argument(metavar="LIST", help="With --fill: a list file (docs/packing/filling.md)."),
+    typer.Argument(metavar="LIST", help="With --fill: a list file (docs/cells/packing/filling.md)."),
 ]
 
 

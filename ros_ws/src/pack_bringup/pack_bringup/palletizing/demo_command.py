@@ -25,7 +25,9 @@ def demo(
     ] = "",
     preset: Annotated[
         str,
-        typer.Option(help="What the cell is like (docs/palletizing/presets.md). Default: the ideal one."),
+        typer.Option(
+            help="What the cell is like (docs/cells/palletizing/presets.md). Default: the ideal one."
+        ),
     ] = "",
     calibration: Annotated[
         Path | None,

@@ -11,7 +11,7 @@ app = typer.Typer()
 def states() -> None:
     """Show the states of the palletizing cell and what leads from one to the next, as Markdown.
 
-    - `pack states > docs/palletizing/states.md`
+    - `pack states > docs/cells/palletizing/states.md`
     """
     from pallet_fsm.drawing import states_page
 

@@ -1,6 +1,6 @@
 """Problem files: where blocks stand and where they are to stand, in millimetres and degrees.
 
-See docs/blocks/manual.md and config/scenarios/blocks/example.yaml.
+See docs/cells/blocks/manual.md and config/scenarios/blocks/example.yaml.
 """
 
 from __future__ import annotations

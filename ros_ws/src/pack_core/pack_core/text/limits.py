@@ -1,4 +1,4 @@
-"""Limits of all text that comes from outside: sizes, names, numbers. docs/limits.md lists them."""
+"""Limits of all text that comes from outside: sizes, names, numbers. docs/reference/limits.md lists them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The measures of one run of the palletizing cell; docs/palletizing/measurements.md defines them."""
+"""The measures of one run of the palletizing cell; docs/cells/palletizing/results.md defines them."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ class OrderTrial:
 
 
 def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
-    """The figures of docs/palletizing/measurements.md, over all runs.
+    """The figures of docs/cells/palletizing/results.md, over all runs.
 
     An order counts as complete if it is complete with every seed.
     """

@@ -60,7 +60,7 @@ def ray_pool(address: str, threads: int, variables: Mapping[str, str]) -> Iterat
     except ImportError as error:
         raise PackError(
             "--ray needs Ray, which is not installed: uv pip install -r requirements/cluster.txt in every "
-            "machine's .venv (docs/benchmarks.md)"
+            "machine's .venv (docs/develop/benchmarks.md)"
         ) from error
     try:
         ray.init(address, runtime_env={"env_vars": dict(variables)}, log_to_driver=False)

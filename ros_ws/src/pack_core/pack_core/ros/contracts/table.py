@@ -1,6 +1,6 @@
 """The wiring tables by cell.
 
-Publishers, subscribers, the recorder, `pack wiring` and docs/dataflow.md come from them.
+Publishers, subscribers, the recorder, `pack wiring` and docs/reference/dataflow.md come from them.
 """
 
 from __future__ import annotations
