@@ -19,8 +19,8 @@ from pack_core.joints import JointSample, Setpoints
 from pack_core.robots.seven_axis_arm import SevenAxisArm
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.joint_messages import from_joint_state, to_setpoints
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.joints import from_joint_state, to_setpoints
 from pack_core.ros.node import CellNode
 
 SENDER = "mpc"

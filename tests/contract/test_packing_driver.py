@@ -23,9 +23,9 @@ from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.joint_messages import from_joint_state, to_setpoints
-from pack_core.ros.packing.marker_messages import from_markers
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.joints import from_joint_state, to_setpoints
+from pack_core.ros.messages.packing import from_markers
 from pack_core.ros.watch.peer_watch import ALIVE_QOS, alive_topic
 from pack_core.topics import CLOCK_RATE
 

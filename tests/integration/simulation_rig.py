@@ -15,7 +15,7 @@ from rclpy.parameter import Parameter
 from integration.harness import Graph
 from pack_core.joints import JointSample
 from pack_core.ros.contracts import motion, shared
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.messages.conversions import from_stamp
 from pack_core.rotations import Array
 from pack_motion.motion_node import MotionNode
 

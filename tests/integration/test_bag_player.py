@@ -20,8 +20,8 @@ from pack_core.paths import bags_path
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import wiring_of
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.scene import from_scene
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.track import to_tracks
 from pack_perception.mocap.perception_node import PerceptionNode

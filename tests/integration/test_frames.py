@@ -16,7 +16,7 @@ from integration.harness import Graph
 from integration.palletizing.pallet_rig import spawn
 from integration.simulation_rig import pause
 from pack_core.ros.contracts import packing, shared
-from pack_core.ros.conversions import from_stamp, to_stamp
+from pack_core.ros.messages.conversions import from_stamp, to_stamp
 from pack_core.rotations import Pose
 from pack_sim.blocks.blocks_sim_node import BlocksSimNode
 from pack_sim.packing.sim_node import PackingSimNode

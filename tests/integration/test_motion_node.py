@@ -15,8 +15,8 @@ from pack_core.motion.moves import JointMove, Move, Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion as contracts
-from pack_core.ros.joint_messages import from_trajectory, to_joint_state
-from pack_core.ros.motion_messages import to_target
+from pack_core.ros.messages.joints import from_trajectory, to_joint_state
+from pack_core.ros.messages.motion import to_target
 from pack_core.rotations import Array, Pose, from_rpy
 from pack_motion.arm.arms import load_arm
 from pack_motion.motion_node import MotionNode

@@ -16,9 +16,9 @@ from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import recorded
-from pack_core.ros.conversions import to_stamp
 from pack_core.ros.goal_node import GoalNode
-from pack_core.ros.scene_messages import to_scene
+from pack_core.ros.messages.conversions import to_stamp
+from pack_core.ros.messages.scene import to_scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_evaluation.bag import read_bag

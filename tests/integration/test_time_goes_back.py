@@ -17,14 +17,12 @@ from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
 from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.scanner import PlaceScan
-from pack_core.ros.blocks.block_messages import to_sighting
 from pack_core.ros.contracts import blocks, motion, palletizing, shared
-from pack_core.ros.conversions import to_stamp
-from pack_core.ros.motion_messages import to_status
+from pack_core.ros.messages.blocks import to_sighting
+from pack_core.ros.messages.conversions import to_stamp
+from pack_core.ros.messages.motion import to_status
+from pack_core.ros.messages.palletizing import to_cloud, to_detection, to_gripper_state
 from pack_core.ros.node import CellNode
-from pack_core.ros.palletizing.detection_messages import to_detection
-from pack_core.ros.palletizing.gripper_messages import to_gripper_state
-from pack_core.ros.palletizing.scan_messages import to_cloud
 from pack_core.rotations import Pose
 from pallet_fsm.ros.observer import Observer
 

@@ -14,7 +14,7 @@ from pack_core.cells import CELLS
 from pack_core.paths import config_path
 from pack_core.ros.contracts.contract import Contract, Kind
 from pack_core.ros.contracts.table import wiring_of
-from pack_core.ros.conversions import WORLD
+from pack_core.ros.messages.conversions import WORLD
 
 TRANSIENT = "Transient Local"
 TOPIC_KEYS = ("topic", "topicPath", "topicToRender", "imageTopic", "value")

@@ -21,7 +21,7 @@ from pack_bringup.packing.job import PackingJob
 from pack_core.errors import BagError
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.messages.conversions import from_stamp
 from pack_core.rotations import Array
 from pack_evaluation.bag import read_bag
 

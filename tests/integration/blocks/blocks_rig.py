@@ -17,12 +17,11 @@ from pack_core.blocks.fingers import FingerState, FingerStatus
 from pack_core.blocks.plan import Plan, PlanStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.ros.blocks.block_messages import to_finger_state, to_sighting
-from pack_core.ros.blocks.rearrangement_messages import fill_plan
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.motion_messages import to_status
+from pack_core.ros.messages.blocks import fill_plan, to_finger_state, to_sighting
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.motion import to_status
 from pack_core.rotations import Pose
 
 PERIOD = 0.01

@@ -15,9 +15,9 @@ from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.blocks.problem_file import problem_text
 from pack_core.errors import PackError
-from pack_core.ros.blocks.block_messages import from_sighting
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion, shared
+from pack_core.ros.messages.blocks import from_sighting
 from pack_perception.tags.tag_perception_node import TagPerceptionNode
 from pack_sim.blocks.blocks_sim_node import BlocksSimNode
 from pack_sim.blocks.overhead_camera import OverheadCamera

@@ -19,8 +19,8 @@ from pack_core.motion.moves import JointMove, Path
 from pack_core.motion.target import MotionTarget
 from pack_core.robots.ur10e import JOINTS
 from pack_core.ros.contracts import motion, shared
-from pack_core.ros.joint_messages import from_joint_state
-from pack_core.ros.motion_messages import to_target
+from pack_core.ros.messages.joints import from_joint_state
+from pack_core.ros.messages.motion import to_target
 from pack_motion.motion_node import MotionNode
 from pack_sim.blocks.blocks_sim_node import BlocksSimNode
 

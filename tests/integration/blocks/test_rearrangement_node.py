@@ -12,8 +12,8 @@ from integration.harness import Graph
 from pack_core.blocks.plan import PlanStatus
 from pack_core.blocks.primitive_action import primitives_of
 from pack_core.blocks.problem import Problem
-from pack_core.ros.blocks.rearrangement_messages import from_response, to_request
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.messages.blocks import from_response, to_request
 from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.rearrangement_node import RearrangementNode

@@ -11,8 +11,8 @@ from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.joint_messages import from_joint_state
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.joints import from_joint_state
 from pack_core.rotations import Array
 from pack_sim.packing.sim_node import PackingSimNode
 

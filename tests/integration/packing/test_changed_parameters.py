@@ -11,7 +11,7 @@ from integration.harness import Graph
 from integration.packing.sim_rig import stamps_of, start_sim
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.messages.conversions import from_stamp
 from pack_mpc.mpc_node import MpcNode
 
 

@@ -19,8 +19,8 @@ from pack_core.paths import config_path
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.joint_messages import to_joint_state
-from pack_core.ros.scene_messages import to_scene
+from pack_core.ros.messages.joints import to_joint_state
+from pack_core.ros.messages.scene import to_scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_mpc.mpc_node import MpcNode

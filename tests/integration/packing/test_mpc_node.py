@@ -14,8 +14,8 @@ from integration.harness import Graph
 from integration.packing.cell_rig import Cell
 from integration.simulation_rig import pause, play
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.scene import from_scene
 from pack_mpc.stages import Stage
 
 FACTOR = 0.3

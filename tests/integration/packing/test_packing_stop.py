@@ -12,7 +12,7 @@ from integration.simulation_rig import WHO, assert_no_jump, braking_time, pause,
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.messages.conversions import from_stamp
 
 FACTOR = 0.3
 """Real-time factor at which one process runs four nodes."""

@@ -19,9 +19,9 @@ from pack_core.paths import config_path
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.joint_messages import to_joint_state
-from pack_core.ros.packing.marker_messages import to_markers
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.joints import to_joint_state
+from pack_core.ros.messages.packing import to_markers
+from pack_core.ros.messages.scene import from_scene
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.perception_node import PerceptionNode, PerceptionNodeConfig
 from pack_sim.packing.scene_generator import generate_scene

@@ -14,8 +14,8 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
 from pack_core.paths import config_path
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_pose
-from pack_core.ros.scene_messages import to_scene
+from pack_core.ros.messages.conversions import from_pose
+from pack_core.ros.messages.scene import to_scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_planner.placement.planner_node import PlannerNode

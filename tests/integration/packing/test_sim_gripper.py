@@ -7,8 +7,8 @@ from pack_interfaces.srv import GripperCommand
 from integration.harness import Graph
 from integration.packing.sim_rig import start_sim
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.scene import from_scene
 from pack_core.states import ObjectState
 from pack_sim.packing.sim_node import PackingSimNode
 

@@ -13,8 +13,8 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.joint_messages import to_setpoints
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.joints import to_setpoints
+from pack_core.ros.messages.scene import from_scene
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.sim_node import PackingSimNode
 

@@ -16,9 +16,9 @@ from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.packing.marker_messages import from_markers
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.packing import from_markers
+from pack_core.ros.messages.scene import from_scene
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from integration.simulation_rig import accept_times, standing_without_setpoints
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.joint_messages import to_setpoints
+from pack_core.ros.messages.joints import to_setpoints
 from pack_sim.packing.sim_node import PackingSimNode
 
 AT_REST = 0.02

@@ -10,8 +10,8 @@ from pack_core.joints import JointReference, JointSample
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.joint_messages import from_joint_state
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.joints import from_joint_state
 from pack_sim.palletizing.pallet_sim_node import PalletSimNode
 
 SENSORS = (shared.CLOCK, motion.JOINT_STATES, contracts.GRIPPER_STATE, contracts.TRUTH)

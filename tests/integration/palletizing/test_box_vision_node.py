@@ -14,9 +14,9 @@ from pack_core.camera import PinholeCamera
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.view import Picture
-from pack_core.ros.camera_messages import to_camera_info, to_image
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.palletizing.detection_messages import from_detection, to_expected_box
+from pack_core.ros.messages.camera import to_camera_info, to_image
+from pack_core.ros.messages.palletizing import from_detection, to_expected_box
 from pack_core.rotations import Pose, from_yaw
 from pack_perception.boxes.box_vision_node import BoxVisionNode
 from unit.pack_perception.boxes.spawns import CELL, NOMINAL, TABLE, LitView, Spawn, errors

@@ -24,9 +24,9 @@ from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion as motion_contracts
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.joint_messages import to_joint_state
-from pack_core.ros.motion_messages import to_status
-from pack_core.ros.palletizing.gripper_messages import to_gripper_state
+from pack_core.ros.messages.joints import to_joint_state
+from pack_core.ros.messages.motion import to_status
+from pack_core.ros.messages.palletizing import to_gripper_state
 from pack_core.rotations import Pose
 from pack_planner.layout.layout_node import LayoutNode
 from pallet_fsm.fsm_node import PalletFsmNode

@@ -23,7 +23,7 @@ import rclpy
 from pack_core.joints import JointReference, JointSample
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion
-from pack_core.ros.joint_messages import from_joint_state, to_trajectory
+from pack_core.ros.messages.joints import from_joint_state, to_trajectory
 
 rclpy.init(domain_id=int(sys.argv[1]))
 node = rclpy.create_node("flood")

@@ -10,7 +10,7 @@ from pack_core.palletizing.orders.layout_plan import LayoutStatus
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.palletizing.layout_messages import from_layout
+from pack_core.ros.messages.palletizing import from_layout
 from pack_planner.layout.layout_node import LayoutNode
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 

@@ -12,9 +12,9 @@ from pack_core.motion.moves import Move, Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import motion
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.joint_messages import to_trajectory
-from pack_core.ros.motion_messages import to_target
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.joints import to_trajectory
+from pack_core.ros.messages.motion import to_target
 from pack_core.rotations import Pose, from_rpy
 from pack_motion.arm.arms import load_arm
 from pack_motion.motion_node import MotionNode

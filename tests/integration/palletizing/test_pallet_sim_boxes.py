@@ -16,8 +16,8 @@ from integration.palletizing.pallet_rig import newest_joints, spawn, start_palle
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.view import Picture
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import from_stamp, to_pose
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.conversions import from_stamp, to_pose
+from pack_core.ros.messages.scene import from_scene
 from pack_core.rotations import Pose
 from pack_sim.palletizing.overhead_camera import PalletCamera
 from pack_sim.palletizing.snapshot import Snapshot

@@ -13,7 +13,7 @@ from integration.palletizing.pallet_rig import SPEED, joint_samples, newest_join
 from integration.simulation_rig import accept_times, standing_without_setpoints
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
-from pack_core.ros.joint_messages import to_trajectory
+from pack_core.ros.messages.joints import to_trajectory
 
 WATCHDOG = 0.1
 MARGIN = 0.07

@@ -20,8 +20,8 @@ from pack_core.palletizing.box_body import BoxBody
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.motion_messages import to_target
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.motion import to_target
 from pack_core.rotations import Pose, from_rpy
 from pack_motion.motion_node import MotionNode
 from pack_sim.palletizing.pallet_sim_node import PalletSimNode

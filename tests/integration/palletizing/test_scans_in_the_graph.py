@@ -18,10 +18,9 @@ from pack_core.paths import config_path
 from pack_core.ros.contracts import motion as motion_contracts
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.motion_messages import to_status
-from pack_core.ros.palletizing.gripper_messages import to_gripper_state
-from pack_core.ros.palletizing.scan_messages import from_cloud, to_cloud
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.motion import to_status
+from pack_core.ros.messages.palletizing import from_cloud, to_cloud, to_gripper_state
 from pack_core.rotations import Pose
 from pack_planner.layout.layout_node import LayoutNode
 from pallet_fsm.fsm_node import PalletFsmNode

@@ -12,7 +12,7 @@ from integration.palletizing.pallet_rig import newest_joints, start_pallet_sim
 from pack_core.motion.moves import Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.ros.contracts import motion
-from pack_core.ros.motion_messages import to_target
+from pack_core.ros.messages.motion import to_target
 from pack_core.ros.node import CellNode
 from pack_core.rotations import Pose, from_rpy
 from pack_motion.motion_node import MotionNode

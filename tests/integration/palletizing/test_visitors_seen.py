@@ -8,8 +8,8 @@ from integration.harness import Graph
 from integration.simulation_rig import pause
 from pack_core.palletizing.visitors import load_visitors
 from pack_core.ros.contracts import motion, shared
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.obstacle_messages import from_obstacles
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.motion import from_obstacles
 from pack_sim.palletizing.pallet_sim_node import PalletSimNode
 
 

@@ -29,8 +29,8 @@ from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.robots.ur10e import JOINTS
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
-from pack_core.ros.goal_markers import goal_markers
 from pack_core.ros.goal_node import GoalNode
+from pack_core.ros.messages.markers import goal_markers
 from pack_core.ros.run import run_node
 
 

@@ -15,7 +15,7 @@ from pack_core.errors import ConfigError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract, Kind
 from pack_core.ros.contracts.table import wiring_of
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import NodeThread, Stream

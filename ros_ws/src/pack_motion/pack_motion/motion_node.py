@@ -20,11 +20,10 @@ from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import NEWEST
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.joint_messages import from_joint_state, to_trajectory
-from pack_core.ros.motion_messages import from_target, to_status
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.joints import from_joint_state, to_trajectory
+from pack_core.ros.messages.motion import from_obstacles, from_target, to_status
 from pack_core.ros.node import CellNode
-from pack_core.ros.obstacle_messages import from_obstacles
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import Stream, StreamReader
 from pack_motion.arm.arms import load_arm

@@ -14,8 +14,8 @@ from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
-from pack_core.ros.joint_messages import to_setpoints
-from pack_core.ros.packing.cell_parameter import read_packing_cell
+from pack_core.ros.messages.joints import to_setpoints
+from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_mpc.mpc_node_config import MpcNodeConfig
 from pack_mpc.optimizers import OPTIMIZERS

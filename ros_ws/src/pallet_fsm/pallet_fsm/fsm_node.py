@@ -17,9 +17,9 @@ from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.goal_markers import goal_markers, vertex_markers
 from pack_core.ros.goal_node import GoalNode
-from pack_core.ros.palletizing.layout_messages import from_layout
+from pack_core.ros.messages.markers import goal_markers, vertex_markers
+from pack_core.ros.messages.palletizing import from_layout
 from pack_core.ros.run import run_node
 from pallet_fsm.joint_times import warm_up
 from pallet_fsm.palletizer import Palletizer

@@ -11,11 +11,11 @@ from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.fingers import FingerState
 from pack_core.motion.target import MotionStatus
-from pack_core.ros.blocks.block_messages import from_finger_state, from_sighting
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.motion_messages import from_status
+from pack_core.ros.messages.blocks import from_finger_state, from_sighting
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.motion import from_status
 from pack_core.ros.node import CellNode
 from pack_core.ros.stream import Stream, StreamReader
 

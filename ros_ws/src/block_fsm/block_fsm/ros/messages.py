@@ -7,8 +7,8 @@ from pack_interfaces.msg import RearrangeStatus
 
 from block_fsm.executor import Executor
 from block_fsm.outcome import Outcome
-from pack_core.ros.blocks.rearrangement_messages import to_action
-from pack_core.ros.conversions import to_stamp
+from pack_core.ros.messages.blocks import to_action
+from pack_core.ros.messages.conversions import to_stamp
 
 
 def to_status(executor: Executor, time: float) -> RearrangeStatus:

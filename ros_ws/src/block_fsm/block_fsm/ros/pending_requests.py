@@ -18,8 +18,8 @@ from pack_core.blocks.fingers import FingerStatus
 from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
 from pack_core.errors import PackError
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.ros.blocks.rearrangement_messages import from_response, to_request
-from pack_core.ros.motion_messages import to_target
+from pack_core.ros.messages.blocks import from_response, to_request
+from pack_core.ros.messages.motion import to_target
 
 ENDED = (MotionState.REACHED, MotionState.STUCK, MotionState.REFUSED)
 

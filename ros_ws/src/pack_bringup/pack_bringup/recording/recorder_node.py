@@ -20,7 +20,7 @@ from pack_core.cells import optional_cell_part
 from pack_core.errors import BagError, MessageError, PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import nodes_of, recorded
-from pack_core.ros.conversions import stamp_in
+from pack_core.ros.messages.conversions import stamp_in
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import NodeThread, Stream

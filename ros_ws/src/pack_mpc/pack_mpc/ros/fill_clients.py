@@ -11,7 +11,7 @@ from pack_core.errors import MessageError
 from pack_core.packing.arrangement import Arrangement
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.conversions import from_pose
+from pack_core.ros.messages.conversions import from_pose
 from pack_core.ros.node import CellNode
 
 

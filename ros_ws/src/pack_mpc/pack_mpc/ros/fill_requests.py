@@ -15,8 +15,8 @@ from pack_core.packing.packing_list import PackingList
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.conversions import to_pose
-from pack_core.ros.scene_messages import to_scene
+from pack_core.ros.messages.conversions import to_pose
+from pack_core.ros.messages.scene import to_scene
 from pack_mpc.filling.requests import Arrange, Judge, Present, Presented, UsePump
 from pack_mpc.ros.fill_clients import FillClients, arrangement_in, reason_in
 from pack_mpc.session import PackingObservation

@@ -18,10 +18,10 @@ from pack_core.joints import JointSample
 from pack_core.packing.scene import Scene
 from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import finite
-from pack_core.ros.joint_messages import from_joint_state
+from pack_core.ros.messages.conversions import finite
+from pack_core.ros.messages.joints import from_joint_state
+from pack_core.ros.messages.scene import from_scene
 from pack_core.ros.node import CellNode
-from pack_core.ros.scene_messages import from_scene
 from pack_core.ros.stream import Stream, StreamWait
 from pack_core.states import SceneState
 from pack_mpc.blindness import blind_for

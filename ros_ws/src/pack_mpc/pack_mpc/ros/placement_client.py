@@ -7,10 +7,10 @@ from rclpy.task import Future
 
 from pack_core.errors import MessageError
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import from_pose, to_point, to_pose
+from pack_core.ros.messages.conversions import from_pose, to_point, to_pose
+from pack_core.ros.messages.packing import from_way
+from pack_core.ros.messages.scene import to_scene
 from pack_core.ros.node import CellNode
-from pack_core.ros.packing.way_messages import from_way
-from pack_core.ros.scene_messages import to_scene
 from pack_core.rotations import Pose
 from pack_mpc.session import PackingObservation, PackingSession
 

@@ -9,7 +9,7 @@ from pack_interfaces.action import PackObject
 from pack_interfaces.msg import MpcStatus
 from std_msgs.msg import String
 
-from pack_core.ros.conversions import WORLD, to_pose, to_stamp
+from pack_core.ros.messages.conversions import WORLD, to_pose, to_stamp
 from pack_mpc.controller import ControlPlan
 from pack_mpc.look import LookMachine
 from pack_mpc.session import PackingObservation, PackingSession

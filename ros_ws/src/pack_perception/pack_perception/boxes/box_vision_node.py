@@ -16,12 +16,11 @@ from pack_core.errors import MessageError
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
-from pack_core.ros.camera_messages import from_camera_info, from_image
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import from_stamp, to_stamp
+from pack_core.ros.messages.camera import from_camera_info, from_image
+from pack_core.ros.messages.conversions import from_stamp, to_stamp
+from pack_core.ros.messages.palletizing import from_expected_box, to_detection, to_sighting
 from pack_core.ros.node import CellNode
-from pack_core.ros.palletizing.detection_messages import from_expected_box, to_detection
-from pack_core.ros.palletizing.sighting_messages import to_sighting
 from pack_core.ros.run import run_node
 from pack_perception.boxes.board_corners import sight_board
 from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig

@@ -17,13 +17,13 @@ from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
 from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import stamp_in
-from pack_core.ros.joint_messages import from_joint_state
+from pack_core.ros.messages.conversions import stamp_in
+from pack_core.ros.messages.joints import from_joint_state
+from pack_core.ros.messages.packing import from_markers
+from pack_core.ros.messages.scene import SceneWriter
 from pack_core.ros.node import CellNode
-from pack_core.ros.packing.cell_parameter import read_packing_cell
-from pack_core.ros.packing.marker_messages import from_markers
+from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
-from pack_core.ros.scene_messages import SceneWriter
 from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator

@@ -9,10 +9,10 @@ from std_msgs.msg import String
 
 from pack_core.blocks.cell import blocks_cell
 from pack_core.camera import PinholeCamera
-from pack_core.ros.blocks.block_messages import from_tags, to_sighting
-from pack_core.ros.camera_messages import from_camera_info, from_image
 from pack_core.ros.contracts import blocks as contracts
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.messages.blocks import from_tags, to_sighting
+from pack_core.ros.messages.camera import from_camera_info, from_image
+from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig

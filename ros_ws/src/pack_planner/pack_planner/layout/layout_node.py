@@ -9,8 +9,8 @@ from pack_interfaces.srv import PlanLayout
 from pack_core.errors import OrderError, PackError
 from pack_core.palletizing.orders.order_file import parse_order
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.messages.palletizing import fill_layout
 from pack_core.ros.node import CellNode
-from pack_core.ros.palletizing.layout_messages import fill_layout
 from pack_core.ros.run import run_node
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 

@@ -13,12 +13,12 @@ from std_msgs.msg import String
 from pack_core.errors import MessageError, PackError
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.conversions import finite, from_pose, to_pose
+from pack_core.ros.messages.conversions import finite, from_pose, to_pose
+from pack_core.ros.messages.packing import checked_lean, fill_way
+from pack_core.ros.messages.scene import from_scene
 from pack_core.ros.node import CellNode
-from pack_core.ros.packing.cell_parameter import read_packing_cell
-from pack_core.ros.packing.way_messages import checked_lean, fill_way
+from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
-from pack_core.ros.scene_messages import from_scene
 from pack_core.rotations import Pose
 from pack_planner.filling.ros.filling_messages import fill_response, plan_filling
 from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners

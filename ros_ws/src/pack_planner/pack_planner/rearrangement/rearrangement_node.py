@@ -11,8 +11,8 @@ from pydantic import Field, PositiveFloat
 from pack_core.blocks.plan import Plan
 from pack_core.config import NEXT_REQUEST
 from pack_core.errors import PackError
-from pack_core.ros.blocks.rearrangement_messages import fill_plan, from_request
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.messages.blocks import fill_plan, from_request
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_planner.rearrangement.methods import METHODS, MethodName, RearrangementConfig

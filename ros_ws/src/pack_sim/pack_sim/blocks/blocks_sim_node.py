@@ -18,8 +18,8 @@ from pack_core.blocks.robot_description import describe_robot
 from pack_core.errors import PackError
 from pack_core.paths import config_path
 from pack_core.robots.ur10e import LIMITS
-from pack_core.ros.blocks.block_messages import to_tags
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.messages.blocks import to_tags
 from pack_sim.blocks.ros.blocks_publisher import BlocksPublisher
 from pack_sim.blocks.ros.camera_publisher import CameraPublisher
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig

@@ -17,8 +17,8 @@ from pack_core.packing.robot_description import describe_robot
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.joint_messages import from_setpoints
-from pack_core.ros.packing.cell_parameter import read_packing_cell
+from pack_core.ros.messages.joints import from_setpoints
+from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_sim.packing.ros.sensor_publisher import SensorPublisher
 from pack_sim.packing.scene_generator import generate_scene

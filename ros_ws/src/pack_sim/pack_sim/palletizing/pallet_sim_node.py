@@ -17,7 +17,7 @@ from pack_core.palletizing.frames import fixed_frames
 from pack_core.palletizing.robot_description import describe_robot
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import from_pose
+from pack_core.ros.messages.conversions import from_pose
 from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig

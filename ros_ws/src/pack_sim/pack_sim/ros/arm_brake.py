@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import to_stamp
+from pack_core.ros.messages.conversions import to_stamp
 from pack_core.ros.node import CellNode
 
 STANDING = 0.02

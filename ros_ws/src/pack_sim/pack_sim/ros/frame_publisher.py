@@ -13,9 +13,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from pack_core.robots.described_robot import DescribedRobot
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import WORLD, to_stamp
+from pack_core.ros.messages.conversions import WORLD, to_stamp
+from pack_core.ros.messages.markers import frame_of, shape_markers
 from pack_core.ros.node import CellNode
-from pack_core.ros.shape_markers import frame_of, shape_markers
 from pack_core.rotations import Array, Pose, conjugate, multiply, rotate
 
 PERIOD = 1.0 / 30.0

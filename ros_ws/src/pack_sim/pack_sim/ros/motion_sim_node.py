@@ -13,7 +13,7 @@ from trajectory_msgs.msg import JointTrajectory
 from pack_core.joints import JointReference
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.joint_messages import from_trajectory
+from pack_core.ros.messages.joints import from_trajectory
 from pack_core.ros.run import run_node
 from pack_sim.reference_follower import ReferenceFollower
 from pack_sim.ros.physics_node import PhysicsNode, Service, SimulatedCell

@@ -14,8 +14,8 @@ from pack_core.palletizing.board_sighting import BoardSighting
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.goal_node import GoalNode
-from pack_core.ros.joint_messages import from_joint_state
-from pack_core.ros.palletizing.sighting_messages import from_sighting
+from pack_core.ros.messages.joints import from_joint_state
+from pack_core.ros.messages.palletizing import from_sighting
 from pack_core.ros.stream import Stream
 from pallet_fsm.calibration.job import RigJob
 from pallet_fsm.calibration.observation import CalibrationObservation

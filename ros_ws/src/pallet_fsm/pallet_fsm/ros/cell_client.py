@@ -15,10 +15,10 @@ from std_srvs.srv import Trigger
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.conversions import from_stamp, to_pose
-from pack_core.ros.motion_messages import to_target
+from pack_core.ros.messages.conversions import from_stamp, to_pose
+from pack_core.ros.messages.motion import to_target
+from pack_core.ros.messages.palletizing import to_expected_box
 from pack_core.ros.node import CellNode
-from pack_core.ros.palletizing.detection_messages import to_expected_box
 from pallet_fsm.ports import (
     CloseGripper,
     Command,

@@ -16,12 +16,10 @@ from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.motion_messages import from_status
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.motion import from_status
+from pack_core.ros.messages.palletizing import from_cloud, from_detection, from_gripper_state
 from pack_core.ros.node import CellNode
-from pack_core.ros.palletizing.detection_messages import from_detection
-from pack_core.ros.palletizing.gripper_messages import from_gripper_state
-from pack_core.ros.palletizing.scan_messages import from_cloud
 from pack_core.ros.stream import Stream, StreamReader
 from pallet_fsm.ports import PalletObservation
 from pallet_fsm.surroundings import PALLET, REORIENTATION_TABLE

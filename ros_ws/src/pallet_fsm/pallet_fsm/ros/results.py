@@ -7,7 +7,7 @@ import json
 from pack_interfaces.action import Palletize
 from pack_interfaces.msg import PalletState
 
-from pack_core.ros.conversions import to_stamp
+from pack_core.ros.messages.conversions import to_stamp
 from pallet_fsm.machine import Visit
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.report import BoxOutcome, OrderReport

@@ -23,7 +23,7 @@ from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import wiring_of
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.node_status import LISTENING
 from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.stream import Stream

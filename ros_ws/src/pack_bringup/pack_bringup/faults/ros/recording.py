@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pack_bringup.faults.arm_record import ArmRecord
 from pack_core.errors import BagError
-from pack_core.ros.conversions import from_stamp
+from pack_core.ros.messages.conversions import from_stamp
 from pack_evaluation.bag import read_bag
 
 RECORDED = "/joint_states"

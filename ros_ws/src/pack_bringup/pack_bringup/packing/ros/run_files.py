@@ -9,7 +9,7 @@ from rclpy.serialization import deserialize_message
 from pack_core.errors import BagError
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts.packing import DESCRIPTION, TRUTH
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.scene import from_scene
 
 SCENE_FILE = "scene.yaml"
 

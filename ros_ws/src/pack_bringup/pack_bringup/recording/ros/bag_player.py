@@ -19,7 +19,7 @@ from pack_bringup.recording.playback import Playback
 from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import to_stamp
+from pack_core.ros.messages.conversions import to_stamp
 from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.watch.peer_watch import SignOfLife
 from pack_core.ros.watch.watch_socket import WatchSocket

@@ -9,8 +9,7 @@ from std_msgs.msg import String
 
 from pack_core.blocks import topics
 from pack_core.ros.contracts.contract import LATCHED, STREAM, Contract, Kind, contracts_in, hz
-from pack_core.ros.contracts.motion import MOTION
-from pack_core.ros.contracts.overhead_camera import overhead_camera
+from pack_core.ros.contracts.motion import MOTION, overhead_camera
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off

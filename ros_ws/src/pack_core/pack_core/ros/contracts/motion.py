@@ -1,14 +1,15 @@
-"""What cells that move through motion targets have on their wires."""
+"""What cells that move through motion targets have on their wires, and an overhead camera of such a cell."""
 
 from __future__ import annotations
 
 from pack_interfaces.msg import BoxObstacles, MotionStatus, MotionTarget
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import CameraInfo, Image, JointState
+from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from pack_core.motion import topics
-from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, contracts_in, hz
+from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 
 # fmt: off
 JOINT_STATES = Contract(
@@ -37,3 +38,20 @@ GOAL_MARKERS = Contract(
 # fmt: on
 
 MOTION = contracts_in(globals())
+
+
+def overhead_camera(vision: str) -> tuple[Contract, Contract, Contract]:
+    """The camera's trigger, its pictures and its intrinsics, for the node `vision` that looks at them."""
+    trigger = Contract(
+        "/camera/trigger", Trigger, ("fsm", "user"), ("sim",),
+        "take a picture now; it follows, stamped with this moment", kind=Kind.SERVICE,
+    )  # fmt: skip
+    image = Contract(
+        "/camera/image_raw", Image, ("sim",), (vision,), "picture of the overhead camera, rgb8", qos=LATEST,
+        rate="on demand",
+    )  # fmt: skip
+    info = Contract(
+        "/camera/camera_info", CameraInfo, ("sim",), (vision, "recorder"),
+        "intrinsics of the overhead camera", qos=LATCHED, rate="with each picture", recorded=True,
+    )  # fmt: skip
+    return trigger, image, info

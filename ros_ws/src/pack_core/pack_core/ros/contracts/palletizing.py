@@ -22,7 +22,7 @@ from std_srvs.srv import Trigger
 from pack_core.palletizing import topics
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
-from pack_core.ros.contracts.overhead_camera import overhead_camera
+from pack_core.ros.contracts.motion import overhead_camera
 from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off

@@ -10,9 +10,9 @@ from pack_core.joints import JointSample
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import DESCRIPTION, FILL_RESULT, GRIPPER_STATE, JOINT_STATES, MARKERS
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.joint_messages import from_joint_state
-from pack_core.ros.packing.marker_messages import from_markers
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.joints import from_joint_state
+from pack_core.ros.messages.packing import from_markers
 from pack_core.states import SceneState
 from pack_evaluation.bag import Bag, result_in
 from pack_evaluation.goals import without_earlier_gaps

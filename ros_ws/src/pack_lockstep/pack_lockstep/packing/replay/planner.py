@@ -11,8 +11,8 @@ from pack_core.errors import BagError
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import DESCRIPTION, FILL_RESULT, SCENE, SETTLED_SAMPLES
-from pack_core.ros.conversions import from_stamp
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.scene import from_scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_evaluation.bag import Bag

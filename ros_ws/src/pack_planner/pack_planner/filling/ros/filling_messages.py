@@ -10,8 +10,8 @@ from pack_core.packing.arrangement import Arrangement, FillMethod
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
-from pack_core.ros.conversions import from_pose, to_pose
-from pack_core.ros.scene_messages import from_scene
+from pack_core.ros.messages.conversions import from_pose, to_pose
+from pack_core.ros.messages.scene import from_scene
 from pack_planner.filling.arrangement_config import ArrangementConfig
 from pack_planner.filling.fill_planner import FillPlanner
 

@@ -12,7 +12,7 @@ from pack_core.hull import hull_of, with_fewer_corners
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.packing.settled_sample import SettledSample
-from pack_core.ros.conversions import WORLD, to_point, to_pose, to_stamp
+from pack_core.ros.messages.conversions import WORLD, to_point, to_pose, to_stamp
 from pack_core.rotations import Array, Pose
 from pack_planner.placement.placement_result import PlacementSamples, PlannedPlacement
 

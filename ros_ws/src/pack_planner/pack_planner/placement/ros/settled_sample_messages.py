@@ -8,7 +8,7 @@ from pack_interfaces.msg import SettledSample as SettledSampleMessage
 from pack_interfaces.msg import SettledSamples
 
 from pack_core.packing.settled_sample import SettledSample
-from pack_core.ros.conversions import WORLD, to_pose, to_stamp
+from pack_core.ros.messages.conversions import WORLD, to_pose, to_stamp
 
 
 def to_settled_samples(time: float, samples: Sequence[SettledSample]) -> SettledSamples:

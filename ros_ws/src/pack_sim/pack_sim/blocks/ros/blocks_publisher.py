@@ -7,13 +7,13 @@ from rosgraph_msgs.msg import Clock
 from pack_core import topics as shared_topics
 from pack_core.blocks import topics
 from pack_core.robots.ur10e import JOINTS
-from pack_core.ros.blocks.block_messages import to_finger_state
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion, shared
-from pack_core.ros.conversions import to_stamp
-from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.messages.blocks import to_finger_state
+from pack_core.ros.messages.conversions import to_stamp
+from pack_core.ros.messages.joints import to_joint_state
+from pack_core.ros.messages.scene import to_scene
 from pack_core.ros.node import CellNode
-from pack_core.ros.scene_messages import to_scene
 from pack_core.topics import steps_between
 from pack_sim.blocks.simulator import BlocksSimulator
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from pack_core.blocks.cell import BlocksCell
-from pack_core.ros.camera_messages import to_camera_info, to_image
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.messages.camera import to_camera_info, to_image
 from pack_core.ros.node import CellNode
 from pack_core.rotations import Array
 from pack_sim.blocks.overhead_camera import OverheadCamera, Picture

@@ -9,11 +9,11 @@ from pack_core import topics as shared_topics
 from pack_core.packing import topics
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.conversions import to_stamp, to_wrench
-from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.messages.conversions import to_stamp, to_wrench
+from pack_core.ros.messages.joints import to_joint_state
+from pack_core.ros.messages.packing import to_markers
+from pack_core.ros.messages.scene import SceneWriter
 from pack_core.ros.node import CellNode
-from pack_core.ros.packing.marker_messages import to_markers
-from pack_core.ros.scene_messages import SceneWriter
 from pack_core.topics import steps_between
 from pack_sim.packing.simulator import Simulator
 

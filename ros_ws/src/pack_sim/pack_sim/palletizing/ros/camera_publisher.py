@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from pack_core.palletizing.view import Picture
-from pack_core.ros.camera_messages import to_camera_info, to_image
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.messages.camera import to_camera_info, to_image
 from pack_core.ros.node import CellNode
 from pack_sim.camera_thread import CameraThread
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig, camera_of

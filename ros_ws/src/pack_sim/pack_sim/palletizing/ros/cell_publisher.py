@@ -15,12 +15,12 @@ from pack_core.palletizing.box_body import BoxBody
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.conversions import to_stamp
-from pack_core.ros.joint_messages import to_joint_state
+from pack_core.ros.messages.conversions import to_stamp
+from pack_core.ros.messages.joints import to_joint_state
+from pack_core.ros.messages.motion import to_obstacles
+from pack_core.ros.messages.palletizing import to_gripper_state
+from pack_core.ros.messages.scene import to_scene
 from pack_core.ros.node import CellNode
-from pack_core.ros.obstacle_messages import to_obstacles
-from pack_core.ros.palletizing.gripper_messages import to_gripper_state
-from pack_core.ros.scene_messages import to_scene
 from pack_core.topics import steps_between
 from pack_sim.palletizing.simulator import PalletSimulator
 from pack_sim.palletizing.visitor_sensor import Observation

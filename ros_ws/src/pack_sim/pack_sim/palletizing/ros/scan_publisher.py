@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.messages.palletizing import to_cloud
 from pack_core.ros.node import CellNode
-from pack_core.ros.palletizing.scan_messages import to_cloud
 from pack_sim.palletizing.place_scanner import PlaceScanner
 from pack_sim.palletizing.snapshot import PhysicsSnapshot
 

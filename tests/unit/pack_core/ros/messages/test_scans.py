@@ -10,7 +10,7 @@ from sensor_msgs.msg import PointCloud2
 
 from pack_core.errors import MessageError
 from pack_core.palletizing.scanner import PlaceScan
-from pack_core.ros.palletizing.scan_messages import from_cloud, to_cloud
+from pack_core.ros.messages.palletizing import from_cloud, to_cloud
 
 SCAN = PlaceScan(12.5, "pallet", np.array([[0.1, -0.2, 3.5], [0.0, 0.4, 3.856]]))
 

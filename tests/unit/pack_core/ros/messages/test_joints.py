@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.errors import MessageError
 from pack_core.joints import JointReference, JointSample, Setpoints
-from pack_core.ros.joint_messages import (
+from pack_core.ros.messages.joints import (
     from_joint_state,
     from_setpoints,
     from_trajectory,

@@ -6,13 +6,7 @@ from pack_interfaces.msg import ObjectState as ObjectStateMsg
 from pack_interfaces.msg import SceneState as SceneStateMsg
 
 from pack_core.errors import MessageError
-from pack_core.ros.conversions import (
-    WORLD,
-    from_pose,
-    from_stamp,
-    from_vector,
-    to_stamp,
-)
+from pack_core.ros.messages.conversions import WORLD, from_pose, from_stamp, from_vector, to_stamp
 from pack_core.states import ObjectState, SceneState, Source
 
 

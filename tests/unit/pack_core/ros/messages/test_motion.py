@@ -12,7 +12,7 @@ from pack_core.errors import MessageError
 from pack_core.motion.moves import UP, JointMove, Line, Mode, Move, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, ReachTolerance
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.ros.motion_messages import from_status, from_target, to_status, to_target
+from pack_core.ros.messages.motion import from_status, from_target, to_status, to_target
 from pack_core.rotations import Pose, exp
 
 X = Pose(np.array([0.1, 0.2, 0.3]), exp(np.array([0.1, 0.2, 0.3])))

@@ -1,7 +1,4 @@
-"""Rearrangement problems and plans as messages, and back.
-
-Every `from_*` raises MessageError for a message that must not be used.
-"""
+"""Messages of the blocks cell to values and back: sightings, the fingers, problems, actions and plans."""
 
 from __future__ import annotations
 
@@ -10,16 +7,71 @@ from typing import Any
 
 from geometry_msgs.msg import Point
 from pack_interfaces.msg import BlockAction, BlockDeed, BlockPose, BlockTolerance
+from pack_interfaces.msg import BlockSighting as BlockSightingMsg
 from pack_interfaces.msg import GripperFootprint as GripperFootprintMsg
+from pack_interfaces.msg import JawState as JawStateMsg
 from pack_interfaces.srv import PlanRearrangement
+from std_msgs.msg import String
 
+from pack_core.blocks.block_sighting import BlockSighting
+from pack_core.blocks.fingers import FingerState, FingerStatus
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.plan import Action, Diagnosis, PickPlace, Plan, PlanStatistics, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveAction, PrimitiveKind
 from pack_core.blocks.problem import PlacedBlock, Problem, Tolerance
+from pack_core.blocks.tags_text import parse_tags, tags_text
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError, MessageError
+from pack_core.ros.messages.conversions import WORLD, finite, from_stamp, to_stamp
+
+
+def to_tags(tags: Mapping[str, int]) -> String:
+    """The number of every block's tag."""
+    return String(data=tags_text(tags))
+
+
+def from_tags(message: String) -> dict[str, int]:
+    """The number of every block's tag, by the block's id."""
+    return parse_tags(message.data)
+
+
+def to_sighting(sighting: BlockSighting) -> BlockSightingMsg:
+    """What was seen in a picture."""
+    message = BlockSightingMsg(
+        blocks=to_block_poses(sighting.poses), missing=list(sighting.missing),
+        doubled=list(sighting.doubled), unknown=list(sighting.unknown),
+    )  # fmt: skip
+    message.header.stamp, message.header.frame_id = to_stamp(sighting.time), WORLD
+    return message
+
+
+def from_sighting(message: BlockSightingMsg) -> BlockSighting:
+    """What was seen in a picture."""
+    poses = from_block_poses(message.blocks, "blocks seen")
+    for name, pose in poses.items():
+        finite(pose.row, f"pose of {name}")
+    return BlockSighting(
+        from_stamp(message.header.stamp), poses, tuple(message.missing), tuple(message.doubled),
+        tuple(message.unknown),
+    )  # fmt: skip
+
+
+def to_finger_state(state: FingerState, command: int) -> JawStateMsg:
+    """The gripper's state after so many commands."""
+    message = JawStateMsg(opening=state.opening, force=state.force, status=int(state.status), command=command)
+    message.header.stamp = to_stamp(state.time)
+    return message
+
+
+def from_finger_state(message: JawStateMsg) -> FingerState:
+    """The gripper's state."""
+    if message.status not in list(FingerStatus):
+        raise MessageError(
+            f"status of the gripper is {message.status}; allowed: {[int(s) for s in FingerStatus]}"
+        )
+    opening, force = finite([message.opening, message.force], "state of the gripper")
+    return FingerState(from_stamp(message.header.stamp), opening, force, FingerStatus(message.status))
 
 
 def to_block_poses(poses: Mapping[str, PlanarPose]) -> list[BlockPose]:

@@ -11,7 +11,7 @@ from pack_interfaces.srv import PlanPlacement
 
 from pack_core.errors import MessageError
 from pack_core.packing.entry import WayIn
-from pack_core.ros.packing.way_messages import fill_way, from_over, from_way
+from pack_core.ros.messages.packing import fill_way, from_over, from_way
 
 
 @given(st.floats(-math.pi, math.pi))

@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from pack_core import stamps
 from pack_core.errors import MessageError
 from pack_core.joints import JointReference, JointSample, Setpoints
-from pack_core.ros.conversions import finite, from_stamp, to_stamp
+from pack_core.ros.messages.conversions import finite, from_stamp, to_stamp
 from pack_core.rotations import Array
 
 

@@ -7,7 +7,7 @@ from visualization_msgs.msg import Marker
 
 from pack_core.packing.object_set import load_set
 from pack_core.packing.scene_item import SceneItem
-from pack_core.ros.shape_markers import shape_markers
+from pack_core.ros.messages.markers import shape_markers
 from pack_core.rotations import Pose
 
 SHAPES = {item.shape: item for item in load_set("household").objects}

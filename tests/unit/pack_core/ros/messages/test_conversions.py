@@ -5,7 +5,7 @@ from geometry_msgs.msg import WrenchStamped
 from rclpy.serialization import serialize_message
 
 from pack_core.errors import MessageError
-from pack_core.ros.conversions import stamp_in, to_stamp
+from pack_core.ros.messages.conversions import stamp_in, to_stamp
 
 
 @pytest.mark.parametrize("time", [0.0, 1.234567891, 4000.25])

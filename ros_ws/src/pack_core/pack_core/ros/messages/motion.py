@@ -1,17 +1,19 @@
-"""Motion targets and status, to messages and back."""
+"""Motion targets, their obstacles and the motion's status, to messages and back."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
-from pack_interfaces.msg import MotionRetreat, MotionSegment
+from pack_interfaces.msg import BoxObstacle, BoxObstacles, MotionRetreat, MotionSegment
 from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 from pack_interfaces.msg import MotionTarget as MotionTargetMsg
 
 from pack_core.errors import MessageError, PackError
 from pack_core.motion.moves import JointMove, Line, Mode, Move, Path, PoseMove, Retreat, Segment, Transfer
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, ReachTolerance
-from pack_core.motion.world import CarriedBox
-from pack_core.ros.conversions import (
+from pack_core.motion.world import CarriedBox, Obstacle
+from pack_core.ros.messages.conversions import (
     WORLD,
     finite,
     from_pose,
@@ -21,7 +23,6 @@ from pack_core.ros.conversions import (
     to_stamp,
     to_vector,
 )
-from pack_core.ros.obstacle_messages import from_obstacles, to_obstacle
 
 
 def to_target(target: MotionTarget, time: float) -> MotionTargetMsg:
@@ -177,3 +178,29 @@ def _from_retreat(message: MotionRetreat) -> Retreat:
             "allowed: a length from 0, a speed above 0"
         )
     return Retreat(direction, (float(lengths[0]), float(lengths[1])), *speeds.tolist())
+
+
+def to_obstacle(item: Obstacle) -> BoxObstacle:
+    """A message of an obstacle."""
+    return BoxObstacle(
+        name=item.name, pose=to_pose(item.X_WO), size=to_vector(item.size),
+        velocity=to_vector(item.v_WO_W), is_moving=item.is_moving,
+    )  # fmt: skip
+
+
+def to_obstacles(obstacles: Iterable[Obstacle], time: float) -> BoxObstacles:
+    """A message of moving obstacles as they were seen at `time` [s]."""
+    message = BoxObstacles(obstacles=[to_obstacle(item) for item in obstacles])
+    message.header.stamp, message.header.frame_id = to_stamp(time), WORLD
+    return message
+
+
+def from_obstacles(messages: Iterable[BoxObstacle]) -> tuple[Obstacle, ...]:
+    """The obstacles in messages; MessageError or PackError where one has values that must not be used."""
+    return tuple(
+        Obstacle(
+            item.name, from_pose(item.pose), from_vector(item.size, f"size of {item.name}"),
+            from_vector(item.velocity, f"velocity of {item.name}"), item.is_moving,
+        )
+        for item in messages
+    )  # fmt: skip

@@ -10,7 +10,7 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from pack_core.camera import PinholeCamera
 from pack_core.errors import MessageError
-from pack_core.ros.conversions import finite, to_stamp
+from pack_core.ros.messages.conversions import finite, to_stamp
 from pack_core.rotations import Pose
 
 

@@ -1,1 +1,0 @@
-"""Messages and parameters of the packing cell."""
