@@ -7,7 +7,7 @@ import queue
 
 import pytest
 
-from pack_bringup.soak.usage import usage_of
+from pack_bringup.robustness.soak import usage_of
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.problem_file import load_problem
 from pack_core.paths import config_path

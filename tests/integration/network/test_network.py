@@ -23,10 +23,10 @@ from network_rig import (
     who_heard,
     without_profile,
 )
-from pack_bringup.faults.ros.fault_witness import FaultWitness
 from pack_bringup.graph.network import network_environment
 from pack_bringup.recording.playback import load_playback
 from pack_bringup.recording.ros.bag_player import BagPlayer
+from pack_bringup.robustness.ros.cell_observer import CellObserver
 from pack_core.errors import PackError
 from pack_core.network import network_warning
 from pack_core.paths import bags_path
@@ -65,7 +65,7 @@ def test_all_sockets_of_pack_play_are_bound_to_loopback(graph: Graph) -> None:
 def test_all_sockets_of_what_watches_in_benchmarks_of_running_cells_are_bound_to_loopback(
     graph: Graph,
 ) -> None:
-    with FaultWitness("packing", graph.context.get_domain_id()):
+    with CellObserver("packing", graph.context.get_domain_id()):
         graph.wait_until(lambda: graph.probe.count_subscribers("/joint_states"))
         assert bound_addresses() == {"127.0.0.1"}
 

@@ -21,7 +21,7 @@ from pack_core.paths import config_path
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import from_pose
 from pack_core.rotations import Array, Pose, angle_between
-from pack_lockstep.packing.hands import hide_all
+from pack_lockstep.packing.disturbances import hide_all
 from pack_lockstep.packing.lockstep import HELD, Lockstep, Step
 from pack_lockstep.packing.lockstep_config import lockstep_config
 from pack_mpc.outcome import PackingOutcome

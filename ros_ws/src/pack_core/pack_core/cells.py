@@ -57,8 +57,9 @@ PARTS = {
     "benchmark": CellPart(
         "pack_bringup.{cell}.benchmark_command", "benchmark", "the command `pack benchmark CELL`"
     ),
-    "hands": CellPart(
-        "pack_lockstep.{cell}.hands", "HANDS", "the rows of `pack benchmark hands CELL`", is_optional=True
+    "disturbances": CellPart(
+        "pack_lockstep.{cell}.disturbances", "DISTURBANCES", "the rows of `pack benchmark hands CELL`",
+        is_optional=True,
     ),
     "page": CellPart(
         "pack_viewer.{cell}.{cell}_page", "PAGE", "the cell's part of the page in the browser",

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from pack_bringup.cli.faults import faults
-from pack_bringup.cli.hands import hands
+from pack_bringup.robustness.commands import faults, hands
 from pack_core.cells import CELLS, cell_part
 
 app = typer.Typer()

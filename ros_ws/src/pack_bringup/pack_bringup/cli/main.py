@@ -16,12 +16,12 @@ from pack_bringup.cli import (
     goal,
     play,
     run,
-    soak,
     status,
     up,
     wiring,
 )
 from pack_bringup.cli.terminal import no_colours, notice
+from pack_bringup.robustness import commands as robustness
 from pack_core.cells import CELLS, optional_cell_part
 from pack_core.errors import PackError
 
@@ -46,7 +46,7 @@ app = typer.Typer(
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (demo, evaluate, benchmark, bag, play, up, goal, status, run, soak, executables, wiring):
+for command in (demo, evaluate, benchmark, bag, play, up, goal, status, run, robustness, executables, wiring):
     app.add_typer(command.app)
 for cell in CELLS:
     for cells_own in optional_cell_part(cell, "commands") or ():

@@ -66,7 +66,7 @@ class BlocksLockstep:
         starts: X_WB of every block at the start, by id.
         planner: makes plans.
         config: parameters.
-        strangers: X_WB of further blocks on the table, by id; nobody knows their tags.
+        foreign: X_WB of further blocks on the table, by id; nobody knows their tags.
 
     Attributes:
         camera_is_silent: whether pictures are asked for in vain.
@@ -79,12 +79,12 @@ class BlocksLockstep:
         starts: Mapping[str, PlanarPose],
         planner: Planner,
         config: BlocksLockstepConfig,
-        strangers: Mapping[str, PlanarPose] | None = None,
+        foreign: Mapping[str, PlanarPose] | None = None,
     ) -> None:
         self._cell, self._config, self._planner = cell, config, planner
         tags = {name: number for number, name in enumerate(task.goals)}
-        there = {**starts, **(strangers or {})}
-        all_tags = {**tags, **{name: len(tags) + k for k, name in enumerate(strangers or {})}}
+        there = {**starts, **(foreign or {})}
+        all_tags = {**tags, **{name: len(tags) + k for k, name in enumerate(foreign or {})}}
         self.simulator = BlocksSimulator(cell, all_tags, there, config.simulator)
         self.camera = OverheadCamera(cell, all_tags, config.simulator.timestep, shadows=config.shadows)
         self.camera_is_silent = False

@@ -1,4 +1,4 @@
-"""Listens to a cell into which faults are put, and sends it goals."""
+"""Listens to a running cell from outside, and sends it goals."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 from pack_bringup.cell_goal import CellGoal
-from pack_bringup.faults.arm_record import ArmRecord
-from pack_bringup.faults.fault import GRASP
+from pack_bringup.robustness.arm_record import ArmRecord
+from pack_bringup.robustness.fault_cases import GRASP
 from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
@@ -30,13 +30,13 @@ from pack_core.ros.stream import Stream
 
 JOINTS = "/joint_states"
 QUEUE = 10_000
-"""Joint states that may wait while the witness does something else: a gap would shift what is measured."""
+"""Joint states that may wait while the observer does something else: a gap would shift what is measured."""
 
 START_TIMEOUT = 300.0
 """For nodes to come up [s of wall clock]; the first start compiles, for 100 s on a slow machine."""
 
 
-class FaultWitness:
+class CellObserver:
     """A node for the time of a `with` block; nothing is heard but in `spin_until`.
 
     Args:
@@ -73,7 +73,7 @@ class FaultWitness:
         start_ros(
             context=self._context, domain_id=self._domain, signal_handler_options=SignalHandlerOptions.NO
         )
-        self.node = rclpy.create_node("fault_witness", context=self._context)
+        self.node = rclpy.create_node("cell_observer", context=self._context)
         confirm_network()
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)

@@ -6,7 +6,8 @@ from dataclasses import asdict
 
 import pytest
 
-from pack_bringup.faults.fault import (
+from pack_bringup.graph.graph import load_graph
+from pack_bringup.robustness.fault_cases import (
     FAULT_COLUMNS,
     STAGES,
     Fault,
@@ -14,7 +15,6 @@ from pack_bringup.faults.fault import (
     fault_cases,
     fault_row,
 )
-from pack_bringup.graph.graph import load_graph
 from pack_core.cells import CELLS
 from pack_core.errors import ConfigError
 from pack_lockstep.benchmarking.trial_file import plain

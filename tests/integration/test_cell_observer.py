@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger
 
 from integration.goal_rig import ACTION, Waiter
 from integration.harness import Graph
-from pack_bringup.faults.ros.fault_witness import FaultWitness
+from pack_bringup.robustness.ros.cell_observer import CellObserver
 from pack_core.errors import PackError
 from pack_core.ros.contracts.contract import Contract, Kind
 
@@ -50,16 +50,16 @@ def test_goal_after_goal_is_sent_by_one_client_alone(graph: Graph) -> None:
     node = graph.start(Quick)
     graph.probe.create_service(Trigger, RESET.name, begin_anew)
 
-    def results(witness: FaultWitness) -> list[str]:
+    def results(observer: CellObserver) -> list[str]:
         ended = []
         for number in range(3):
-            witness.send(Order(number))
-            assert witness.spin_until(lambda: witness.result is not None, 20.0)
-            ended.append(witness.result.message)
+            observer.send(Order(number))
+            assert observer.spin_until(lambda: observer.result is not None, 20.0)
+            ended.append(observer.result.message)
         return ended
 
-    with FaultWitness("packing", graph.context.get_domain_id()) as witness, ThreadPoolExecutor(1) as pool:
-        sent = pool.submit(results, witness)
+    with CellObserver("packing", graph.context.get_domain_id()) as observer, ThreadPoolExecutor(1) as pool:
+        sent = pool.submit(results, observer)
         graph.wait_until(sent.done)
         assert sent.result() == ["0", "1", "2"]
         assert node.started == 3
@@ -69,7 +69,7 @@ def test_goal_after_goal_is_sent_by_one_client_alone(graph: Graph) -> None:
 
 def test_a_node_that_ended_is_not_waited_for(graph: Graph) -> None:
     with (
-        FaultWitness("packing", graph.context.get_domain_id()) as witness,
+        CellObserver("packing", graph.context.get_domain_id()) as observer,
         pytest.raises(PackError, match="not ready: sim ended with exit code 1"),
     ):
-        witness.await_ready(["sim", "mpc"], lambda: {"sim": 1})
+        observer.await_ready(["sim", "mpc"], lambda: {"sim": 1})

@@ -1,17 +1,20 @@
-"""What somebody does to a cell by hand while it works, and what becomes of it: the rows of one table."""
+"""What is done to a cell from outside while it works, and what becomes of it: the rows of one table.
+
+Faults of the nodes of a running cell are chosen in the same way (`chosen`) and kept in the same kind of file.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from pack_core.errors import ConfigError
 
 
 @dataclass(frozen=True)
-class HandCase:
-    """One thing that is done once.
+class Disturbance:
+    """One change to the cell that is made once, without its knowledge.
 
     Attributes:
         what: what is done, as in "box turned".
@@ -28,15 +31,15 @@ class HandCase:
 
 
 @dataclass(frozen=True)
-class HandReport:
-    """What became of it.
+class DisturbanceReport:
+    """What became of a disturbed run.
 
     Attributes:
         name: of the case.
         what: what was done.
         when: in which state.
         noticed: what the cell said of it, in the order in which it did; empty if nothing.
-        noticed_after: from the hand to the first of these [s simulated]; `nan` if nothing was said.
+        noticed_after: from the disturbance to the first of these [s simulated]; `nan` if nothing was said.
         ended: how the order or the problem ended, in words.
         in_place: objects that are where they should be at the end, as "1 of 2".
         error_mm: largest error of those that the cell counts as placed [mm]; `nan` if there is none.
@@ -59,7 +62,7 @@ class HandReport:
 
 
 @dataclass(frozen=True)
-class Hands:
+class DisturbanceTable:
     """A cell's part of `pack benchmark hands`.
 
     Attributes:
@@ -68,34 +71,42 @@ class Hands:
         note: what the table's last columns mean in this cell.
     """
 
-    cases: tuple[HandCase, ...]
-    run: Callable[[HandCase, int], HandReport]
+    cases: tuple[Disturbance, ...]
+    run: Callable[[Disturbance, int], DisturbanceReport]
     note: str
 
-    def wanted(self, what: Sequence[str], when: Sequence[str]) -> list[HandCase]:
-        """The cases of some deeds in some states; all where none are named.
 
-        Raises:
-            ConfigError: there is no such deed or state.
-        """
-        for name, given, known in (
-            ("deed", what, [case.what for case in self.cases]),
-            ("state", when, [case.when for case in self.cases]),
-        ):
-            for text in given:
-                if text not in known:
-                    raise ConfigError(f"no {name} '{text}'; allowed: {', '.join(dict.fromkeys(known))}")
-        return [
-            case for case in self.cases if (not what or case.what in what) and (not when or case.when in when)
-        ]
+CaseT = TypeVar("CaseT")
 
 
-HAND_COLUMNS = (
+def chosen(cases: Sequence[CaseT], **given: tuple[str, Sequence[str]]) -> list[CaseT]:
+    """The cases that have one of the given values in each attribute.
+
+    Args:
+        cases: all of them.
+        given: by attribute, what it is called in an error, and the values that are wanted; none: any.
+
+    Raises:
+        ConfigError: no case has a given value.
+    """
+    for attribute, (what, values) in given.items():
+        known = dict.fromkeys(str(getattr(case, attribute)) for case in cases)
+        for value in values:
+            if value not in known:
+                raise ConfigError(f"no {what} '{value}'; allowed: {', '.join(known)}")
+    return [
+        case
+        for case in cases
+        if all(not values or getattr(case, name) in values for name, (_, values) in given.items())
+    ]
+
+
+DISTURBANCE_COLUMNS = (
     "state", "by hand", "noticed", "after [s]", "ended", "in place", "worst [mm]", "worst [deg]", "contacts",
 )  # fmt: skip
 
 
-def hand_row(report: Mapping[str, Any]) -> tuple[str, ...]:
+def disturbance_row(report: Mapping[str, Any]) -> tuple[str, ...]:
     """A kept report as a row of the table."""
 
     def number(key: str, digits: int) -> str:

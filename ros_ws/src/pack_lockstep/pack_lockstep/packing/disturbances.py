@@ -12,7 +12,7 @@ from pack_core.packing.cell import packing_cell
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.method import PackingMethod
 from pack_core.rotations import angle_between
-from pack_lockstep.hands import HandCase, HandReport, Hands
+from pack_lockstep.disturbances import Disturbance, DisturbanceReport, DisturbanceTable
 from pack_lockstep.packing.lockstep import HELD, Lockstep, Step
 from pack_lockstep.packing.lockstep_config import lockstep_config
 from pack_sim.packing.scene_generator import generate_scene
@@ -23,7 +23,7 @@ FALSE = np.array([0.05, 0.0, 0.02])
 """From a marker to one that is not there [m]."""
 
 Rows = npt.NDArray[np.int_]
-Deed = Callable[[MarkerFrame, str], MarkerFrame]
+MarkerChange = Callable[[MarkerFrame, str], MarkerFrame]
 
 
 def hide_all(frame: MarkerFrame, _: str) -> MarkerFrame:
@@ -74,7 +74,7 @@ def _swapped(frame: MarkerFrame, pair: Rows) -> MarkerFrame:
     return replace(frame, p_WM=p_WM)
 
 
-DEEDS: dict[str, Deed] = {
+CHANGES: dict[str, MarkerChange] = {
     "nothing": lambda frame, _: frame,
     "all markers hidden": hide_all,
     "held object's markers hidden": hide_one,
@@ -85,7 +85,7 @@ DEEDS: dict[str, Deed] = {
 STAGES = ("PRE_PACK", "INSERT", "FINE_TUNE")
 
 
-class Witness:
+class MarkerDisturber:
     """Deceives the cameras from a stage on for `LASTS`, and notes what the estimate is worth meanwhile.
 
     Args:
@@ -93,9 +93,9 @@ class Witness:
         lockstep: the run.
     """
 
-    def __init__(self, case: HandCase, lockstep: Lockstep) -> None:
+    def __init__(self, case: Disturbance, lockstep: Lockstep) -> None:
         self._case, self._lockstep = case, lockstep
-        self._deed, self._held = DEEDS[case.what], lockstep.session.scene.new_object.name
+        self._change, self._held = CHANGES[case.what], lockstep.session.scene.new_object.name
         self.since: float | None = None
         self.held_at: float | None = None
         self.error, self.angle, self.age, self.held_for = 0.0, 0.0, 0.0, 0.0
@@ -103,7 +103,7 @@ class Witness:
         lockstep.deceive(self._deceive)
 
     def _deceive(self, frame: MarkerFrame) -> MarkerFrame:
-        return self._deed(frame, self._held) if self._is_on(frame.time) else frame
+        return self._change(frame, self._held) if self._is_on(frame.time) else frame
 
     def _is_on(self, time: float) -> bool:
         return self.since is not None and self.since <= time < self.since + LASTS
@@ -125,27 +125,27 @@ class Witness:
             self.age = max(self.age, state.age)
 
 
-def run_case(case: HandCase, seed: int) -> HandReport:
+def run_case(case: Disturbance, seed: int) -> DisturbanceReport:
     """Run the scene of a seed, and deceive the cameras as the case says."""
     cell = packing_cell()
     scene = generate_scene(seed, cell)
     lockstep = Lockstep(cell, scene, lockstep_config(), PackingMethod.PACK_IT_IN, seed)
-    witness = Witness(case, lockstep)
-    outcome = lockstep.run(witness)
-    if witness.since is None:
-        return HandReport(case.name, case.what, case.when, problem="the stage was not reached")
-    noticed = [f"oldest pose {witness.age:.1f} s"] if witness.age > 0.1 else []
-    if witness.held_at is not None:
-        noticed.append(f"the arm held for {witness.held_for:.1f} s")
-    after = float("nan") if witness.held_at is None else witness.held_at - witness.since
-    return HandReport(
+    disturber = MarkerDisturber(case, lockstep)
+    outcome = lockstep.run(disturber)
+    if disturber.since is None:
+        return DisturbanceReport(case.name, case.what, case.when, problem="the stage was not reached")
+    noticed = [f"oldest pose {disturber.age:.1f} s"] if disturber.age > 0.1 else []
+    if disturber.held_at is not None:
+        noticed.append(f"the arm held for {disturber.held_for:.1f} s")
+    after = float("nan") if disturber.held_at is None else disturber.held_at - disturber.since
+    return DisturbanceReport(
         case.name, case.what, case.when, tuple(noticed), after,
         f"{outcome.exit_reason.value} after {outcome.execution_time:.1f} s, {outcome.placements} placements",
-        f"{int(outcome.success)} of 1", 1e3 * witness.error, float(np.rad2deg(witness.angle)),
+        f"{int(outcome.success)} of 1", 1e3 * disturber.error, float(np.rad2deg(disturber.angle)),
     )  # fmt: skip
 
 
-HANDS = Hands(
-    tuple(HandCase(what, when) for when in STAGES for what in DEEDS), run_case,
-    "each deed lasts 5 s; worst: of an estimated pose meanwhile, against the true one",
+DISTURBANCES = DisturbanceTable(
+    tuple(Disturbance(what, when) for when in STAGES for what in CHANGES), run_case,
+    "each lasts 5 s; worst: of an estimated pose meanwhile, against the true one",
 )  # fmt: skip

@@ -1,15 +1,15 @@
-"""Hands on table B and on the pallet, in the whole cell: seen by a scanner, and named in the reason."""
+"""Disturbances on table B and on the pallet, in the whole cell: seen by scanners and named in the reason."""
 
 from __future__ import annotations
 
 import pytest
 
-from pack_lockstep.hands import HandCase, HandReport
-from pack_lockstep.palletizing.hands import run_case
+from pack_lockstep.disturbances import Disturbance, DisturbanceReport
+from pack_lockstep.palletizing.disturbances import run_case
 
 
-def after(what: str, when: str) -> HandReport:
-    report = run_case(HandCase(what, when), seed=0)
+def after(what: str, when: str) -> DisturbanceReport:
+    report = run_case(Disturbance(what, when), seed=0)
     assert not report.problem
     return report
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
 from pack_bringup.graph.graph import load_graph
-from pack_core.errors import ConfigError
+from pack_lockstep.disturbances import chosen
 
 
 class Fault(StrEnum):
@@ -36,7 +36,7 @@ STAGES = {
     ),
     "blocks": ("PERCEIVE", "PICK", GRASP, "PLACE", "PUSH", "RETREAT"),  # PLAN takes 4 to 16 ms: never met
 }  # fmt: skip
-"""Stages of a goal in which faults are put in, by cell, as the goal's feedback names them (but `GRASP`)."""
+"""Stages of a goal in which faults are injected, by cell, as the goal's feedback names them (but `GRASP`)."""
 
 
 @dataclass(frozen=True)
@@ -100,24 +100,18 @@ class FaultReport:
 
 def fault_cases(
     cell: str, nodes: Sequence[str] = (), faults: Sequence[Fault] = (), stages: Sequence[str] = ()
-) -> Iterator[FaultCase]:
+) -> list[FaultCase]:
     """Every fault of every node in every stage, or those that are named.
 
     Raises:
         ConfigError: the cell has no such node or stage.
     """
     known = [node.name for node in load_graph(cell).nodes]
-    for what, given, allowed in (("node", nodes, known), ("stage", stages, STAGES[cell])):
-        for name in given:
-            if name not in allowed:
-                raise ConfigError(f"cell '{cell}' has no {what} '{name}'; allowed: {', '.join(allowed)}")
-    for stage in stages or STAGES[cell]:
-        for fault in faults or tuple(Fault):
-            for node in nodes or known:
-                yield FaultCase(node, fault, stage)
+    cases = [FaultCase(node, fault, stage) for stage in STAGES[cell] for fault in Fault for node in known]
+    return chosen(cases, node=("node", nodes), fault=("fault", faults), stage=("stage", stages))
 
 
-def fault_row(report: dict[str, Any]) -> tuple[str, ...]:
+def fault_row(report: Mapping[str, Any]) -> tuple[str, ...]:
     """A report as a row of the table, without what is the same for all rows."""
 
     def seconds(key: str) -> str:

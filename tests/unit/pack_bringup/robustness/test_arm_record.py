@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from pack_bringup.faults.arm_record import ArmRecord, stop_of
+from pack_bringup.robustness.arm_record import ArmRecord, stop_of
 
 STAMPS = np.arange(0.0, 2.0, 0.002)
 

@@ -12,8 +12,17 @@ from typing import Any
 
 import pytest
 
-from pack_bringup.soak.soak_report import WARM_UP, growth_per_hour, growth_table, plot, summary
-from pack_bringup.soak.usage import SHARED_MEMORY, shared_segments, usage_of, usages
+from pack_bringup.robustness.soak import (
+    SHARED_MEMORY,
+    WARM_UP,
+    growth_per_hour,
+    growth_table,
+    plot,
+    shared_segments,
+    summary,
+    usage_of,
+    usages,
+)
 
 
 def samples(growth: float) -> list[dict[str, Any]]:

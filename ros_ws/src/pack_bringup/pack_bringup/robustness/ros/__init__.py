@@ -1,0 +1,1 @@
+"""What listens to a running cell and injects faults into it."""
