@@ -14,9 +14,9 @@ from pack_core.paths import config_path
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
 from pack_lockstep.packing.lockstep_config import LockstepConfig
-from pack_planner.placement.approach_config import ApproachConfig
+from pack_planner.placement.approach import ApproachConfig
 from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
-from pack_planner.placement.placement_config import PlacementConfig
+from pack_planner.placement.placement_evaluation import PlacementConfig
 from pack_planner.placement.placement_result import PlannedPlacement
 from pack_sim.packing.scene_generator import generate_scene
 

@@ -14,5 +14,12 @@ setup(
         (f"share/{package}", ["package.xml"]),
     ],
     # What the registers of the shipped packages find (pack_core/register.py).
-    entry_points={"pack_mpc.optimizers": ["judo = pack_baselines.judo_optimizer:JudoOptimizer"]},
+    entry_points={
+        "pack_mpc.optimizers": ["judo = pack_baselines.judo_optimizer:JudoOptimizer"],
+        "pack_planner.placement_planners": [
+            "algorithm_1 = pack_baselines.placement_planners:Algorithm1Planner",
+            "random = pack_baselines.placement_planners:RandomPosePlanner",
+        ],
+        "pack_planner.rearrangement_planners": ["pirs = pack_baselines.pirs.pirs_planner:PirsPlanner"],
+    },
 )

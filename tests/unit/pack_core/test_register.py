@@ -37,7 +37,9 @@ def test_an_unknown_name_is_refused_with_all_that_are_registered(monkeypatch: py
     register = numbers(monkeypatch, e="math:e")
     with pytest.raises(ConfigError, match=r"number 'phi'; allowed: pi, e; .*numbers"):
         register["phi"]
-    assert register.known("e") == "e"
+    with pytest.raises(ConfigError, match=r"number 'phi'; allowed: pi, e; .*numbers"):
+        register.checked("phi")
+    assert register.checked("e") == register.known("e") == "e"
     with pytest.raises(ValueError, match="pi, e"):
         register.known("phi")
 

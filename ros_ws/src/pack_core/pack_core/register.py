@@ -49,10 +49,7 @@ class Register(Mapping[str, T]):
 
     def __getitem__(self, name: str) -> T:
         """The object called `name`, imported now; raises ConfigError where there is none."""
-        if name not in self._entries:
-            allowed = f"{', '.join(self)}; others register in the group {self._group} of entry points"
-            raise ConfigError(f"{self._kind} '{name}'; allowed: {allowed}")
-        found: T = self._entries[name].load()
+        found: T = self._entries[self.checked(name)].load()
         return found
 
     def __iter__(self) -> Iterator[str]:
@@ -63,6 +60,13 @@ class Register(Mapping[str, T]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._entries
+
+    def checked(self, name: str) -> str:
+        """The name, of which nothing is imported yet; raises ConfigError where there is none."""
+        if name not in self._entries:
+            allowed = f"{', '.join(self)}; others register in the group {self._group} of entry points"
+            raise ConfigError(f"{self._kind} '{name}'; allowed: {allowed}")
+        return name
 
     def known(self, name: str) -> str:
         """The name, to validate a field of a configuration; anything else is refused with those allowed."""

@@ -15,7 +15,7 @@ from pack_core.packing.objects import Box, Cylinder, ObjectModel
 from pack_core.packing.packing_list import PackingList, PackingOrder
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
-from pack_planner.filling.arrangement_config import ArrangementConfig
+from pack_planner.filling.arrangement_planner import ArrangementConfig
 from pack_planner.filling.fill_planner import FillPlanner
 
 CELL = packing_cell()

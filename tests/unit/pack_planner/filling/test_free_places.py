@@ -9,8 +9,7 @@ import shapely
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.objects import Box, Cylinder, ObjectModel
 from pack_core.rotations import Array
-from pack_planner.filling.free_places import FreePlaces, NoFitPolygons, PlacedOutline
-from pack_planner.filling.outline import COARSE, Outline
+from pack_planner.filling.free_places import COARSE, FreePlaces, NoFitPolygons, Outline, PlacedOutline
 
 CONTAINER = packing_cell().scene.container
 GAP, WALL_GAP = 0.004, 0.006

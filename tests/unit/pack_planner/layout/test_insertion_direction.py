@@ -10,8 +10,13 @@ from hypothesis import strategies as st
 from pack_core.errors import PackError
 from pack_core.palletizing.orders.layout_plan import Insertion
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_planner.layout.insertion_direction import SIDES, InsertionConfig, candidates, choose_insertion
-from pack_planner.layout.ray import ray_to_rectangle
+from pack_planner.layout.insertion_direction import (
+    SIDES,
+    InsertionConfig,
+    candidates,
+    choose_insertion,
+    ray_to_rectangle,
+)
 from unit.pack_planner.layout.blocks import block, grids
 
 CONFIG = InsertionConfig()

@@ -11,8 +11,7 @@ from pack_core.packing.entry import plan_entry
 from pack_core.packing.objects import Box
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
-from pack_planner.placement.approach import OFF, ApproachPlanner
-from pack_planner.placement.approach_config import ApproachConfig
+from pack_planner.placement.approach import OFF, ApproachConfig, ApproachPlanner
 from pack_planner.placement.approach_options import beside
 from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal

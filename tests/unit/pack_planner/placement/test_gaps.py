@@ -13,7 +13,7 @@ from pack_core.packing.entry import WayIn
 from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, from_yaw
-from pack_planner.placement.gaps import ENTERS_FIRST, covered, first_parts
+from pack_planner.placement.approach_options import ENTERS_FIRST, covered, first_parts
 from pack_planner.placement.placement_result import PlacementCandidate
 
 WIDTH, LENGTH = 0.05, 0.08

@@ -13,18 +13,15 @@ from pack_core.packing.objects import Box
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
-from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
-from pack_planner.placement.approach_config import ApproachConfig
+from pack_planner.placement.approach import ApproachConfig
 from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
-from pack_planner.placement.placement_config import PlacementConfig
-from pack_planner.placement.placement_evaluation import PlacementEvaluation
+from pack_planner.placement.placement_evaluation import PlacementConfig, PlacementEvaluation
 from pack_planner.placement.placement_planner import (
     PLACEMENT_PLANNERS,
     PlacementPlannerConfig,
     PlacementPlanners,
 )
 from pack_planner.placement.placement_result import PlacementStatus, PlannedPlacement
-from pack_planner.placement.random_pose_planner import RandomPosePlanner
 
 StateOf = Callable[[Scene], SceneState]
 QUICK = PlacementConfig(samples=60)
@@ -54,18 +51,6 @@ def test_without_rehearsals_the_cheapest_feasible_sample_is_chosen(example: Scen
     placement = plan(example, state_of(example), algorithm_1)
     assert not placement.is_rehearsed
     assert placement.cost == placement.samples.costs[placement.samples.is_feasible].min()
-
-
-def test_algorithm_1_alone_takes_the_cheapest_feasible_sample_and_leans_to_no_side(
-    example: Scene, state_of: StateOf
-) -> None:
-    crowded = QUICK.model_copy(update={"approach": ApproachConfig(crowded=0.0)})
-    planner = Algorithm1Planner(example.description(), packing_cell(), crowded)
-    placement = planner.plan(state_of(example), np.random.default_rng(0), lean=0.6)
-    assert placement.cost == placement.samples.costs[placement.samples.is_feasible].min()
-    assert placement.collisions
-    assert not placement.is_rehearsed
-    np.testing.assert_array_equal(placement.way.over, 0.0)
 
 
 @pytest.mark.parametrize("count", [1, 6, 100])
@@ -160,16 +145,6 @@ def test_places_tried_before_are_left_out(example: Scene, state_of: StateOf) -> 
         tried.append(placement.X_WO.p)
 
 
-def test_the_random_variant_takes_any_pose_with_its_collisions(example: Scene, state_of: StateOf) -> None:
-    planner = RandomPosePlanner(example, packing_cell(), QUICK)
-    placements = [planner.plan(state_of(example), np.random.default_rng(seed)) for seed in range(8)]
-    assert all(placement.status is PlacementStatus.SUCCESS for placement in placements)
-    assert all(placement.collisions for placement in placements)
-    places = np.array([placement.X_WO.p[:2] for placement in placements if placement.X_WO is not None])
-    assert np.ptp(places, axis=0).min() > 0.05
-    assert max(p.cost for p in placements) > 2 * plan(example, state_of(example)).cost
-
-
 def test_planning_leaves_the_state_untouched(example: Scene, state_of: StateOf) -> None:
     state = state_of(example)
     before = {name: (X_WO.p.copy(), X_WO.q.copy()) for name, X_WO in state.poses().items()}
@@ -197,13 +172,13 @@ def test_a_new_object_too_large_for_the_container_is_refused(example: Scene) -> 
 def test_unknown_variants_are_refused_with_the_known_ones(example: Scene) -> None:
     with pytest.raises(PackError, match="'magic'; allowed: physics, algorithm_1, random"):
         PlacementPlanners(example, packing_cell(), PlacementPlannerConfig()).of("magic")
-    with pytest.raises(ValidationError, match="'magic'; allowed: physics, algorithm_1, random"):
+    with pytest.raises(ValidationError, match=r"physics, algorithm_1, random.*'magic'"):
         PlacementPlannerConfig(variant="magic")
 
 
 def test_the_configured_planner_plans_unless_a_request_names_another(example: Scene) -> None:
     planners = PlacementPlanners(example, packing_cell(), PlacementPlannerConfig(variant="random"))
-    assert isinstance(planners.of(), RandomPosePlanner)
+    assert isinstance(planners.of(), PLACEMENT_PLANNERS["random"])
     assert isinstance(planners.of("physics"), LeastDisturbancePlanner)
     assert planners.of() is planners.of("random")
 

@@ -6,15 +6,15 @@ from visualization_msgs.msg import Marker
 from pack_core.packing.capsule import Capsule
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
-from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
-from pack_planner.placement.placement_config import PlacementConfig
+from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
+from pack_planner.placement.placement_evaluation import PlacementConfig
 from pack_planner.placement.ros.placement_markers import SETTLED, to_visual_markers
 
 
 def test_a_shape_that_rviz_does_not_know_is_drawn_as_triangles_of_its_size(example: Scene, state_of) -> None:
     tube = Capsule(name="tube", shape="capsule", radius=0.03, length=0.16, mass=0.3)
     scene = example.model_copy(update={"new_object": tube})
-    planner = Algorithm1Planner(scene.description(), packing_cell(), PlacementConfig(samples=30))
+    planner = LeastDisturbancePlanner(scene.description(), packing_cell(), PlacementConfig(samples=30))
     placement = planner.plan(state_of(scene), np.random.default_rng(0))
     markers = to_visual_markers(1.0, placement, scene, placement.samples.spread(3)[0]).markers
     (drawn,) = [marker for marker in markers if marker.ns == "placement"]
@@ -25,7 +25,7 @@ def test_a_shape_that_rviz_does_not_know_is_drawn_as_triangles_of_its_size(examp
 
 
 def test_the_cheapest_sample_is_shown_as_a_settled_scene_with_its_cost(example: Scene, state_of) -> None:
-    planner = Algorithm1Planner(example.description(), packing_cell(), PlacementConfig(samples=30))
+    planner = LeastDisturbancePlanner(example.description(), packing_cell(), PlacementConfig(samples=30))
     placement = planner.plan(state_of(example), np.random.default_rng(0))
     cheapest = placement.samples.spread(3)[0]
     markers = to_visual_markers(1.0, placement, example, cheapest).markers

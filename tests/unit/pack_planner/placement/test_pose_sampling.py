@@ -8,7 +8,7 @@ from pack_core.packing.free_space import base_height, footprint, is_inside
 from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.scene import Container
 from pack_core.rotations import Pose, from_yaw, yaw_of
-from pack_planner.placement.pose_sampling import sample_near, sample_poses
+from pack_planner.placement.placement_evaluation import sample_near, sample_poses
 
 CONTAINER = Container(size=(0.27, 0.22), height=0.12)
 SQUARE = Box(name="square", shape="box", size=(0.065, 0.065, 0.18), mass=0.5)

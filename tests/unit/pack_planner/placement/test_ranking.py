@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pack_planner.placement.ranking import cheapest_elsewhere, spread_out
+from pack_planner.placement.least_disturbance_planner import cheapest_elsewhere, spread_out
 
 PLACES = st.lists(st.tuples(st.floats(0.0, 0.3), st.floats(0.0, 0.2)), min_size=1, max_size=30)
 

@@ -67,9 +67,9 @@ def benchmark(
     from pack_lockstep.blocks.benchmark import BlocksBenchmark, BlocksSetup, PlanJob
     from pack_lockstep.blocks.benchmark_instances import wanted_instances
     from pack_lockstep.blocks.settings import lockstep_config
-    from pack_planner.rearrangement.methods import METHODS, checked_method
+    from pack_planner.rearrangement.methods import DEFAULT_METHOD, METHODS
 
-    methods = list(dict.fromkeys(checked_method(name) for name in method or METHODS[:1]))
+    methods = list(dict.fromkeys(METHODS.checked(name) for name in method or [DEFAULT_METHOD]))
     found = wanted_instances(blocks, density, range(seed, seed + instances), problem or [])
     wanted = tuple(PlanJob(name, instance) for instance in found for name in methods)
     setup = BlocksSetup(blocks_cell(), lockstep_config(price), budget, execute)

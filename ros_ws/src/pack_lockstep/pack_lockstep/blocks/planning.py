@@ -7,7 +7,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.blocks.plan import Plan
 from pack_core.blocks.problem import Problem
 from pack_core.config import Config
-from pack_planner.rearrangement.methods import METHODS, MethodName, RearrangementConfig
+from pack_planner.rearrangement.methods import DEFAULT_METHOD, MethodName, RearrangementConfig
 from pack_planner.rearrangement.planner import plan
 
 
@@ -26,7 +26,7 @@ class CountingClock:
 class CountedPlannerConfig(Config):
     """Parameters of planning in lockstep."""
 
-    method: MethodName = METHODS[0]
+    method: MethodName = DEFAULT_METHOD
     budget: PositiveFloat = Field(default=0.5, description="of a plan, on the counting clock [s]")
     step: PositiveFloat = Field(default=0.005, description="by which that clock goes on [s]")
     seed: int = Field(default=0, ge=0, description="of what the planner draws at random")

@@ -8,25 +8,49 @@ what has more room around it touches less on its way down.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 import shapely
+from pydantic import Field, NonNegativeFloat, PositiveInt
 
+from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_core.packing.free_space import footprint
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Container
 from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Pose, from_yaw
-from pack_planner.filling.arrangement_config import ArrangementConfig
 from pack_planner.filling.arrangement_search import Arranged, ArrangementSearch
-from pack_planner.filling.free_places import NoFitPolygons, PlacedOutline
-from pack_planner.filling.outline import Outline
+from pack_planner.filling.free_places import NoFitPolygons, Outline, PlacedOutline
 
 GAIN = 0.02
 """Share of the base by which another arrangement must cover more than the one that is kept."""
 WIDER = 1.5
 """Factor from one gap that is tried to the next."""
 NO_ROOM = "no room for it is left on the base"
+
+
+class ArrangementConfig(Config):
+    """How many arrangements are tried, and how close objects may stand."""
+
+    changeable: ClassVar[Changeable] = NEXT_REQUEST
+
+    tries: PositiveInt = Field(default=400, description="arrangements that are tried")
+    tries_again: PositiveInt = Field(default=40, description="and that are tried where one is known already")
+    gap: NonNegativeFloat = Field(default=0.002, description="gap between objects [m]")
+    wall_gap: NonNegativeFloat = Field(default=0.003, description="gap to the walls [m]")
+    free_gap: NonNegativeFloat = Field(
+        default=0.012, description="gap to everything where contact is to be avoided [m]"
+    )
+    object_worth: NonNegativeFloat = Field(
+        default=0.1, description="share of the base that an object more is worth, whatever its size"
+    )
+    yielding: NonNegativeFloat = Field(
+        default=0.006, description="overlap with what stands there by now at which a place is kept [m]"
+    )
+    shuffle: NonNegativeFloat = Field(
+        default=0.8, description="how far tries depart from the largest-first order, as share of an area"
+    )
 
 
 class ArrangementPlanner:

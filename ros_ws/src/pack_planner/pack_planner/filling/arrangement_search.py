@@ -10,8 +10,7 @@ import shapely
 
 from pack_core.packing.objects import ObjectModel
 from pack_core.rotations import Array
-from pack_planner.filling.free_places import FreePlaces, NoFitPolygons, PlacedOutline
-from pack_planner.filling.outline import Outline
+from pack_planner.filling.free_places import FreePlaces, NoFitPolygons, Outline, PlacedOutline
 
 Order = tuple[str, ...]
 

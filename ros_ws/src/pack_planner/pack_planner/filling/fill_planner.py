@@ -16,8 +16,7 @@ from pack_core.packing.packing_list import PackingOrder
 from pack_core.packing.scene import Container, Scene
 from pack_core.rotations import Pose
 from pack_core.states import SceneState
-from pack_planner.filling.arrangement_config import ArrangementConfig
-from pack_planner.filling.arrangement_planner import NO_ROOM, ArrangementPlanner
+from pack_planner.filling.arrangement_planner import NO_ROOM, ArrangementConfig, ArrangementPlanner
 
 
 class FillPlanner:

@@ -19,7 +19,6 @@ from pack_core.errors import PackError
 from pack_core.palletizing.orders.layout_plan import Insertion
 from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
 from pack_core.rotations import Array
-from pack_planner.layout.ray import ray_to_rectangle
 
 CENTER = Insertion("Center", np.zeros(3), 0.0)
 SIDES = {
@@ -118,3 +117,26 @@ def _distance(target: PlacedBox, other: PlacedBox, outward: Array, inflation: fl
     """How far the target can go before its outline meets the other's, inflated [m]."""
     grown = 0.5 * target.size[:2] + inflation
     return ray_to_rectangle(target.centre[:2], outward, other.lower[:2] - grown, other.upper[:2] + grown)
+
+
+def ray_to_rectangle(origin: Array, direction: Array, lower: Array, upper: Array) -> float:
+    """Length of a ray up to where it enters the open rectangle; infinite where it misses.
+
+    The slab method: for each axis the ray is between the two edges from one length to another, and it is in
+    the rectangle where these intervals overlap.
+
+    Args:
+        origin: start of the ray `(2,)`.
+        direction: unit vector along the ray `(2,)`.
+        lower: corner of the rectangle with the smallest coordinates `(2,)`.
+        upper: the opposite corner `(2,)`.
+    """
+    enter, leave = 0.0, np.inf
+    for p, d, low, high in zip(origin, direction, lower, upper, strict=True):
+        if d == 0.0:  # parallel to the slab: either always inside it or never
+            if not low < p < high:
+                return np.inf
+            continue
+        first, second = sorted(((low - p) / d, (high - p) / d))
+        enter, leave = max(enter, float(first)), min(leave, float(second))
+    return enter if enter < leave else np.inf

@@ -21,7 +21,6 @@ from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
 from pack_planner.layout.axis_program import AxisProgram, Relation
 from pack_planner.layout.choices import Search
-from pack_planner.layout.following import support_shares
 
 
 class SeparatorConfig(Config):
@@ -107,3 +106,15 @@ def smallest_gap(boxes: Sequence[PlacedBox]) -> float:
     """Smallest gap [m] between any two boxes that overlap in height; infinite where no two do."""
     gaps = [float(boxes[i].clearance(boxes[j])[:2].max()) for i, j in neighbours(boxes)]
     return min(gaps, default=float("inf"))
+
+
+def support_shares(boxes: Sequence[PlacedBox]) -> Array:
+    """Share of each box's carried base that lies on each other box `(n, n)`; rows of zeros on the deck."""
+    areas = np.array([[_shared_area(upper, lower) for lower in boxes] for upper in boxes])
+    totals = areas.sum(axis=1, keepdims=True)
+    return np.asarray(areas / np.where(totals > 0.0, totals, 1.0))  # rows without support stay zero
+
+
+def _shared_area(upper: PlacedBox, lower: PlacedBox) -> float:
+    # Both clearances are negative overlaps here, so that their product is the shared area.
+    return float(np.prod(upper.clearance(lower)[:2])) if upper.rests_on(lower) else 0.0

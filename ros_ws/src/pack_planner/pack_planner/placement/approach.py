@@ -13,15 +13,15 @@ from collections.abc import Mapping, Sequence
 from itertools import islice
 
 import numpy as np
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
 
+from pack_core.config import Config
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.entry import Entry, plan_entry
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
-from pack_planner.placement.approach_config import ApproachConfig
-from pack_planner.placement.approach_options import Vary, beside, random_ways, to_every_side, varied
-from pack_planner.placement.gaps import covered
+from pack_planner.placement.approach_options import Vary, beside, covered, random_ways, to_every_side, varied
 from pack_planner.placement.placement_result import PlacementCandidate
 from pack_planner.placement.rehearsal import Rehearsal
 
@@ -35,6 +35,40 @@ FAILURE = 1.0
 """What a failed rehearsal adds to a score."""
 HOPELESS = 2.0 * FAILURE
 """An entry with this score or more fails; variations of it are not rehearsed."""
+
+
+class ApproachConfig(Config):
+    """Parameters of the rehearsals."""
+
+    crowded: NonNegativeFloat = Field(
+        0.5,
+        description="covered share of the base from which on the first placement is rehearsed, too; "
+        "one with obstacles all around always is",
+    )
+    likely: PositiveInt = Field(
+        3, description="placements rehearsed in the first round, leaning over their obstacles"
+    )
+    rounds: NonNegativeInt = Field(8, description="most rounds of rehearsals; 0: no rehearsals")
+    candidates: PositiveInt = Field(40, description="placements that are considered, the cheapest first")
+    drawn: PositiveInt = Field(400, description="random entries drawn in a round while every entry fails")
+    random: PositiveInt = Field(
+        40, description="how many of them are rehearsed: those that begin most nearly over gaps"
+    )
+    fresh: PositiveInt = Field(
+        3, description="new placements in a round beside variations of the best so far"
+    )
+    spacing: PositiveFloat = Field(0.01, description="least distance between candidates, seen from above [m]")
+    variations: PositiveInt = Field(
+        6, description="variations of the best placement so far in each further round"
+    )
+    deviation: tuple[PositiveFloat, PositiveFloat] = Field(
+        (0.006, 0.1), description="standard deviation of variations: position [m] and yaw [rad]"
+    )
+    sides: PositiveInt = Field(8, description="directions in which the object may lean")
+    finalists: PositiveInt = Field(
+        6, description="best entries of a round that are rehearsed again, perturbed"
+    )
+    error: NonNegativeFloat = Field(0.006, description="perturbation of these rehearsals [m]")
 
 
 class ApproachPlanner:

@@ -1,4 +1,17 @@
-"""Algorithm 1, and among its best placements the one that can be entered: PackItIn's planner."""
+"""Algorithm 1, and among its best placements the one that can be entered: PackItIn's planner.
+
+Russell, Xu, Roa, Dogar, "Pack it in: Packing into Partially Filled Containers Through Contact". Three points
+of Algorithm 1 are read as follows:
+
+- The collision list G holds the objects that the chosen, settled pose overlaps where they stand now (P_0),
+  because those are the objects that the arm has to push aside. Line 10 leaves open which pose and state it
+  means.
+- The sum of Eq. 6 includes the new object, whose displacement counts from where it was teleported to.
+  Otherwise a placement at which the physics throws it on top of an object, which then need not move, would
+  be cheap.
+- The minimum of line 14 is over the feasible samples only (`feasibility.py`); where there are none, there is
+  no placement.
+"""
 
 from __future__ import annotations
 
@@ -12,35 +25,31 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_core.states import SceneState
-from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
 from pack_planner.placement.approach import ApproachPlanner
-from pack_planner.placement.placement_config import PlacementConfig
-from pack_planner.placement.placement_result import (
-    PlacementCandidate,
-    PlacementSamples,
-    PlannedPlacement,
-)
-from pack_planner.placement.pose_sampling import sample_near
-from pack_planner.placement.ranking import spread_out
+from pack_planner.placement.placement_evaluation import PlacementConfig, PlacementEvaluation, sample_near
+from pack_planner.placement.placement_result import PlacementCandidate, PlacementSamples, PlannedPlacement
 
 
-class LeastDisturbancePlanner(Algorithm1Planner):
+class LeastDisturbancePlanner:
     """Algorithm 1 followed by rehearsed entries; implements `PlacementPlanner`."""
 
     def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
-        super().__init__(scene, cell, config)
         self._scene, self._config = scene, config
+        self._evaluation = PlacementEvaluation(scene, cell, config)
         self._approach = ApproachPlanner(scene, cell, config.approach, config.threads)
 
     def plan(
         self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
         avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02, near: Pose | None = None,
     ) -> PlannedPlacement:  # fmt: skip
-        """The cheapest feasible sample that can be entered (Eq. 6)."""
+        """The cheapest feasible sample that can be entered (Eq. 6).
+
+        The pose `near` is wanted at first, and no more once a placement has failed.
+        """
         poses, now = self._evaluation.start(state)
         near = None if len(avoid) else near
-        samples, reason = self._evaluation.evaluate(now, self._sampled(poses, rng, near), near)
-        ranked, approach = self._ranked(samples, avoid, avoid_radius), self._config.approach
+        samples, reason = self._evaluation.evaluate(now, self._evaluation.sample(poses, rng, near), near)
+        ranked, approach = ranked_feasible(samples, avoid, avoid_radius), self._config.approach
         if not len(ranked):
             return PlannedPlacement.failure(reason, samples)
         spread = spread_out(ranked, samples.settled, approach.spacing, approach.candidates)
@@ -63,3 +72,54 @@ class LeastDisturbancePlanner(Algorithm1Planner):
     ) -> list[PlacementCandidate]:
         evaluation = self._evaluation
         return [evaluation.candidate(now, samples.settled[k], samples.costs[k]) for k in chosen]
+
+
+def ranked_feasible(
+    samples: PlacementSamples, avoid: Sequence[npt.ArrayLike], radius: float
+) -> npt.NDArray[np.int_]:
+    """Indices of the feasible samples away from `avoid`, the cheapest first (line 14)."""
+    feasible = np.flatnonzero(samples.is_feasible)
+    if not len(feasible):
+        return feasible
+    return feasible[cheapest_elsewhere(samples.costs[feasible], samples.settled[feasible], avoid, radius)]
+
+
+def cheapest_elsewhere(
+    costs: Array, poses: Array, avoid: Sequence[npt.ArrayLike], radius: float
+) -> npt.NDArray[np.int_]:
+    """Indices of the poses `(n, 7)` that are near none of the points `avoid`, the cheapest first.
+
+    Near means within `radius` [m], as seen from above. If all poses are near one, the farthest is returned.
+    """
+    if not len(avoid):
+        return np.argsort(costs, kind="stable")
+    tried = np.asarray(avoid, dtype=float)[:, :2]
+    distances = np.linalg.norm(poses[:, None, :2] - tried[None], axis=-1).min(axis=1)
+    elsewhere = np.flatnonzero(distances >= radius)
+    if not len(elsewhere):
+        return np.array([np.argmax(distances)])
+    return elsewhere[np.argsort(costs[elsewhere], kind="stable")]
+
+
+def spread_out(ranked: npt.NDArray[np.int_], poses: Array, spacing: float, n: int) -> list[int]:
+    """At most `n` of the indices `ranked`, reordered in layers so that neighbours come late.
+
+    The first layer has the poses of `(S, 7)` that keep a distance of `spacing` [m], as seen from above, from
+    every better one in the same layer. The next layer is made of the remaining poses likewise, and so on.
+    """
+    chosen: list[int] = []
+    rest = ranked.tolist()
+    while rest and len(chosen) < n:
+        layer, rest = _layer(rest, poses[:, :2], spacing)
+        chosen += layer
+    return chosen[:n]
+
+
+def _layer(ranked: Sequence[int], points: Array, spacing: float) -> tuple[list[int], list[int]]:
+    """The indices that keep `spacing` from all better ones in the layer, and the remaining ones."""
+    layer: list[int] = []
+    rest: list[int] = []
+    for k in ranked:
+        is_near = len(layer) and np.linalg.norm(points[layer] - points[k], axis=1).min() <= spacing
+        (rest if is_near else layer).append(k)
+    return layer, rest

@@ -1,7 +1,8 @@
-"""The placement planners: their interface, and the one place that lists them.
+"""The placement planners: their interface, their register, and those of one scene.
 
-The node, lockstep, replay and, through presets, the CLI create their planners here. A further planner is a
-class with the interface of `PlacementPlanner` in a file of its own, and one entry in `PLACEMENT_PLANNERS`.
+The node, lockstep, replay and, through presets, the command line create their planners here. A further
+planner is a class with the interface of `PlacementPlanner`; it is known by one line in `PLACEMENT_PLANNERS`
+or, in another package, by an entry point.
 """
 
 from __future__ import annotations
@@ -11,20 +12,17 @@ from typing import Annotated, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field
 
 from pack_core.config import NEXT_REQUEST
-from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.scene import Scene
+from pack_core.register import Register
 from pack_core.rotations import Pose
 from pack_core.states import SceneState
-from pack_planner.filling.arrangement_config import ArrangementConfig
-from pack_planner.placement.algorithm_1_planner import Algorithm1Planner
-from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
-from pack_planner.placement.placement_config import PlacementConfig
+from pack_planner.filling.arrangement_planner import ArrangementConfig
+from pack_planner.placement.placement_evaluation import PlacementConfig
 from pack_planner.placement.placement_result import PlannedPlacement
-from pack_planner.placement.random_pose_planner import RandomPosePlanner
 
 
 class PlacementPlanner(Protocol):
@@ -54,42 +52,23 @@ class PlacementPlanner(Protocol):
 MakePlanner = Callable[[Scene, PackingCell, PlacementConfig], PlacementPlanner]
 """Builds a planner for a scene, whose poses are ignored; raises PackError if the object cannot fit."""
 
-PLACEMENT_PLANNERS: dict[str, MakePlanner] = {
-    "physics": LeastDisturbancePlanner,
-    "algorithm_1": Algorithm1Planner,
-    "random": RandomPosePlanner,
-}
+PLACEMENT_PLANNERS: Register[MakePlanner] = Register(
+    "placement planner",
+    "pack_planner.placement_planners",
+    {"physics": "pack_planner.placement.least_disturbance_planner:LeastDisturbancePlanner"},
+)
 """All placement planners, by their value of the parameter `variant`."""
-
-
-def checked_variant(name: str) -> str:
-    """The name, if there is a planner of that name.
-
-    Raises:
-        PackError: there is no such planner.
-    """
-    if name not in PLACEMENT_PLANNERS:
-        raise PackError(f"variant is '{name}'; allowed: {', '.join(PLACEMENT_PLANNERS)}")
-    return name
 
 
 class PlacementPlannerConfig(PlacementConfig):
     """Which planner plans, and the parameters that all of them share."""
 
-    variant: Annotated[str, NEXT_REQUEST] = Field(
+    variant: Annotated[str, NEXT_REQUEST, AfterValidator(PLACEMENT_PLANNERS.known)] = Field(
         "physics",
         description="physics: Algorithm 1 with rehearsed entries; algorithm_1: it alone; random: any pose",
     )
 
     arrangement: ArrangementConfig = ArrangementConfig()
-
-    @field_validator("variant")
-    @classmethod
-    def _is_known(cls, variant: str) -> str:
-        try:
-            return checked_variant(variant)
-        except PackError as error:
-            raise ValueError(str(error)) from error
 
 
 class PlacementPlanners:
@@ -115,7 +94,7 @@ class PlacementPlanners:
         Raises:
             PackError: there is no such variant.
         """
-        name = checked_variant(variant) if variant else self._config.variant
+        name = variant or self._config.variant
         if name not in self._made:
             self._made[name] = PLACEMENT_PLANNERS[name](self._scene, self._cell, self._config)
         return self._made[name]

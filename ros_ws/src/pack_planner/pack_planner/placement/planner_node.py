@@ -1,30 +1,36 @@
-"""The placement planner as a ROS 2 service."""
+"""The placement planner and the planner of whole lists as ROS 2 services."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from pack_interfaces.msg import PlacementSample
+from pack_interfaces.msg import PlacementSample, SettledSamples
+from pack_interfaces.msg import SettledSample as SettledSampleMessage
 from pack_interfaces.srv import PlanFilling, PlanPlacement
 from std_msgs.msg import String
 
 from pack_core.errors import MessageError, PackError
+from pack_core.packing.arrangement import Arrangement, FillMethod
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
+from pack_core.packing.settled_sample import SettledSample
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.messages.conversions import finite, from_pose, to_pose
+from pack_core.ros.messages.conversions import WORLD, finite, from_pose, to_pose, to_stamp
 from pack_core.ros.messages.packing import checked_lean, fill_way
 from pack_core.ros.messages.scene import from_scene
 from pack_core.ros.node import CellNode
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_core.rotations import Pose
-from pack_planner.filling.ros.filling_messages import fill_response, plan_filling
+from pack_planner.filling.arrangement_planner import ArrangementConfig
+from pack_planner.filling.fill_planner import FillPlanner
 from pack_planner.placement.placement_planner import PlacementPlannerConfig, PlacementPlanners
 from pack_planner.placement.placement_result import SHOWN, PlacementSamples, PlannedPlacement
 from pack_planner.placement.ros.placement_markers import to_visual_markers
-from pack_planner.placement.ros.settled_sample_messages import to_settled_samples
 
 
 class PlannerNode(CellNode):
@@ -133,6 +139,48 @@ def _to_samples(samples: PlacementSamples) -> list[PlacementSample]:
         )
         for sampled, settled, cost, is_feasible in rows
     ]  # fmt: skip
+
+
+def to_settled_samples(time: float, samples: Sequence[SettledSample]) -> SettledSamples:
+    """The message for samples of a placement that was planned for the scene at `time` [s]."""
+    message = SettledSamples(samples=[_to_message(sample) for sample in samples])
+    message.header.stamp, message.header.frame_id = to_stamp(time), WORLD
+    return message
+
+
+def _to_message(sample: SettledSample) -> SettledSampleMessage:
+    return SettledSampleMessage(
+        cost=sample.cost, rank=sample.rank, is_feasible=sample.is_feasible, names=list(sample.poses),
+        poses=[to_pose(X_WO) for X_WO in sample.poses.values()],
+    )  # fmt: skip
+
+
+def plan_filling(
+    request: PlanFilling.Request, scene: Scene, cell: PackingCell, config: ArrangementConfig
+) -> Arrangement:
+    """Arrange the objects of a request.
+
+    Raises:
+        PackError: the list, the method or a pose cannot be used.
+    """
+    given = parse_list(request.list, "request", cell)
+    if len(request.planned) != len(request.planned_poses):
+        raise MessageError(
+            f"{len(request.planned)} names in `planned`, {len(request.planned_poses)} poses; allowed: as many"
+        )
+    poses = map(from_pose, request.planned_poses)
+    planned = dict(zip(request.planned, poses, strict=True))
+    planner = FillPlanner(config, FillMethod.of(request.method), given.order)
+    rng = np.random.default_rng(request.seed)
+    return planner.plan(scene, from_scene(request.scene), given.objects, rng, planned)
+
+
+def fill_response(response: PlanFilling.Response, found: Arrangement) -> None:
+    """Write an arrangement into the response."""
+    response.success, response.order = True, list(found.order)
+    response.placed = list(found.poses)
+    response.poses = [to_pose(X_WO) for X_WO in found.poses.values()]
+    response.refused, response.reasons = list(found.refused), list(found.refused.values())
 
 
 def main() -> int:

@@ -15,7 +15,7 @@ from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.messages.blocks import fill_plan, from_request
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
-from pack_planner.rearrangement.methods import METHODS, MethodName, RearrangementConfig
+from pack_planner.rearrangement.methods import DEFAULT_METHOD, MethodName, RearrangementConfig
 from pack_planner.rearrangement.planner import plan, warm_up
 
 
@@ -23,7 +23,7 @@ class RearrangementNodeConfig(RearrangementConfig):
     """Parameters of the node `rearrangement`."""
 
     method: Annotated[MethodName, NEXT_REQUEST] = Field(
-        METHODS[0], description="the planner asked where a request names none"
+        DEFAULT_METHOD, description="the planner asked where a request names none"
     )
     budget: Annotated[PositiveFloat, NEXT_REQUEST] = Field(
         1.0, description="time for a plan where a request says none [s]"

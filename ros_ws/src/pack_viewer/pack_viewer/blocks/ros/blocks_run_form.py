@@ -33,7 +33,7 @@ class BlocksRunForm(RunForm):
         ))  # fmt: skip
         self._blocks = self.gui.add_number("blocks", 4, min=1, max=25, step=1)
         self._seed = self.gui.add_number("seed", 0, min=0, max=2**31 - 1, step=1)
-        self._method = self.gui.add_dropdown("planner", METHODS)
+        self._method = self.gui.add_dropdown("planner", tuple(METHODS))
 
     def reset(self) -> tuple[Contract, Any]:
         """The blocks where the problem has them."""

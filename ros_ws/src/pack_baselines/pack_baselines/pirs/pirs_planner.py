@@ -24,6 +24,8 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
 
+from pack_baselines.pirs.geometry import Sizes
+from pack_baselines.pirs.roadmap import PUSHED, Prices, Way, sample_clear_poses, sample_nodes, shortest_way
 from pack_core.blocks.plan import Action, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import is_refused
@@ -32,9 +34,6 @@ from pack_core.rotations import Array
 from pack_planner.rearrangement.carrying import carried
 from pack_planner.rearrangement.footprints import squares
 from pack_planner.rearrangement.lower_bound import sharper_bound
-from pack_planner.rearrangement.pirs.geometry import Sizes
-from pack_planner.rearrangement.pirs.roadmap import PUSHED, Prices, Way, shortest_way
-from pack_planner.rearrangement.pirs.sampling import sample_clear_poses, sample_nodes
 from pack_planner.rearrangement.progress import PlanningProgress
 from pack_planner.rearrangement.rearrangement_planner import Found, RearrangementPlanner
 from pack_planner.rearrangement.task import Task

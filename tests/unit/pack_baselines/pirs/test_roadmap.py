@@ -4,10 +4,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from pack_core.blocks.gripper import GripperFootprint
-from pack_planner.rearrangement.footprints import squares
-from pack_planner.rearrangement.pirs.geometry import Sizes
-from pack_planner.rearrangement.pirs.roadmap import (
+from pack_baselines.pirs.geometry import Sizes
+from pack_baselines.pirs.roadmap import (
     PUSHED,
     Prices,
     Way,
@@ -15,6 +13,8 @@ from pack_planner.rearrangement.pirs.roadmap import (
     grasps_at,
     shortest_way,
 )
+from pack_core.blocks.gripper import GripperFootprint
+from pack_planner.rearrangement.footprints import squares
 
 SIDE = 0.0508
 SIZES = Sizes.of(SIDE, GripperFootprint())

@@ -4,17 +4,18 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from pack_core.blocks.gripper import GripperFootprint
-from pack_planner.rearrangement.footprints import squares
-from pack_planner.rearrangement.pirs.geometry import QUARTER, Sizes, block_hits, is_inside
-from pack_planner.rearrangement.pirs.roadmap import Way, way_hits
-from pack_planner.rearrangement.pirs.sampling import (
+from pack_baselines.pirs.geometry import QUARTER, Sizes, block_hits, is_inside
+from pack_baselines.pirs.roadmap import (
     GOAL_SHARE,
+    Way,
     draw_on_line,
     draw_pose,
     sample_clear_poses,
     sample_nodes,
+    way_hits,
 )
+from pack_core.blocks.gripper import GripperFootprint
+from pack_planner.rearrangement.footprints import squares
 from pack_planner.rearrangement.workspace import edges
 
 SIDE = 0.0508
