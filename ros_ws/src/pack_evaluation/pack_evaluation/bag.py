@@ -31,13 +31,19 @@ class Bag:
         path: the bag's folder or file.
         messages: messages of the requested topics, in order of time.
         is_cut: whether the recording ended without finishing the bag.
-        damaged: number of pieces and messages that could not be read.
+        damaged: number of files, pieces and messages that could not be read.
+        notes: which files and topics are missing or were left out, and why: a sentence each.
     """
 
     path: Path
     messages: tuple[Recorded, ...]
     is_cut: bool
     damaged: int = 0
+    notes: tuple[str, ...] = ()
+
+    def reason(self, otherwise: str) -> str:
+        """Why something may be missing in the bag: what was left out, if anything was."""
+        return "; ".join(self.notes) or otherwise
 
     def of(self, topic: str) -> list[Any]:
         """The messages of one topic, in order."""
@@ -60,7 +66,8 @@ def read_bag(path: Path, topics: Collection[str] | None = None) -> Bag:
     """
     raw = read_raw_bag(path, topics)
     messages = [decoded for item in raw.messages if (decoded := _decoded(item, raw)) is not None]
-    return Bag(raw.path, tuple(messages), raw.is_cut, raw.damaged + len(raw.messages) - len(messages))
+    damaged = raw.damaged + len(raw.messages) - len(messages)
+    return Bag(raw.path, tuple(messages), raw.is_cut, damaged, raw.notes)
 
 
 def result_in(text: str, path: Path) -> dict[str, Any]:

@@ -35,6 +35,10 @@ class RecordedRun(Protocol):
         """Number of pieces of the recording that could not be read."""
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Which files and topics of the recording are missing or were left out, and why."""
+
+    @property
     def goal(self) -> GoalNumber:
         """Which goal of the recording it is."""
 

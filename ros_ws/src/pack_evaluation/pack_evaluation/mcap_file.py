@@ -28,6 +28,8 @@ FOOTER_SIZE = HEAD.size + 20 + len(MCAP0_MAGIC)
 """Footer and magic at the very end of a finished file."""
 LARGEST_CHUNK = 128 * 2**20
 """A chunk that claims to unpack to more is damaged; writers close a chunk after some megabytes [byte]."""
+FIRST_OF_OTHERS = 0x10
+"""Kinds of records from here on are those of later versions, from 0x80 on private ones: they are skipped."""
 KINDS = frozenset(Opcode)
 DAMAGE = (McapError, struct.error, ValueError, EOFError, RuntimeError, zstandard.ZstdError, MemoryError)
 """What the parsers and decompressors raise where the bytes are damaged."""
@@ -81,7 +83,7 @@ def _records(data: bytes, position: int, limit: int) -> Iterator[tuple[int, int,
     while position + HEAD.size <= limit:
         kind, length = HEAD.unpack_from(data, position)
         start = position + HEAD.size
-        if kind not in KINDS or length > limit - start:
+        if not (kind in KINDS or kind >= FIRST_OF_OTHERS) or length > limit - start:
             return
         position = start + length
         yield kind, start, position

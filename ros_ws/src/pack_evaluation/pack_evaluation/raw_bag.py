@@ -17,8 +17,14 @@ from rosbags.rosbag2.metadata import parse_qos
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from pack_core.errors import BagError
+from pack_core.errors import BagError, ConfigError
+from pack_core.text.reader import load_yaml
 from pack_evaluation.mcap_file import McapContent, read_mcap
+
+DEFINITIONS = ("ros2msg", "ros2idl")
+"""Encodings of definitions of ROS 2 messages in MCAP."""
+DIGITS = 5
+"""The most that the number of a bag's file has; longer ones are dates."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,8 @@ class RawBag:
         messages: in order of time.
         types: definitions of their messages.
         is_cut: whether the recording ended without finishing the bag.
-        damaged: number of chunks, records and messages of unknown topics that could not be read.
+        damaged: number of files, chunks, records and messages of unknown topics that could not be read.
+        notes: which files and topics are missing or were left out, and why: a sentence each.
     """
 
     path: Path
@@ -58,6 +65,7 @@ class RawBag:
     types: Typestore
     is_cut: bool
     damaged: int = 0
+    notes: tuple[str, ...] = ()
 
 
 def find_bag(path: Path) -> Path:
@@ -84,53 +92,155 @@ def read_raw_bag(path: Path, topics: Collection[str] | None = None) -> RawBag:
         BagError: the bag is missing, or nothing in it is readable.
     """
     bag = find_bag(path)
-    files = [bag] if bag.is_file() else sorted(bag.glob("*.mcap"), key=_number)
-    return _read_mcap_files(bag, files, topics) if files else _read_other(bag, topics)
+    files = _Files([bag]) if bag.is_file() else _files_of(bag)
+    return _read_mcap_files(bag, files, topics) if files.there else _read_other(bag, topics)
 
 
-def _number(file: Path) -> float:
-    """Place of a file among those of its bag: the one without a number is being written and comes last."""
-    number = file.stem.rpartition("_")[2]
-    return int(number) if number.isdecimal() else float("inf")
+@dataclass(frozen=True)
+class _Files:
+    """The MCAP files of a bag, in order; how many are missing, and notes on these and on files left out."""
+
+    there: list[Path]
+    missing: int = 0
+    notes: tuple[str, ...] = ()
 
 
-def _read_mcap_files(bag: Path, files: list[Path], topics: Collection[str] | None) -> RawBag:
+def _files_of(bag: Path) -> _Files:
+    """The files that metadata.yaml lists or, where it cannot tell, all that are there.
+
+    A recorder that was killed may leave a list of its first files: numbered files that follow these count.
+    """
+    there = {file.name: file for file in sorted(bag.glob("*.mcap"))}
+    if (listed := _listed_files(bag)) is None:
+        return _numbered_files(bag, list(there.values()))
+    missing = [name for name in listed if name not in there]
+    if there and len(missing) == len(listed):
+        raise BagError(
+            f"{bag}: metadata.yaml lists {', '.join(missing)}, but there is {', '.join(there)}; give "
+            "the file itself, or delete metadata.yaml"
+        )
+    common, last = max((_parts(Path(name)) for name in listed), key=lambda parts: parts[1])
+    others = [name for name in there if name not in listed]
+    following = (
+        name for name in others if _parts(there[name])[0] == common and _parts(there[name])[1] > last
+    )
+    later = sorted(following, key=lambda name: _parts(there[name]))
+    notes = [f"{name} is missing, which metadata.yaml lists" for name in missing]
+    notes += [f"{name} follows those that metadata.yaml lists, and was read" for name in later]
+    notes += [f"{name} was left out: metadata.yaml does not list it" for name in others if name not in later]
+    files = [name for name in listed if name in there] + later
+    return _Files([there[name] for name in files], len(missing), tuple(notes))
+
+
+def _listed_files(bag: Path) -> list[str] | None:
+    """Names of the MCAP files in metadata.yaml, each once; None if it is not there, is broken or has none.
+
+    Raises:
+        BagError: each message is compressed by itself, which is not read.
+    """
+    try:
+        about = load_yaml(bag / "metadata.yaml")["rosbag2_bagfile_information"]
+        mode, paths = about.get("compression_mode"), about["relative_file_paths"]
+        # Old recorders put the bag's own folder in front.
+        names = [Path(path).name for path in paths if path.endswith(".mcap")]
+    except (ConfigError, AttributeError, LookupError, TypeError):
+        return None
+    if str(mode).upper() == "MESSAGE":
+        raise BagError(
+            f"{bag} was recorded with compression mode MESSAGE; allowed: FILE or none; `ros2 bag convert` "
+            "writes it anew"
+        )
+    return list(dict.fromkeys(names)) or None
+
+
+def _numbered_files(bag: Path, files: list[Path]) -> _Files:
+    """Files without a list of them, by the numbers in their names: gaps are files that are missing."""
+    parts = {file: _parts(file) for file in files}
+    if len({name for name, _ in parts.values()}) > 1:
+        raise BagError(
+            f"{bag} has no metadata.yaml that lists its files, and {', '.join(file.name for file in files)} "
+            "have no name in common: give one of them"
+        )
+    # The file without a number is being written and comes last.
+    ordered = sorted(files, key=lambda file: parts[file][1])
+    numbers = [int(number) for file in ordered if (number := parts[file][1]) < float("inf")]
+    missing = sorted(set(range(max(numbers, default=-1))) - set(numbers))
+    notes = tuple(f"{name}_{number}.mcap is missing" for number in missing for name in {parts[files[0]][0]})
+    return _Files(ordered, len(missing), notes)
+
+
+def _parts(file: Path) -> tuple[str, float]:
+    """What the files of a bag have in common in their names, and the number of this one."""
+    name, _, number = file.stem.rpartition("_")
+    is_numbered = number.isascii() and number.isdecimal() and len(number) <= DIGITS
+    return (name, int(number)) if is_numbered else (file.stem, float("inf"))
+
+
+def _read_mcap_files(bag: Path, files: _Files, topics: Collection[str] | None) -> RawBag:
     types = get_typestore(Stores.EMPTY)
     found: dict[str, Topic] = {}
     messages: list[RawMessage] = []
-    is_cut, damaged = False, 0
-    for file in files:
+    is_cut, damaged = False, files.missing
+    notes = dict.fromkeys(files.notes)  # as a set that keeps its order
+    for file in files.there:
         try:
             content = read_mcap(file.read_bytes())
         except OSError as error:
             raise BagError(f"{file}: cannot be read: {error.strerror}") from error
-        channels = _topics_of(content, types)
+        left_out = _left_out(content)
+        notes |= {
+            f"topic {content.channels[number].topic} was left out: {why}": None
+            for number, why in left_out.items()
+        }
+        channels = _topics_of(content, types, left_out)
         found |= {topic.name: topic for topic in channels.values()}
         unknown = 0
         for item in content.messages:
             if item.channel_id in channels:
                 messages.append(RawMessage(channels[item.channel_id].name, item.log_time, item.data))
-            else:
+            elif item.channel_id not in left_out:
                 unknown += 1
         is_cut, damaged = is_cut or not content.is_whole, damaged + content.damaged + unknown
     if not found:
         raise BagError(
-            f"{files[0]} holds no readable recording: not an MCAP file, or cut off at its very start"
+            f"{files.there[0]} holds no readable recording: "
+            + ("; ".join(notes) or "not an MCAP file, or cut off at its very start")
         )
     wanted = {name: topic for name, topic in found.items() if topics is None or name in topics}
     kept = (item for item in messages if item.topic in wanted)
-    return RawBag(bag, wanted, tuple(sorted(kept, key=lambda item: item.time_ns)), types, is_cut, damaged)
+    return RawBag(
+        bag, wanted, tuple(sorted(kept, key=lambda item: item.time_ns)), types, is_cut, damaged, tuple(notes)
+    )
 
 
-def _topics_of(content: McapContent, types: Typestore) -> dict[int, Topic]:
+def _left_out(content: McapContent) -> dict[int, str]:
+    """Channels whose messages are none of ROS 2, or whose messages nobody could read, by number, and why."""
+    found = {}
+    for number, channel in content.channels.items():
+        schema = content.schemas.get(channel.schema_id)
+        if channel.message_encoding != "cdr":
+            found[number] = f"its messages are '{channel.message_encoding}', not CDR"
+        elif schema is not None and schema.encoding not in DEFINITIONS:
+            found[number] = f"the recording holds no definition of {schema.name}" + (
+                f", but '{schema.encoding}'" if schema.encoding else ""
+            )
+    return found
+
+
+def _topics_of(content: McapContent, types: Typestore, left_out: Collection[int]) -> dict[int, Topic]:
     """The topics by their channels' numbers, as far as their types can be read, which are registered."""
+    wanted = {channel.schema_id for number, channel in content.channels.items() if number not in left_out}
     for schema in content.schemas.values():
+        if schema.id not in wanted:
+            continue
         try:
             _register(schema, types)
         except Exception:  # rosbags raises whatever its parser meets in a damaged definition
             content.damaged += 1
     topics = {}
     for number, channel in content.channels.items():
+        if number in left_out:
+            continue
         its_schema = content.schemas.get(channel.schema_id)
         if its_schema is not None and its_schema.name in types.fielddefs:
             topics[number] = Topic(channel.topic, its_schema.name, _qos(channel))

@@ -167,3 +167,98 @@ def test_each_object_of_the_set_stays_where_it_stands(item: ConvexMesh) -> None:
     assert np.linalg.norm(data.body(item.name).xpos - [0.5, 0.0, item.half_extents[2]]) < 0.002
     assert abs(data.body(item.name).xmat[8]) > np.cos(np.deg2rad(3.0))
     Scene.from_yaml(scene.to_yaml())
+
+
+CUBE = "".join(f"v {x} {y} {z}\n" for x, y, z in 20 * BOX)
+SIDES = ((1, 2, 4, 3), (5, 6, 8, 7), (1, 2, 6, 5), (3, 4, 8, 7), (1, 3, 7, 5), (2, 4, 8, 6))
+TOWER = CUBE.replace("20.0", "10.0")
+
+
+def faces(first: int = 0) -> str:
+    return "".join("f " + " ".join(str(k + first) for k in side) + "\n" for side in SIDES)
+
+
+def sides_of(folder: Path, name: str, content: str | bytes) -> list[float]:
+    """Sides [mm] of the body in a mesh file."""
+    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    return np.round(
+        2000 * load_scene(write_scene(folder, file=name, scale=0.001)).new_object.half_extents, 3
+    ).tolist()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        CUBE + faces(),
+        CUBE + faces(-9),
+        "\ufeff" + CUBE + faces(),
+        CUBE.replace(" ", "\t").replace("\n", "\r\n") + faces().replace("f ", "f\t\t"),
+        "v 900 0 0\n" + CUBE + faces(1),  # which no face names
+        CUBE.replace("\n", " 1.0 0.5 0.5\n") + "usemtl straße\n" + faces().replace(" 1", " 1/1/1"),
+        CUBE + "f 1 2 \\\n4 3\n" + faces()[faces().index("\n") + 1 :],
+        CUBE + faces(-9) + TOWER + faces(-9),
+    ],
+    ids=["plain", "relative", "mark", "tabs", "unused", "normals", "continued", "two relative bodies"],
+)  # fmt: skip
+def test_all_ways_to_write_an_obj_file_give_the_same_body(text: str, tmp_path: Path) -> None:
+    assert sides_of(tmp_path, "cube.obj", text) == [40.0, 40.0, 40.0]
+
+
+def test_relative_indices_count_back_from_their_face(tmp_path: Path) -> None:
+    upper = CUBE.replace(" 20.0\n", " 100.0\n").replace(" -20.0\n", " 20.0\n")
+    assert sides_of(tmp_path, "two.obj", CUBE + faces(-9) + upper + faces(-9)) == [40.0, 40.0, 120.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (CUBE + faces(-1), r"line 9: a face names vertex 0; allowed: from 1, or from -1 to -8"),
+        (CUBE + "f -9 1 2\n", r"line 9: a face names vertex -9"),
+        (CUBE + faces(1), r"a face names vertex 9, but there are 8"),
+        (CUBE + "f 1 2\n", r"line 9: a face of 2 vertices; allowed: 3 or more"),
+        (CUBE + "f 1 2 x\n", r"line 9: a face with 'x'"),
+        (CUBE + "v 1 2\n" + faces(), r"line 9: a vertex of 2 coordinates"),
+        (CUBE + "v 1 2 z\n" + faces(), r"line 9: a vertex '1 2 z'; allowed: three numbers"),
+        (CUBE, "has none"),
+    ],
+)
+def test_an_obj_file_that_cannot_be_meant_is_refused_with_its_line(
+    text: str, reason: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ConfigError, match=reason):
+        sides_of(tmp_path, "cube.obj", text)
+
+
+def ascii_solid(name: str = "part", scale: float = 1.0) -> str:
+    """A wedge as an STL text."""
+    mesh = trimesh.PointCloud(scale * WEDGE).convex_hull
+    return f"solid {name}\n" + str(trimesh.exchange.stl.export_stl_ascii(mesh)).partition("\n")[2]
+
+
+def test_all_solids_of_an_stl_text_belong_to_the_body(tmp_path: Path) -> None:
+    two = ascii_solid("one") + "\n" + ascii_solid("two", 2.0)
+    assert sides_of(tmp_path, "two.stl", two) == [180.0, 80.0, 140.0]
+    assert sides_of(tmp_path, "tabs.stl", two.replace(" ", "\t").replace("\n", "\r\n").upper()) == [
+        180.0,
+        80.0,
+        140.0,
+    ]
+    assert sides_of(tmp_path, "mark.stl", "\ufeff" + two) == [180.0, 80.0, 140.0]
+
+
+@pytest.mark.parametrize("share", [0.3, 0.55, 0.9])
+def test_an_stl_text_that_was_cut_off_is_refused(share: float, tmp_path: Path) -> None:
+    two = ascii_solid("one") + "\n" + ascii_solid("two", 2.0)
+    with pytest.raises(ConfigError, match="cannot be read as one"):
+        sides_of(tmp_path, "two.stl", two[: int(share * len(two))])
+
+
+@pytest.mark.parametrize("change", [-50, -1, 1, 50])
+def test_a_binary_stl_file_has_the_length_that_it_tells(change: int, tmp_path: Path) -> None:
+    write_mesh(tmp_path, "wedge.stl")
+    content = (tmp_path / "wedge.stl").read_bytes()
+    changed = content[:change] if change < 0 else content + bytes(change)
+    with pytest.raises(ConfigError, match=r"tells of 8 triangles, 484 bytes, and has"):
+        sides_of(tmp_path, "cut.stl", changed)
+    named = b"solid like a text".ljust(80) + content[80:]
+    assert sides_of(tmp_path, "named.stl", named) == [90.0, 40.0, 70.0]

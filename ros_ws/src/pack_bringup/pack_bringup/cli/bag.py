@@ -36,6 +36,8 @@ def info(bag: BagPath) -> None:
         typer.echo("the recording was cut off; all in front of the cut was read")
     if found.damaged:
         typer.echo(f"{found.damaged} pieces of the recording could not be read; the rest was")
+    for note in found.notes:
+        typer.echo(note)
 
 
 @bag_app.command()
@@ -59,3 +61,5 @@ def copy(
     if copied.damaged:
         note += f", without {copied.damaged} pieces that could not be read,"
     typer.echo(f"{copied.messages} messages{note} in {target}")
+    for left_out in copied.notes:
+        typer.echo(left_out)

@@ -146,6 +146,8 @@ def show(found: Evaluation[Any, Any]) -> None:
     if found.run.damaged:
         what = f"{found.run.damaged} pieces of the recording could not be read; the rest was evaluated"
         notice(what, typer.colors.YELLOW)
+    for note in found.run.notes:
+        notice(note, typer.colors.YELLOW)
     console.print(f"report: {found.report}", soft_wrap=True, markup=False)
     if found.video:
         console.print(f"video:  {found.video}", soft_wrap=True, markup=False)

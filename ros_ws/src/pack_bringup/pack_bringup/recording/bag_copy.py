@@ -17,11 +17,15 @@ from pack_evaluation.raw_bag import Topic, read_raw_bag
 
 @dataclass(frozen=True)
 class Copied:
-    """How many messages were copied, whether the source was cut off, and how much of it was not readable."""
+    """How many messages were copied, whether the source was cut off, and how much of it was not readable.
+
+    `notes` are sentences about what is missing or was left out.
+    """
 
     messages: int
     was_cut: bool
     damaged: int
+    notes: tuple[str, ...]
 
 
 def copy_bag(
@@ -57,7 +61,7 @@ def copy_bag(
                 writer.write(connections[item.topic], item.time_ns, item.data)
     except (OSError, WriterError) as error:
         raise BagError(f"cannot write {target}: {error}; give a folder that does not exist yet") from error
-    return Copied(len(wanted), raw.is_cut, raw.damaged)
+    return Copied(len(wanted), raw.is_cut, raw.damaged, raw.notes)
 
 
 def _is_latched(topic: Topic) -> bool:

@@ -58,6 +58,7 @@ class BlocksRun:
         openings: distances between the gripper's pads `(G,)` [m].
         is_cut: whether the recording was cut off.
         damaged: number of pieces of the recording that could not be read.
+        notes: which of its files and topics are missing or were left out, and why.
         goal: which rearrangement of its recording it is.
     """
 
@@ -74,6 +75,7 @@ class BlocksRun:
     is_cut: bool
     goal: GoalNumber = ONLY_GOAL
     damaged: int = 0
+    notes: tuple[str, ...] = ()
 
     def poses_at(self, time: float) -> dict[str, PlanarPose]:
         """True X_WB by id at `time` [s], or at the nearest time that was recorded."""
@@ -103,7 +105,7 @@ def _blocks_run(path: Path, goal: int | None) -> BlocksRun:
     )  # fmt: skip
     if missing := [topic for topic in (TRUTH, JOINT_STATES, JAW_STATE, STATUS, RESULT) if not bag.of(topic)]:
         lacks = f"no message on {', '.join(missing)}"
-        raise BagError(f"{bag.path}: goal {number} has {lacks}; did it run to its end?")
+        raise BagError(f"{bag.path}: goal {number} has {lacks}; {bag.reason('did it run to its end?')}")
     result = read_result(bag.of(RESULT)[-1].data, bag.path)
     truth, joints, jaw = bag.of(TRUTH), bag.of(JOINT_STATES), bag.of(JAW_STATE)
     return BlocksRun(
@@ -111,8 +113,8 @@ def _blocks_run(path: Path, goal: int | None) -> BlocksRun:
         plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(BLOCK_POSES)),
         times=_times(truth), truth=_tracks(truth), joint_times=_times(joints),
         joints=np.array([message.position for message in joints]), jaw_times=_times(jaw),
-        openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut, damaged=bag.damaged,
-        goal=number,
+        openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut,
+        damaged=bag.damaged, notes=bag.notes, goal=number,
     )  # fmt: skip
 
 

@@ -74,7 +74,7 @@ def to_run(bag: Bag, goal: int | None = None) -> Run:
         force_times=_times(wrenches), force=_magnitudes(wrenches),
         release_reason=_release(bag, start),
         real_time_factors=_real_time_factors(bag, start, end),
-        outcome=outcome, is_cut=bag.is_cut, damaged=bag.damaged, arm=_arm(bag, joints[0]),
+        outcome=outcome, is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, arm=_arm(bag, joints[0]),
         samples=_samples(bag, start),        goal=number,
     )  # fmt: skip
 
@@ -88,7 +88,8 @@ def _check(bag: Bag) -> None:
     missing = [topic for topic in (DESCRIPTION, TRUTH, SCENE, JOINT_STATES, WRENCH) if not bag.of(topic)]
     if missing:
         raise BagError(
-            f"{bag.path} has no message on {', '.join(missing)}: was the node that sends it running?"
+            f"{bag.path} has no message on {', '.join(missing)}: "
+            + bag.reason("was the node that sends it running?")
         )
     if not bag.of(MPC_STATUS) and not bag.of(RESULT):
         raise BagError(f"{bag.path} has no message on {MPC_STATUS} or {RESULT}: was a goal sent?")

@@ -36,7 +36,7 @@ def packing_page(found: Evaluation[Run, PackingMeasures]) -> str:
     files = {name: _yaml(content) for name, content in record.get("configuration", {}).items()}
     return render(
         TEMPLATE, title=f"Packing run {found.report.parent.name}", measures=found.measures, rows=found.rows,
-        message=run.outcome.get("message", ""), is_cut=run.is_cut, damaged=run.damaged,
+        message=run.outcome.get("message", ""), is_cut=run.is_cut, damaged=run.damaged, notes=run.notes,
         plots=[(plot.stem, embedded(plot)) for plot in found.plots if plot.name != SETTLED_SAMPLES],
         samples=[embedded(plot) for plot in found.plots if plot.name == SETTLED_SAMPLES],
         video=embedded(found.video) if found.video else "", replay=found.replay.name if found.replay else "",

@@ -63,6 +63,7 @@ class Run:
         outcome: fields of the action's result; empty when none was recorded.
         is_cut: whether the recording was cut off.
         damaged: number of pieces of the recording that could not be read.
+        notes: which of its files and topics are missing or were left out, and why.
         arm: name of the arm, one of `pack_core.robots.packing_arms`.
         samples: some settled samples of the first placement, the cheapest first; empty if none were recorded.
         goal: which goal of its recording it is.
@@ -83,6 +84,7 @@ class Run:
     outcome: dict[str, Any] = field(default_factory=dict)
     is_cut: bool = False
     damaged: int = 0
+    notes: tuple[str, ...] = ()
     arm: str = "panda"
     samples: tuple[SettledSample, ...] = ()
     goal: GoalNumber = ONLY_GOAL

@@ -57,7 +57,7 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
     missing = [topic for topic in (JOINT_STATES, SETPOINTS, TRUTH, PALLET_STATE, RESULT) if not bag.of(topic)]
     if missing:
         lacks = f"no message on {', '.join(missing)}"
-        raise BagError(f"{bag.path}: order {number} has {lacks}; did it run to its end?")
+        raise BagError(f"{bag.path}: order {number} has {lacks}; {bag.reason('did it run to its end?')}")
     result = result_in(bag.of(RESULT)[-1].data, bag.path)
     frames = frames_in(bag)
     X_true = true_of_known(frames, result)
@@ -75,7 +75,7 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         ),
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
-        is_cut=bag.is_cut, damaged=bag.damaged, goal=number, stands=standing_cell(frames),
+        is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, goal=number, stands=standing_cell(frames),
     )  # fmt: skip
 
 

@@ -153,6 +153,7 @@ class PalletRun:
         interruptions: how often setpoints came too late and the driver held the arm in a move.
         is_cut: whether the recording ended before the run did.
         damaged: number of pieces of the recording that could not be read.
+        notes: which of its files and topics are missing or were left out, and why.
         goal: which order of its recording it is.
         way_points: errors at the targets of the machine, in order; empty where they were not recorded.
         visitors: who came near the arm, by name; empty where nobody did or it was not recorded.
@@ -172,6 +173,7 @@ class PalletRun:
     interruptions: int = 0
     is_cut: bool = False
     damaged: int = 0
+    notes: tuple[str, ...] = ()
     goal: GoalNumber = ONLY_GOAL
     visitors: Mapping[str, VisitorTrack] = field(default_factory=dict)
     way_points: tuple[WayPoint, ...] = ()

@@ -79,7 +79,7 @@ class FillEvaluator(Evaluator[FillRun, FillMeasures]):
         return render(
             TEMPLATE, title=f"Fill job {found.report.parent.name}", rows=found.rows,
             success=found.measures.success, message=report["message"], is_cut=found.run.is_cut,
-            damaged=found.run.damaged, objects=report["objects"],
+            damaged=found.run.damaged, notes=found.run.notes, objects=report["objects"],
             plots=[(plot.stem, embedded(plot)) for plot in found.plots],
             video=embedded(found.video) if found.video else "", record=about_the_run(found.record),
         )  # fmt: skip

@@ -73,6 +73,11 @@ class FillRun:
         return self.run.damaged
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Which files and topics of the recording are missing or were left out, and why."""
+        return self.run.notes
+
+    @property
     def goal(self) -> GoalNumber:
         """The last job of the recording."""
         return ONLY_GOAL
@@ -93,7 +98,9 @@ def load_fill_run(path: Path) -> FillRun:
     bag = read_bag(path, (*NEEDED, *TOLD))
     told = [item for item in bag.messages if item.topic in TOLD]
     if missing := [topic for topic in NEEDED if not bag.of(topic)] + [FILL_RESULT] * (not told):
-        raise BagError(f"{bag.path} has no message on {', '.join(missing)}")
+        raise BagError(
+            f"{bag.path} has no message on {', '.join(missing)}{bag.reason('') and ': ' + bag.reason('')}"
+        )
     with fitting(path):
         report = result_in(told[-1].message.data, path)
         scene = _all_objects([Scene.from_yaml(m.data, DESCRIPTION) for m in bag.of(DESCRIPTION)])
@@ -110,7 +117,7 @@ def load_fill_run(path: Path) -> FillRun:
             estimate={}, joint_times=times, joints=np.array([message.position for message in joints]),
             force_times=force_times, force=force,
             release_reason="", real_time_factors=np.zeros(0), outcome=dict(report), is_cut=bag.is_cut,
-            damaged=bag.damaged, arm=arm_of(joints[0].name).name,
+            damaged=bag.damaged, notes=bag.notes, arm=arm_of(joints[0].name).name,
         )  # fmt: skip
         to_come = [*report.get("to_come", []), *filter(None, [report.get("object", "")])]
         given = len({*(row["name"] for row in report["objects"]), *to_come})
