@@ -1,6 +1,6 @@
 """Dependencies run one way, floor by floor, and package.xml says so.
 
-interfaces <- core <- leaves and evaluation <- baselines <- lockstep <- bring-up
+interfaces <- core <- calibration <- leaves and evaluation <- baselines <- lockstep <- bring-up
 """
 
 import ast
@@ -19,6 +19,7 @@ PYTHON_PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/setup.py")
 FLOORS = (
     {"pack_interfaces", "tf2_msgs"},
     {"pack_core"},
+    {"pallet_calibration"},
     {
         "pack_sim", "pack_perception", "pack_planner", "pack_mpc", "pack_motion", "pallet_fsm", "block_fsm",
         "pack_evaluation",
@@ -103,7 +104,7 @@ def test_shared_files_of_a_package_import_no_cell(package: str) -> None:
     assert [pair for pair in shared if cells_in(pair[1])] == []
 
 
-@pytest.mark.parametrize("package", sorted(FLOORS[1] | FLOORS[2] - {"pack_evaluation"}))
+@pytest.mark.parametrize("package", sorted(set().union(*FLOORS[1:4]) - {"pack_evaluation"}))
 def test_no_node_needs_what_draws_plots_and_reports(package: str) -> None:
     assert imported_packages(package) & DRAWING == set()
 

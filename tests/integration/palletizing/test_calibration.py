@@ -6,23 +6,21 @@ import pytest
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.displacement import Displacement
 from pack_core.rotations import Array, Pose, log
+from pack_core.tasks.steps import Steps
 from pack_lockstep.palletizing.calibration_lockstep import CalibrationLockstep, calibrate, quick_check
 from pack_lockstep.palletizing.settings import set_up
 from pack_sim.palletizing.real_arm import true_base
 from pack_sim.palletizing.true_cell import true_cell
-from pallet_fsm.calibration.job import RigJob
-from pallet_fsm.calibration.measurements import FeltContact, contact_of
-from pallet_fsm.calibration.model import CellModel, sag_at
-from pallet_fsm.calibration.parameters import (
+from pallet_calibration.measurements import FeltContact, contact_of
+from pallet_calibration.model import CellModel, sag_at
+from pallet_calibration.parameters import (
     GEARS,
     PLACE,
     start,
 )
-from pallet_fsm.calibration.progress import Agenda, CalibrationState
-from pallet_fsm.calibration.rig import CalibrationRig
-from pallet_fsm.calibration.steps import Steps
-from pallet_fsm.calibration.touch import touch
-from pallet_fsm.calibration.touch_poses import DOWN, TRAVEL, from_above
+from pallet_calibration.progress import Agenda, CalibrationState
+from pallet_calibration.rig import CalibrationRig, RigJob
+from pallet_calibration.touch import DOWN, TRAVEL, from_above, touch
 
 REAL = palletizing_cell("real")
 SEED = 12

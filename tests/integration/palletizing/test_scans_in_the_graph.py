@@ -11,7 +11,7 @@ from integration.harness import Graph
 from integration.palletizing.pallet_rig import spawn, start_pallet_sim
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.cell import PALLET, palletizing_cell
 from pack_core.palletizing.grip import ASKED, GripState
 from pack_core.palletizing.scanner import SCANNED, PlaceScan
 from pack_core.paths import config_path
@@ -24,7 +24,6 @@ from pack_core.ros.messages.palletizing import from_cloud, to_cloud, to_gripper_
 from pack_core.rotations import Pose
 from pack_planner.layout.layout_node import LayoutNode
 from pallet_fsm.fsm_node import PalletFsmNode
-from pallet_fsm.surroundings import PALLET, furniture
 from pallet_fsm.tool_poses import LOOKING_DOWN
 from unit.pallet_fsm.scans.closed_form import box_on, scan_of
 
@@ -58,7 +57,7 @@ class Scanner:
     """Speaks for the simulator: arm and gripper stand still, and the pallet has on it what it is told."""
 
     def __init__(self, graph: Graph) -> None:
-        self.graph, self.blocks, self.asked = graph, [*furniture(CELL)], 0
+        self.graph, self.blocks, self.asked = graph, [*CELL.furniture], 0
         graph.probe.create_service(contracts.SCAN_PALLET.type, contracts.SCAN_PALLET.name, self._scan)
 
     def tell(self) -> None:

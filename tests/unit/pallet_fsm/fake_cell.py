@@ -10,9 +10,7 @@ from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.grip import ASKED, GripState
 from pack_core.palletizing.orders.order import Order
-from pack_core.palletizing.scanner import PlaceScan
-from pack_core.rotations import Pose, from_yaw, multiply
-from pallet_fsm.ports import (
+from pack_core.palletizing.ports import (
     CloseGripper,
     Command,
     DiscardBox,
@@ -24,7 +22,9 @@ from pallet_fsm.ports import (
     StopArm,
     TakePicture,
 )
-from pallet_fsm.surroundings import furniture, standing_box
+from pack_core.palletizing.scanner import PlaceScan
+from pack_core.rotations import Pose, from_yaw, multiply
+from pallet_fsm.order_book import standing_box
 from pallet_fsm.tool_poses import LOOKING_DOWN
 from unit.pallet_fsm.fake_motion import FakeMotion
 from unit.pallet_fsm.faults import Faults
@@ -103,7 +103,7 @@ class FakeCell:
             for item in self.order.boxes
             if item.id in self.boxes and item.id != self.grip.held
         ]
-        blocks = (*furniture(self._cell), *standing, *self.strangers)
+        blocks = (*self._cell.furniture, *standing, *self.strangers)
         self.scans[place] = scan_of(self._cell, place, blocks, self.time)
 
     def _look(self, expected) -> None:

@@ -3,9 +3,9 @@ from itertools import pairwise
 import pytest
 
 from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.ports import StopArm
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.ports import StopArm
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.states import State
 from unit.pallet_fsm.fake_cell import FakeCell

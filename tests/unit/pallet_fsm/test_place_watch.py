@@ -10,18 +10,17 @@ import pytest
 from pydantic import ValidationError
 
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.cell import PALLET, palletizing_cell
+from pack_core.palletizing.ports import PalletObservation, ScanPlace
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Pose, from_yaw, multiply
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.place_watch import PlaceWatch
-from pallet_fsm.ports import PalletObservation, ScanPlace
 from pallet_fsm.report import BoxOutcome, OrderReport
 from pallet_fsm.scans.look import PlaceLook, ScanConfig
 from pallet_fsm.states import State
-from pallet_fsm.surroundings import PALLET, furniture
 from pallet_fsm.tool_poses import LOOKING_DOWN
 from pallet_fsm.transitions import Event
 from unit.pallet_fsm.fake_cell import FakeCell
@@ -69,7 +68,7 @@ def turn(cell: FakeCell, name: str) -> None:
 
 
 def put_on(place: str) -> Hand:
-    block = next(block for block in furniture(CELL) if block.name == place)
+    block = next(block for block in CELL.furniture if block.name == place)
 
     def put(cell: FakeCell, _: str) -> None:
         x, y = block.X_WO.p[:2] + np.array([0.1, 0.1])
@@ -150,7 +149,7 @@ def scan_with_a_stranger(time: float) -> PlaceScan:
 
 def furniture_blocks() -> dict[str, Obstacle]:
     """Tables and pallet by name."""
-    return {block.name: block for block in furniture(CELL)}
+    return {block.name: block for block in CELL.furniture}
 
 
 @pytest.mark.parametrize(
@@ -191,7 +190,7 @@ def test_what_is_seen_on_table_b_counts_once() -> None:
     watch = PlaceWatch(SCANS, CELL, book)
     watch.observe(looking(1.15))
     assert ScanPlace("reorientation_table") in watch.commands()
-    seen = replace(looking(1.15), scans=(scan_of(CELL, "reorientation_table", furniture(CELL), 1.0),))
+    seen = replace(looking(1.15), scans=(scan_of(CELL, "reorientation_table", CELL.furniture, 1.0),))
     watch.observe(seen)
     event, reason = watch.change(State.STEP_BACK, 1.0) or (None, "")
     assert (event, reason) == (Event.BOX_CHANGED, f"seen on table B: box {book.current.name} is gone")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pack_core.palletizing.box_detection import DetectionStatus
 from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.ports import Command, PalletObservation
 from pallet_fsm.feeder import Feeder
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.ports import Command, PalletObservation
 from pallet_fsm.second_look import SecondLook
 from pallet_fsm.states import State
 from pallet_fsm.transitions import Event

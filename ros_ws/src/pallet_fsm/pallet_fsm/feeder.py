@@ -6,7 +6,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
-from pallet_fsm.ports import Command, PalletObservation, SpawnBox, TakePicture
+from pack_core.palletizing.ports import Command, PalletObservation, SpawnBox, TakePicture
 from pallet_fsm.work_item import WorkItem
 
 

@@ -15,18 +15,18 @@ from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.ports import StopArm
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.messages.markers import goal_markers, vertex_markers
 from pack_core.ros.messages.palletizing import from_layout
 from pack_core.ros.run import run_node
+from pallet_calibration.ros.calibration_action import CalibrationAction
 from pallet_fsm.joint_times import warm_up
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.ports import StopArm
 from pallet_fsm.profile import profile_of
-from pallet_fsm.ros.calibration_action import CalibrationAction
 from pallet_fsm.ros.cell_client import CellClient
 from pallet_fsm.ros.observer import Observer
 from pallet_fsm.ros.order_run import OrderRun, StateTeller
@@ -60,7 +60,7 @@ class PalletFsmNode(GoalNode):
         self._stepping = threading.Lock()
         self._observer = Observer(self, self._step)
         self._client = CellClient(self, self._on_spawned, self._on_laid, self._on_failure)
-        self._calibration = CalibrationAction(self, self._observer, self._client.apply)
+        self._calibration = CalibrationAction(self, lambda: self._observer.newest, self._client.apply)
         self._teller = StateTeller(self)
         self._result = self.advertise(contracts.RESULT)
         self._goals = self.advertise(motion.GOAL_MARKERS)
@@ -128,7 +128,6 @@ class PalletFsmNode(GoalNode):
         shown.markers = [*shown.markers, *vertex_markers(goals).markers]
         self._goals.publish(shown)
         session = Palletizer(order, plan, cell, config, seen.time)
-        self._observer.spawned = ""  # the last order's last box may have had the name of this one's first
         self._run = run = OrderRun(self, session, self._client.apply, self._teller)
         await self.until_goal_ends()
         result = to_result(session.report(), run.elapsed)

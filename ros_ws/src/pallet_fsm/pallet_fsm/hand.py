@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pack_core.palletizing.grip import ASKED, GripState
-from pallet_fsm.ports import CloseGripper, Command, OpenGripper
+from pack_core.palletizing.ports import CloseGripper, Command, OpenGripper
 from pallet_fsm.states import Grip
 from pallet_fsm.transitions import Event
 

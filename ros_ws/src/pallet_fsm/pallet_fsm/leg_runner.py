@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import PICKING_TABLE, REORIENTATION_TABLE, PalletizingCell
+from pack_core.palletizing.ports import PalletObservation, PursueTarget
 from pack_core.rotations import Array
 from pallet_fsm.blended_moves import BlendedMoves
 from pallet_fsm.goals import Goals
 from pallet_fsm.mover import Mover
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.ports import PalletObservation, PursueTarget
 from pallet_fsm.profile import Profile
 from pallet_fsm.states import ROWS, Grip, Place, State
-from pallet_fsm.surroundings import TABLES
 from pallet_fsm.thesis_moves import ThesisMoves
 from pallet_fsm.transitions import Event
 from pallet_fsm.work_item import WorkItem
+
+TABLES = {Place.TABLE_A: PICKING_TABLE, Place.TABLE_B: REORIENTATION_TABLE}
+"""Name of the obstacle of each table on which boxes are gripped."""
 
 
 class LegRunner:

@@ -9,9 +9,9 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 from pack_core.config import Config
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
 from pack_core.motion.world import CarriedBox, Obstacle
+from pack_core.palletizing.ports import PursueTarget
 from pallet_fsm.checkers import TOLERANCES, TargetChecker, ToolSpeed
 from pallet_fsm.goals import Leg
-from pallet_fsm.ports import PursueTarget
 from pallet_fsm.profile import Profile
 from pallet_fsm.states import ROWS, Check, Grip, Part, State
 from pallet_fsm.transitions import Event

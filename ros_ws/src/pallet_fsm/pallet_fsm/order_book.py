@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import PALLET, PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
-from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order import Order, OrderBox
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Pose
 from pallet_fsm.report import BoxOutcome, BoxReport
-from pallet_fsm.surroundings import furniture, neighbours, standing_box
 from pallet_fsm.tool_poses import placed_pose
 from pallet_fsm.work_item import WorkItem
+
+BESIDE = 0.02
+"""Boxes nearer to a place than this may be touched when a box is put there [m]."""
 
 
 class OrderBook:
@@ -28,7 +35,7 @@ class OrderBook:
     def __init__(self, order: Order, plan: LayoutPlan, cell: PalletizingCell) -> None:
         self._cell = cell
         self.items = [WorkItem(order.box(planned.placed.id), planned) for planned in plan.boxes]
-        self._furniture = furniture(cell)
+        self._furniture = cell.furniture
         self.current = self.items[0]
 
     @property
@@ -99,3 +106,14 @@ class OrderBook:
     @property
     def _X_WP(self) -> Pose:
         return self._cell.pallet.X_WP
+
+
+def standing_box(box: OrderBox, X_WB: Pose) -> Obstacle:
+    """The obstacle of a box that stands at X_WB."""
+    return Obstacle(box.id, X_WB, np.array(box.dims))
+
+
+def neighbours(placed: PlacedBox, others: Mapping[str, PlacedBox]) -> frozenset[str]:
+    """Names of the pallet and of the boxes that are next to a place, over it or under it."""
+    near = {name for name, other in others.items() if np.all(placed.clearance(other) < BESIDE)}
+    return frozenset(near - {placed.id}) | {PALLET}

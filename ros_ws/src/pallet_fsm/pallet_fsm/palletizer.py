@@ -10,6 +10,7 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import ASKED
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.ports import Command, DiscardBox, PalletObservation, PursueTarget, StopArm
 from pallet_fsm.box_watch import BoxWatch
 from pallet_fsm.guards import holds
 from pallet_fsm.hand import Hand
@@ -18,7 +19,6 @@ from pallet_fsm.machine import Machine
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.place_watch import PlaceWatch
-from pallet_fsm.ports import Command, DiscardBox, PalletObservation, PursueTarget, StopArm
 from pallet_fsm.profile import profile_of
 from pallet_fsm.report import BoxOutcome, OrderReport
 from pallet_fsm.states import FAULTS, HOLDING, ROWS, Grip, Place, State

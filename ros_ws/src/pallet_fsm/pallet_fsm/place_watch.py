@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.ports import Command, PalletObservation
 from pallet_fsm.box_watch import Happening
 from pallet_fsm.order_book import OrderBook
-from pallet_fsm.ports import Command, PalletObservation
 from pallet_fsm.scans.findings import Finding
 from pallet_fsm.scans.look import PlaceLook, ScanConfig
 from pallet_fsm.states import BEFORE_REGRASP, State
-from pallet_fsm.surroundings import PALLET, REORIENTATION_TABLE, furniture
 from pallet_fsm.transitions import Event
 
 
@@ -24,7 +23,7 @@ class PlaceWatch:
     """
 
     def __init__(self, config: ScanConfig, cell: PalletizingCell, book: OrderBook) -> None:
-        blocks = {block.name: block for block in furniture(cell)}
+        blocks = {block.name: block for block in cell.furniture}
         self._pallet, self._table = (
             PlaceLook(name, blocks[name], cell, config) for name in (PALLET, REORIENTATION_TABLE)
         )

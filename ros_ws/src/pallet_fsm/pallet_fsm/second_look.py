@@ -10,8 +10,8 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.ports import PalletObservation, TakePicture
 from pack_core.rotations import Array, Pose, angle_between, from_yaw, multiply
-from pallet_fsm.ports import PalletObservation, TakePicture
 from pallet_fsm.work_item import WorkItem
 
 NEARLY_SQUARE = 0.004

@@ -14,7 +14,6 @@ from pack_sim.palletizing.place_scanner import PlaceScanner, PlaceScannerConfig
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.palletizing.true_cell import true_cell
 from pallet_fsm.scans.rays import Rays
-from pallet_fsm.surroundings import furniture
 
 CELL = palletizing_cell()
 TABLE = "reorientation_table"
@@ -39,7 +38,7 @@ def scanner(config: PlaceScannerConfig, seed: int = 0) -> PlaceScanner:
 
 def test_rays_meet_box_table_and_floor_where_they_should(simulator: PalletSimulator) -> None:
     rays = Rays.of(scanner(EXACT).scan(TABLE, simulator.still()), CELL.scanner_pose(TABLE))
-    blocks = [*furniture(CELL), Obstacle("box", X_WB, np.array(BOX.size))]
+    blocks = [*CELL.furniture, Obstacle("box", X_WB, np.array(BOX.size))]
     floor = -rays.p_W[2] / rays.directions_W[:, 2]
     expected = np.column_stack([rays.up_to(blocks), floor]).min(axis=1)
     # The simulator's table is a top on legs: rays past its edge that would meet its side go on to the floor.

@@ -10,16 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.cell import PALLET, palletizing_cell
 from pack_core.palletizing.scanner import PlaceScan
 from pallet_fsm.scans.comparison import ScannedScene, ScanTolerances, compare
 from pallet_fsm.scans.findings import Finding, Oddity
 from pallet_fsm.scans.rays import Rays
-from pallet_fsm.surroundings import PALLET, furniture
 from unit.pallet_fsm.scans.closed_form import box_on, moved, scan_of
 
 CELL = palletizing_cell()
-DECK = next(block for block in furniture(CELL) if block.name == PALLET)
+DECK = next(block for block in CELL.furniture if block.name == PALLET)
 LEVEL = CELL.pallet.deck_height
 LEAST = 39.0
 """Rays to 25 cm^2 of the deck."""

@@ -14,11 +14,10 @@ from pack_core.rotations import Array
 from pack_sim.palletizing.true_cell import true_cell
 from pallet_fsm.scans.rays import Rays
 from pallet_fsm.scans.registration import registered
-from pallet_fsm.surroundings import furniture
 from unit.pallet_fsm.scans.closed_form import box_on, moved, scan_of
 
 KNOWN = palletizing_cell("real")
-PLACES = {block.name: block for block in furniture(KNOWN)}
+PLACES = {block.name: block for block in KNOWN.furniture}
 HEIGHT, SLACK = 0.02, 0.012
 
 

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from pack_core.motion.world import CarriedBox
-from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.cell import PALLET, palletizing_cell
 from pack_core.robots.kr210 import WRIST_LENGTH
 from pack_core.rotations import Pose, exp
 from pallet_fsm.scans.shadow import ArmShadow
-from pallet_fsm.surroundings import PALLET, furniture
 from pallet_fsm.tool_poses import LOOKING_DOWN
 
 CELL = palletizing_cell()
-SHADOW = ArmShadow(next(block for block in furniture(CELL) if block.name == PALLET), CELL)
+SHADOW = ArmShadow(next(block for block in CELL.furniture if block.name == PALLET), CELL)
 BESIDE_Y = CELL.pallet.corner[1] + CELL.pallet.size[1]
 """Edge of the pallet that looks at table B, along y [m]."""
 

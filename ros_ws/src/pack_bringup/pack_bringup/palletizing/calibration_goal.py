@@ -40,7 +40,7 @@ class CellCalibrationGoal:
 
     def progress(self, feedback: Any, real_time_factor: float) -> Progress:
         """Feedback of the action in words."""
-        from pallet_fsm.calibration.progress import CalibrationProgress, CalibrationState
+        from pallet_calibration.progress import CalibrationProgress, CalibrationState
 
         now = CalibrationProgress(
             CalibrationState(feedback.state), feedback.what, feedback.number, feedback.count,

@@ -11,6 +11,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, Serial
 
 from pack_core.camera import LensDistortion, PinholeCamera, focal_length
 from pack_core.config import Config, load_values, validate_config
+from pack_core.motion.world import Obstacle
 from pack_core.palletizing.displacement import NOWHERE, Displacement
 from pack_core.palletizing.grip import GripLimits
 from pack_core.palletizing.imperfections import ArmPreset
@@ -24,6 +25,9 @@ Joints = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
 Point = tuple[float, float, float]
 Pair = tuple[float, float]
 Size = tuple[PositiveFloat, PositiveFloat]
+
+PICKING_TABLE, REORIENTATION_TABLE, PALLET = "picking_table", "reorientation_table", "pallet"
+"""Names of the places: table A, table B and the pallet."""
 
 
 class ArmMount(Config):
@@ -169,6 +173,15 @@ class PalletizingCell(Config):
         u, v = (c + shift for c, shift in zip(level.c, mount.centre_shift, strict=True))
         return replace(level, X_WC=mount.displacement.applied(level.X_WC, p_WC), c=(u, v))
 
+    @property
+    def furniture(self) -> tuple[Obstacle, ...]:
+        """Tables and pallet as obstacles of the arm, each a block down to the floor."""
+        return (
+            _block(PICKING_TABLE, self.picking_table),
+            _block(REORIENTATION_TABLE, self.reorientation_table),
+            _block(PALLET, self.pallet),
+        )
+
     def scanner_pose(self, place: str) -> Pose:
         """X_WS of the scanner over a place that `Scanners` names."""
         scanner: ScannerMount = getattr(self.scanners, place)
@@ -178,6 +191,12 @@ class PalletizingCell(Config):
         """Directions of that scanner's rays `(n, 3)` in its frame S, of length 1."""
         scanner: ScannerMount = getattr(self.scanners, place)
         return scanner.rays(getattr(self, place).middle, getattr(self, place).size)
+
+
+def _block(name: str, place: BoxTable | PalletPlace) -> Obstacle:
+    x, y, height = place.middle
+    X_WO = place.displaced(Pose(np.array([x, y, height / 2.0])))
+    return Obstacle(name, X_WO, np.array([*place.size, height]))
 
 
 @cache

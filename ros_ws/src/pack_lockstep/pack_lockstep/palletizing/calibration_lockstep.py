@@ -11,7 +11,18 @@ from pack_core.palletizing.box_detection import BoxDetection, ExpectedBox
 from pack_core.palletizing.calibration import CellCalibration
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.ports import (
+    CloseGripper,
+    Command,
+    DiscardBox,
+    LayOnTable,
+    OpenGripper,
+    PursueTarget,
+    StopArm,
+    TakePicture,
+)
 from pack_core.robots.gears import GearCompensation
+from pack_core.tasks.steps import A
 from pack_lockstep.driven_arm import DrivenArm
 from pack_lockstep.palletizing.calibration_log import CalibrationLog
 from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
@@ -23,24 +34,11 @@ from pack_perception.boxes.box_vision import BoxVision
 from pack_perception.boxes.table_camera import TableCamera
 from pack_sim.palletizing.overhead_camera import PalletCamera
 from pack_sim.palletizing.simulator import PalletSimulator
-from pallet_fsm.calibration.conclusion import CalibrationRun, calibratable, conclude
-from pallet_fsm.calibration.job import RigJob
-from pallet_fsm.calibration.observation import CalibrationObservation
-from pallet_fsm.calibration.procedure import agenda_of, measure
-from pallet_fsm.calibration.progress import Agenda, CalibrationProgress, CalibrationState
-from pallet_fsm.calibration.quick_check import Checked, check, check_agenda
-from pallet_fsm.calibration.rig import CalibrationRig
-from pallet_fsm.calibration.steps import A, CalibrationFailed
-from pallet_fsm.ports import (
-    CloseGripper,
-    Command,
-    DiscardBox,
-    LayOnTable,
-    OpenGripper,
-    PursueTarget,
-    StopArm,
-    TakePicture,
-)
+from pallet_calibration.conclusion import CalibrationRun, calibratable, conclude
+from pallet_calibration.procedure import agenda_of, measure
+from pallet_calibration.progress import Agenda, CalibrationProgress, CalibrationState
+from pallet_calibration.quick_check import Checked, check, check_agenda
+from pallet_calibration.rig import CalibrationFailed, CalibrationObservation, CalibrationRig, RigJob
 
 Tell = Callable[[CalibrationProgress], None]
 """Is told where the work stands."""
@@ -156,8 +154,8 @@ class CalibrationLockstep:
             else:
                 self._detection = answer
         return CalibrationObservation(
-            simulator.time, self._motion.status(), simulator.gripper.state, simulator.joints, self._laid,
-            self._sighting, self._detection,
+            simulator.time, self._motion.status(), simulator.gripper.state, detection=self._detection,
+            laid=self._laid, joints=simulator.joints, sighting=self._sighting,
         )  # fmt: skip
 
     def _apply(self, command: Command, camera: PalletCamera) -> bool:

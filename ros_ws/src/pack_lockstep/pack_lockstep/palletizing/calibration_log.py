@@ -21,9 +21,9 @@ from pack_evaluation.palletizing.calibration_film import (
 )
 from pack_evaluation.palletizing.run import BoxTrack, StandingCell
 from pack_sim.palletizing.simulator import PalletSimulator
-from pallet_fsm.calibration.conclusion import CalibrationRun
-from pallet_fsm.calibration.measurements import FeltContact
-from pallet_fsm.calibration.progress import CalibrationProgress
+from pallet_calibration.conclusion import CalibrationRun
+from pallet_calibration.measurements import FeltContact
+from pallet_calibration.progress import CalibrationProgress
 
 SMALL = (480, 270)
 """Width and height of the board's pictures that are kept [pixel]."""

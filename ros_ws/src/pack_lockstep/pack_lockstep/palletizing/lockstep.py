@@ -21,6 +21,18 @@ from pack_core.palletizing.calibration import CellCalibration
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.ports import (
+    CloseGripper,
+    Command,
+    DiscardBox,
+    OpenGripper,
+    PalletObservation,
+    PursueTarget,
+    ScanPlace,
+    SpawnBox,
+    StopArm,
+    TakePicture,
+)
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.palletizing.visitors import Visitor
 from pack_evaluation.palletizing.run import PalletRun
@@ -35,18 +47,6 @@ from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfi
 from pack_sim.palletizing.visitor_sensor import VisitorSensor, VisitorSensorConfig
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.ports import (
-    CloseGripper,
-    Command,
-    DiscardBox,
-    OpenGripper,
-    PalletObservation,
-    PursueTarget,
-    ScanPlace,
-    SpawnBox,
-    StopArm,
-    TakePicture,
-)
 from pallet_fsm.states import State
 
 

@@ -12,14 +12,8 @@ from rclpy.client import Client
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from pack_core.ros.contracts import motion
-from pack_core.ros.contracts import palletizing as contracts
-from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.messages.conversions import from_stamp, to_pose
-from pack_core.ros.messages.motion import to_target
-from pack_core.ros.messages.palletizing import to_expected_box
-from pack_core.ros.node import CellNode
-from pallet_fsm.ports import (
+from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE
+from pack_core.palletizing.ports import (
     CloseGripper,
     Command,
     DiscardBox,
@@ -30,10 +24,16 @@ from pallet_fsm.ports import (
     StopArm,
     TakePicture,
 )
-from pallet_fsm.ports import (
+from pack_core.palletizing.ports import (
     SpawnBox as SpawnCommand,
 )
-from pallet_fsm.surroundings import PALLET, REORIENTATION_TABLE
+from pack_core.ros.contracts import motion
+from pack_core.ros.contracts import palletizing as contracts
+from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.messages.conversions import from_stamp, to_pose
+from pack_core.ros.messages.motion import to_target
+from pack_core.ros.messages.palletizing import to_expected_box
+from pack_core.ros.node import CellNode
 
 
 class CellClient:
@@ -83,9 +83,11 @@ class CellClient:
             case ScanPlace(place):
                 self._scans[place].call_async(Trigger.Request())
             case SpawnCommand(name, dims, mass):
+                self._on_spawned("")  # an earlier box may have had this name
                 request = SpawnBox.Request(name=name, size=list(dims), mass=mass)
                 self._call(self._spawn, request, f"box {name} cannot come", lambda: self._on_spawned(name))
             case LayOnTable(body, X_NB):
+                self._on_laid("")  # as an earlier goal may have had the same laid
                 lay = LayOnTableSrv.Request(name=body.name, size=list(body.size), mass=body.mass)
                 lay.pose = to_pose(X_NB)
                 self._call(self._lay, lay, f"{body.name} is not on table A", lambda: self._on_laid(body.name))

@@ -12,7 +12,9 @@ from sensor_msgs.msg import PointCloud2
 
 from pack_core.motion.target import MotionStatus
 from pack_core.palletizing.box_detection import BoxDetection
+from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE
 from pack_core.palletizing.grip import GripState
+from pack_core.palletizing.ports import PalletObservation
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
@@ -21,8 +23,6 @@ from pack_core.ros.messages.motion import from_status
 from pack_core.ros.messages.palletizing import from_cloud, from_detection, from_gripper_state
 from pack_core.ros.node import CellNode
 from pack_core.ros.stream import Stream, StreamReader
-from pallet_fsm.ports import PalletObservation
-from pallet_fsm.surroundings import PALLET, REORIENTATION_TABLE
 
 READ_PERIOD = 0.05
 """Longest time for which the reader waits for a status of the motion [s of wall clock]."""
@@ -70,7 +70,7 @@ class Observer:
         if detection is not None and detection.time > time:
             detection = None  # the simulator has begun anew since
         scans = tuple(scan for scan in list(self._scans.values()) if scan.time <= time)
-        return PalletObservation(time, self._motion, self._grip, self.spawned, detection, scans)
+        return PalletObservation(time, self._motion, self._grip, self.spawned, detection, scans, self.laid)
 
     def _read(self) -> None:
         for grip in self._grips.take_all():

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from pack_core.palletizing.ports import Command, PalletObservation
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.node import CellNode
 from pallet_fsm.machine import Visit
 from pallet_fsm.palletizer import Palletizer
-from pallet_fsm.ports import Command, PalletObservation
 from pallet_fsm.ros.results import to_feedback, to_state
 
 

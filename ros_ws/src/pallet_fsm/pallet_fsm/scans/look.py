@@ -11,8 +11,8 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
 from pack_core.config import Config
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.ports import PalletObservation, ScanPlace
 from pack_core.palletizing.scanner import ScannerMount
-from pallet_fsm.ports import PalletObservation, ScanPlace
 from pallet_fsm.scans.comparison import ScannedScene, ScanTolerances, compare
 from pallet_fsm.scans.findings import Finding
 from pallet_fsm.scans.rays import Rays

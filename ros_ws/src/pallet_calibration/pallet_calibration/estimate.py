@@ -11,13 +11,13 @@ from scipy.optimize import least_squares
 
 from pack_core.palletizing.calibration import FitResiduals
 from pack_core.rotations import Array
-from pallet_fsm.calibration.measurements import BoardView, FeltContact
-from pallet_fsm.calibration.model import CellModel, Sag, sag_at
-from pallet_fsm.calibration.parameters import (
+from pallet_calibration.measurements import BoardView, FeltContact
+from pallet_calibration.model import CellModel, Sag, sag_at
+from pallet_calibration.parameters import (
     prior_sigmas,
     start,
 )
-from pallet_fsm.calibration.procedure import Measurements
+from pallet_calibration.procedure import Measurements
 
 CORNER = 0.12
 """Standard deviation of a corner in a picture [pixel]."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from pack_core.kinematics.chain import SerialChain
 from pack_core.rotations import Array, Pose
-from pallet_fsm.calibration.steps import CalibrationFailed
-from pallet_fsm.calibration.touch import SLOW, Touch, push_vector
+from pallet_calibration.rig import CalibrationFailed
+from pallet_calibration.touch import SLOW, Touch, push_vector
 
 SETTLED = 30
 """Samples of a slow approach that are left out at its start."""

@@ -10,21 +10,20 @@ from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots.gears import GearCompensation
 from pack_core.rotations import Array, Pose, exp, multiply
-from pallet_fsm.calibration.conclusion import calibratable, conclude, model_of
-from pallet_fsm.calibration.estimate import CORNER, CalibrationFit, estimate
-from pallet_fsm.calibration.measurements import BoardView, FeltContact
-from pallet_fsm.calibration.model import CellModel, sag_at
-from pallet_fsm.calibration.parameters import (
+from pallet_calibration.conclusion import calibratable, conclude, model_of
+from pallet_calibration.estimate import CORNER, CalibrationFit, estimate
+from pallet_calibration.measurements import BoardView, FeltContact
+from pallet_calibration.model import CellModel, sag_at
+from pallet_calibration.parameters import (
     GEARS,
     PLACE,
     prior_sigmas,
     start,
 )
-from pallet_fsm.calibration.prediction import predict
-from pallet_fsm.calibration.procedure import Measurements
-from pallet_fsm.calibration.steps import CalibrationFailed
-from pallet_fsm.calibration.touch import Touch
-from pallet_fsm.calibration.touch_poses import rotated_down
+from pallet_calibration.prediction import predict
+from pallet_calibration.procedure import Measurements
+from pallet_calibration.rig import CalibrationFailed
+from pallet_calibration.touch import Touch, rotated_down
 
 REAL = palletizing_cell("real")
 OLD = calibratable(REAL).assumed.model_copy(

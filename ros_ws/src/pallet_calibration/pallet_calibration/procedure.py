@@ -10,13 +10,11 @@ import numpy as np
 from pack_core.motion.world import CarriedBox
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.rotations import Array, Pose, exp, from_yaw, multiply, rotate
-from pallet_fsm.calibration.measurements import BoardView, FeltContact, contact_of
-from pallet_fsm.calibration.progress import Agenda, CalibrationState
-from pallet_fsm.calibration.rig import CalibrationRig
-from pallet_fsm.calibration.steps import CalibrationFailed, Steps
-from pallet_fsm.calibration.touch import touch
-from pallet_fsm.calibration.touch_poses import AXES, TRAVEL, rotated_down, touches
-from pallet_fsm.surroundings import furniture
+from pack_core.tasks.steps import Steps
+from pallet_calibration.measurements import BoardView, FeltContact, contact_of
+from pallet_calibration.progress import Agenda, CalibrationState
+from pallet_calibration.rig import CalibrationFailed, CalibrationRig
+from pallet_calibration.touch import AXES, TRAVEL, rotated_down, touch, touches
 
 PLACES_SEEN = (
     (0.0, 0.0), (0.4, 0.0), (-0.4, 0.0), (0.0, 0.35), (0.0, -0.35),
@@ -81,7 +79,7 @@ def _show(rig: CalibrationRig, X_WT: Pose, views: list[BoardView]) -> Steps[None
         yield from rig.go(X_WT)
     except CalibrationFailed:
         return  # out of reach, or too near to something: the others are enough
-    sample = yield from rig.look(CALIBRATION_BOARD.body)
+    sample = yield from rig.take_picture(CALIBRATION_BOARD.body)
     sighting = rig.seen.sighting
     if sighting is not None and len(sighting.ids) >= FEWEST_CORNERS:
         pixels = sighting.scaled(rig.known.overhead_camera.width).pixels
@@ -114,7 +112,7 @@ def _take_board(rig: CalibrationRig) -> Steps[Pose]:
     X_TB = grip.inverse() @ X_WB
     yield from rig.grip(CarriedBox(X_TB, np.array(board.size)))
     yield from rig.line(Pose(grip.p + np.array([0.0, 0.0, 0.3]), grip.q), 0.25)
-    rig.obstacles = furniture(rig.known)
+    rig.obstacles = rig.known.furniture
     return X_TB
 
 

@@ -1,4 +1,7 @@
-"""The inputs of the machine at one moment, and the commands that it gives to the cell."""
+"""What a task of the palletizing cell sees at one moment, and the commands that it gives to the cell.
+
+Orders and calibrations share them; the node carries them by topics and services, the lockstep by calls.
+"""
 
 from __future__ import annotations
 
@@ -23,6 +26,7 @@ class PalletObservation:
         spawned: name of the box that arrived on table A last; empty before the first.
         detection: newest detection of a box; None before the first.
         scans: newest scan of each place that was scanned.
+        laid: name of what the operator laid on table A last; empty before the first.
     """
 
     time: float
@@ -31,6 +35,7 @@ class PalletObservation:
     spawned: str = ""
     detection: BoxDetection | None = None
     scans: tuple[PlaceScan, ...] = ()
+    laid: str = ""
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,12 @@ import numpy as np
 from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.palletizing.calibration import PlacingError
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pallet_fsm.calibration.estimate import JOINTS, CalibrationFit
-from pallet_fsm.calibration.model import CellModel
-from pallet_fsm.calibration.parameters import (
+from pallet_calibration.estimate import JOINTS, CalibrationFit
+from pallet_calibration.model import CellModel
+from pallet_calibration.parameters import (
     lens_of,
 )
-from pallet_fsm.calibration.touch_poses import rotated_down
+from pallet_calibration.touch import rotated_down
 
 DRAWS = 400
 SEEN = 5e-5

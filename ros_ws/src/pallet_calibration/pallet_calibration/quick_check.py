@@ -9,12 +9,11 @@ import numpy as np
 from pack_core.motion.world import CarriedBox
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
-from pallet_fsm.calibration.measurements import contact_of
-from pallet_fsm.calibration.progress import Agenda, CalibrationState
-from pallet_fsm.calibration.rig import CalibrationRig
-from pallet_fsm.calibration.steps import CalibrationFailed, Steps
-from pallet_fsm.calibration.touch import touch
-from pallet_fsm.calibration.touch_poses import DOWN, TRAVEL, from_above, rotated_down
+from pack_core.tasks.steps import Steps
+from pallet_calibration.measurements import contact_of
+from pallet_calibration.progress import Agenda, CalibrationState
+from pallet_calibration.rig import CalibrationFailed, CalibrationRig
+from pallet_calibration.touch import DOWN, TRAVEL, from_above, rotated_down, touch
 
 BOX = BoxBody("test box", (0.40, 0.30, 0.20), 8.0)
 PUTS = ((0.05, 0.05, np.pi), (-0.05, -0.05, 1.5 * np.pi))
@@ -102,7 +101,7 @@ def _touched(rig: CalibrationRig) -> Steps[CheckLine]:
 
 def _look(rig: CalibrationRig) -> Steps[Pose]:
     """X_WB of the test box, as box vision sees it."""
-    yield from rig.look(BOX)
+    yield from rig.take_picture(BOX)
     found = rig.seen.detection
     if found is None or found.X_WB is None:
         reason = "" if found is None else found.reason

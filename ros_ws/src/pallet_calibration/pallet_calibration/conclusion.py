@@ -11,18 +11,18 @@ from pack_core.palletizing.calibration import CellCalibration, EstimatedNumber
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.displacement import Displacement
 from pack_core.robots.gears import GearCompensation, Gears
-from pallet_fsm.calibration.estimate import CalibrationFit, estimate
-from pallet_fsm.calibration.model import CellModel
-from pallet_fsm.calibration.parameters import (
+from pallet_calibration.estimate import CalibrationFit, estimate
+from pallet_calibration.model import CellModel
+from pallet_calibration.parameters import (
     PARAMETERS,
     PLACE,
     PLACES,
     camera_of,
     gears_of,
 )
-from pallet_fsm.calibration.prediction import predict
-from pallet_fsm.calibration.procedure import Measurements
-from pallet_fsm.calibration.steps import CalibrationFailed
+from pallet_calibration.prediction import predict
+from pallet_calibration.procedure import Measurements
+from pallet_calibration.rig import CalibrationFailed
 
 WORST_RATIO = 2.0
 """Residuals above this multiple of what is expected say that something is wrong: a thing that moved, a wrong

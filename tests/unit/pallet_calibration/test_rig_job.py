@@ -13,16 +13,13 @@ from pack_core.palletizing.arm_kinematics import arm_kinematics
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.grip import GripState
+from pack_core.palletizing.ports import Command, LayOnTable, PursueTarget, StopArm, TakePicture
 from pack_core.rotations import Pose
-from pallet_fsm.calibration.job import RigJob
-from pallet_fsm.calibration.observation import CalibrationObservation
-from pallet_fsm.calibration.procedure import agenda_of
-from pallet_fsm.calibration.progress import CalibrationState
-from pallet_fsm.calibration.rig import PATIENCE, CalibrationRig
-from pallet_fsm.calibration.steps import Steps
-from pallet_fsm.calibration.touch import TRIES, touch
-from pallet_fsm.calibration.touch_poses import DOWN, rotated_down
-from pallet_fsm.ports import Command, LayOnTable, PursueTarget, StopArm, TakePicture
+from pack_core.tasks.steps import Steps
+from pallet_calibration.procedure import agenda_of
+from pallet_calibration.progress import CalibrationState
+from pallet_calibration.rig import PATIENCE, CalibrationObservation, CalibrationRig, RigJob
+from pallet_calibration.touch import DOWN, TRIES, rotated_down, touch
 
 PERIOD = 0.004
 REAL = palletizing_cell("real")
@@ -62,7 +59,7 @@ class PromptCell:
             self.time, self._id, self._state, 0, "", 0.0, 0.0, 0.0, 0.0, 0, self._reason, X_WT
         )
         sample = JointSample(self.time, q, np.zeros(6), np.zeros(6))
-        return CalibrationObservation(self.time, status, GripState(), lambda: sample, self.laid)
+        return CalibrationObservation(self.time, status, GripState(), laid=self.laid, joints=lambda: sample)
 
 
 def is_press(command: Command) -> bool:
@@ -76,11 +73,11 @@ def job_of(work: str) -> RigJob[None]:
             case "go":
                 yield from rig.go(X_WT)
             case "wait":
-                yield from rig.wait(0.15)
+                yield from rig.pause(0.15)
             case "bring":
                 yield from rig.bring(THING, Pose(np.zeros(3)))
             case "look":
-                yield from rig.look(THING)
+                yield from rig.take_picture(THING)
             case "touch":
                 yield from touch(rig, X_WT, DOWN, 0.03, ("picking_table", 2, 0.8), np.zeros(3))
             case "press":

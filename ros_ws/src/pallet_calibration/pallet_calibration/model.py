@@ -17,8 +17,8 @@ from pack_core.palletizing.displacement import Displacement
 from pack_core.robots.gears import GearCompensation
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Array, Pose, exp, multiply, rotate
-from pallet_fsm.calibration.measurements import BoardView, FeltContact
-from pallet_fsm.calibration.parameters import (
+from pallet_calibration.measurements import BoardView, FeltContact
+from pallet_calibration.parameters import (
     BOARD,
     CAMERA,
     CENTRE,

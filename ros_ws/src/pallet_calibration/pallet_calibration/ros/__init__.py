@@ -1,0 +1,1 @@
+"""The calibration as an action of the node that has the arm."""
