@@ -55,7 +55,7 @@ class PackingTask:
         """Whether to plan a placement now: before the first attempt, and from the moment an attempt fails.
 
         After a failure the held object is still among the others then, but its way out hardly moves them:
-        docs/journal/packing.md, "What the lower face lands on".
+        docs/journal/2026-11-26_ways_into_a_full_container.md.
         """
         return not self._has_placement
 
