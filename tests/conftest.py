@@ -85,7 +85,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 @pytest.fixture(scope="session")
 def compiled(pytestconfig: pytest.Config) -> None:
     """The rearrangement planners are compiled, by one worker, so that no test's budget is spent on it."""
-    from pack_planner.rearrangement.planner import warm_up
+    from pack_planner.rearrangement.planning import warm_up
 
     with (pytestconfig.stash[LOCKS] / "compiling").open("a") as file, _locked(file, fcntl.LOCK_EX):
         warm_up()

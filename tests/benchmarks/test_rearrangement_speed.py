@@ -14,7 +14,7 @@ from pack_core.blocks.plan import PlanStatus
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.instances import make_instance
-from pack_planner.rearrangement.planner import plan, warm_up
+from pack_planner.rearrangement.planning import plan, warm_up
 
 pytestmark = pytest.mark.benchmark
 

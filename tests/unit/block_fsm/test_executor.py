@@ -14,7 +14,7 @@ from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import Line
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.methods import RearrangementConfig
-from pack_planner.rearrangement.planner import plan
+from pack_planner.rearrangement.planning import plan
 from unit.block_fsm.table import Table, directly, staged
 
 GOALS = {"a": PlanarPose(0.65, 0.0, 0.0), "b": PlanarPose(0.70, 0.0, 0.0)}

@@ -15,8 +15,7 @@ from pack_baselines.pirs.roadmap import (
     way_hits,
 )
 from pack_core.blocks.gripper import GripperFootprint
-from pack_planner.rearrangement.footprints import squares
-from pack_planner.rearrangement.workspace import edges
+from pack_planner.rearrangement.footprints import edges, squares
 
 SIDE = 0.0508
 SIZES = Sizes.of(SIDE, GripperFootprint())

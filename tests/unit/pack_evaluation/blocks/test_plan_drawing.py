@@ -10,7 +10,7 @@ from pack_evaluation.blocks.plan_drawing import draw_plan, write_plan
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.methods import RearrangementConfig
-from pack_planner.rearrangement.planner import plan
+from pack_planner.rearrangement.planning import plan
 
 SHORT = RearrangementConfig(beam=BeamPlanner(rounds=2))
 

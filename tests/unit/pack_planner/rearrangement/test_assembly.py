@@ -10,17 +10,17 @@ from hypothesis import strategies as st
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_planner.rearrangement.assembly import NEVER, PLANES, BlockingSets, assembly_planes, pushes
 from pack_planner.rearrangement.instances import goal_grid, square_workspace
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 
-def grid_task(n: int, gap: float) -> Task:
+def snapped_grid(n: int, gap: float) -> SnappedProblem:
     goals = {f"b{i}": pose for i, pose in enumerate(goal_grid(n, gap=gap))}
     blocks = tuple(PlacedBlock(name, pose) for name, pose in goals.items())
-    return Task.of(Problem(blocks, goals, square_workspace(2.0)))
+    return SnappedProblem.of(Problem(blocks, goals, square_workspace(2.0)))
 
 
 def pushes_of_grid(n: int, gap: float) -> int:
-    ways = grid_task(n, gap).goal_access
+    ways = snapped_grid(n, gap).goal_access
     return pushes(assembly_planes(ways.place, ways.push), np.uint64(0))
 
 

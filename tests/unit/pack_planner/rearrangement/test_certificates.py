@@ -6,8 +6,8 @@ from pack_core.blocks.plan import PlanStatus
 from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.certificates import find_certificate, unreachable
 from pack_planner.rearrangement.instances import make_instance
-from pack_planner.rearrangement.planner import plan
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.planning import plan
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 SIDE = 50.8
 FAR = {"a": (200, 200), "b": (200, 100), "c": (200, 0), "d": (200, -100)}
@@ -40,10 +40,10 @@ def test_a_dense_grid_cannot_be_sorted(make) -> None:
 
 
 def test_a_hole_between_blocks_that_never_move_has_no_way_in(make) -> None:
-    task = Task.of(make(grid("abcdefghi")))
-    middle = task.ids.index("e")
-    assert unreachable(task, fixed=set(range(9)) - {middle}) == [middle]
-    assert unreachable(task, fixed=set()) == []
+    snapped = SnappedProblem.of(make(grid("abcdefghi")))
+    middle = snapped.ids.index("e")
+    assert unreachable(snapped, fixed=set(range(9)) - {middle}) == [middle]
+    assert unreachable(snapped, fixed=set()) == []
 
 
 def test_a_hole_in_a_finished_grid_is_opened_which_is_proven_optimal(make) -> None:
@@ -58,4 +58,4 @@ def test_a_hole_in_a_finished_grid_is_opened_which_is_proven_optimal(make) -> No
 
 @pytest.mark.parametrize("seed", range(30))
 def test_random_instances_get_no_certificate(seed: int) -> None:
-    assert find_certificate(Task.of(make_instance(9, 0.2, seed))) is None
+    assert find_certificate(SnappedProblem.of(make_instance(9, 0.2, seed))) is None

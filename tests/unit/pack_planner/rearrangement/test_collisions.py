@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from shapely import affinity
 
 from pack_core.rotations import Array
-from pack_planner.rearrangement.collisions import hits
-from pack_planner.rearrangement.footprints import rectangles
+from pack_planner.rearrangement.footprints import hits, rectangles
 
 NEAR = 1e-6
 

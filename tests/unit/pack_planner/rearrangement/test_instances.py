@@ -8,10 +8,9 @@ from shapely import Polygon
 
 from pack_core.blocks.problem import CUBE_SIDE
 from pack_core.errors import PackError
-from pack_planner.rearrangement.footprints import rows_of
+from pack_planner.rearrangement.footprints import corners_of, rows_of, signed_area
 from pack_planner.rearrangement.instances import START_GAP, goal_grid, make_instance, workspace_side
 from pack_planner.rearrangement.validation import find_fault
-from pack_planner.rearrangement.workspace import corners_of, signed_area
 
 
 def test_the_same_numbers_give_the_same_instance() -> None:

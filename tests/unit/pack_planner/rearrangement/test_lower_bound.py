@@ -5,11 +5,10 @@ import pytest
 from pack_core.blocks.problem import PlacedBlock
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.instances import make_instance
-from pack_planner.rearrangement.lower_bound import lower_bound
+from pack_planner.rearrangement.lower_bound import lower_bound, order_bound
 from pack_planner.rearrangement.methods import RearrangementConfig
-from pack_planner.rearrangement.order_bound import order_bound
-from pack_planner.rearrangement.planner import plan
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.planning import plan
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 SHORT = RearrangementConfig(beam=BeamPlanner(rounds=4))
 PITCH = 52.8
@@ -17,7 +16,7 @@ SQUARE = {"a": (0, 0), "b": (PITCH, 0), "c": (0, PITCH), "d": (PITCH, PITCH)}
 
 
 def bound(problem) -> int:
-    return lower_bound(Task.of(problem))
+    return lower_bound(SnappedProblem.of(problem))
 
 
 def test_every_block_away_counts_and_every_push_of_the_assembly() -> None:
@@ -45,7 +44,7 @@ def test_blocks_at_home_need_nothing(make) -> None:
 def test_two_blocks_that_stand_on_each_others_goals_take_three_actions(make) -> None:
     problem = make({"a": (0, 0), "b": (80, 0)}, {"a": (80, 0), "b": (0, 0)})
     assert bound(problem) == 2
-    assert order_bound(Task.of(problem)) == 3
+    assert order_bound(SnappedProblem.of(problem)) == 3
     assert len(plan(problem, budget_s=20.0, config=SHORT).actions) == 3
 
 
@@ -55,7 +54,7 @@ def test_no_plan_is_shorter_than_the_sharper_bound(n: int, density: float) -> No
     for seed in range(6):
         problem = make_instance(n, density, seed)
         made = plan(problem, budget_s=20.0, seed=seed, config=SHORT)
-        least = order_bound(Task.of(problem))
+        least = order_bound(SnappedProblem.of(problem))
         assert not made.is_solved or len(made.actions) >= least
         sharper += least > bound(problem)
     assert sharper > 0
@@ -64,7 +63,7 @@ def test_no_plan_is_shorter_than_the_sharper_bound(n: int, density: float) -> No
 def test_the_sharper_bound_counts_blocks_at_home_as_the_other_one_does(make) -> None:
     cells = {name: (PITCH * (i % 3), PITCH * (i // 3)) for i, name in enumerate("abcdefghi")}
     problem = make({**cells, "e": (250, 250)}, cells, size=0.7)
-    assert order_bound(Task.of(problem)) == bound(problem) == 4
+    assert order_bound(SnappedProblem.of(problem)) == bound(problem) == 4
 
 
 def test_the_bound_does_not_depend_on_the_order_of_the_blocks() -> None:

@@ -16,8 +16,8 @@ from pack_planner.rearrangement.certificates import find_certificate
 from pack_planner.rearrangement.instances import goal_grid, make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound, sharper_bound
 from pack_planner.rearrangement.methods import METHODS, RearrangementConfig
-from pack_planner.rearrangement.planner import plan
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.planning import plan
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 QUICK = RearrangementConfig(beam=BeamPlanner(widths=(8, 32), rounds=2))
 LOOKS = 1000
@@ -60,9 +60,9 @@ def test_a_plan_is_accepted_and_everything_on_its_way_is_possible(method: str, p
     assert verify(problem, made) == []
     for done, poses in enumerate(made.states(problem.starts)):
         now = replace(problem, blocks=tuple(PlacedBlock(name, pose) for name, pose in poses.items()))
-        task = Task.of(now)
-        assert find_certificate(task) is None
-        assert sharper_bound(task, lower_bound(task)) <= len(made.actions) - done
+        snapped = SnappedProblem.of(now)
+        assert find_certificate(snapped) is None
+        assert sharper_bound(snapped, lower_bound(snapped)) <= len(made.actions) - done
 
 
 @given(problem=problems(), seed=st.integers(0, 99))

@@ -15,7 +15,7 @@ from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.methods import METHODS, RearrangementConfig
-from pack_planner.rearrangement.planner import plan
+from pack_planner.rearrangement.planning import plan
 
 Clocks = Callable[[], Callable[[], float]]
 SHORT = RearrangementConfig(beam=BeamPlanner(rounds=4))
@@ -135,7 +135,7 @@ def test_blocks_that_bar_each_others_grasps_are_pushed_out(make) -> None:
     assert verify(problem, made) == []
 
 
-def test_a_knot_is_undone_before_the_grid_bars_its_way() -> None:
+def test_interlocked_blocks_are_parted_before_the_grid_bars_its_way() -> None:
     """Three blocks beside the grid hold each other; with the grid's near side filled none can be pushed."""
     problem = make_instance(25, 0.2, 74)
     made = plan(problem, budget_s=20.0, config=RearrangementConfig(beam=BeamPlanner(rounds=2)))

@@ -13,7 +13,7 @@ from pack_planner.rearrangement.beam.beam_planner import BeamPlanner, PlanCosts
 from pack_planner.rearrangement.beam.tables import FREE
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.methods import RearrangementConfig
-from pack_planner.rearrangement.planner import plan
+from pack_planner.rearrangement.planning import plan
 
 ROUNDS = 7
 COSTS = PlanCosts()

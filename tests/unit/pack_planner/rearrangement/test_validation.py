@@ -8,7 +8,7 @@ from pack_core.blocks.plan import PlanStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_planner.rearrangement.instances import square_workspace
-from pack_planner.rearrangement.planner import plan
+from pack_planner.rearrangement.planning import plan
 
 STARTS = {"a": (-100, 0), "b": (100, 0)}
 GOALS = {"a": (-100, 150), "b": (100, 150)}

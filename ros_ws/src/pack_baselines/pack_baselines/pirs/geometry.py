@@ -9,7 +9,7 @@ from numba import njit
 
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.rotations import Array
-from pack_planner.rearrangement.collisions import overlap
+from pack_planner.rearrangement.footprints import overlap
 
 QUARTER = np.pi / 2
 LINE = 1e-7

@@ -31,12 +31,10 @@ from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import is_refused
 from pack_core.config import Config
 from pack_core.rotations import Array
-from pack_planner.rearrangement.carrying import carried
 from pack_planner.rearrangement.footprints import squares
 from pack_planner.rearrangement.lower_bound import sharper_bound
-from pack_planner.rearrangement.progress import PlanningProgress
-from pack_planner.rearrangement.rearrangement_planner import Found, RearrangementPlanner
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.rearrangement_planner import Found, PlanningTimer, RearrangementPlanner
+from pack_planner.rearrangement.snapped_problem import SnappedProblem, carried
 
 
 class Costs(Config):
@@ -59,31 +57,31 @@ class PirsPlanner(RearrangementPlanner):
     impatience: PositiveFloat = Field(1.3, description="growth of the patience at every new start")
 
     def plan(
-        self, task: Task, lower_bound: int, progress: PlanningProgress, rng: np.random.Generator
+        self, snapped: SnappedProblem, lower_bound: int, timer: PlanningTimer, rng: np.random.Generator
     ) -> Found:
         """Search anew until a plan needs nothing of what the arm refused, which pIRS itself does not know."""
-        refused = task.problem.refused
-        actions = self._first_plan(task, progress, rng)
+        refused = snapped.problem.refused
+        actions = self._first_plan(snapped, timer, rng)
         while actions is not None and any(is_refused(action, refused) for action in actions):
-            actions = None if progress.is_over() else self._first_plan(task, progress, rng)
-        return Found(actions, sharper_bound(task, lower_bound))
+            actions = None if timer.is_over() else self._first_plan(snapped, timer, rng)
+        return Found(actions, sharper_bound(snapped, lower_bound))
 
     def _first_plan(
-        self, task: Task, progress: PlanningProgress, rng: np.random.Generator
+        self, snapped: SnappedProblem, timer: PlanningTimer, rng: np.random.Generator
     ) -> list[Action] | None:
         """The first plan that is found; None where there is none in time."""
-        away = frozenset(int(i) for i in np.flatnonzero(~task.is_home))
-        patience = float(self.patience * task.n)
+        away = frozenset(int(i) for i in np.flatnonzero(~snapped.is_home))
+        patience = float(self.patience * snapped.n)
         while away:
-            search = PirsSearch(task, progress, rng, self, int(patience))
+            search = PirsSearch(snapped, timer, rng, self, int(patience))
             try:
                 for o in search.shuffled(away):
-                    if outcome := search.pirs(o, away - {o}, task.starts.copy()):
-                        progress.found(len(outcome[0]))
+                    if outcome := search.pirs(o, away - {o}, snapped.starts.copy()):
+                        timer.found(len(outcome[0]))
                         return outcome[0]
             except GiveUp:
                 patience *= self.impatience
-            if progress.is_over():
+            if timer.is_over():
                 return None
         return []
 
@@ -101,20 +99,20 @@ class PirsSearch:
 
     def __init__(
         self,
-        task: Task,
-        progress: PlanningProgress,
+        snapped: SnappedProblem,
+        timer: PlanningTimer,
         rng: np.random.Generator,
         config: PirsPlanner,
         patience: int,
     ) -> None:
-        self._task, self._progress, self._rng, self._config = task, progress, rng, config
-        self._patience, self._sizes = patience, Sizes.of(task.side, task.gripper)
+        self._snapped, self._timer, self._rng, self._config = snapped, timer, rng, config
+        self._patience, self._sizes = patience, Sizes.of(snapped.side, snapped.gripper)
         self._prices = Prices(config.costs.pick_place, config.costs.push, config.costs.collision)
-        self._corners = np.array(task.problem.workspace, dtype=float)
+        self._corners = np.array(snapped.problem.workspace, dtype=float)
 
     def pirs(self, o: int, O_R: frozenset[int], alpha_C: Array) -> PirsOutcome:
         """Algorithm 1: bring o home, then the remaining ones O_R."""
-        way = self._prm(o, alpha_C, self._task.goals[o], O_R)
+        way = self._prm(o, alpha_C, self._snapped.goals[o], O_R)
         if way is None:
             return None
         if not way.blocks:
@@ -149,42 +147,42 @@ class PirsSearch:
 
     def _prm(self, o: int, alpha_C: Array, end: Array, O_R: frozenset[int]) -> Way | None:
         """PRM(o, alpha_C, alpha_F, O_R), where alpha_F differs by the pose `end` of o."""
-        if self._patience <= 0 or self._progress.is_over():
+        if self._patience <= 0 or self._timer.is_over():
             raise GiveUp
         self._patience -= 1
-        self._progress.count(1)
-        task, config = self._task, self._config
+        self._timer.count(1)
+        snapped, config = self._snapped, self._config
         movable = sum(1 << i for i in O_R)
-        fixed = (1 << task.n) - 1 & ~movable & ~(1 << o)
-        blocks = squares(alpha_C, task.side)
+        fixed = (1 << snapped.n) - 1 & ~movable & ~(1 << o)
+        blocks = squares(alpha_C, snapped.side)
         nodes = sample_nodes(
             alpha_C[o], end, config.samples, config.bias, np.uint64(fixed), self._sizes, blocks,
-            task.half_planes, self._corners, self._rng,
+            snapped.half_planes, self._corners, self._rng,
         )  # fmt: skip
         way = shortest_way(
-            nodes, blocks, np.uint64(movable), np.uint64(fixed), task.problem.symmetry == 4, self._prices,
+            nodes, blocks, np.uint64(movable), np.uint64(fixed), snapped.problem.symmetry == 4, self._prices,
             self._sizes,
         )  # fmt: skip
         return way if len(way.grasps) else None
 
     def _sample_new_pose(self, o: int, alpha_C: Array, keep_free: Way) -> Array | None:
         """SAMPLE_NEW_POSE(o, alpha_C): hits no block, and does not lie on the way to be kept free."""
-        others = np.uint64((1 << self._task.n) - 1 & ~(1 << o))
+        others = np.uint64((1 << self._snapped.n) - 1 & ~(1 << o))
         poses = sample_clear_poses(
-            keep_free, others, self._config.tries, self._sizes, squares(alpha_C, self._task.side),
-            self._task.half_planes, self._corners, self._rng,
+            keep_free, others, self._config.tries, self._sizes, squares(alpha_C, self._snapped.side),
+            self._snapped.half_planes, self._corners, self._rng,
         )  # fmt: skip
         return poses[0] if len(poses) else None
 
     def _act(self, o: int, way: Way, alpha_C: Array) -> tuple[list[Action], Array]:
         """Actions along a way, and the configuration after it."""
-        name, pose = self._task.ids[o], PlanarPose(*alpha_C[o].tolist())
+        name, pose = self._snapped.ids[o], PlanarPose(*alpha_C[o].tolist())
         actions: list[Action] = []
         for spot, end, kind in zip(way.poses[:-1], way.poses[1:], way.grasps.tolist(), strict=True):
             if kind == PUSHED:
                 actions.append(Push(name, pose, PlanarPose(float(end[0]), float(end[1]), pose.yaw)))
             else:
-                actions.append(carried(self._task.problem, name, pose, spot, end, divmod(kind, 2)))
+                actions.append(carried(self._snapped.problem, name, pose, spot, end, divmod(kind, 2)))
             pose = actions[-1].end
         alpha = alpha_C.copy()
         alpha[o] = pose.row

@@ -20,7 +20,7 @@ from pack_lockstep.blocks.benchmark_instances import Instance
 from pack_lockstep.blocks.execution import execute
 from pack_lockstep.blocks.lockstep import BlocksLockstepConfig
 from pack_lockstep.blocks.planning import CountedPlannerConfig
-from pack_planner.rearrangement.planner import plan, warm_up
+from pack_planner.rearrangement.planning import plan, warm_up
 
 WARM_UP = 0.2
 """Wall clock of planning before anything is measured [s]."""

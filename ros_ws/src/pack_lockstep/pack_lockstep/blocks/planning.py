@@ -8,7 +8,7 @@ from pack_core.blocks.plan import Plan
 from pack_core.blocks.problem import Problem
 from pack_core.config import Config
 from pack_planner.rearrangement.methods import DEFAULT_METHOD, MethodName, RearrangementConfig
-from pack_planner.rearrangement.planner import plan
+from pack_planner.rearrangement.planning import plan
 
 
 class CountingClock:

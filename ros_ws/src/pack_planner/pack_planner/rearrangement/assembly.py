@@ -1,8 +1,9 @@
 """Assembly pattern database: how many pushes it takes at least to fill the rest of the goals.
 
 A goal can be filled by picking and placing as long as one grasp's fingers find room among the goals filled
-before it; else by a push, as long as one way in is free; else never. `pushes(filled)` is the least number
-of pushes over all orders in which the rest may be filled, by dynamic programming over all sets of goals.
+before it; else by a push, as long as one way in is free; else never (`GoalAccess`). `pushes(filled)` is the
+least number of pushes over all orders in which the rest may be filled, by dynamic programming over all sets
+of goals.
 
 The sets are bits of words: word `w` of a plane holds the 64 sets whose upper goals are `w`, so that one
 operation serves 64 sets. Plane `k` has the sets that at most `k` pushes complete, the last plane those that
@@ -18,11 +19,15 @@ from functools import lru_cache
 import numpy as np
 from numba import njit
 
-from pack_planner.rearrangement.collisions import Words
+from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.planar import QUARTER
+from pack_core.rotations import Array
+from pack_planner.rearrangement.footprints import Words, hits, placings, squares, sweeps
 
 LOW = 6
-"""Goals that are told apart within a word."""
+"""Goals that are told apart within a word: a word of 64 bits has one for every set of 6 goals."""
 PLANES = 14
+"""Numbers of pushes that are told apart, 0 to 12, and one plane for any number."""
 MAX_GOALS = 25
 """Of one database; 2^25 sets in 14 planes are 59 MB."""
 NEVER = 99
@@ -138,3 +143,32 @@ def pushes(planes: Words, filled: np.uint64) -> int:
         if (row[k] >> bit) & np.uint64(1):
             return k
     return NEVER
+
+
+@dataclass(frozen=True)
+class GoalAccess:
+    """For every goal the sets of goals of which one must be unfilled, to put a block down or to push it in.
+
+    Of pushes only the end counts, so that no push, however short, is left out.
+    """
+
+    place: BlockingSets
+    push: BlockingSets
+
+    @classmethod
+    def of(cls, goals: Array, side: float, gripper: GripperFootprint) -> GoalAccess:
+        """Find what bars the access to goals at poses `(n, 3)`."""
+        headings = goals[:, 2, None] + QUARTER * np.arange(4)
+        ends = np.repeat(goals[:, None], 4, axis=1)
+        pushes = sweeps(ends, headings, 0.0, side, gripper)[..., None, :]
+        blocks = squares(goals, side)
+        return cls(
+            BlockingSets.of(sets_of_others(hits(placings(goals, side, gripper), blocks))),
+            BlockingSets.of(sets_of_others(hits(pushes, blocks))),
+        )
+
+
+def sets_of_others(words: Words) -> list[list[int]]:
+    """For every block the sets of others that its footprints `(n, ways, W)` hit, as bits."""
+    values = [[sum(int(word) << 64 * w for w, word in enumerate(row)) for row in rows] for rows in words]
+    return [[value & ~(1 << i) for value in row] for i, row in enumerate(values)]

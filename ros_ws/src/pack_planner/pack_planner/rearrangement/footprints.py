@@ -1,20 +1,32 @@
-"""What an action sweeps on the table: oriented rectangles.
+"""What blocks and actions cover on the table, whether it lies in the workspace, and what overlaps.
 
-A rectangle is a row: centre x, y [m], cosine and sine of its heading, half extents along and across it [m].
-Poses are rows x, y, yaw. Blocks are of one height and are carried above the others, so that only where the
-gripper and the block come down matters.
+What an action sweeps is a union of oriented rectangles. A rectangle is a row: centre x, y [m], cosine and
+sine of its heading, half extents along and across it [m]. Poses are rows x, y, yaw. Blocks are of one height
+and are carried above the others, so that only where the gripper and the block come down matters.
+
+Blocks may be put down in a convex polygon. Which blocks an action would hit is found by separating axes and
+kept as bits: bit `q` of a word row says that the footprint overlaps square `q`; touching is not overlapping.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import QUARTER, PlanarPose
+from pack_core.blocks.problem import Point
 from pack_core.rotations import Array
+
+SLACK = 1e-9
+"""Poses on the very edge are inside [m]."""
+Words = npt.NDArray[np.uint64]
+BITS = 64
+TOUCH = 1e-7
+"""Overlaps less deep than this are touching [m]."""
 
 
 def rows_of(poses: Iterable[PlanarPose]) -> Array:
@@ -79,3 +91,100 @@ def _turned(poses: npt.ArrayLike) -> Array:
     turned = np.stack([pose, pose], axis=-2)
     turned[..., 1, 2] += QUARTER
     return turned
+
+
+def edges(corners: Sequence[Point]) -> Array:
+    """Half planes `(edges, 3)`: a point p is inside where `n @ p <= d`, rows n_x, n_y, d."""
+    points = np.array(corners, dtype=float)
+    along = np.roll(points, -1, axis=0) - points
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) * np.sign(signed_area(corners))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.column_stack([normals, np.sum(normals * points, axis=1)])
+
+
+def signed_area(corners: Sequence[Point]) -> float:
+    """Area [m^2] of a polygon, positive when its corners run counter-clockwise."""
+    x, y = np.array(corners, dtype=float).T
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) / 2)
+
+
+def is_convex(corners: Sequence[Point]) -> bool:
+    """At least three corners, all on or inside every edge, and an area."""
+    points = np.array(corners, dtype=float)
+    if (
+        len(points) < 3
+        or np.all(points == np.roll(points, 1, axis=0), axis=1).any()
+        or abs(signed_area(corners)) < 1e-9
+    ):
+        return False
+    half_planes = edges(corners)
+    return bool(np.all(half_planes[:, :2] @ points.T <= half_planes[:, 2:] + SLACK))
+
+
+def corners_of(poses: Array, side: float) -> Array:
+    """Corners `(..., 4, 2)` of blocks at poses `(..., 3)`."""
+    signs = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * side / 2
+    cosine, sine = np.cos(poses[..., 2, None]), np.sin(poses[..., 2, None])
+    x = poses[..., 0, None] + cosine * signs[:, 0] - sine * signs[:, 1]
+    y = poses[..., 1, None] + sine * signs[:, 0] + cosine * signs[:, 1]
+    return np.stack([x, y], axis=-1)
+
+
+def are_inside(poses: Array, side: float, half_planes: Array) -> npt.NDArray[np.bool_]:
+    """Blocks at poses `(..., 3)` stand inside with all corners `(...)`."""
+    heights = corners_of(poses, side) @ half_planes[:, :2].T
+    return np.asarray(np.all(heights <= half_planes[:, 2] + SLACK, axis=(-2, -1)))
+
+
+def hits(footprints: Array, squares: Array) -> Words:
+    """Which squares each footprint overlaps, as bits.
+
+    Args:
+        footprints: `(..., rectangles, 6)`, each the union of its rectangles.
+        squares: `(Q, 6)`
+
+    Returns:
+        Words `(..., ceil(Q / 64))`.
+    """
+    *shape, n, _ = footprints.shape
+    flat = np.ascontiguousarray(footprints).reshape(-1, n, 6)
+    words = hit_words(flat, np.ascontiguousarray(squares))
+    return words.reshape(*shape, words.shape[-1])
+
+
+@njit(cache=True)
+def hit_words(footprints: Array, squares: Array) -> Words:
+    """`hits` of footprints `(F, rectangles, 6)`."""
+    count = (squares.shape[0] + BITS - 1) // BITS
+    words = np.zeros((footprints.shape[0], count), dtype=np.uint64)
+    for f in range(footprints.shape[0]):
+        for r in range(footprints.shape[1]):
+            for q in range(squares.shape[0]):
+                if overlap(footprints[f, r], squares[q]):
+                    words[f, q // BITS] |= np.uint64(1) << np.uint64(q % BITS)
+    return words
+
+
+@njit(cache=True, inline="always")
+def overlap(a: Array, b: Array) -> bool:
+    """Two rectangles have more than their outlines in common."""
+    x, y = b[0] - a[0], b[1] - a[1]
+    reach = a[4] + a[5] + b[4] + b[5]
+    if x * x + y * y > reach * reach:
+        return False
+    cosine, sine = abs(a[2] * b[2] + a[3] * b[3]), abs(a[2] * b[3] - a[3] * b[2])
+    return bool(
+        abs(x * a[2] + y * a[3]) + TOUCH < a[4] + b[4] * cosine + b[5] * sine
+        and abs(y * a[2] - x * a[3]) + TOUCH < a[5] + b[4] * sine + b[5] * cosine
+        and abs(x * b[2] + y * b[3]) + TOUCH < b[4] + a[4] * cosine + a[5] * sine
+        and abs(y * b[2] - x * b[3]) + TOUCH < b[5] + a[4] * sine + a[5] * cosine
+    )
+
+
+@njit(cache=True, inline="always")
+def is_free(footprint: Words, occupied: Words) -> bool:
+    """The footprint hits none of the squares that are occupied, both `(words,)`."""
+    hit = np.uint64(0)
+    for w in range(occupied.shape[0]):
+        hit |= footprint[w] & occupied[w]
+    return bool(hit == 0)

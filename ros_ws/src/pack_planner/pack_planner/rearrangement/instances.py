@@ -10,9 +10,7 @@ from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import CUBE_SIDE, PlacedBlock, Point, Problem
 from pack_core.errors import PackError
 from pack_core.rotations import Array
-from pack_planner.rearrangement.collisions import hits
-from pack_planner.rearrangement.footprints import squares
-from pack_planner.rearrangement.workspace import are_inside, edges
+from pack_planner.rearrangement.footprints import are_inside, edges, hits, squares
 
 GRID_GAP = 0.002
 """Between blocks of the goal grid [m]."""

@@ -16,7 +16,7 @@ from pack_core.ros.messages.blocks import fill_plan, from_request
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_planner.rearrangement.methods import DEFAULT_METHOD, MethodName, RearrangementConfig
-from pack_planner.rearrangement.planner import plan, warm_up
+from pack_planner.rearrangement.planning import plan, warm_up
 
 
 class RearrangementNodeConfig(RearrangementConfig):

@@ -1,16 +1,64 @@
-"""What every rearrangement planner offers: one class, whose fields are its parameters."""
+"""What every rearrangement planner offers and is given: one class, whose fields are its parameters.
+
+It plans a `SnappedProblem`, looks at a `PlanningTimer` for when to end, and returns what it `Found`.
+"""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from pack_core.blocks.plan import Action
+from pack_core.blocks.plan import Action, PlanStatistics
 from pack_core.config import Config
-from pack_planner.rearrangement.progress import PlanningProgress
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
+
+Clock = Callable[[], float]
+
+
+@dataclass
+class PlanningTimer:
+    """Time since the call, and what was found when.
+
+    Attributes:
+        clock: seconds from anywhere.
+        budget_s: time for planning [s].
+    """
+
+    clock: Clock
+    budget_s: float
+    setup_s: float = 0.0
+    first_s: float = np.nan
+    first_actions: int = 0
+    expanded: int = 0
+    started: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.started = self.clock()
+
+    def elapsed(self) -> float:
+        """Time since the call of the planner [s]."""
+        return self.clock() - self.started
+
+    def is_over(self) -> bool:
+        """Whether the planner's time is spent."""
+        return self.elapsed() >= self.budget_s
+
+    def found(self, actions: int) -> None:
+        """Note a plan; only the first is of interest."""
+        if np.isnan(self.first_s):
+            self.first_s, self.first_actions = self.elapsed(), actions
+
+    def count(self, expanded: int) -> None:
+        """Note states expanded or paths planned."""
+        self.expanded += expanded
+
+    def statistics(self) -> PlanStatistics:
+        """What a plan tells about how it came about."""
+        return PlanStatistics(self.setup_s, self.first_s, self.first_actions, self.elapsed(), self.expanded)
 
 
 class Found(NamedTuple):
@@ -42,17 +90,17 @@ class RearrangementPlanner(Config, ABC):
 
     @abstractmethod
     def plan(
-        self, task: Task, lower_bound: int, progress: PlanningProgress, rng: np.random.Generator
+        self, snapped: SnappedProblem, lower_bound: int, timer: PlanningTimer, rng: np.random.Generator
     ) -> Found:
-        """Plan a task in which some block is away from its goal, and which is not proven impossible.
+        """Plan a problem in which some block is away from its goal, and which is not proven impossible.
 
-        It ends soon after `progress.is_over()`, reports its first plan to `progress.found` and uses nothing
-        like what is in `task.problem.refused`.
+        It ends soon after `timer.is_over()`, reports its first plan to `timer.found` and uses nothing
+        like what is in `snapped.problem.refused`.
 
         Args:
-            task: blocks, goals and what counts as being there.
+            snapped: blocks, goals and what counts as being there.
             lower_bound: every plan has at least so many actions; a planner may know better.
-            progress: time, and what is counted.
+            timer: time, and what is counted.
             rng: the only source of chance, so that a seed gives the same plan again.
         """
 

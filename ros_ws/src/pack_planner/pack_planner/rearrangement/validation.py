@@ -10,9 +10,15 @@ import numpy as np
 from pack_core.blocks.plan import Diagnosis
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
-from pack_planner.rearrangement.collisions import hits
-from pack_planner.rearrangement.footprints import rows_of, squares
-from pack_planner.rearrangement.workspace import are_inside, corners_of, edges, is_convex
+from pack_planner.rearrangement.footprints import (
+    are_inside,
+    corners_of,
+    edges,
+    hits,
+    is_convex,
+    rows_of,
+    squares,
+)
 
 SYMMETRIES = (1, 2, 4)
 

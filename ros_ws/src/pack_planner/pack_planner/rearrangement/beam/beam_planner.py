@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import ClassVar, Literal, Self
 
 import numpy as np
@@ -9,17 +10,17 @@ import numpy.typing as npt
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
 
 from pack_core.blocks.plan import Action, Push
+from pack_core.blocks.planar import PlanarPose
 from pack_core.config import Config
-from pack_planner.rearrangement.beam.pushing import Ints
-from pack_planner.rearrangement.beam.reconstruction import to_actions
+from pack_core.rotations import Array
 from pack_planner.rearrangement.beam.search import Beam, root_state, run_round
-from pack_planner.rearrangement.beam.spots import GOAL, MAX_BLOCKS, POOL, buffer_pool
+from pack_planner.rearrangement.beam.spots import GOAL, MAX_BLOCKS, POOL, STRAIGHT, Ints, buffer_pool
+from pack_planner.rearrangement.beam.states import NO_STAGE, PUSHED, BlockMove
 from pack_planner.rearrangement.beam.tables import FREE, PushPrice, Tables, build_tables
-from pack_planner.rearrangement.blockers import with_blockers_released
+from pack_planner.rearrangement.certificates import with_blockers_released
 from pack_planner.rearrangement.lower_bound import sharper_bound
-from pack_planner.rearrangement.progress import PlanningProgress
-from pack_planner.rearrangement.rearrangement_planner import Found, RearrangementPlanner
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.rearrangement_planner import Found, PlanningTimer, RearrangementPlanner
+from pack_planner.rearrangement.snapped_problem import SnappedProblem, carried
 
 LONGEST = 3
 """Actions a block that a plan may have, and a few more."""
@@ -78,7 +79,7 @@ class BeamPlanner(RearrangementPlanner):
         return self.costs.push_price if self.price == "paper" else FREE
 
     def plan(
-        self, task: Task, lower_bound: int, progress: PlanningProgress, rng: np.random.Generator
+        self, snapped: SnappedProblem, lower_bound: int, timer: PlanningTimer, rng: np.random.Generator
     ) -> Found:
         """Search round after round until the time is over or the lower bound is met.
 
@@ -90,31 +91,31 @@ class BeamPlanner(RearrangementPlanner):
         least by Eq. 1; the lower bound counts actions all the same, so that no plan with a push is proven the
         cheapest and the search uses all its time.
         """
-        given, task = task, with_blockers_released(task)
+        given, snapped = snapped, with_blockers_released(snapped)
         best: list[Action] | None = None
         price = self.push_price
-        longest, cheapest = LONGEST * (task.n + 3), np.inf
+        longest, cheapest = LONGEST * (snapped.n + 3), np.inf
         for number in range(self.rounds):
             is_lost = best is None and number >= FRUITLESS_ROUNDS
             is_late = number >= len(self.widths)
             if number == 0 or is_lost or is_late:
                 size = self.pool * (LATE if is_late else 1)
-                tables = build_tables(task, buffer_pool(task, size, rng, is_over_goals=is_late), price)
+                tables = build_tables(snapped, buffer_pool(snapped, size, rng, is_over_goals=is_late), price)
             width = self.widths[min(number, len(self.widths) - 1)]
             is_anyone = is_lost and number % 2 == 0
             beam = Beam(width, longest, cheapest - WORTH, self.breadth, is_anyone, self.noise)
-            root = root_state(tables, _spots(task))
-            outcome = run_round(root, tables, _order(tables, rng), beam, progress.is_over, rng)
-            progress.count(outcome.expanded)
+            root = root_state(tables, _spots(snapped))
+            outcome = run_round(root, tables, _order(tables, rng), beam, timer.is_over, rng)
+            timer.count(outcome.expanded)
             if outcome.moves is not None:
                 is_first = best is None
-                best = to_actions(task, tables, outcome.moves)
+                best = to_actions(snapped, tables, outcome.moves)
                 cheapest = len(best) + sum(price.premium(a.distance) for a in best if isinstance(a, Push))
                 longest = int(np.ceil(cheapest)) - 1
-                progress.found(len(best))
+                timer.found(len(best))
                 if is_first and longest >= lower_bound:
                     lower_bound = sharper_bound(given, lower_bound)
-            if longest < lower_bound or progress.is_over():
+            if longest < lower_bound or timer.is_over():
                 break
         return Found(best, lower_bound)
 
@@ -123,8 +124,8 @@ class BeamPlanner(RearrangementPlanner):
         return self.model_copy(update={"widths": (16,), "rounds": 1})
 
 
-def _spots(task: Task) -> npt.NDArray[np.int16]:
-    return (np.arange(task.n) + GOAL * task.is_home).astype(np.int16)
+def _spots(snapped: SnappedProblem) -> npt.NDArray[np.int16]:
+    return (np.arange(snapped.n) + GOAL * snapped.is_home).astype(np.int16)
 
 
 def _order(tables: Tables, rng: np.random.Generator) -> Ints:
@@ -141,3 +142,34 @@ def _order(tables: Tables, rng: np.random.Generator) -> Ints:
     cost += np.where(is_off_line, 0.0, tables.push_price.per_metre * lengths)
     order = np.argsort(cost + rng.uniform(0.0, 1.5, cost.shape), axis=1)
     return (POOL + order).astype(np.int32)
+
+
+def to_actions(snapped: SnappedProblem, tables: Tables, moves: Iterable[BlockMove]) -> list[Action]:
+    """Actions of a plan; a block that would be put down where it was picked up is left alone."""
+    poses = [PlanarPose(*row) for row in snapped.starts.tolist()]
+    spots = [tables.poses[GOAL + i if home else i] for i, home in enumerate(snapped.is_home)]
+    actions: list[Action] = []
+    for move in moves:
+        for action, spot in _actions_of(snapped, tables, move, poses[move.block], spots[move.block]):
+            poses[move.block], spots[move.block] = action.end, spot
+            if action.start.distance_to(action.end) > STRAIGHT:
+                actions.append(action)
+    return actions
+
+
+def _actions_of(
+    snapped: SnappedProblem, tables: Tables, move: BlockMove, pose: PlanarPose, spot: Array
+) -> list[tuple[Action, Array]]:
+    """One action, or two by way of a staging pose, each with the spot it ends at."""
+    name, end = snapped.ids[move.block], tables.poses[move.spot]
+    if move.grasps == PUSHED:
+        return [(Push(name, pose, PlanarPose(float(end[0]), float(end[1]), pose.yaw)), end)]
+    first = end if move.stage == NO_STAGE else tables.stage[move.block, move.stage]
+    axes = divmod(move.grasps, 2)
+    placed = carried(snapped.problem, name, pose, spot, first, axes)
+    actions: list[tuple[Action, Array]] = [(placed, first)]
+    if move.stage != NO_STAGE:
+        actions.append(
+            (Push(name, placed.end, PlanarPose(float(end[0]), float(end[1]), placed.end.yaw)), end)
+        )
+    return actions

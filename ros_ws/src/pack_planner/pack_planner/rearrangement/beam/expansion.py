@@ -12,26 +12,30 @@ import numpy.typing as npt
 from numba import njit
 
 from pack_planner.rearrangement.assembly import NEVER
-from pack_planner.rearrangement.beam.bits import bit
-from pack_planner.rearrangement.beam.buffering import Options, buffer_options, pushed_out_options
 from pack_planner.rearrangement.beam.estimates import (
     NOWHERE,
     StateSummary,
     after_going_home,
     after_making_way,
     cycles_with,
+    pushes_out_left,
     summarize,
 )  # fmt: skip
-from pack_planner.rearrangement.beam.grasping import way_home
-from pack_planner.rearrangement.beam.knots import pushes_out_left
-from pack_planner.rearrangement.beam.obstacles import note_obstacles, note_obstacles_of_pushes
-from pack_planner.rearrangement.beam.pushing import Ints
-from pack_planner.rearrangement.beam.spots import GOAL, POOL
+from pack_planner.rearrangement.beam.moves import (
+    Options,
+    buffer_options,
+    note_obstacles,
+    note_obstacles_of_pushes,
+    pushed_out_options,
+    way_home,
+)
+from pack_planner.rearrangement.beam.spots import GOAL, POOL, Ints
 from pack_planner.rearrangement.beam.states import (
     NO_STAGE,
     Children,
     States,
     append,
+    bit,
     clear,
     empty_children,
     estimate,
@@ -40,7 +44,7 @@ from pack_planner.rearrangement.beam.states import (
     occupy,
 )  # fmt: skip
 from pack_planner.rearrangement.beam.tables import Tables
-from pack_planner.rearrangement.collisions import Words, is_free
+from pack_planner.rearrangement.footprints import Words, is_free
 
 Flags = npt.NDArray[np.bool_]
 
@@ -166,7 +170,7 @@ def _make_way(
         pushes_out = pushes_out_left(i, end, now.left, occupied, spots, can_pick, tables)
         if pushes_out < NEVER:
             append(out, count, states, tables, row, i, end, NO_STAGE, options.grasps[option])
-            # Pushes out of knots are a guess; what is left at least counts those into the grid alone.
+            # Pushes of interlocked blocks are a guess; what is left at least counts those into the grid.
             premium_left = tables.push_price.extra * now.pushes
             estimate(out, count, bound, cycles, detours + pushes_out, premium_left)
             count += 1

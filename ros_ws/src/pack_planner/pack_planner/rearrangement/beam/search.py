@@ -11,14 +11,20 @@ import numpy.typing as npt
 from numba import njit
 
 from pack_core.rotations import Array
-from pack_planner.rearrangement.beam.detours import cycles, standing_on_goals
+from pack_planner.rearrangement.beam.estimates import cycles, standing_on_goals
 from pack_planner.rearrangement.beam.expansion import expand
-from pack_planner.rearrangement.beam.history import BlockMove, History
-from pack_planner.rearrangement.beam.pushing import Ints
-from pack_planner.rearrangement.beam.spots import GOAL, NO_GO
-from pack_planner.rearrangement.beam.states import NO_STAGE, Children, States, follow, occupy
+from pack_planner.rearrangement.beam.spots import GOAL, NO_GO, Ints
+from pack_planner.rearrangement.beam.states import (
+    NO_STAGE,
+    BlockMove,
+    Children,
+    History,
+    States,
+    follow,
+    occupy,
+)
 from pack_planner.rearrangement.beam.tables import Tables
-from pack_planner.rearrangement.collisions import Words
+from pack_planner.rearrangement.footprints import Words
 
 TRAVEL_WEIGHT = 1e-3
 """Of a metre of travel against an action: travel decides between plans of one length."""

@@ -1,28 +1,40 @@
-"""Where blocks may stand between start and goal: the poses that the search knows.
+"""The poses and pushes that the search knows: where blocks may stand, and how they may be pushed.
 
 Spots are numbered: starts from 0, goals from GOAL, buffer poses from POOL on. A set of occupied spots is a
 row of words, starts and goals in the first.
+
+Pushes lead into a goal by way of a staging pose, from a spot on a push line, and out of a start. What the arm
+refused before, and what an obstacle bars, hits everything, so that it is impossible to the search.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+import numpy.typing as npt
 
 from pack_core.blocks.planar import QUARTER, wrapped
+from pack_core.blocks.primitive_action import PrimitiveKind
 from pack_core.rotations import Array
-from pack_planner.rearrangement.collisions import hits
-from pack_planner.rearrangement.footprints import squares
-from pack_planner.rearrangement.task import Task
-from pack_planner.rearrangement.workspace import are_inside
+from pack_planner.rearrangement.footprints import Words, are_inside, fingers, hits, squares, sweeps
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
+Ints = npt.NDArray[np.int32]
+OUT_LENGTHS = (0.006, 0.01, 0.015, 0.022, 0.03, 0.05, 0.08, 0.115)
+"""Of pushes away from a start [m]: about evenly spread on a logarithmic scale up to the longest push."""
+EVERYTHING = np.uint64(2**64 - 1)
+"""What is impossible hits all spots, NO_GO among them."""
 GOAL, POOL = 32, 64
+"""First numbers of goals and of buffer poses: starts and goals share the first word of 64 bits, half each."""
 NO_GO = 31
 """A spot that counts as occupied always, so that what is impossible hits something even among no blocks."""
 MAX_BLOCKS = 31
+"""Starts that there are numbers for, NO_GO left out."""
 FAR = 1e6
 """Where spots are that do not exist [m]."""
 LINE_STEP = 0.010
-"""Between buffer poses on a push line [m]."""
+"""Between buffer poses on a push line [m], a fifth of a block's side."""
 APART = 0.006
 """Buffer poses of the same yaw nearer than this are one [m]."""
 LINE_SHARE = 0.6
@@ -31,45 +43,47 @@ STRAIGHT = 1e-6
 """Poses count as being on a push line up to this [m, rad]."""
 
 
-def spot_poses(task: Task, pool: Array) -> Array:
+def spot_poses(snapped: SnappedProblem, pool: Array) -> Array:
     """Poses `(POOL + P, 3)` of all spots; a block that is home has no start of its own."""
     poses = np.full((POOL + len(pool), 3), FAR)
-    poses[: task.n][~task.is_home] = task.starts[~task.is_home]
-    poses[GOAL : GOAL + task.n] = task.goals
+    poses[: snapped.n][~snapped.is_home] = snapped.starts[~snapped.is_home]
+    poses[GOAL : GOAL + snapped.n] = snapped.goals
     poses[POOL:] = pool
     poses[:POOL, 0] += np.arange(POOL) * (poses[:POOL, 0] == FAR)
     return poses
 
 
-def buffer_pool(task: Task, size: int, rng: np.random.Generator, *, is_over_goals: bool = False) -> Array:
+def buffer_pool(
+    snapped: SnappedProblem, size: int, rng: np.random.Generator, *, is_over_goals: bool = False
+) -> Array:
     """Buffer poses `(up to size, 3)`: on the push lines of goals, then spread over the workspace.
 
     A block that waits on the push line of its goal goes home in one action even where it must be pushed. It
     is rarely worth it to wait on a line where it stands on goals as well, `is_over_goals`.
     """
-    lines = _on_lines(task)
+    lines = _on_lines(snapped)
     if not is_over_goals:
-        lines = _clear_of_goals(task, lines)
+        lines = _clear_of_goals(snapped, lines)
     lines = _thinned(lines, int(LINE_SHARE * size), rng)
-    spread = _lattice(task, size - len(lines), rng)
+    spread = _lattice(snapped, size - len(lines), rng)
     return np.vstack([lines, spread])[:size]
 
 
-def _on_lines(task: Task) -> Array:
-    distances = np.arange(task.side / 2, task.gripper.max_push + 1e-9, LINE_STEP)
-    headings = task.goals[:, 2, None] + QUARTER * np.arange(4)
+def _on_lines(snapped: SnappedProblem) -> Array:
+    distances = np.arange(snapped.side / 2, snapped.gripper.max_push + 1e-9, LINE_STEP)
+    headings = snapped.goals[:, 2, None] + QUARTER * np.arange(4)
     ahead = np.stack([np.cos(headings), np.sin(headings)], axis=-1)[:, :, None] * distances[:, None]
     poses = np.empty((*ahead.shape[:-1], 3))
-    poses[..., :2] = task.goals[:, None, None, :2] - ahead
-    poses[..., 2] = wrapped(task.goals[:, 2], QUARTER)[:, None, None]
+    poses[..., :2] = snapped.goals[:, None, None, :2] - ahead
+    poses[..., 2] = wrapped(snapped.goals[:, 2], QUARTER)[:, None, None]
     poses = poses.reshape(-1, 3)
-    return np.asarray(poses[are_inside(poses, task.side, task.half_planes)])
+    return np.asarray(poses[are_inside(poses, snapped.side, snapped.half_planes)])
 
 
-def _clear_of_goals(task: Task, poses: Array) -> Array:
+def _clear_of_goals(snapped: SnappedProblem, poses: Array) -> Array:
     """Those that overlap no goal: a block in the grid's way is of little use."""
-    grown = squares(poses, task.side, task.gripper.block_margin)[:, None]
-    return np.asarray(poses[~hits(grown, squares(task.goals, task.side)).any(axis=1)])
+    grown = squares(poses, snapped.side, snapped.gripper.block_margin)[:, None]
+    return np.asarray(poses[~hits(grown, squares(snapped.goals, snapped.side)).any(axis=1)])
 
 
 def _thinned(poses: Array, size: int, rng: np.random.Generator) -> Array:
@@ -79,10 +93,10 @@ def _thinned(poses: Array, size: int, rng: np.random.Generator) -> Array:
     return np.asarray(poses[rng.permutation(np.sort(first))[:size]])
 
 
-def _lattice(task: Task, size: int, rng: np.random.Generator) -> Array:
+def _lattice(snapped: SnappedProblem, size: int, rng: np.random.Generator) -> Array:
     """A lattice over the workspace, as fine as `size` allows, with the yaw of the first goal."""
-    corners = np.array(task.problem.workspace)
-    yaw = float(wrapped(task.goals[0, 2], QUARTER))
+    corners = np.array(snapped.problem.workspace)
+    yaw = float(wrapped(snapped.goals[0, 2], QUARTER))
     step = np.sqrt(np.prod(np.ptp(corners, axis=0)) / (4 * size))
     for _ in range(12):
         offset = rng.uniform(0.0, step, 2)
@@ -90,9 +104,146 @@ def _lattice(task: Task, size: int, rng: np.random.Generator) -> Array:
                 zip(corners.min(0), corners.max(0), offset, strict=True)]  # fmt: skip
         x, y = (axis.ravel() for axis in np.meshgrid(*axes))
         poses = np.column_stack([x, y, np.full(x.size, yaw)])
-        poses = poses[are_inside(poses, task.side, task.half_planes)]
-        clear = _clear_of_goals(task, poses)
+        poses = poses[are_inside(poses, snapped.side, snapped.half_planes)]
+        clear = _clear_of_goals(snapped, poses)
         if len(clear) <= size:
             return clear
         step *= 1.1
     return clear[rng.permutation(len(clear))[:size]]
+
+
+def bar_grasps(snapped: SnappedProblem, kind: PrimitiveKind, poses: Array, words: Words) -> None:
+    """Change what grasping or putting down hits at poses `(..., 3)`, words `(..., 2, W)`."""
+    turned = np.repeat(poses[..., None, :], 2, axis=-2)
+    turned[..., 1, 2] += QUARTER
+    _bar(snapped, kind, turned, words)
+
+
+def bar_pushes(snapped: SnappedProblem, starts: Array, headings: Array, words: Words) -> None:
+    """Change what pushes from `(..., 3)` along headings `(...)` hit, words `(..., W)`."""
+    _bar(snapped, PrimitiveKind.PUSH, np.concatenate([starts[..., :2], headings[..., None]], axis=-1), words)
+
+
+def bar_blocked(snapped: SnappedProblem, footprints: Array, *tables: Words) -> None:
+    """Change what actions with footprints `(..., rectangles, 6)` hit, tables of words `(..., W)`."""
+    is_blocked = hits(footprints, snapped.obstacles).any(axis=-1)
+    for words in tables:
+        words[is_blocked] = EVERYTHING
+
+
+def _bar(snapped: SnappedProblem, kind: PrimitiveKind, poses: Array, words: Words) -> None:
+    for primitive in snapped.problem.refused:
+        words[primitive.is_like(kind, poses)] = EVERYTHING
+
+
+@dataclass(frozen=True)
+class Pushes:
+    """Any number of pushes, by where they end.
+
+    Attributes:
+        ends: poses `(..., 3)`.
+        headings: [rad] `(...)`.
+        lengths: [m] `(...)`.
+    """
+
+    ends: Array
+    headings: Array
+    lengths: Array
+
+    @property
+    def starts(self) -> Array:
+        """Poses `(..., 3)`."""
+        return _moved(self.ends, self.headings, -self.lengths)
+
+    def hits(self, snapped: SnappedProblem, blocks: Array) -> Words:
+        """Which of the blocks `(Q, 6)` they hit, those that the arm refused all, `(..., W)`."""
+        footprints = sweeps(self.ends, self.headings, self.lengths, snapped.side, snapped.gripper)
+        words = hits(footprints[..., None, :], blocks)
+        bar_blocked(snapped, footprints[..., None, :], words)
+        bar_pushes(snapped, self.starts, self.headings, words)
+        return words
+
+
+@dataclass(frozen=True)
+class PushesOut:
+    """Pushes away from the starts of blocks that cannot be grasped there, K of them.
+
+    Attributes:
+        first: first row of every block `(n + 1,)`.
+        spots: numbers of their ends `(K,)`.
+        pushes: themselves.
+    """
+
+    first: Ints
+    spots: Ints
+    pushes: Pushes
+
+
+def stages(snapped: SnappedProblem) -> Pushes:
+    """Pushes into the goals `(n, M)` from staging poses, the nearest first from all sides."""
+    lengths = np.repeat(_lengths_into_goals(snapped), 4)
+    headings = snapped.goals[:, 2, None] + QUARTER * np.tile(np.arange(4), len(lengths) // 4)
+    ends = np.repeat(snapped.goals[:, None], len(lengths), axis=1)
+    return Pushes(ends, headings, np.broadcast_to(lengths, headings.shape))
+
+
+def _lengths_into_goals(snapped: SnappedProblem) -> Array:
+    """Lengths of pushes into a goal that are tried, the shortest first [m].
+
+    The shortest leaves just room for a finger between the block and one that stands behind its goal; the
+    others for fingers beside the block, clear of its neighbours.
+    """
+    slab = snapped.gripper.slab_thickness  # what a finger and its clearances take beside a face
+    beside = (snapped.side + snapped.gripper.slab_width) / 2 + snapped.gripper.block_margin
+    # 0.93 of a slab and a grid's gap of 2 mm together are a slab; half a millimetre more than one does
+    # without the gap. The longer ones step over neighbours, up to the longest push, to which `inf` is cut.
+    wanted = np.array([0.93 * slab, slab + 0.0005, 1.4 * slab, beside, 1.45 * beside, 1.9 * beside, np.inf])
+    return np.unique(np.minimum(wanted, snapped.gripper.max_push))
+
+
+def pushes_from_spots(snapped: SnappedProblem, poses: Array) -> tuple[Ints, Pushes]:
+    """Rows of pushes that lead from spots `(Q, 3)` to the blocks' goals `(n, Q)`, and these pushes `(L,)`."""
+    goals, gripper = snapped.goals[:, None], snapped.gripper
+    cosine, sine = np.cos(goals[..., 2]), np.sin(goals[..., 2])
+    dx, dy = (goals - poses)[..., 0], (goals - poses)[..., 1]
+    offsets = np.abs(np.stack([cosine * dx + sine * dy, cosine * dy - sine * dx]))
+    length, aside = offsets.max(axis=0), offsets.min(axis=0)
+    is_line = (aside < STRAIGHT) & (np.abs(wrapped(goals[..., 2] - poses[:, 2], QUARTER)) < STRAIGHT)
+    is_line &= (length >= gripper.min_push - STRAIGHT) & (length <= gripper.max_push + STRAIGHT)
+    # Of starts and goals only the starts that were snapped to a push line count as on it.
+    is_line[:, :POOL] = False
+    is_line[:, : snapped.n] = np.diag(snapped.is_ready)
+    block, spot = np.nonzero(is_line)
+    push_of = np.full(is_line.shape, -1, dtype=np.int32)
+    push_of[block, spot] = np.arange(len(block))
+    headings = np.arctan2(dy, dx)[block, spot]
+    return push_of, Pushes(snapped.goals[block], headings, length[block, spot])
+
+
+def pushes_out(snapped: SnappedProblem, first_spot: int) -> PushesOut:
+    """Pushes away from the starts of blocks that can be grasped by no axis as the others stand now."""
+    beside = fingers(snapped.starts, snapped.side, snapped.gripper)
+    picks = hits(beside, squares(snapped.starts, snapped.side))
+    bar_blocked(snapped, beside, picks)
+    bar_grasps(snapped, PrimitiveKind.GRASP, snapped.starts, picks)
+    others = ~(np.uint64(1) << np.arange(snapped.n, dtype=np.uint64))
+    stuck = np.flatnonzero(~snapped.is_home & np.all(picks[..., 0] & others[:, None], axis=1))
+    lengths = np.broadcast_to(np.tile(OUT_LENGTHS, 4), (len(stuck), 4 * len(OUT_LENGTHS)))
+    headings = snapped.starts[stuck, 2, None] + QUARTER * np.repeat(np.arange(4), len(OUT_LENGTHS))
+    ends = _moved(np.repeat(snapped.starts[stuck, None], lengths.shape[1], axis=1), headings, lengths)
+    is_allowed = are_inside(ends, snapped.side, snapped.half_planes) & (lengths <= snapped.gripper.max_push)
+    counts = np.zeros(snapped.n, dtype=np.int32)
+    counts[stuck] = is_allowed.sum(axis=1)
+    return PushesOut(
+        np.concatenate([[0], np.cumsum(counts)]).astype(np.int32),
+        (first_spot + np.arange(is_allowed.sum())).astype(np.int32),
+        Pushes(ends[is_allowed], headings[is_allowed], lengths[is_allowed]),
+    )  # fmt: skip
+
+
+def _moved(poses: Array, headings: Array, distances: Array) -> Array:
+    """Poses `(..., 3)` moved along headings."""
+    moved = poses.copy()
+    moved[..., 0] += distances * np.cos(headings)
+    moved[..., 1] += distances * np.sin(headings)
+    return moved

@@ -1,7 +1,12 @@
-"""States of the search and what follows from them, as arrays."""
+"""States of the search, what follows from them, and the moves that led to them, as arrays.
+
+A set of blocks is a word of 64 bits. A state is a set of spots in words: spot q is bit q % 64 of word
+q // 64.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -9,14 +14,31 @@ import numpy.typing as npt
 from numba import njit
 
 from pack_core.rotations import Array
-from pack_planner.rearrangement.beam.pushing import Ints
+from pack_planner.rearrangement.beam.spots import Ints
 from pack_planner.rearrangement.beam.tables import Tables
-from pack_planner.rearrangement.collisions import Words
+from pack_planner.rearrangement.footprints import Words
 
 NO_STAGE = -1
 PUSHED = 4
 """Instead of a pair of grasps: the block was pushed."""
 ONE = np.uint64(1)
+Bits = npt.NDArray[np.uint64]
+
+
+@njit(cache=True, inline="always")
+def bit(i: int) -> np.uint64:
+    """The set of block i."""
+    return np.uint64(1) << np.uint64(i)
+
+
+@njit(cache=True, inline="always")
+def count_bits(bits: np.uint64) -> int:
+    """Number of blocks in a set."""
+    total = 0
+    while bits:
+        bits &= bits - np.uint64(1)  # takes the lowest block out of the set
+        total += 1
+    return total
 
 
 class States(NamedTuple):
@@ -67,9 +89,6 @@ class Children(NamedTuple):
     premium: Array
     premium_left: Array
     hash: Words
-
-
-# States are sets of spots in words of 64 bits: spot q is bit q % 64 of word q // 64.
 
 
 @njit(cache=True)
@@ -168,3 +187,40 @@ def estimate(out: Children, count: int, bound: int, cycles: int, detours: float,
     """Note the estimates of child `count`."""
     out.bound[count], out.cycles[count], out.detours[count] = bound, cycles, detours
     out.premium_left[count] = premium_left
+
+
+@dataclass(frozen=True)
+class BlockMove:
+    """A block goes to a spot; stage and grasps as in Children."""
+
+    block: int
+    spot: int
+    stage: int
+    grasps: int
+
+
+@dataclass
+class History:
+    """A tree of moves; its nodes are numbered in the order in which they were added, the root is 0."""
+
+    _chunks: list[Ints] = field(default_factory=lambda: [np.full((1, 5), -1, dtype=np.int32)])
+    size: int = 1
+
+    def add(self, parents: Ints, children: Children, kept: npt.NDArray[np.int64]) -> Ints:
+        """Record children `kept` of layers whose nodes are `parents`; their numbers."""
+        chunk = children.moves[kept]
+        chunk[:, 0] = parents[chunk[:, 0]]
+        self._chunks.append(chunk)
+        numbers = np.arange(self.size, self.size + len(kept), dtype=np.int32)
+        self.size += len(kept)
+        return numbers
+
+    def moves(self, node: int) -> list[BlockMove]:
+        """The moves that lead from the root to a node."""
+        rows = np.concatenate(self._chunks)
+        path = []
+        while node > 0:
+            parent, *move = rows[node].tolist()
+            path.append(BlockMove(*move))
+            node = parent
+        return path[::-1]

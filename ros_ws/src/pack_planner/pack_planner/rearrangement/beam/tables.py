@@ -11,14 +11,24 @@ from pack_core.blocks.planar import QUARTER, wrapped
 from pack_core.blocks.primitive_action import PrimitiveKind
 from pack_core.rotations import Array
 from pack_planner.rearrangement.assembly import MAX_GOALS, BlockingSets, assembly_planes
-from pack_planner.rearrangement.beam.bits import MEMO_BITS
-from pack_planner.rearrangement.beam.pushing import Ints, pushes_from_spots, pushes_out, stages
-from pack_planner.rearrangement.beam.refused_actions import EVERYTHING, bar_blocked, bar_grasps
-from pack_planner.rearrangement.beam.spots import GOAL, POOL, STRAIGHT, spot_poses
-from pack_planner.rearrangement.collisions import Words, hits
-from pack_planner.rearrangement.footprints import fingers, squares
-from pack_planner.rearrangement.task import Task
-from pack_planner.rearrangement.workspace import are_inside
+from pack_planner.rearrangement.beam.spots import (
+    EVERYTHING,
+    GOAL,
+    POOL,
+    STRAIGHT,
+    Ints,
+    bar_blocked,
+    bar_grasps,
+    pushes_from_spots,
+    pushes_out,
+    spot_poses,
+    stages,
+)
+from pack_planner.rearrangement.footprints import Words, are_inside, fingers, hits, squares
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
+
+MEMO_BITS = 16
+"""Results about sets that are remembered, as a power of two."""
 
 
 class PushPrice(NamedTuple):
@@ -101,18 +111,18 @@ class Tables(NamedTuple):
     push_price: PushPrice
 
 
-def build_tables(task: Task, pool: Array, push_price: PushPrice = FREE) -> Tables:
-    """Compute the tables of a task with a buffer pool `(P, 3)`, to which ends of pushes out are added."""
-    out = pushes_out(task, POOL + len(pool))
-    poses = spot_poses(task, np.vstack([pool, out.pushes.ends]))
-    blocks = squares(poses, task.side)
-    pick, place = _grasps_at(task, poses, blocks)
-    stage = stages(task)
-    _, stage_place = _grasps_at(task, stage.starts, blocks)
-    stage_place[~are_inside(stage.starts, task.side, task.half_planes)] = EVERYTHING
-    stage_push = stage.hits(task, blocks)
-    push_of, from_spots = pushes_from_spots(task, poses)
-    placed = place[GOAL : GOAL + task.n]
+def build_tables(snapped: SnappedProblem, pool: Array, push_price: PushPrice = FREE) -> Tables:
+    """Compute the tables of a problem with a buffer pool `(P, 3)`, to which ends of pushes out are added."""
+    out = pushes_out(snapped, POOL + len(pool))
+    poses = spot_poses(snapped, np.vstack([pool, out.pushes.ends]))
+    blocks = squares(poses, snapped.side)
+    pick, place = _grasps_at(snapped, poses, blocks)
+    stage = stages(snapped)
+    _, stage_place = _grasps_at(snapped, stage.starts, blocks)
+    stage_place[~are_inside(stage.starts, snapped.side, snapped.half_planes)] = EVERYTHING
+    stage_push = stage.hits(snapped, blocks)
+    push_of, from_spots = pushes_from_spots(snapped, poses)
+    placed = place[GOAL : GOAL + snapped.n]
     into_place, into_push = _ways_into_goals(placed, stage_place, stage_push)
     planes, upper_planes, split = _assembly(into_place, into_push)
     return Tables(
@@ -120,17 +130,17 @@ def build_tables(task: Task, pool: Array, push_price: PushPrice = FREE) -> Table
         pick=pick,
         place=place,
         denied=_turned_round(place),
-        swap=_swaps(task, poses),
-        is_symmetric=task.problem.symmetry == 4,
+        swap=_swaps(snapped, poses),
+        is_symmetric=snapped.problem.symmetry == 4,
         stage=stage.starts,
         stage_place=stage_place,
         stage_push=stage_push,
         push_of=push_of,
-        push=from_spots.hits(task, blocks),
+        push=from_spots.hits(snapped, blocks),
         out_first=out.first,
         out_spot=out.spots,
-        out=out.pushes.hits(task, blocks),
-        crowds=_crowds(task, blocks, placed),
+        out=out.pushes.hits(snapped, blocks),
+        crowds=_crowds(snapped, blocks, placed),
         place_at=into_place.rows(),
         push_at=into_push.rows(),
         memo=np.zeros(1 << MEMO_BITS, dtype=np.uint64),
@@ -143,25 +153,25 @@ def build_tables(task: Task, pool: Array, push_price: PushPrice = FREE) -> Table
     )
 
 
-def _grasps_at(task: Task, poses: Array, blocks: Array) -> tuple[Words, Words]:
+def _grasps_at(snapped: SnappedProblem, poses: Array, blocks: Array) -> tuple[Words, Words]:
     """What grasping and what putting down hits at poses `(..., 3)`, `(..., 2, W)` each.
 
     What the arm refused, and what would hit an obstacle, hits all.
     """
-    beside = fingers(poses, task.side, task.gripper)
-    under = squares(poses, task.side, task.gripper.block_margin)[..., None, :]
+    beside = fingers(poses, snapped.side, snapped.gripper)
+    under = squares(poses, snapped.side, snapped.gripper.block_margin)[..., None, :]
     pick = hits(beside, blocks)
     place = pick | hits(under, blocks)[..., None, :]
-    bar_blocked(task, beside, pick, place)
-    bar_blocked(task, under, place)
-    bar_grasps(task, PrimitiveKind.GRASP, poses, pick)
-    bar_grasps(task, PrimitiveKind.PLACE, poses, place)
+    bar_blocked(snapped, beside, pick, place)
+    bar_blocked(snapped, under, place)
+    bar_grasps(snapped, PrimitiveKind.GRASP, poses, pick)
+    bar_grasps(snapped, PrimitiveKind.PLACE, poses, place)
     return pick, place
 
 
-def _swaps(task: Task, poses: Array) -> npt.NDArray[np.bool_]:
+def _swaps(snapped: SnappedProblem, poses: Array) -> npt.NDArray[np.bool_]:
     """Where a block that is to end at its goal's yaw lies across: by an odd number of quarters."""
-    turns = task.goals[:, 2, None] - poses[:, 2]
+    turns = snapped.goals[:, 2, None] - poses[:, 2]
     is_square = np.abs(wrapped(turns, QUARTER)) < STRAIGHT
     swaps = is_square & (np.round(turns / QUARTER) % 2 == 1)
     swaps[:, :POOL] = False
@@ -176,9 +186,9 @@ def _turned_round(place: Words) -> Words:
     return np.packbits(turned, axis=-1, bitorder="little").view(np.uint64)
 
 
-def _crowds(task: Task, blocks: Array, placed: Words) -> Words:
-    overlap = hits(squares(task.goals, task.side, task.gripper.block_margin)[:, None], blocks)
-    goals = np.uint64(1) << np.arange(task.n, dtype=np.uint64)
+def _crowds(snapped: SnappedProblem, blocks: Array, placed: Words) -> Words:
+    overlap = hits(squares(snapped.goals, snapped.side, snapped.gripper.block_margin)[:, None], blocks)
+    goals = np.uint64(1) << np.arange(snapped.n, dtype=np.uint64)
     sets = [_bits(words)[:, : len(blocks)].T @ goals for words in (overlap, placed[:, 0] & placed[:, 1])]
     return np.stack(sets, axis=1)
 

@@ -5,23 +5,23 @@ import numpy.typing as npt
 import pytest
 
 from pack_planner.rearrangement.assembly import NEVER
-from pack_planner.rearrangement.beam.knots import pushes_out_left
+from pack_planner.rearrangement.beam.estimates import pushes_out_left
 from pack_planner.rearrangement.beam.spots import GOAL, POOL, buffer_pool
 from pack_planner.rearrangement.beam.tables import Tables, build_tables
 from pack_planner.rearrangement.instances import make_instance
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 Spots = npt.NDArray[np.int16]
 N = 25
 
 
-@pytest.mark.parametrize(("seed", "kind"), [(17, "stuck"), (20, "stuck"), (74, "knot")])
-def test_knots_are_what_taking_blocks_away_one_by_one_leaves(seed: int, kind: str) -> None:
+@pytest.mark.parametrize(("seed", "kind"), [(17, "stuck"), (20, "stuck"), (74, "interlocked")])
+def test_interlocked_blocks_are_what_taking_blocks_away_one_by_one_leaves(seed: int, kind: str) -> None:
     """Blocks are carried about at random, home wherever they find room, on and on."""
     rng = np.random.default_rng(seed)
-    task = Task.of(make_instance(N, 0.2, seed))
-    tables = build_tables(task, buffer_pool(task, 64, rng))
-    spots, found = np.arange(N, dtype=np.int16), {"stuck": 0, "knot": 0}
+    snapped = SnappedProblem.of(make_instance(N, 0.2, seed))
+    tables = build_tables(snapped, buffer_pool(snapped, 64, rng))
+    spots, found = np.arange(N, dtype=np.int16), {"stuck": 0, "interlocked": 0}
     for _ in range(800):
         i = int(rng.integers(N))
         end = carried(i, spots, tables, rng)
@@ -29,13 +29,16 @@ def test_knots_are_what_taking_blocks_away_one_by_one_leaves(seed: int, kind: st
             continue
         after = spots.copy()
         after[i] = end
-        stuck, knot = remaining(after, tables, pushed_out=True), remaining(after, tables, pushed_out=False)
+        stuck, interlocked = (
+            remaining(after, tables, pushed_out=True),
+            remaining(after, tables, pushed_out=False),
+        )
         pushes = seen(i, end, spots, tables)
         assert (pushes == NEVER) == bool(stuck)
-        assert (pushes == 0) == (not knot)
-        assert pushes == NEVER or pushes <= len(knot)
+        assert (pushes == 0) == (not interlocked)
+        assert pushes == NEVER or pushes <= len(interlocked)
         found["stuck"] += bool(stuck)
-        found["knot"] += bool(knot) and not stuck
+        found["interlocked"] += bool(interlocked) and not stuck
         is_over = stuck or (after >= GOAL).sum() > N - 3
         spots = np.arange(N, dtype=np.int16) if is_over else after
     assert found[kind] > 0

@@ -13,9 +13,8 @@ from pack_planner.rearrangement.certificates import find_certificate
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound
 from pack_planner.rearrangement.methods import METHODS, RearrangementConfig
-from pack_planner.rearrangement.progress import Clock, PlanningProgress
-from pack_planner.rearrangement.rearrangement_planner import RearrangementPlanner
-from pack_planner.rearrangement.task import Task
+from pack_planner.rearrangement.rearrangement_planner import Clock, PlanningTimer, RearrangementPlanner
+from pack_planner.rearrangement.snapped_problem import SnappedProblem
 from pack_planner.rearrangement.validation import find_fault
 
 
@@ -43,23 +42,23 @@ def plan(
     planner = config.planner(method)
     if not budget_s > 0:
         raise PackError(f"the budget is {budget_s} s; allowed: above 0")
-    progress = PlanningProgress(clock, budget_s)
+    timer = PlanningTimer(clock, budget_s)
     if fault := find_fault(problem) or _beyond(problem, method, planner):
-        return Plan(PlanStatus.INVALID_INPUT, diagnosis=fault, statistics=progress.statistics())
-    task = Task.of(problem)
-    if task.is_home.all():
-        progress.found(0)
-        return Plan(PlanStatus.OPTIMAL, statistics=progress.statistics())
-    if certificate := find_certificate(task):
-        return Plan(PlanStatus.INFEASIBLE, diagnosis=certificate, statistics=progress.statistics())
-    bound, rng = lower_bound(task), np.random.default_rng(seed)
-    progress.setup_s = progress.elapsed()
-    actions, bound = planner.plan(task, bound, progress, rng)
+        return Plan(PlanStatus.INVALID_INPUT, diagnosis=fault, statistics=timer.statistics())
+    snapped = SnappedProblem.of(problem)
+    if snapped.is_home.all():
+        timer.found(0)
+        return Plan(PlanStatus.OPTIMAL, statistics=timer.statistics())
+    if certificate := find_certificate(snapped):
+        return Plan(PlanStatus.INFEASIBLE, diagnosis=certificate, statistics=timer.statistics())
+    bound, rng = lower_bound(snapped), np.random.default_rng(seed)
+    timer.setup_s = timer.elapsed()
+    actions, bound = planner.plan(snapped, bound, timer, rng)
     if actions is None:
-        text = f"no plan found in {progress.elapsed():.2f} s; that there is none is not proven"
-        return Plan(PlanStatus.TIMEOUT, (), bound, Diagnosis(text), progress.statistics())
+        text = f"no plan found in {timer.elapsed():.2f} s; that there is none is not proven"
+        return Plan(PlanStatus.TIMEOUT, (), bound, Diagnosis(text), timer.statistics())
     status = PlanStatus.OPTIMAL if len(actions) <= bound else PlanStatus.FEASIBLE
-    return Plan(status, tuple(actions), bound, statistics=progress.statistics())
+    return Plan(status, tuple(actions), bound, statistics=timer.statistics())
 
 
 def warm_up() -> None:

@@ -9,16 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.blocks.gripper import GripperFootprint
-from pack_core.blocks.planar import QUARTER, PlanarPose, turn_between
+from pack_core.blocks.plan import PickPlace
+from pack_core.blocks.planar import QUARTER, PlanarPose, turn_between, wrapped
 from pack_core.blocks.problem import Problem
 from pack_core.rotations import Array
-from pack_planner.rearrangement.footprints import rows_of, squares
-from pack_planner.rearrangement.goal_access import GoalAccess
-from pack_planner.rearrangement.workspace import edges
+from pack_planner.rearrangement.assembly import GoalAccess
+from pack_planner.rearrangement.footprints import edges, rows_of, squares
 
 
 @dataclass(frozen=True)
-class Task:
+class SnappedProblem:
     """What both methods plan on; blocks are numbered by the place of their goals.
 
     Attributes:
@@ -40,7 +40,7 @@ class Task:
     problem: Problem
 
     @classmethod
-    def of(cls, problem: Problem) -> Task:
+    def of(cls, problem: Problem) -> SnappedProblem:
         """Number the blocks and snap them."""
         goals = problem.goals
         movable = (block for block in problem.blocks if block.id in goals)
@@ -103,3 +103,27 @@ def _snapped(problem: Problem, block: str, pose: PlanarPose) -> tuple[PlanarPose
         if is_near and not is_turned and gripper.min_push <= ahead <= gripper.max_push:
             return PlanarPose(on_line.x, on_line.y, pose.yaw + turn), False, True
     return pose, False, False
+
+
+FITTING = 1e-6
+"""A block that is turned by less than this against its goal is turned as its goal asks [rad]."""
+
+
+def carried(
+    problem: Problem, block: str, pose: PlanarPose, spot: Array, end: Array, axes: tuple[int, int]
+) -> PickPlace:
+    """A block at `pose` is carried to the place `end` `(3,)`.
+
+    Places are squares, so that their yaws count by quarters only. The gripper closes along `axes` of the
+    place where the block stands, `spot` `(3,)`, and of `end`. That leaves open whether the block is turned
+    by half a turn more: it ends as its goal asks, if it can, and else by the smaller turn.
+    """
+    closing = spot[2] + axes[0] * QUARTER
+    turns = wrapped(end[2] + axes[1] * QUARTER - closing + np.pi * np.arange(2))
+    goal = problem.goals[block]
+    ends = [PlanarPose(float(end[0]), float(end[1]), pose.yaw + float(turn)) for turn in turns]
+    off = np.array([abs(turn_between(turned, goal, problem.symmetry)) for turned in ends])
+    rank = np.abs(turns) + 2 * np.pi * (off > FITTING)
+    chosen = ends[int(np.argmin(rank))]
+    grasp = round(float(closing - pose.yaw) / QUARTER) % 2
+    return PickPlace(block, pose, PlanarPose(chosen.x, chosen.y, float(wrapped(chosen.yaw))), grasp)

@@ -1,4 +1,4 @@
-"""Where a block may go that must make way, compiled."""
+"""How a block can be carried home, who hinders it, and where it may go that must make way; compiled."""
 
 from __future__ import annotations
 
@@ -10,15 +10,13 @@ import numpy.typing as npt
 from numba import njit
 
 from pack_core.rotations import Array
-from pack_planner.rearrangement.beam.bits import bit, count_bits
 from pack_planner.rearrangement.beam.estimates import StateSummary
-from pack_planner.rearrangement.beam.grasping import swaps
-from pack_planner.rearrangement.beam.pushing import Ints
-from pack_planner.rearrangement.beam.spots import GOAL, NO_GO
-from pack_planner.rearrangement.beam.states import PUSHED, has
+from pack_planner.rearrangement.beam.spots import GOAL, NO_GO, Ints
+from pack_planner.rearrangement.beam.states import NO_STAGE, PUSHED, bit, count_bits, has
 from pack_planner.rearrangement.beam.tables import Tables
-from pack_planner.rearrangement.collisions import Words
+from pack_planner.rearrangement.footprints import Words, is_free
 
+Flags = npt.NDArray[np.bool_]
 LOOKED_AT = 2
 """Free buffer poses that are compared for every one that is tried."""
 OFF_LINE = 1.0
@@ -26,7 +24,72 @@ OFF_LINE = 1.0
 CROWDED = 0.3
 """Cost of a goal that is left without a grasp."""
 PER_METRE = 0.5
-"""Cost of the way."""
+"""Cost of a metre of the way, in goals stood on: the way decides between poses that are alike otherwise."""
+
+
+@njit(cache=True, inline="always")
+def swaps(i: int, start: int, end: int, tables: Tables) -> int:
+    """1 where a grasp along one axis of the one spot is a grasp along the other axis of the other, else 0.
+
+    Where a block may be turned by quarters, what takes the smaller turn.
+    """
+    if tables.is_symmetric:
+        turn = (tables.poses[end, 2] - tables.poses[start, 2] + np.pi / 2) % np.pi - np.pi / 2
+        return 1 if abs(turn) > np.pi / 4 else 0
+    return 1 if tables.swap[i, start] != tables.swap[i, end] else 0
+
+
+@njit(cache=True, inline="always")
+def way_home(i: int, spot: int, can_pick: Flags, occupied: Words, tables: Tables) -> tuple[int, int]:
+    """Staging pose and pair of grasps of block i's shortest way to its goal; the pair is -1 for none."""
+    swap = swaps(i, spot, GOAL + i, tables)
+    pair = _pair(can_pick[i], tables.place[GOAL + i], swap, occupied, tables.is_symmetric)
+    if pair >= 0:
+        return NO_STAGE, pair
+    push = tables.push_of[i, spot]
+    if push >= 0 and is_free(tables.push[push], occupied):
+        return NO_STAGE, PUSHED
+    if can_pick[i, 0] or can_pick[i, 1]:
+        for m in range(tables.stage.shape[1]):
+            if is_free(tables.stage_push[i, m], occupied):
+                pair = _pair(can_pick[i], tables.stage_place[i, m], swap, occupied, tables.is_symmetric)
+                if pair >= 0:
+                    return m, pair
+    return NO_STAGE, -1
+
+
+@njit(cache=True, inline="always")
+def _pair(can_pick: Flags, place: Words, swap: int, occupied: Words, is_symmetric: bool) -> int:
+    """2 * axis at the pick + axis at the place, without an extra turn by a quarter if possible; or -1."""
+    for turned in range(1 + is_symmetric):
+        for k in range(2):
+            # The axis at the place: the one at the pick, exchanged where the spots' axes are, and once more
+            # where a symmetric block is turned by a quarter.
+            end = k ^ swap ^ turned
+            if can_pick[k] and is_free(place[end], occupied):
+                return 2 * k + end
+    return -1
+
+
+@njit(cache=True, inline="always")
+def note_obstacles(i: int, spot: int, occupied: Words, tables: Tables, blocking: Words) -> None:
+    """Add to `blocking` the spots whose blocks hinder block i from being carried home."""
+    push = tables.push_of[i, spot]
+    for w in range(occupied.shape[0]):
+        for k in range(2):
+            blocking[w] |= (tables.pick[spot, k, w] | tables.place[GOAL + i, k, w]) & occupied[w]
+        if push >= 0:
+            blocking[w] |= tables.push[push, w] & occupied[w]
+
+
+@njit(cache=True, inline="always")
+def note_obstacles_of_pushes(i: int, occupied: Words, tables: Tables, blocking: Words) -> None:
+    """Add the spots that are in the way of block i's shortest pushes that no filled goal prevents."""
+    for m in range(4):
+        if not (tables.stage_push[i, m, 0] & occupied[0]) >> np.uint64(GOAL):
+            for w in range(occupied.shape[0]):
+                place = tables.stage_place[i, m, 0, w] | tables.stage_place[i, m, 1, w]
+                blocking[w] |= (tables.stage_push[i, m, w] | place) & occupied[w]
 
 
 class Options(NamedTuple):
