@@ -94,16 +94,9 @@ def import_items(
     - `pack order import items.csv --unit mm`
     - `pack order import items.json --name my-order --as-listed --output /tmp/orders`
     """
-    from rich.console import Console
     from typer import BadParameter
 
-    from pack_core.palletizing.cell import palletizing_cell
     from pack_core.palletizing.orders.item_list import METRES, load_items
-    from pack_evaluation.palletizing.order_drawing import draw_order
-    from pack_lockstep.node_parameters import load_parameters
-    from pack_lockstep.palletizing.proposal import propose
-    from pack_planner.layout.layout_planner import LayoutConfig
-    from pack_planner.layout.order_proposal import ProposalConfig
 
     if unit not in METRES:
         raise BadParameter(f"{unit}; allowed: {', '.join(METRES)}", param_hint="--unit")
@@ -112,7 +105,19 @@ def import_items(
         raise BadParameter(
             "allowed: with one list; each of several gets its file's name", param_hint="--name"
         )
-    lists = {name or path.stem: load_items(path, listed_unit) for path in items}
+    names = order_names(items, name)
+    lists = {order_id: load_items(path, listed_unit) for order_id, path in names.items()}
+
+    # What follows takes a second to import: what is wrong with a list is said before.
+    from rich.console import Console
+
+    from pack_core.palletizing.cell import palletizing_cell
+    from pack_evaluation.palletizing.order_drawing import draw_order
+    from pack_lockstep.node_parameters import load_parameters
+    from pack_lockstep.palletizing.proposal import propose
+    from pack_planner.layout.layout_planner import LayoutConfig
+    from pack_planner.layout.order_proposal import ProposalConfig
+
     layout = load_parameters("palletizing/layout", LayoutConfig)
     config = ProposalConfig(seed=seed, may_sort=sort)
     found: list[Proposal] = []
@@ -125,6 +130,45 @@ def import_items(
         path.write_text(proposal.order.model_dump_json(indent=1, exclude_none=True) + "\n")
         draw_order(proposal.order, []).savefig(path.with_suffix(".png"), dpi=110)
     _show(found, output)
+
+
+def order_names(lists: list[Path], name: str = "") -> dict[str, Path]:
+    """The id of each list's order: its file's name, or `name`; further pallets have a number behind it.
+
+    Raises:
+        OrderError: a name may be no id, or two lists would lead to orders of one name.
+    """
+    from pydantic import TypeAdapter, ValidationError
+
+    from pack_core.errors import OrderError
+    from pack_core.text.limits import MOST_CHARACTERS_OF_NAME, ArticleName
+    from pack_core.text.shown import shown_value
+
+    found: dict[str, Path] = {}
+    for path in lists:
+        order_id = name or path.stem
+        try:
+            TypeAdapter(ArticleName).validate_python(order_id.replace("/", "\0"))  # it becomes a file's name
+        except ValidationError as error:
+            raise OrderError(
+                f"{path}: its order would be called {shown_value(order_id)}; allowed: a letter or digit "
+                f"first, then letters, digits, spaces and any of .:+#()@,=- up to {MOST_CHARACTERS_OF_NAME} "
+                "characters; --name gives it another"
+            ) from error
+        if order_id in found:
+            raise OrderError(
+                f"{found[order_id]} and {path} would both become the order '{order_id}'; rename one, or "
+                "import each by itself with a --name"
+            )
+        found[order_id] = path
+    for order_id, path in found.items():
+        first, _, number = order_id.rpartition("-")
+        if number.isdecimal() and first in found:
+            raise OrderError(
+                f"{path} would become the order '{order_id}', as would a further pallet of {found[first]}; "
+                "rename one, or import each by itself with a --name"
+            )
+    return found
 
 
 def _show(found: list[Proposal], output: Path) -> None:

@@ -60,6 +60,24 @@ def test_an_orders_file_stands_for_its_boxes_without_their_places() -> None:
         (HEAD + "tea,0.4,0.3,0.2,5,1,no,9\n", "line 2: more values than columns"),
         (HEAD + "tea,0.4,0.3,0.2,5,2000,no\n", "'quantity'"),
         (HEAD, "no items"),
+        (
+            HEAD + "tea,400,0.3,0.2,5,1,no\n",
+            r"line 2: 'length' is 400 m; allowed: 0.01 to 3 m; .*--unit m, cm or mm",
+        ),
+        (HEAD + "tea,0.4,0.3,0.005,5,1,no\n", "line 2: 'height' is 0.005 m; allowed: 0.01 to 3 m"),
+        (
+            HEAD + "label,0.4,0.3,0.2,0.0005,1,no\n",
+            "line 2: 'weight' is 0.0005 kg; allowed: 0.001 to 1000 kg",
+        ),
+        (HEAD + "tea,nan,0.3,0.2,5,1,no\n", "line 2: 'length' is 'nan'; allowed"),
+        (
+            HEAD + "A" * 64 + ",0.4,0.3,0.2,5,1,no\n",
+            "line 2: 'article' is 'A.*; allowed: up to 62 characters",
+        ),
+        (
+            "article,length,length,width,height,weight\ntea,1,1,1,1,1\n",
+            "line 1: column length is given more than once",
+        ),
         ("colour," + HEAD + "red,tea,0.4,0.3,0.2,5,1,no\n", "column 'colour' is not known; allowed: article"),
     ],
 )
@@ -68,6 +86,29 @@ def test_what_is_wrong_is_told_with_its_line_and_what_is_allowed(
 ) -> None:
     with pytest.raises(OrderError, match=message):
         load_items(written(tmp_path, text))
+
+
+def test_limits_are_told_in_the_lists_own_unit(tmp_path: Path) -> None:
+    with pytest.raises(OrderError, match=r"'width' is 0.3 mm; allowed: 10 to 3000 mm; .* read in mm"):
+        load_items(written(tmp_path, HEAD + "tea,400,0.3,200,5,1,no\n"), "mm")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_line_ends_of_all_systems_are_read(tmp_path: Path, end: str) -> None:
+    text = HEAD + "tea,0.4,0.3,0.2,5,2,no\ncups,0.3,0.3,0.2,5,1,no\n"
+    (tmp_path / "items.csv").write_bytes(text.replace("\n", end).encode())
+    assert [box.id for box in load_items(tmp_path / "items.csv")] == ["tea-1", "tea-2", "cups-3"]
+
+
+def test_empty_columns_behind_the_last_one_are_passed_over(tmp_path: Path) -> None:
+    rows = [line + ",," for line in (HEAD + "tea,0.4,0.3,0.2,5,2,no\n").splitlines()]
+    assert len(load_items(written(tmp_path, "\n".join(rows)))) == 2
+
+
+def test_a_key_given_twice_is_refused(tmp_path: Path) -> None:
+    text = '[{"article": "tea", "length": 0.4, "length": 0.5, "width": 0.3, "height": 0.2, "weight": 5}]'
+    with pytest.raises(OrderError, match="length"):
+        load_items(written(tmp_path, text, "items.json"))
 
 
 def test_all_wrong_rows_are_told_at_once(tmp_path: Path) -> None:

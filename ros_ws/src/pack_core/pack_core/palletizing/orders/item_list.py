@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -12,10 +11,10 @@ from pydantic import Field, ValidationError, field_validator
 
 from pack_core.config import Config
 from pack_core.errors import ConfigError, OrderError
-from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order import EDGE_LIMITS, MASS_LIMITS, Dims, Mass, Order
 from pack_core.palletizing.orders.order_file import order_as_written
 from pack_core.text.json_text import parse_json
-from pack_core.text.limits import MOST_BOXES, ArticleName
+from pack_core.text.limits import MOST_BOXES, MOST_CHARACTERS_OF_NAME, ArticleName
 from pack_core.text.reader import read_text
 from pack_core.text.shown import listed, shown_value
 
@@ -25,6 +24,10 @@ COLUMNS = ("article", "length", "width", "height", "weight", "quantity", "this_s
 YES, NO = ("yes", "true", "1"), ("no", "false", "0", "")
 
 
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+"""A number, also as a text; what an order allows of it is said by `Item`."""
+
+
 class ListedItem(Config):
     """A row of the list: boxes of one article.
 
@@ -32,10 +35,10 @@ class ListedItem(Config):
     """
 
     article: ArticleName
-    length: float = Field(gt=0, allow_inf_nan=False)
-    width: float = Field(gt=0, allow_inf_nan=False)
-    height: float = Field(gt=0, allow_inf_nan=False)
-    weight: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] = Field(description="of one box [kg]")
+    length: Finite
+    width: Finite
+    height: Finite
+    weight: Finite = Field(description="of one box [kg]")
     quantity: int = Field(1, ge=1, le=MOST_BOXES)
     this_side_up: bool = Field(False, description="whether its height must stay upright")
 
@@ -51,7 +54,7 @@ class ListedItem(Config):
 
 
 class Item(Config):
-    """One box of the list.
+    """One box of the list, with the limits that an order has.
 
     Attributes:
         id: name, once in the list: the article and a number.
@@ -61,10 +64,10 @@ class Item(Config):
         this_side_up: whether its height must stay upright.
     """
 
-    id: str
+    id: ArticleName
     article: str
-    size: tuple[float, float, float]
-    weight: float
+    size: Dims
+    weight: Mass
     this_side_up: bool
 
 
@@ -88,20 +91,26 @@ def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:
     except ConfigError as error:
         raise OrderError(str(error)) from error
     problems: list[str] = []
-    found: list[ListedItem] = []
+    items: list[Item] = []
     for place, values in rows:
         try:
-            found.append(ListedItem.model_validate(values))
+            row = ListedItem.model_validate(values)
         except ValidationError as error:
             problems += [_explained(f"{path}, {place}", item) for item in error.errors(include_url=False)]
-    if not problems and not found:
+            continue
+        try:
+            items += [_box(row, len(items) + number, METRES[unit]) for number in range(1, row.quantity + 1)]
+        except ValidationError as error:
+            problems += [
+                f"{path}, {place}: {_refused(row, item, unit)}" for item in error.errors(include_url=False)
+            ]
+    if not problems and not items:
         problems.append(f"{path}: no items; allowed: one or more, with {', '.join(COLUMNS[:5])}")
     if problems:
         raise OrderError(listed(problems))
-    items = tuple(_boxes(found, METRES[unit]))
     if len(items) > MOST_BOXES:
         raise OrderError(f"{path}: {len(items)} boxes; allowed: up to {MOST_BOXES} in an order")
-    return items
+    return tuple(items)
 
 
 def _is_order(data: Any) -> bool:
@@ -119,30 +128,50 @@ def _items_of_order(order: Order) -> tuple[Item, ...]:
     )  # fmt: skip
 
 
-def _boxes(rows: Iterable[ListedItem], metres: float) -> Iterable[Item]:
-    number = 0
-    for row in rows:
-        for _ in range(row.quantity):
-            number += 1
-            size = tuple(round(metres * edge, 3) for edge in (row.length, row.width, row.height))
-            yield Item(
-                id=f"{row.article}-{number}", article=row.article, size=size, weight=row.weight,
-                this_side_up=row.this_side_up,
-            )  # fmt: skip
+def _box(row: ListedItem, number: int, metres: float) -> Item:
+    """A box of a row, the list's box of this number; raises ValidationError where no order may have it."""
+    length, width, height = (round(metres * edge, 3) for edge in (row.length, row.width, row.height))
+    return Item(
+        id=f"{row.article}-{number}", article=row.article, size=(length, width, height), weight=row.weight,
+        this_side_up=row.this_side_up,
+    )  # fmt: skip
+
+
+def _refused(row: ListedItem, problem: Any, unit: Unit) -> str:
+    """What an order does not allow of a row, in the list's own columns and unit."""
+    field, *rest = problem["loc"]
+    if field == "id":
+        number = problem["input"].removeprefix(row.article)
+        longest = MOST_CHARACTERS_OF_NAME - len(number)
+        return (
+            f"'article' is {shown_value(row.article)}; allowed: up to {longest} characters, as '{number}' "
+            "follows it in the name of a box"
+        )
+    column = COLUMNS[1 + rest[0]] if field == "size" else field
+    scale, name = (METRES[unit], unit) if field == "size" else (1.0, "kg")
+    least, most = EDGE_LIMITS if field == "size" else MASS_LIMITS
+    hint = f"; lengths are read in {unit} (--unit m, cm or mm)" if field == "size" else ""
+    allowed = f"{least / scale:g} to {most / scale:g} {name}"
+    return f"'{column}' is {getattr(row, column):g} {name}; allowed: {allowed}{hint}"
 
 
 def _rows_of_csv(text: str, path: Path) -> list[tuple[str, dict[str, Any]]]:
     try:
-        delimiter = csv.Sniffer().sniff(text.split("\n", 1)[0], ",;\t").delimiter
+        delimiter = csv.Sniffer().sniff((text.splitlines() or [""])[0], ",;\t").delimiter
     except csv.Error:
         delimiter = ","
-    reader = csv.DictReader(io.StringIO(text), delimiter=delimiter, skipinitialspace=True)
+    # Without `newline` the line ends of Windows and of old Macs would not be those of rows.
+    reader = csv.DictReader(io.StringIO(text, newline=None), delimiter=delimiter, skipinitialspace=True)
     names = [(name or "").strip() for name in reader.fieldnames or ()]
     missing = [name for name in COLUMNS[:5] if name not in names]
     if missing:
         raise ConfigError(
             f"{path}, line 1: no column {', '.join(missing)}; allowed: the first line names the columns "
             f"{', '.join(COLUMNS)}, of which the last two may be left out"
+        )
+    if twice := sorted({name for name in names if name and names.count(name) > 1}):
+        raise ConfigError(
+            f"{path}, line 1: column {', '.join(twice)} is given more than once; allowed: each name once"
         )
     reader.fieldnames = names
     rows = []

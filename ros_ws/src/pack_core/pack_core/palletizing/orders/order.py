@@ -14,9 +14,12 @@ from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.text.limits import MOST_BOXES, ArticleName, Coordinate, Number
 
 Length = Annotated[Number, Field(ge=0.001, le=10.0)]
-Edge = Annotated[Number, Field(ge=0.01, le=3.0)]
+EDGE_LIMITS = (0.01, 3.0)
 """Of a box: thinner is a sheet, larger no arm turns [m]."""
-Mass = Annotated[Number, Field(ge=0.001, le=1000.0)]
+Edge = Annotated[Number, Field(ge=EDGE_LIMITS[0], le=EDGE_LIMITS[1])]
+MASS_LIMITS = (0.001, 1000.0)
+"""Of a box [kg]."""
+Mass = Annotated[Number, Field(ge=MASS_LIMITS[0], le=MASS_LIMITS[1])]
 Count = Annotated[int, Field(strict=True)]
 Dims = tuple[Edge, Edge, Edge]
 
