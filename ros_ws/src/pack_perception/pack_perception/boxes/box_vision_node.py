@@ -12,7 +12,6 @@ from pydantic import Field
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from pack_core.camera import PinholeCamera
-from pack_core.errors import MessageError
 from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
@@ -118,13 +117,9 @@ class BoxVisionNode(CellNode):
             return
         self._image = None
         if box.id == CALIBRATION_BOARD.name:
-            self._sighting.publish(to_sighting(sight_board(from_image(message), time)))
+            self._sighting.publish(to_sighting(sight_board(from_image(message, camera), time)))
             return
-        picture = from_image(message)
-        if (camera.width, camera.height) != (message.width, message.height):
-            size = f"{camera.width} x {camera.height}"
-            raise MessageError(f"picture of {message.width} x {message.height} but intrinsics of {size}")
-        sighting = table.detect(picture, box, time)
+        sighting = table.detect(from_image(message, camera), box, time)
         self._detection.publish(to_detection(sighting.detection))
         self._debug.publish(time, sighting.images)
         self._note(sighting.detection)

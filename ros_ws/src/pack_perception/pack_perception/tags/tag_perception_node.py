@@ -43,7 +43,7 @@ class TagPerceptionNode(CellNode):
         if self._vision is None or self._camera is None:
             self.health.count("unused picture", "tags or intrinsics are not known yet")
             return
-        picture = from_image(message)
+        picture = from_image(message, self._camera)
         sighting = self._vision.find(picture, self._camera, from_stamp(message.header.stamp))
         self._sightings.publish(to_sighting(sighting))
         self.health.values["missing"] = ", ".join(sighting.missing) or "none"

@@ -25,11 +25,12 @@ def to_image(time: float, picture: npt.NDArray[np.uint8], frame: str) -> Image:
     return message
 
 
-def from_image(message: Image) -> npt.NDArray[np.uint8]:
-    """The RGB picture `(height, width, 3)` in a message.
+def from_image(message: Image, camera: PinholeCamera) -> npt.NDArray[np.uint8]:
+    """The RGB picture `(height, width, 3)` in a message, taken by a camera.
 
     Raises:
-        MessageError: the picture has another encoding, or is cut off.
+        MessageError: the picture has another encoding or is cut off, or the camera's intrinsics are for
+            pictures of another size: what is seen in it would be elsewhere.
     """
     height, width, n = message.height, message.width, len(message.data)
     if message.encoding != "rgb8" or message.step != 3 * width or n != 3 * width * height or not n:
@@ -37,6 +38,9 @@ def from_image(message: Image) -> npt.NDArray[np.uint8]:
             f"picture of {width} x {height} in '{message.encoding}', {n} bytes in rows of {message.step}; "
             "allowed: rgb8, 3 bytes a pixel, without padding"
         )
+    if (camera.width, camera.height) != (width, height):
+        size = f"{camera.width} x {camera.height}"
+        raise MessageError(f"picture of {width} x {height} but intrinsics of {size}")
     return np.frombuffer(message.data, dtype=np.uint8).reshape(height, width, 3)
 
 
@@ -44,8 +48,16 @@ def from_camera_info(message: CameraInfo, X_WC: Pose) -> PinholeCamera:
     """The camera with these intrinsics that is at X_WC.
 
     Raises:
-        MessageError: it has distortion, pixels that are not square, or no focal length.
+        MessageError: it has distortion, pixels that are not square, or no focal length, or its pictures
+            are not those that K is about: they are binned, or a part of the sensor's.
     """
+    part, binning = message.roi, (message.binning_x, message.binning_y)
+    is_whole = part.x_offset == part.y_offset == 0 and part.width in (0, message.width)
+    if max(binning) > 1 or not is_whole or part.height not in (0, message.height):
+        raise MessageError(
+            f"camera with binning {binning} and a region of {part.width} x {part.height} pixels at "
+            f"({part.x_offset}, {part.y_offset}); allowed: none, K is about whole pictures"
+        )
     # K = [[f, 0, c_u], [0, f, c_v], [0, 0, 1]]; a focal length below 0 would mirror the picture.
     K = finite(message.k, "intrinsic matrix").reshape(3, 3)
     f = float(K[0, 0])

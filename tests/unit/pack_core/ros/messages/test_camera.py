@@ -1,0 +1,64 @@
+"""Pictures and cameras as messages: what belongs together comes back, all else is refused."""
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import CameraInfo, Image
+
+from pack_core.camera import PinholeCamera, focal_length
+from pack_core.errors import MessageError
+from pack_core.ros.messages.camera import from_camera_info, from_image, to_camera_info, to_image
+
+CAMERA = PinholeCamera.looking_down([0.5, 0.0, 1.2], focal_length(42.0, 48), 64, 48)
+PICTURE = np.arange(64 * 48 * 3, dtype=np.uint8).reshape(48, 64, 3)
+
+
+def information() -> CameraInfo:
+    return to_camera_info(1.5, CAMERA, "camera")
+
+
+def picture(rgb: np.ndarray = PICTURE) -> Image:
+    return to_image(1.5, rgb, "camera")
+
+
+def test_a_picture_and_its_camera_come_back() -> None:
+    camera = from_camera_info(information(), CAMERA.X_WC)
+    assert (camera.f, camera.c, camera.width, camera.height) == (CAMERA.f, CAMERA.c, 64, 48)
+    np.testing.assert_array_equal(from_image(picture(), camera), PICTURE)
+
+
+@pytest.mark.parametrize("rows", [24, 36])
+def test_a_picture_of_another_size_than_the_cameras_is_refused(rows: int) -> None:
+    with pytest.raises(MessageError, match=f"picture of 64 x {rows} but intrinsics of 64 x 48"):
+        from_image(picture(PICTURE[:rows]), CAMERA)
+
+
+@pytest.mark.parametrize("change", [{"encoding": "bgr8"}, {"step": 200}, {"data": bytes(100)}, {"height": 0}])
+def test_a_picture_of_another_kind_or_a_part_of_one_is_refused(change: dict[str, object]) -> None:
+    message = picture()
+    for name, value in change.items():
+        setattr(message, name, value)
+    with pytest.raises(MessageError, match="allowed: rgb8, 3 bytes a pixel"):
+        from_image(message, CAMERA)
+
+
+@pytest.mark.parametrize(("x", "y"), [(2, 1), (1, 2), (4, 4)])
+def test_a_camera_that_bins_its_pixels_is_refused(x: int, y: int) -> None:
+    message = information()
+    message.binning_x, message.binning_y = x, y
+    with pytest.raises(MessageError, match="allowed: none, K is about whole pictures"):
+        from_camera_info(message, CAMERA.X_WC)
+
+
+@pytest.mark.parametrize("field", ["x_offset", "y_offset", "width", "height"])
+def test_so_is_one_that_sends_a_part_of_its_picture(field: str) -> None:
+    message = information()
+    setattr(message.roi, field, 8)
+    with pytest.raises(MessageError, match=r"a region of .* pixels"):
+        from_camera_info(message, CAMERA.X_WC)
+
+
+def test_a_region_that_is_the_whole_picture_and_no_binning_are_none() -> None:
+    message = information()
+    message.binning_x = message.binning_y = 1
+    message.roi.width, message.roi.height = 64, 48
+    assert from_camera_info(message, CAMERA.X_WC).f == CAMERA.f
