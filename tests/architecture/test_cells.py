@@ -40,7 +40,7 @@ def test_a_cell_that_is_not_registered_is_refused_with_those_that_are() -> None:
 
 
 def test_a_part_that_a_cell_lacks_is_named_with_its_module() -> None:
-    with pytest.raises(ConfigError, match=r"'blocks' has no preset .*pack_bringup\.blocks\.graph_preset"):
+    with pytest.raises(ConfigError, match=r"'blocks' has no preset .*pack_bringup\.blocks\.goals"):
         cell_part("blocks", "preset")
 
 

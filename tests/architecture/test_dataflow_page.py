@@ -5,8 +5,8 @@ from importlib import import_module
 
 import pytest
 
+from pack_bringup.cli.wiring import wiring_page
 from pack_bringup.graph.graph import load_graph
-from pack_bringup.wiring import wiring_page
 from pack_core.cells import CELLS
 from pack_core.paths import project_root
 from pack_core.ros.contracts.contract import Contract

@@ -13,9 +13,9 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from benchmarks.processor_time import processor_time
-from pack_bringup.graph.domains import choose_domain
 from pack_bringup.graph.graph import load_graph
 from pack_bringup.graph.processes import ProcessGroup
+from pack_bringup.graph.running import choose_domain
 
 pytestmark = pytest.mark.benchmark
 START = 30.0

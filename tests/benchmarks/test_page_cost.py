@@ -20,9 +20,9 @@ from rosbags.highlevel import AnyReader
 
 from benchmarks.ports import free_port, wait_for_port
 from benchmarks.processor_time import processor_time
-from pack_bringup.graph.domains import choose_domain
 from pack_bringup.graph.processes import ProcessGroup
-from pack_bringup.page import PageProcess
+from pack_bringup.graph.running import choose_domain
+from pack_bringup.viewers import PageProcess
 from pack_core.paths import project_root
 from page_browser import open_page
 

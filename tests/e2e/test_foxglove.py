@@ -13,7 +13,7 @@ import pytest
 from e2e.command import pack
 from integration.foxglove_client import FoxgloveClient
 from integration.harness import own_domain
-from pack_bringup.recording.message_types import message_types
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core.cells import CELLS
 from pack_core.ros.contracts.contract import Kind
 from pack_core.ros.contracts.table import wiring_of

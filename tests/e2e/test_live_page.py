@@ -14,7 +14,7 @@ import pytest
 from integration.harness import Graph
 from pack_bringup.graph.graph import load_graph
 from pack_bringup.graph.processes import ProcessGroup
-from pack_bringup.page import PageProcess
+from pack_bringup.viewers import PageProcess
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import wiring_of
 from page_browser import PageInBrowser, open_page

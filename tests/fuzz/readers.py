@@ -22,7 +22,7 @@ def order(path: Path) -> None:
 
 def problem(path: Path) -> None:
     """A problem file of the blocks cell."""
-    from pack_bringup.blocks.goal_command import problem_of
+    from pack_bringup.blocks.commands import problem_of
 
     problem_of(path, 9, 0.2, 0)
 
@@ -123,7 +123,7 @@ def items(path: Path) -> None:
 
 def presets(path: Path) -> None:
     """Conditions."""
-    from pack_bringup.packing.graph_preset import preset_overrides
+    from pack_bringup.packing.goals import preset_overrides
     from pack_core.packing.cell import packing_cell
 
     packing_cell.cache_clear()

@@ -61,7 +61,7 @@ def sent_scenes(folder: Path) -> list[Sample]:
 
 def problems(folder: Path) -> list[Sample]:
     """Problem files of the blocks cell."""
-    from pack_bringup.blocks.goal_command import problem_of
+    from pack_bringup.blocks.commands import problem_of
 
     generated = [problem_of(None, 9, 0.2, seed).encode() for seed in range(3)]
     return [

@@ -19,7 +19,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 
-from pack_bringup.graph.domains import DOMAINS, is_free
+from pack_bringup.graph.running import DOMAINS, is_free
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_node import REFUSED

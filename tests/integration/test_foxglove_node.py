@@ -12,7 +12,7 @@ from std_msgs.msg import Float64
 from integration.foxglove_client import FoxgloveClient
 from integration.harness import Graph
 from pack_bringup.foxglove_node import FoxgloveNode
-from pack_bringup.recording.message_types import message_types
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Kind
 from pack_core.ros.contracts.table import wiring_of

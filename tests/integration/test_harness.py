@@ -6,7 +6,7 @@ import pytest
 from std_msgs.msg import Float64
 
 from integration.harness import Graph, domains_of_worker
-from pack_bringup.graph.domains import DOMAINS
+from pack_bringup.graph.running import DOMAINS
 from pack_core.ros.contracts import shared
 
 

@@ -17,7 +17,7 @@ from sensor_msgs.msg import JointState
 from integration.harness import Graph
 from pack_bringup.graph.graph import load_graph
 from pack_bringup.graph.processes import ProcessGroup
-from pack_bringup.packing.job import PackingJob
+from pack_bringup.packing.goals import PackingJob
 from pack_core.errors import BagError
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from pack_bringup.cli.interrupts import end_as_by_ctrl_c
+from pack_bringup.cli.terminal import end_as_by_ctrl_c
 
 
 @pytest.fixture(autouse=True)

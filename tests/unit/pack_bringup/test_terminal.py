@@ -10,13 +10,13 @@ import pytest
 from pack_interfaces.action import PackObject, Palletize, Rearrange
 from rich.cells import cell_len
 
-from pack_bringup.blocks.goal import BlocksGoal
+from pack_bringup.blocks.goals import BlocksGoal
 from pack_bringup.cli.evaluate import show
 from pack_bringup.cli.terminal import show_table
 from pack_bringup.cli.wiring import wiring
 from pack_bringup.pace import Pace
-from pack_bringup.packing.goal import PackingGoal
-from pack_bringup.palletizing.goal import PalletizingGoal
+from pack_bringup.packing.goals import PackingGoal
+from pack_bringup.palletizing.goals import PalletizingGoal
 from pack_core.cells import CELLS, cell_part
 from pack_evaluation.evaluator import Evaluation
 from pack_evaluation.packing.from_bag import load_run

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from viser import ViserServer
 
-from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.recorder import Recorder
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core import stamps
 from pack_core.blocks import topics as blocks
 from pack_core.motion import topics as motion

@@ -20,10 +20,18 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
-from pack_bringup.graph.graph import launch_parameters, load_graph
-from pack_bringup.graph.launch_arguments import NO, YES, is_yes, launch_settings, order_command
-from pack_bringup.graph.security import enclave_arguments, security_environment
-from pack_bringup.page import PageProcess
+from pack_bringup.graph.graph import load_graph
+from pack_bringup.graph.launch import (
+    NO,
+    YES,
+    enclave_arguments,
+    is_yes,
+    launch_parameters,
+    launch_settings,
+    order_command,
+    security_environment,
+)
+from pack_bringup.viewers import PageProcess
 from pack_core.cells import CELLS
 
 PAGE_PORT = 8210

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import Field
 from rosbags.typesys.store import Typestore
 
-from pack_bringup.recording.message_types import message_types
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core.cells import check_cell
 from pack_core.config import Config
 from pack_core.errors import ConfigError

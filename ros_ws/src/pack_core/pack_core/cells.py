@@ -49,14 +49,12 @@ PARTS = {
         "pack_evaluation.{cell}.fill.studies", "STUDIES", "benchmarks of filled containers side by side",
         is_optional=True,
     ),
-    "demo": CellPart("pack_bringup.{cell}.demo_command", "demo", "the command `pack demo CELL`"),
-    "goal": CellPart("pack_bringup.{cell}.goal_command", "goal", "the command `pack goal CELL`"),
+    "demo": CellPart("pack_bringup.{cell}.commands", "demo", "the command `pack demo CELL`"),
+    "goal": CellPart("pack_bringup.{cell}.commands", "goal", "the command `pack goal CELL`"),
     "seeded_goal": CellPart(
-        "pack_bringup.{cell}.goal", "seeded_goal", "a goal by a seed, for benchmarks of faults and of hours"
+        "pack_bringup.{cell}.goals", "seeded_goal", "a goal by a seed, for benchmarks of faults and of hours"
     ),
-    "benchmark": CellPart(
-        "pack_bringup.{cell}.benchmark_command", "benchmark", "the command `pack benchmark CELL`"
-    ),
+    "benchmark": CellPart("pack_bringup.{cell}.commands", "benchmark", "the command `pack benchmark CELL`"),
     "disturbances": CellPart(
         "pack_lockstep.{cell}.disturbances", "DISTURBANCES", "the rows of `pack benchmark hands CELL`",
         is_optional=True,
@@ -73,10 +71,10 @@ PARTS = {
         "pack_bringup.{cell}.commands", "APPS", "commands of `pack` that only this cell has", is_optional=True
     ),
     "preset": CellPart(
-        "pack_bringup.{cell}.graph_preset", "preset_overrides", "presets for the nodes", is_optional=True
+        "pack_bringup.{cell}.goals", "preset_overrides", "presets for the nodes", is_optional=True
     ),
     "calibration": CellPart(
-        "pack_bringup.{cell}.graph_calibration", "calibration_overrides", "calibration files for the nodes",
+        "pack_bringup.{cell}.goals", "calibration_overrides", "calibration files for the nodes",
         is_optional=True,
     ),
     "run_files": CellPart(
@@ -102,7 +100,8 @@ def cell_part(cell: str, name: str) -> Any:
         what, module = PARTS[name].what, PARTS[name].module.format(cell=cell)
         having = ", ".join(cells_with(name)) or "none"
         raise ConfigError(
-            f"cell '{cell}' has no {name} ({what}): no module {module}; cells that have it: {having}"
+            f"cell '{cell}' has no {name} ({what}): no {PARTS[name].attribute} in {module}; cells that "
+            f"have it: {having}"
         )
     return part
 
@@ -113,14 +112,13 @@ def optional_cell_part(cell: str, name: str) -> Any | None:
     Raises:
         ConfigError: there is no such cell.
     """
-    if check_cell(cell) not in cells_with(name):
-        return None
-    return getattr(import_module(PARTS[name].module.format(cell=cell)), PARTS[name].attribute)
+    module = PARTS[name].module.format(cell=check_cell(cell))
+    return getattr(import_module(module), PARTS[name].attribute, None) if _exists(module) else None
 
 
 def cells_with(name: str) -> list[str]:
     """The cells that have a part."""
-    return [cell for cell in CELLS if _exists(PARTS[name].module.format(cell=cell))]
+    return [cell for cell in CELLS if optional_cell_part(cell, name) is not None]
 
 
 def check_cell(cell: str) -> str:

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from pack_bringup.graph import domains
-from pack_bringup.graph.domains import DOMAINS, choose_domain, is_free
+from pack_bringup.graph import running
+from pack_bringup.graph.running import DOMAINS, choose_domain, is_free
 from pack_core.errors import PackError
 
 FIRST = 1 + os.getpid() % DOMAINS
@@ -34,11 +34,11 @@ def test_the_environment_decides(busy: int) -> None:
 
 def test_busy_domains_are_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
     free = 1 + (FIRST + 1) % DOMAINS
-    monkeypatch.setattr(domains, "is_free", lambda domain: domain == free)
+    monkeypatch.setattr(running, "is_free", lambda domain: domain == free)
     assert choose_domain({}) == free
 
 
 def test_when_all_domains_are_busy_the_error_says_what_to_set(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(domains, "is_free", lambda _: False)
+    monkeypatch.setattr(running, "is_free", lambda _: False)
     with pytest.raises(PackError, match="set ROS_DOMAIN_ID"):
         choose_domain({})

@@ -2,7 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from pack_bringup.graph.graph import Graph, NodeEntry, launch_parameters, load_graph, parse_overrides
+from pack_bringup.graph.graph import Graph, NodeEntry, load_graph, parse_overrides
+from pack_bringup.graph.launch import launch_parameters
 from pack_core.config import parse_config
 from pack_core.errors import ConfigError, PackError
 from pack_core.paths import config_path

@@ -1,7 +1,7 @@
 import io
 from pathlib import Path
 
-from pack_bringup.graph.node_log import Tee, last_words, lines_of
+from pack_bringup.graph.bring_up import Tee, last_words, lines_of
 
 LOG = """10:00:00 sim      | starting
 10:00:01 mpc      | error: not mine

@@ -8,8 +8,7 @@ import sys
 
 import pytest
 
-from pack_bringup.graph.processes import ProcessGroup
-from pack_bringup.graph.restarts import MOST, SPAN, Restarts
+from pack_bringup.graph.processes import MOST, SPAN, ProcessGroup, Restarts
 from pack_core.errors import PackError
 
 WAITS = ["sleep", "60"]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from pack_bringup.graph.graph import load_graph
-from pack_bringup.graph.security import enclave_arguments, security_environment
+from pack_bringup.graph.launch import enclave_arguments, security_environment
 from pack_core.cells import CELLS
 from pack_core.errors import ConfigError
 from pack_core.paths import project_root

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from pack_bringup.graph.graph import preset_overrides
-from pack_bringup.packing.graph_preset import NODES
+from pack_bringup.packing.goals import NODES
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
 from pack_lockstep.packing.presets import load_preset

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from pack_bringup.graph.graph import conditions
-from pack_bringup.palletizing.graph_preset import NODES
+from pack_bringup.palletizing.goals import NODES
 from pack_core.errors import ConfigError
 from pack_core.palletizing.calibration import CalibratedCamera, CellCalibration, PlacingError
 from pack_core.palletizing.cell import palletizing_cell

@@ -11,8 +11,8 @@ from rosbags.highlevel import AnyReader
 
 from pack_bringup.recording.bag_copy import copy_bag
 from pack_bringup.recording.bag_writer import BagWriter
-from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.playback import load_playback
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_evaluation.bag import read_bag
 from pack_evaluation.raw_bag import Topic
 

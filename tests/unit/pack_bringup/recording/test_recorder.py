@@ -10,8 +10,8 @@ from ament_index_python.packages import get_package_share_directory
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import Reader
 
-from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.recorder import Recorder
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core.errors import BagError
 from pack_evaluation.bag import read_bag
 from pack_evaluation.raw_bag import Topic
@@ -29,7 +29,7 @@ import sys
 import time
 from pathlib import Path
 from threading import Event
-from pack_bringup.recording.message_types import message_types
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_bringup.recording.recorder import Recorder
 from pack_evaluation.raw_bag import Topic
 

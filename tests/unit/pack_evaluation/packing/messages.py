@@ -19,7 +19,7 @@ from rosbags.interfaces import (
 )
 
 from pack_bringup.recording.bag_writer import BagWriter
-from pack_bringup.recording.message_types import message_types
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core import stamps
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell

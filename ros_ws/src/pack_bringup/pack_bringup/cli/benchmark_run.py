@@ -8,12 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from pack_bringup.cli.json_file import write_json
-from pack_bringup.cli.live import command_line
-from pack_bringup.cli.output_folder import make_output_folder
-from pack_bringup.cli.studies import report_studies
-from pack_bringup.cli.terminal import notice
-from pack_bringup.cli.trial_progress import TrialProgress
+from pack_bringup.cli.evaluate import report_studies
+from pack_bringup.cli.outputs import command_line, make_output_folder, write_json
+from pack_bringup.cli.terminal import TrialProgress, notice
 
 if TYPE_CHECKING:
     from pack_lockstep.benchmarking.benchmark import Benchmark

@@ -1,7 +1,8 @@
-"""`pack evaluate`: what recordings say."""
+"""`pack evaluate`: what recordings say, and the reports of many runs."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,13 +10,12 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from pack_bringup.cli.json_file import write_json
-from pack_bringup.cli.output_folder import make_output_folder
-from pack_bringup.cli.studies import report_studies
+from pack_bringup.cli.outputs import make_output_folder, write_json
 from pack_bringup.cli.terminal import notice, show_table
 
 if TYPE_CHECKING:
     from pack_evaluation.evaluator import Evaluation, Evaluator
+    from pack_lockstep.benchmarking.side_by_side import CellStudies
 
 app = typer.Typer()
 
@@ -118,12 +118,12 @@ def run_evaluation(
     evaluator: Evaluator[Any, Any], bag: Path, output: Path, *, with_video: bool, goal: int | None = None
 ) -> Evaluation[Any, Any]:
     """Evaluate with a progress bar for the video; with it comes the interactive replay."""
-    from pack_core.cells import cells_with
+    from pack_core.cells import optional_cell_part
     from pack_evaluation.record import cell_of
     from pack_viewer.replay import write_replay
 
     has_bag = bag.is_dir() or bag.suffix == ".mcap"  # and not what a benchmark keeps of a run
-    with_replay = with_video and has_bag and cell_of(bag) in cells_with("page")
+    with_replay = with_video and has_bag and optional_cell_part(cell_of(bag), "page") is not None
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, transient=True) as bar:
         task = bar.add_task("evaluating", total=1.0)
@@ -153,3 +153,42 @@ def show(found: Evaluation[Any, Any]) -> None:
         console.print(f"video:  {found.video}", soft_wrap=True, markup=False)
     if found.replay:
         console.print(f"replay: {found.replay}", soft_wrap=True, markup=False)
+
+
+def report_studies(
+    cells: Sequence[CellStudies], folder: Path, *, title: str, pictures: int, videos: int = 0
+) -> dict[str, dict[str, Any]]:
+    """Print the tables, write the report, and say where it is.
+
+    Args:
+        cells: the studies of each cell.
+        folder: for report.html, figures/ and pictures of single runs.
+        title: of the report.
+        pictures: single runs of each study that the report draws.
+        videos: single runs of each study that are rendered whole.
+
+    Returns:
+        The summaries by cell and name of the study.
+    """
+    from pack_evaluation.study import summaries
+    from pack_evaluation.study_report import study_section, write_study_report
+
+    console, sections = Console(), []
+    for item in cells:
+        below = folder if len(cells) == 1 else folder / item.evaluator.title.lower().replace(" ", "_")
+        section = study_section(
+            item.evaluator, item.studies, below, pictures=pictures, videos=videos, warn=_warn
+        )
+        for table in section.tables:
+            show_table(table.head, table.rows, title=table.title, note=table.note)
+        sections.append(section)
+    report = write_study_report(sections, folder, title)
+    console.print(f"report: {report}", soft_wrap=True, highlight=False)
+    found: dict[str, dict[str, Any]] = {}
+    for item in cells:
+        found.setdefault(item.cell, {}).update(summaries(item.evaluator, item.studies))
+    return found
+
+
+def _warn(text: str) -> None:
+    notice(text, typer.colors.YELLOW, is_error=True)

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.progress import BarColumn, Progress, TextColumn
 
-from pack_bringup.cli.interrupts import end_as_by_ctrl_c
-from pack_bringup.cli.network_option import Network, prepare_network
-from pack_bringup.cli.page_options import PORT, Port
+from pack_bringup.cli.options import PORT, Network, Port, prepare_network
+from pack_bringup.cli.terminal import end_as_by_ctrl_c
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -89,7 +88,7 @@ def show_recording(bag: Path, port: int, rate: float, start: float) -> None:
     """Serve the page of a recording until Ctrl-C; no node and no graph is needed for it."""
     from threading import Event
 
-    from pack_bringup.page import announcement
+    from pack_bringup.viewers import announcement
     from pack_evaluation.record import cell_of
     from pack_viewer.bag_page import BagPage
     from pack_viewer.web_server import LOOPBACK, open_server

@@ -1,4 +1,4 @@
-"""`pack run`: start one executable of a package."""
+"""`pack run` and `pack executables`: start one executable of a package, and what can be started."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.cli.network_option import Network, prepare_network
-from pack_bringup.graph.executables import find_executable
+from pack_bringup.cli.options import Network, prepare_network
+from pack_bringup.graph.executables import executables_of, find_executable, packages_with_executables
 
 app = typer.Typer()
 
@@ -34,3 +34,13 @@ def run(
     rest = arguments or []
     passed_on = rest[1:] if rest[:1] == ["--"] else rest
     os.execve(path, [path, *passed_on], os.environ)
+
+
+@app.command()
+def executables(
+    package: Annotated[str | None, typer.Argument(help="A package; all of them if not given.")] = None,
+) -> None:
+    """List what `pack run` can start, one `PACKAGE EXECUTABLE` a line."""
+    for name in [package] if package else packages_with_executables():
+        for path in executables_of(name):
+            typer.echo(f"{name} {path.name}")

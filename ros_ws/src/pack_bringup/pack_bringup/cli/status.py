@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from pack_bringup.cli.domain_option import Domain, domain_of
-from pack_bringup.cli.network_option import Network, prepare_network
+from pack_bringup.cli.options import Domain, Network, domain_of, prepare_network
 from pack_bringup.cli.terminal import show_table
 
 if TYPE_CHECKING:

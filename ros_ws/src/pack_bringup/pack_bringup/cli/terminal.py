@@ -1,17 +1,31 @@
-"""Tables and notices for a terminal of any width, with colours or without (the variable NO_COLOR)."""
+"""What commands show in a terminal of any width, and the signals that end them as Ctrl-C does.
+
+Tables, notices and progress have colours, or none where the variable NO_COLOR is set.
+"""
 
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Sequence
+from types import FrameType, TracebackType
+from typing import TYPE_CHECKING, Self
 
 import typer
 from rich.console import Console
+from rich.live import Live
+from rich.markup import escape
 from rich.padding import Padding
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import TimeRemainingColumn as Remaining
 from rich.table import Table
 from rich.text import Text
 
+from pack_bringup.job import Progress as GoalProgress
 from pack_core.text.shown import printable
+
+if TYPE_CHECKING:
+    from pack_lockstep.benchmarking.benchmark import Verdict
 
 SHORT = 24
 """A cell of up to so many characters is never broken into lines."""
@@ -96,3 +110,67 @@ def _width(name: str, column: Sequence[Text]) -> int:
         return max([words, *(cell.cell_len for cell in column)])
     longest = max(len(word) for cell in column for word in cell.plain.split())
     return max(words, longest, LEAST)
+
+
+class TrialProgress:
+    """A bar over all trials, which begins with those that are there already, and a line a trial."""
+
+    def __init__(self, total: int, done: int = 0) -> None:
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+        self._bar = Progress(*columns, Remaining(), console=Console())
+        self._task = self._bar.add_task("trials", total=total, completed=done)
+        if done > 0:
+            self._bar.console.print(f"{done} of {total} trials are there already")
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()
+
+    def add(self, trial: Verdict) -> None:
+        """Show a trial that has ended."""
+        mark = "[green]ok[/]    " if trial.success else "[red]failed[/]"
+        line = f"{escape(trial.name):12} {mark} {escape(trial.text)}"
+        self._bar.console.print(line, highlight=False, soft_wrap=True)
+        self._bar.advance(self._task)
+
+
+class LiveLine:
+    """One line that is kept up to date; where there is no terminal, a line for every stage."""
+
+    def __init__(self) -> None:
+        self._console = Console()
+        self._live = Live(console=self._console, refresh_per_second=8, transient=False)
+        self._stage: str | None = None
+
+    def __enter__(self) -> Self:
+        if self._console.is_terminal:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._live.stop()
+
+    def show(self, progress: GoalProgress) -> None:
+        """Show the newest progress."""
+        if self._console.is_terminal:
+            self._live.update(Text(progress.line))
+        elif progress.stage != self._stage:
+            self._console.print(progress.line, soft_wrap=True)
+        self._stage = progress.stage
+
+
+def end_as_by_ctrl_c(*numbers: signal.Signals) -> None:
+    """Have these signals raise KeyboardInterrupt in the main thread, which must be the one that calls."""
+    for number in numbers or (signal.SIGTERM,):
+        signal.signal(number, _interrupt)
+
+
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
+    raise KeyboardInterrupt

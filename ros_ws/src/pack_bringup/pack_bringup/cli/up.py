@@ -11,19 +11,28 @@ from typing import Annotated, Any
 
 import typer
 
-from pack_bringup.bring_up import wait_until_ready
-from pack_bringup.cli.domain_option import Domain, domain_of, domain_words
-from pack_bringup.cli.foxglove_option import FOXGLOVE_ADDRESS, Foxglove, foxglove_command
-from pack_bringup.cli.interrupts import end_as_by_ctrl_c
-from pack_bringup.cli.network_option import Network, prepare_network
-from pack_bringup.cli.page_options import HOST, PORT, Host, Live, Port, Token, page_process
-from pack_bringup.cli.terminal import notice
+from pack_bringup.cli.options import (
+    HOST,
+    PORT,
+    Domain,
+    Foxglove,
+    Host,
+    Live,
+    Network,
+    Port,
+    Token,
+    domain_of,
+    domain_words,
+    page_process,
+    prepare_network,
+)
+from pack_bringup.cli.terminal import end_as_by_ctrl_c, notice
+from pack_bringup.graph.bring_up import Tee, wait_until_ready
 from pack_bringup.graph.graph import conditions, load_graph, parse_overrides
-from pack_bringup.graph.node_log import Tee
-from pack_bringup.graph.processes import ProcessGroup
-from pack_bringup.graph.restarts import Restarts
+from pack_bringup.graph.processes import ProcessGroup, Restarts
 from pack_bringup.graph.running import check_domain_is_free
-from pack_bringup.recording.record import Record
+from pack_bringup.recording.run_record import Record
+from pack_bringup.viewers import FOXGLOVE_ADDRESS, foxglove_command
 from pack_core.config import merged
 from pack_core.paths import bags_path
 

@@ -1,13 +1,88 @@
-"""`pack wiring`: what flows where."""
+"""`pack wiring`: what flows where, as rows for a terminal and as the page docs/reference/dataflow.md."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pack_bringup.cli.terminal import show_table
-from pack_bringup.wiring import COLUMNS, wiring_page, wiring_rows
+
+if TYPE_CHECKING:
+    from pack_core.ros.contracts.contract import Contract
+
+COLUMNS = ("name", "kind", "type", "from", "to", "rate", "QoS", "recorded", "what")
+
+PAGE = """# Data flow
+
+Written by `pack wiring --markdown` from the wiring tables, `pack_core/ros/contracts/`.
+"""
+
+SECTION = """
+## {cell}
+
+```mermaid
+flowchart LR
+{edges}
+```
+
+{table}
+"""
+
+
+def wiring_rows(contracts: Iterable[Contract]) -> Iterator[tuple[str, ...]]:
+    """One row of `COLUMNS` for each contract."""
+    for contract in contracts:
+        yield (
+            contract.name,
+            contract.kind.value,
+            _type_name(contract.type, contract.kind.value),
+            ", ".join(contract.sources),
+            ", ".join(contract.targets),
+            contract.rate,
+            _qos_text(contract),
+            "yes" if contract.recorded else "",
+            contract.what,
+        )
+
+
+def wiring_page(tables: Mapping[str, Sequence[Contract]]) -> str:
+    """The text of docs/reference/dataflow.md, from the contracts by cell."""
+    return PAGE + "".join(_section(cell, contracts) for cell, contracts in tables.items())
+
+
+def _section(cell: str, contracts: Sequence[Contract]) -> str:
+    lines = [COLUMNS, tuple("---" for _ in COLUMNS), *wiring_rows(contracts)]
+    table = "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+    return SECTION.format(cell=cell.capitalize(), edges="\n".join(_edges(contracts)), table=table)
+
+
+def _edges(contracts: Sequence[Contract]) -> Iterator[str]:
+    """Arrows between named nodes; what goes to or comes from everyone would only hide them."""
+    pairs: dict[tuple[str, str], list[str]] = {}
+    for contract in contracts:
+        if len(contract.sources) < 3 and "all" not in contract.targets:
+            for pair in ((source, target) for source in contract.sources for target in contract.targets):
+                pairs.setdefault(pair, []).append(contract.name)
+    for (source, target), names in pairs.items():
+        if target != "recorder":
+            yield f'    {source} -->|"{"<br>".join(names)}"| {target}'
+
+
+def _type_name(message: type, kind: str) -> str:
+    package = message.__module__.split(".")[0]
+    return f"{package}/{ {'topic': 'msg', 'service': 'srv', 'action': 'action'}[kind] }/{message.__name__}"
+
+
+def _qos_text(contract: Contract) -> str:
+    if contract.qos is None:
+        return ""
+    words = [contract.qos.reliability.name.lower(), f"depth {contract.qos.depth}"]
+    if contract.qos.durability.name == "TRANSIENT_LOCAL":
+        words.append("latched")
+    return ", ".join(words)
+
 
 app = typer.Typer()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 from pydantic import model_validator
 
@@ -13,7 +13,6 @@ from pack_core.cells import cells_with, optional_cell_part
 from pack_core.config import Config, load_config, merged
 from pack_core.errors import ConfigError, PackError
 from pack_core.paths import config_path
-from pack_core.text.yaml_text import parse_yaml
 
 
 class NodeEntry(Config):
@@ -151,29 +150,3 @@ def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
         raise ConfigError(f"cell '{cell}' has no presets; allowed: {', '.join(cells_with('preset'))}")
     overrides: dict[str, dict[str, str]] = part(name)
     return overrides
-
-
-def launch_parameters(cell: str, preset: str, settings: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """What goes over the parameter files when a cell starts, by node and parameter, as values.
-
-    Args:
-        cell: one of the register's cells.
-        preset: name of a file of config/presets; empty: none.
-        settings: `node.parameter=value` each; they go over the preset.
-
-    Raises:
-        PackError: there is no such cell, preset or node, or a setting is not of that form.
-    """
-    graph = load_graph(cell)
-    given = merged(preset_overrides(cell, preset), parse_overrides(settings))
-    graph.check_names(given)
-    return {
-        node.name: {
-            "use_sim_time": node.use_sim_time,
-            **{
-                name: parse_yaml(text, f"{node.name}.{name}")
-                for name, text in given.get(node.name, {}).items()
-            },
-        }
-        for node in graph.nodes
-    }

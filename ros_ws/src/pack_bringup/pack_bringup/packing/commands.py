@@ -1,7 +1,353 @@
-"""Commands of `pack` that only the packing cell has."""
+"""The packing cell on the command line: goal, demo, benchmark, and `pack replay`."""
 
 from __future__ import annotations
 
-from pack_bringup.packing import replay_command
+from datetime import datetime
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-APPS = (replay_command.app,)
+import typer
+from rich.text import Text
+
+from pack_bringup.cli.benchmark_run import RunOptions, run
+from pack_bringup.cli.options import (
+    PORT,
+    BenchmarkFolder,
+    Domain,
+    FreeDomain,
+    Fresh,
+    Jobs,
+    JsonFile,
+    Live,
+    Network,
+    Port,
+    Ray,
+    RealTimeFactor,
+    Reset,
+    RunFolder,
+    Video,
+    page_process,
+)
+from pack_bringup.cli.outputs import command_line
+from pack_bringup.cli.pursue import run_goal, run_live
+from pack_bringup.cli.terminal import show_table
+from pack_bringup.recording.run_record import default_folder
+from pack_core.errors import ConfigError
+from pack_core.packing.arrangement import FillMethod
+from pack_core.packing.method import PackingMethod
+from pack_mpc.optimizers import OPTIMIZERS
+
+if TYPE_CHECKING:
+    from pack_lockstep.packing.replay.comparison import Replay
+
+Seed = Annotated[
+    int,
+    typer.Option(
+        min=0, help="Seed of the generated scene, of the sensors' noise and of the placement planner."
+    ),
+]
+SceneFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Pack in the scene of this file (docs/cells/packing/scenes.md) instead of a generated one.",
+    ),
+]
+Method = Annotated[PackingMethod, typer.Option(help="The paper's method, or one of its baselines.")]
+
+Fill = Annotated[
+    bool,
+    typer.Option(
+        "--fill", help="Fill an empty container from LIST, or from 8 supermarket objects of the seed."
+    ),
+]
+ListFile = Annotated[
+    Path | None,
+    typer.Argument(metavar="LIST", help="With --fill: a list file (docs/cells/packing/filling.md)."),
+]
+
+
+def goal(
+    seed: Seed = 0,
+    scene: SceneFile = None,
+    method: Method = PackingMethod.PACK_IT_IN,
+    fill: Fill = False,
+    given: ListFile = None,
+    reset: Reset = True,
+    domain: Domain = None,
+    network: Network = "",
+) -> None:
+    """Have a running cell pack one object, or fill its container from a list.
+
+    The exit code is 0 if all was packed, 1 if not, and 2 if the goal was refused. Ctrl-C cancels the goal.
+
+    - `pack goal packing --seed 3`
+    - `pack goal packing --scene config/scenarios/packing/example.yaml --domain 7`
+    - `pack goal packing --no-reset`, to go on with the scene as it stands
+    - `pack goal packing --fill config/packing_lists/example.yaml`
+    """
+    from pack_bringup.packing.goals import PackingGoal, fill_goal
+
+    if is_fill(fill, given, scene, method):
+        run_goal(fill_goal(seed, given), reset=reset, domain=domain, network=network)
+    check_scene(scene)
+    run_goal(PackingGoal(seed, scene, method.value), reset=reset, domain=domain, network=network)
+
+
+def is_fill(fill: bool, given: Path | None, scene: Path | None, method: PackingMethod) -> bool:
+    """Whether a container is to be filled; raises ConfigError for options that do not go with it."""
+    if not (fill or given):
+        return False
+    if scene is not None or method is not PackingMethod.PACK_IT_IN:
+        raise ConfigError("--scene or --method beside --fill; allowed: LIST, which has its own container")
+    return True
+
+
+def check_scene(path: Path | None) -> None:
+    """Refuse a scene file that cannot be used before anybody is asked to; raises ConfigError."""
+    from pack_core.packing.scene_file import load_scene
+
+    if path is not None:
+        load_scene(path)
+
+
+def demo(
+    seed: Seed = 0,
+    scene: SceneFile = None,
+    method: Method = PackingMethod.PACK_IT_IN,
+    preset: Annotated[
+        str,
+        typer.Option(
+            help="Run under the conditions of this file of config/presets (docs/cells/packing/presets.md)."
+        ),
+    ] = "",
+    real_time_factor: RealTimeFactor = None,
+    video: Video = True,
+    fill: Fill = False,
+    given: ListFile = None,
+    live: Live = False,
+    port: Port = PORT,
+    output: RunFolder = None,
+    domain: FreeDomain = None,
+) -> None:
+    """Pack one object: five nodes, one goal, and a report at the end.
+
+    The container has no free place for the object, so the arm makes one by pushing. The run's folder then
+    holds the recording (bag/), report.html, plots/, run.mp4, the scene, the configuration and the nodes' log.
+    The exit code is 0 only if the object was packed.
+
+    - `pack demo packing --seed 3`
+    - `pack demo packing --method uninformed_pose --no-video`
+    - `pack demo packing --preset hardware`
+    - `pack demo packing --scene config/scenarios/packing/example.yaml --real-time-factor 0.3`
+    - `pack demo packing --fill config/packing_lists/example.yaml`
+    """
+    from pack_bringup.packing.goals import PackingJob
+
+    check_scene(scene)
+    folder = output or default_folder("packing", seed, datetime.now())
+    job: PackingJob
+    if is_fill(fill, given, scene, method):
+        from pack_bringup.packing.goals import packing_fill_job
+
+        job = packing_fill_job(
+            seed, given, folder=folder, real_time_factor=real_time_factor, command=command_line(),
+            preset=preset,
+        )  # fmt: skip
+    else:
+        job = PackingJob(
+            seed, scene, method.value, folder=folder, real_time_factor=real_time_factor,
+            command=command_line(), preset=preset,
+        )  # fmt: skip
+    run_live(job, video=video, domain=domain, page=page_process("packing", live, port))
+
+
+def benchmark(
+    scenes: Annotated[int, typer.Option(min=1, help="Number of scenes.")] = 10,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Seed of the first scene; each further scene has the next seed.")
+    ] = 0,
+    method: Annotated[
+        str, typer.Option(help="pack_it_in, uninformed_pose or uninformed_physics.")
+    ] = "pack_it_in",
+    optimizer: Annotated[
+        str | None,
+        typer.Option(
+            help=f"Optimizer to plan with: {', '.join(OPTIMIZERS)} (judo: an extra). Default: the node's."
+        ),
+    ] = None,
+    weights: Annotated[
+        str | None,
+        typer.Option(
+            help="Weights of the cost, a file of config/weights: `tuned` or `table_1`. Default: the node's."
+        ),
+    ] = None,
+    preset: Annotated[str, typer.Option(help="Conditions of the run, a file of config/presets.")] = "ideal",
+    container: Annotated[
+        str | None,
+        typer.Option(
+            metavar="XxY", help="Inside lengths of the container [m], e.g. 0.24x0.19. Default: the cell's."
+        ),
+    ] = None,
+    blocked: Annotated[
+        bool,
+        typer.Option(
+            help="Generate scenes in which the new object fits nowhere without contact, or any scenes."
+        ),
+    ] = True,
+    scene_dir: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Run the scene files of this folder instead of generated scenes."),
+    ] = None,
+    fill: Annotated[
+        bool,
+        typer.Option(
+            "--fill", help="Fill empty containers from lists of 8 supermarket objects, one list a seed."
+        ),
+    ] = False,
+    places: Annotated[
+        FillMethod,
+        typer.Option(help="With --fill: how places are chosen. no_contact and random are for comparison."),
+    ] = FillMethod.CONTACT,
+    jobs: Jobs = 1,
+    threads: Annotated[
+        int, typer.Option(min=0, help="Cores that a scene may use; 0: all, shared among the jobs.")
+    ] = 0,
+    ray: Ray = None,
+    output: BenchmarkFolder = None,
+    fresh: Fresh = False,
+    json_file: JsonFile = None,
+    pictures: Annotated[
+        int, typer.Option(min=0, help="Failed scenes whose last moment the report shows.")
+    ] = 12,
+    video_failures: Annotated[
+        int, typer.Option(min=0, help="Failed scenes that are rendered whole, as MP4.")
+    ] = 0,
+) -> None:
+    """Pack in many scenes without ROS, on simulated time, and report how it went.
+
+    An iteration of the controller takes 48 ms of simulated time, however long it takes on this machine, so
+    everything but the iteration times repeats bit for bit with any number of jobs. Results are kept scene by
+    scene: the same command goes on where it was interrupted.
+
+    - `pack benchmark packing --scenes 100 --seed 1000 --jobs 2 --json summary.json`
+    - `pack benchmark packing --method uninformed_pose --optimizer sgn --weights table_1`
+    - `pack benchmark packing --scenes 50 --seed 1000 --container 0.24x0.19`
+    - `pack benchmark packing --scenes 20 --seed 1000 --preset objects_20 --no-blocked`
+    - `pack benchmark packing --fill --scenes 50 --seed 3000 --json fill.json`
+    - `pack evaluate bags/benchmarks/*` puts the results of several benchmarks side by side
+    """
+    from pack_core.config import validate_config
+    from pack_core.errors import ConfigError
+    from pack_lockstep.benchmarking.pools import cores
+    from pack_lockstep.packing.benchmark import PackingBenchmark
+    from pack_lockstep.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
+
+    options = RunOptions(jobs, ray, output, fresh, json_file, pictures, video_failures)
+    cores_each = threads or max(1, cores() // jobs)
+    if fill:
+        others = {
+            "--method": method != "pack_it_in", "--optimizer": optimizer, "--weights": weights,
+            "--container": container, "--scene-dir": scene_dir,
+        }  # fmt: skip
+        if given_too := [name for name, value in others.items() if value]:
+            raise ConfigError(
+                f"{', '.join(given_too)} beside --fill; allowed: --places, --preset, --scenes, --seed, and "
+                "the options of every benchmark; the rest is for scenes"
+            )
+        from pack_lockstep.packing.fill_benchmark import PackingFillBenchmark, fill_setup, list_jobs
+
+        filling = fill_setup(places, preset, cores_each)
+        run(PackingFillBenchmark(filling, list_jobs(seed, scenes, filling.cell)), options)
+        return
+    given = {
+        "method": method, "optimizer": optimizer, "weights": weights, "preset": preset,
+        "container": parse_size(container) if container else None, "blocked": blocked,
+        "scene_dir": scene_dir,
+    }  # fmt: skip
+    settings = validate_config(BenchmarkSettings, given, "pack benchmark packing")
+    setup = set_up(settings, cores_each)
+    run(PackingBenchmark(setup, tuple(scene_jobs(settings, seed, scenes))), options)
+
+
+app = typer.Typer()
+
+
+class Node(Enum):
+    """Nodes whose cores can be replayed."""
+
+    PERCEPTION = "perception"
+    PLANNER = "planner"
+
+
+@app.command()
+def replay(
+    bag: Annotated[Path, typer.Argument(metavar="BAG", help="A run's or a bag's folder, or an .mcap file.")],
+    node: Annotated[Node, typer.Option(help="Node whose core is fed.")] = Node.PERCEPTION,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of the recorded goal. Default: that of run.yaml.")
+    ] = None,
+    method: Annotated[str, typer.Option(help="Method of the recorded goal, for the planner.")] = "pack_it_in",
+    preset: Annotated[
+        str, typer.Option(help="Preset of the recorded run. Default: that of run.yaml, or `ideal`.")
+    ] = "",
+) -> None:
+    """Feed what a node of the packing cell received in a recording to its core, and compare the answers.
+
+    Messages are counted first: a recording that lacks some is refused. The exit code is 0 only if the core
+    does what the node did.
+
+    - `pack replay bags/packing_20260101_120000_seed0 --node perception`
+    - `pack replay bags/samples/packing --node planner --seed 5`
+    """
+    from pack_core.errors import BagError
+    from pack_core.packing.method import PackingMethod
+    from pack_evaluation.bag import read_bag
+    from pack_evaluation.record import cell_of, load_record
+    from pack_lockstep.packing.presets import load_preset
+    from pack_lockstep.packing.replay.perception import replay_perception
+    from pack_lockstep.packing.replay.planner import replay_planner
+
+    if (cell := cell_of(bag)) != "packing":
+        raise BagError(f"{bag} is of the cell {cell}; only nodes of the packing cell can be replayed")
+    recorded, chosen = read_bag(bag), PackingMethod.of(method)
+    conditions = load_preset(preset or str(load_record(bag).get("preset") or "ideal"))
+    if node is Node.PERCEPTION:
+        found = replay_perception(recorded, conditions)
+    else:
+        given = _seed_of(bag) if seed is None else seed
+        found = replay_planner(recorded, seed=given, method=chosen, preset=conditions)
+    show(found)
+    raise typer.Exit(0 if found.agrees else 1)
+
+
+def show(found: Replay) -> None:
+    """Print what went in and how far apart the answers are."""
+    typer.echo(f"fed in: {', '.join(f'{count} of {topic}' for topic, count in found.inputs.items())}")
+    head = ("", "compared", "mean [mm]", "difference [mm]", "allowed [mm]", "")
+    rows = []
+    for row in found.rows:
+        verdict = Text("agrees", "green") if row.agrees else Text("differs", "red")
+        values = (f"{row.mean_mm:.3f}", f"{row.difference_mm:.3f}", f"{row.limit_mm:g}")
+        rows.append((row.name, str(row.compared), *values, verdict))
+    show_table(head, rows)
+
+
+def _seed_of(bag: Path) -> int:
+    """The seed in the run's record.
+
+    Raises:
+        BagError: there is none.
+    """
+    from pack_core.errors import BagError
+    from pack_evaluation.record import load_record
+
+    seed = load_record(bag).get("seed")
+    if seed is None:
+        raise BagError(f"no run.yaml beside {bag} says the goal's seed; give --seed")
+    return int(seed)
+
+
+APPS = (app,)
+"""Commands of `pack` that only the packing cell has."""

@@ -1,7 +1,308 @@
-"""Commands of `pack` that only the palletizing cell has."""
+"""The palletizing cell on the command line: goal, demo, benchmark, and `pack layout` and `pack states`."""
 
 from __future__ import annotations
 
-from pack_bringup.palletizing import calibrate_command, layout_command, order_command, states_command
+from datetime import datetime
+from functools import partial
+from pathlib import Path
+from typing import Annotated, NoReturn
 
-APPS = (calibrate_command.app, layout_command.app, order_command.app, states_command.app)
+import typer
+
+from pack_bringup.cli.benchmark_run import RunOptions, run
+from pack_bringup.cli.options import (
+    PORT,
+    BenchmarkFolder,
+    Domain,
+    FreeDomain,
+    Fresh,
+    Jobs,
+    JsonFile,
+    Live,
+    Network,
+    Port,
+    Ray,
+    RealTimeFactor,
+    Reset,
+    RunFolder,
+    Video,
+    page_process,
+)
+from pack_bringup.cli.outputs import command_line, make_output_folder
+from pack_bringup.cli.pursue import run_goal, run_live
+from pack_bringup.palletizing import calibration, order_command
+from pack_bringup.recording.run_record import default_folder
+from pack_core.errors import ConfigError
+from pack_core.paths import config_path
+
+OrderFile = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Order to build. Default: config/orders/order_03.json."),
+]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of where each box arrives on the picking table.")]
+ProfileName = Annotated[
+    str,
+    typer.Option(help="`blended` moves through; `thesis` stops at each state. Default: that of fsm.yaml."),
+]
+Calibrate = Annotated[
+    bool, typer.Option("--calibrate", help="Find out where everything in the cell is, instead of an order.")
+]
+Check = Annotated[
+    bool, typer.Option("--check", help="Test the calibration that the cell was started with, instead.")
+]
+CalibrationFolder = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="DIR", help="With --calibrate: takes calibration.yaml and plots."),
+]
+
+
+def goal(
+    order: OrderFile = None,
+    seed: Seed = 0,
+    profile: ProfileName = "",
+    calibrate: Calibrate = False,
+    check: Check = False,
+    output: CalibrationFolder = None,
+    reset: Reset = True,
+    domain: Domain = None,
+    network: Network = "",
+) -> None:
+    """Have a running cell build the pallet of one order, or calibrate itself.
+
+    The exit code is 0 if every box was placed, 1 if not, and 2 if the goal was refused. Ctrl-C cancels the
+    goal.
+
+    - `pack goal palletizing --order config/orders/order_16.json`
+    - `pack goal palletizing --profile thesis --domain 7`
+    - `pack goal palletizing --calibrate --output /tmp/cell3`, of a cell under `--preset real`
+    - `pack goal palletizing --check`, of a cell that was started with `--calibration FILE`
+    """
+    from pack_bringup.palletizing.goals import PalletizingGoal
+
+    if calibrate or check:
+        _refuse_beside(order, profile, calibrate=calibrate, check=check)
+        _calibrate(check, output, seed, reset=reset, domain=domain, network=network)
+    wanted = PalletizingGoal(checked_order(order, profile), seed, profile)
+    run_goal(wanted, reset=reset, domain=domain, network=network)
+
+
+def _calibrate(
+    check: bool, output: Path | None, seed: int, *, reset: bool, domain: int | None, network: str
+) -> NoReturn:
+    """Calibrate the cell, or test its calibration, and leave as `run_goal` does."""
+    from pack_bringup.palletizing.calibration import show_action_result
+    from pack_bringup.palletizing.goals import CellCalibrationGoal
+    from pack_core.paths import bags_path
+
+    folder = output or bags_path() / "calibrations" / f"palletizing_{datetime.now():%Y%m%d_%H%M%S}"
+    if not check:
+        make_output_folder(folder)
+    wanted = CellCalibrationGoal(check, seed)
+    show = partial(show_action_result, folder=folder)
+    run_goal(wanted, reset=reset, domain=domain, network=network, show=show)
+
+
+def _refuse_beside(order: Path | None, profile: str, *, calibrate: bool, check: bool) -> None:
+    """Raise ConfigError for options of which only one can be."""
+    given = {"--calibrate": calibrate, "--check": check, "--order": order, "--profile": profile}
+    if len(names := [name for name, value in given.items() if value]) > 1:
+        raise ConfigError(f"{' beside '.join(names)}; allowed: one of them")
+
+
+def checked_order(order: Path | None, profile: str) -> Path:
+    """The order's file, once it and the profile were found to be possible; raises PackError."""
+    from pack_core.palletizing.cell import palletizing_cell
+    from pack_core.palletizing.orders.order_file import load_order
+    from pallet_fsm.profile import profile_of
+
+    file = order or config_path("orders", "order_03.json")
+    load_order(file, palletizing_cell())
+    if profile:
+        profile_of(profile)
+    return file
+
+
+def demo(
+    order: OrderFile = None,
+    seed: Seed = 0,
+    profile: ProfileName = "",
+    visitors: Annotated[
+        str,
+        typer.Option(help="Who comes near the arm: a file of config/visitors, or `random`. Default: nobody."),
+    ] = "",
+    preset: Annotated[
+        str,
+        typer.Option(
+            help="What the cell is like (docs/cells/palletizing/presets.md). Default: the ideal one."
+        ),
+    ] = "",
+    calibration: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Calibration of the cell; `pack calibrate palletizing` makes it."),
+    ] = None,
+    real_time_factor: RealTimeFactor = None,
+    video: Video = True,
+    live: Live = False,
+    port: Port = PORT,
+    output: RunFolder = None,
+    domain: FreeDomain = None,
+) -> None:
+    """Build the pallet of one order: six nodes, one goal, and a report at the end.
+
+    The run's folder then holds the recording (bag/), report.html, plots/, run.mp4, the configuration and the
+    nodes' log. The exit code is 0 only if every box was placed.
+
+    - `pack demo palletizing --order config/orders/order_16.json`
+    - `pack demo palletizing --profile thesis --no-video`
+    - `pack demo palletizing --visitors person --live`
+    - `pack demo palletizing --preset real --seed 3 --calibration /tmp/cell3/calibration.yaml`
+    """
+    from pack_bringup.palletizing.goals import PalletizingJob
+    from pack_sim.palletizing.crossings import visitors_of
+
+    file = checked_order(order, profile)
+    visitors_of(visitors, seed)
+    folder = output or default_folder("palletizing", seed, datetime.now())
+    job = PalletizingJob(
+        file, seed, profile, folder=folder, real_time_factor=real_time_factor, command=command_line(),
+        visitors=visitors, preset=preset, calibration=calibration,
+    )  # fmt: skip
+    run_live(job, video=video, domain=domain, page=page_process("palletizing", live, port))
+
+
+def benchmark(
+    orders: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Build every order file of this folder. Default: config/orders."),
+    ] = None,
+    order: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Build the order of this file instead; may be repeated."),
+    ] = None,
+    seeds: Annotated[
+        int, typer.Option(min=1, help="Number of runs of each order, with the seeds 0, 1, 2, ...")
+    ] = 1,
+    profile: Annotated[
+        str, typer.Option(help="`blended` moves through; `thesis` stops and checks at each state.")
+    ] = "blended",
+    motion: Annotated[
+        str, typer.Option(help="Parameters of the motion controller, a file of config/motion.")
+    ] = "shipped",
+    preset: Annotated[
+        str,
+        typer.Option(
+            help="What the cell is like: a preset of config/cells/palletizing.yaml; `rigid` is the ideal one."
+        ),
+    ] = "rigid",
+    vision: Annotated[
+        bool,
+        typer.Option(
+            help="Find boxes in rendered pictures, or (--no-vision) take true poses with added noise."
+        ),
+    ] = True,
+    limits: Annotated[
+        bool,
+        typer.Option(
+            help="Keep the limits of joints and grip, or (--no-limits) simulate without, as the thesis does."
+        ),
+    ] = True,
+    visitors: Annotated[
+        str,
+        typer.Option(
+            help="Who comes near the arm: a file of config/visitors, or `random` ones, drawn from each seed."
+        ),
+    ] = "",
+    calibration: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Calibration of the cell. Default: under `real` each seed's cell is calibrated first.",
+        ),
+    ] = None,
+    calibrate: Annotated[
+        bool, typer.Option(help="Calibrate first where the preset needs it, or (--no-calibrate) do without.")
+    ] = True,
+    gap: Annotated[
+        float | None, typer.Option(metavar="MM", min=0.0, help="Between neighbours. Default: layout.yaml's.")
+    ] = None,
+    first_seed: Annotated[int, typer.Option(min=0, help="The first of the seeds.")] = 0,
+    jobs: Jobs = 1,
+    ray: Ray = None,
+    output: BenchmarkFolder = None,
+    fresh: Fresh = False,
+    json_file: JsonFile = None,
+) -> None:
+    """Build many orders without ROS, on simulated time, and report how it went.
+
+    Results repeat bit for bit, whatever the number of jobs, and are kept as they come: the same command
+    goes on where it was interrupted, and --fresh measures anew.
+
+    - `pack benchmark palletizing --seeds 5 --jobs 2 --no-vision`
+    - `pack benchmark palletizing --order config/orders/order_03.json`
+    - `pack benchmark palletizing --orders config/orders --json summary.json`
+    - `pack benchmark palletizing --profile thesis --no-vision`
+    - `pack benchmark palletizing --visitors random --no-vision --seeds 2`
+    - `pack benchmark palletizing --preset real --seeds 5`
+    """
+    from pack_bringup.palletizing.calibration import calibrations_for
+    from pack_core.paths import config_path
+    from pack_lockstep.palletizing.benchmark import PalletBenchmark, order_files, order_jobs
+    from pack_lockstep.palletizing.settings import set_up
+
+    setup = set_up(
+        profile=profile, motion=motion, preset=preset, vision=vision, visitors=visitors, gap_mm=gap,
+        has_limits=limits,
+    )  # fmt: skip
+    files = list(dict.fromkeys(order or ())) or order_files(orders or config_path("orders"))
+    wanted = order_jobs(files, seeds, setup.cell, first_seed)
+    numbers = range(first_seed, first_seed + seeds)
+    if calibrate or calibration is not None:
+        setup = calibrations_for(setup, numbers, calibration, output, fresh=fresh)
+    run(PalletBenchmark(setup, tuple(wanted)), RunOptions(jobs, ray, output, fresh, json_file))
+
+
+app = typer.Typer()
+
+
+@app.command()
+def states() -> None:
+    """Show the states of the palletizing cell and what leads from one to the next, as Markdown.
+
+    - `pack states > docs/cells/palletizing/states.md`
+    """
+    from pallet_fsm.drawing import states_page
+
+    typer.echo(states_page(), nl=False)
+
+
+@app.command()
+def layout(
+    order: Annotated[Path, typer.Argument(metavar="ORDER", help="An order file, e.g. of config/orders.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the pictures.")
+    ] = Path("bags/layout"),
+) -> None:
+    """Plan the layout of an order and draw it: every layer with its gaps, and each box's way in.
+
+    Nothing is simulated. The planner's parameters are those of config/nodes/palletizing/layout.yaml.
+
+    - `pack layout config/orders/order_03.json --output /tmp/layout`
+    """
+    from pack_core.errors import OrderError
+    from pack_core.palletizing.cell import palletizing_cell
+    from pack_core.palletizing.orders.layout_plan import LayoutStatus
+    from pack_core.palletizing.orders.order_file import load_order
+    from pack_evaluation.palletizing.layout_drawing import write_pictures
+    from pack_lockstep.node_parameters import load_parameters
+    from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
+
+    given = load_order(order, palletizing_cell())
+    plan = LayoutPlanner(load_parameters("palletizing/layout", LayoutConfig)).plan(given)
+    if plan.status is not LayoutStatus.SUCCESS:
+        raise OrderError(f"{order}: no layout: {plan.reason}")
+    for path in write_pictures(given, plan, output):
+        typer.echo(str(path))
+
+
+APPS = (calibration.app, app, order_command.app)
+"""Commands of `pack` that only the palletizing cell has."""

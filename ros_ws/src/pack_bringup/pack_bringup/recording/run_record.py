@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import yaml
 
@@ -14,6 +14,10 @@ from pack_core.paths import bags_path, config_path
 from pack_core.text.reader import load_yaml
 from pack_evaluation.provenance import checked_out_commit, installed_versions
 from pack_evaluation.record import RECORD
+
+Record = Literal["goals", "always", "never"]
+"""While goals run, always, or never."""
+
 
 BAG_FOLDER = "bag"
 

@@ -14,15 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pack_bringup.cli.benchmark_options import Fresh, JsonFile, Output
-from pack_bringup.cli.demo_options import RealTimeFactor
-from pack_bringup.cli.interrupts import end_as_by_ctrl_c
-from pack_bringup.cli.json_file import write_json
-from pack_bringup.cli.live import command_line
-from pack_bringup.cli.network_option import prepare_network
-from pack_bringup.cli.output_folder import make_output_folder
-from pack_bringup.cli.terminal import show_table
-from pack_bringup.cli.trial_progress import TrialProgress
+from pack_bringup.cli.options import BenchmarkFolder, Fresh, JsonFile, RealTimeFactor, prepare_network
+from pack_bringup.cli.outputs import command_line, make_output_folder, write_json
+from pack_bringup.cli.terminal import TrialProgress, end_as_by_ctrl_c, show_table
 from pack_bringup.robustness.fault_cases import FAULT_COLUMNS, Fault, fault_cases, fault_row
 
 if TYPE_CHECKING:
@@ -44,7 +38,7 @@ def faults(
     fault: Annotated[list[Fault] | None, typer.Option(help="Only this fault; may be repeated.")] = None,
     stage: Annotated[list[str] | None, typer.Option(help="Only in this stage; may be repeated.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the goal that is pursued again and again.")] = 0,
-    output: Output = None,
+    output: BenchmarkFolder = None,
     fresh: Fresh = False,
     json_file: JsonFile = None,
 ) -> None:
@@ -73,7 +67,7 @@ def hands(
     deed: Annotated[list[str] | None, typer.Option(help="Only this deed; may be repeated.")] = None,
     state: Annotated[list[str] | None, typer.Option(help="Only in this state; may be repeated.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of where boxes arrive and of noise.")] = 0,
-    output: Output = None,
+    output: BenchmarkFolder = None,
     fresh: Fresh = False,
     json_file: JsonFile = None,
 ) -> None:
@@ -191,10 +185,9 @@ def _running_cell(
 ) -> Iterator[tuple[Graph, ProcessGroup, CellObserver]]:
     """The cell's nodes as processes in a domain of their own, and who listens to them."""
     prepare_network()
-    from pack_bringup.graph.domains import choose_domain
     from pack_bringup.graph.graph import load_graph
     from pack_bringup.graph.processes import ProcessGroup
-    from pack_bringup.graph.running import check_domain_is_free
+    from pack_bringup.graph.running import check_domain_is_free, choose_domain
     from pack_bringup.robustness.ros.cell_observer import CellObserver
 
     end_as_by_ctrl_c()  # of a process that stands still nothing else would remain
@@ -213,7 +206,7 @@ def soak(
     hours: Annotated[float, typer.Option(min=0.0, help="How long goals are sent [h of wall clock].")] = 1.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the first goal; the next has the next.")] = 0,
     real_time_factor: RealTimeFactor = None,
-    output: Output = None,
+    output: BenchmarkFolder = None,
     fresh: Fresh = False,
     json_file: JsonFile = None,
 ) -> None:

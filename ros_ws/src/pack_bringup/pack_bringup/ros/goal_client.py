@@ -1,11 +1,15 @@
-"""The client of one goal: from the first word of the cell to the result."""
+"""The client of one goal, from the first word of the cell to the result, and its turns until then."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import rclpy
 from pack_interfaces.msg import NodeStatus, SimulationState
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
 
 from pack_core.errors import PackError
 from pack_core.ros.contracts import shared
@@ -13,6 +17,7 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_sender import GoalSender
 from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
+from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.watch.peer_watch import alive_topic
 
 
@@ -121,3 +126,45 @@ class GoalClient(CellNode):
 
     def _on_simulation_state(self, message: SimulationState) -> None:
         self.is_paused = message.state == SimulationState.STATE_PAUSED
+
+
+def follow_goal(
+    make: Callable[[], GoalClient],
+    on_turn: Callable[[GoalClient], None],
+    *,
+    domain: int | None = None,
+    linger: float = 0.0,
+) -> Any:
+    """Send a goal and wait for its result, leaving signals to the caller.
+
+    Args:
+        make: builds the node that sends it.
+        on_turn: is called about ten times a second of wall clock; what it raises ends the wait.
+        domain: ROS domain; the environment's if None.
+        linger: wall clock to stay after the result, so that the end is recorded [s].
+    """
+    start_ros(domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+    executor, node = SingleThreadedExecutor(), None
+    try:
+        node = make()
+        confirm_network()
+        executor.add_node(node)
+        while node.result is None:
+            _turn(executor, node, on_turn)
+        end = time.monotonic() + linger
+        while time.monotonic() < end:
+            _turn(executor, node, on_turn)
+        return node.result
+    finally:
+        executor.shutdown()
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def _turn(executor: SingleThreadedExecutor, node: GoalClient, on_turn: Callable[[GoalClient], None]) -> None:
+    end = time.monotonic() + 0.1
+    while (rest := end - time.monotonic()) > 0.0:
+        executor.spin_once(timeout_sec=rest)
+    node.pursue()
+    on_turn(node)

@@ -14,8 +14,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
-from pack_bringup.recording.message_types import message_types
 from pack_bringup.recording.playback import Playback
+from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.ros.contracts import shared

@@ -16,7 +16,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
-from pack_bringup.cell_goal import CellGoal
+from pack_bringup.job import CellGoal
 from pack_bringup.robustness.arm_record import ArmRecord
 from pack_bringup.robustness.fault_cases import GRASP
 from pack_core.errors import PackError

@@ -9,9 +9,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from pack_bringup.cell_goal import CellGoal
 from pack_bringup.graph.graph import Graph
 from pack_bringup.graph.processes import ProcessGroup
+from pack_bringup.job import CellGoal
 from pack_bringup.recording.run_record import BAG_FOLDER
 from pack_bringup.robustness.arm_record import ArmRecord
 from pack_bringup.robustness.fault_cases import FREEZE_TIME, GRASP, Fault, FaultCase, FaultReport

@@ -1,0 +1,163 @@
+"""The blocks cell on the command line: `pack goal blocks`, `pack demo blocks`, `pack benchmark blocks`."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pack_bringup.cli.benchmark_run import RunOptions, run
+from pack_bringup.cli.options import (
+    PORT,
+    BenchmarkFolder,
+    Domain,
+    FreeDomain,
+    Fresh,
+    Jobs,
+    JsonFile,
+    Live,
+    Network,
+    Port,
+    Ray,
+    RealTimeFactor,
+    Reset,
+    RunFolder,
+    Video,
+    page_process,
+)
+from pack_bringup.cli.outputs import command_line
+from pack_bringup.cli.pursue import run_goal, run_live
+from pack_bringup.recording.run_record import default_folder
+
+Blocks = Annotated[int, typer.Option(min=1, max=25, help="Number of blocks.")]
+Density = Annotated[
+    float, typer.Option(min=0.01, max=0.4, help="Share of the workspace that the blocks cover.")
+]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of the generated problem and of the planner.")]
+ProblemFile = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Solve the problem of this file instead of a generated one."),
+]
+Method = Annotated[str, typer.Option(help="Planner, by its name in config/nodes/blocks/rearrangement.yaml.")]
+
+
+def goal(
+    blocks: Blocks = 9,
+    density: Density = 0.2,
+    seed: Seed = 0,
+    problem: ProblemFile = None,
+    method: Method = "",
+    reset: Reset = True,
+    domain: Domain = None,
+    network: Network = "",
+) -> None:
+    """Have a running cell rearrange blocks into a dense grid.
+
+    The exit code is 0 if every block is at its goal, 1 if not, and 2 if the goal was refused. Ctrl-C cancels
+    the goal.
+
+    - `pack goal blocks --blocks 4 --seed 3`
+    - `pack goal blocks --problem config/scenarios/blocks/example.yaml --domain 7`
+    """
+    from pack_bringup.blocks.goals import BlocksGoal, problem_of
+
+    wanted = BlocksGoal(problem_of(problem, blocks, density, seed), seed, method)
+    run_goal(wanted, reset=reset, domain=domain, network=network)
+
+
+def demo(
+    blocks: Blocks = 9,
+    density: Density = 0.2,
+    seed: Seed = 0,
+    problem: ProblemFile = None,
+    method: Method = "",
+    real_time_factor: RealTimeFactor = None,
+    video: Video = True,
+    live: Live = False,
+    port: Port = PORT,
+    output: RunFolder = None,
+    domain: FreeDomain = None,
+) -> None:
+    """Rearrange blocks into a dense grid: six nodes, one goal, and a report at the end.
+
+    The run's folder then holds the recording (bag/), report.html, plots/, run.mp4, the problem, the
+    configuration and the nodes' log. The exit code is 0 only if every block is at its goal.
+
+    - `pack demo blocks --blocks 4 --seed 3`
+    - `pack demo blocks --problem config/scenarios/blocks/example.yaml --method pirs`
+    """
+    from pack_bringup.blocks.goals import BlocksJob, problem_of
+
+    text = problem_of(problem, blocks, density, seed)
+    folder = output or default_folder("blocks", seed, datetime.now())
+    job = BlocksJob(
+        text, seed, method, folder=folder, real_time_factor=real_time_factor, command=command_line()
+    )
+    run_live(job, video=video, domain=domain, page=page_process("blocks", live, port))
+
+
+def benchmark(
+    blocks: Annotated[int, typer.Option(min=1, max=25, help="Number of blocks of an instance.")] = 9,
+    density: Annotated[
+        float, typer.Option(min=0.01, max=0.6, help="Share of the workspace that the blocks cover.")
+    ] = 0.2,
+    instances: Annotated[
+        int, typer.Option(min=1, help="Number of instances, with seeds from --seed on.")
+    ] = 20,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first instance and of its planner.")] = 0,
+    problem: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE", help="Solve the problem of this file instead of generated ones; may be repeated."
+        ),
+    ] = None,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(help="Planner, by its name in config/nodes/blocks/rearrangement.yaml; may be repeated."),
+    ] = None,
+    price: Annotated[
+        str | None,
+        typer.Option(help="What beam's plans have least of: actions, or paper (Eq. 1). Default: configured."),
+    ] = None,
+    budget: Annotated[float, typer.Option(min=0.01, help="Wall clock that a plan may take [s].")] = 1.0,
+    execute: Annotated[
+        bool, typer.Option("--execute", help="Have the simulated arm carry out every plan.")
+    ] = False,
+    jobs: Jobs = 1,
+    ray: Ray = None,
+    output: BenchmarkFolder = None,
+    fresh: Fresh = False,
+    json_file: JsonFile = None,
+    pictures: Annotated[
+        int, typer.Option(min=0, help="Number of instances whose plans the report draws.")
+    ] = 2,
+) -> None:
+    """Plan rearrangements, check every plan by other code, and carry them out where asked to.
+
+    An instance is a dense grid as goal and blocks scattered around it; the same number, density and seed give
+    the same instance. With several methods all plan the same instances and are shown side by side. The
+    report, beside the results, has the tables and plans drawn step by step.
+
+    Results are kept as they come: the same command goes on where it was interrupted, and --fresh measures
+    anew. Executions run without ROS on simulated time, with pictures, and repeat bit for bit; planning
+    times are those of this machine.
+
+    - `pack benchmark blocks --blocks 9 --method beam --method pirs` compares both planners
+    - `pack benchmark blocks --blocks 16 --density 0.2 --instances 100 --json summary.json`
+    - `pack benchmark blocks --price paper` has `beam` avoid pushes, above all long ones
+    - `pack benchmark blocks --problem config/scenarios/blocks/example.yaml` plans an own instance
+    - `pack benchmark blocks --blocks 4 --instances 100 --execute` has the arm do it
+    """
+    from pack_core.blocks.cell import blocks_cell
+    from pack_lockstep.blocks.benchmark import BlocksBenchmark, BlocksSetup, PlanJob
+    from pack_lockstep.blocks.benchmark_instances import wanted_instances
+    from pack_lockstep.blocks.settings import lockstep_config
+    from pack_planner.rearrangement.methods import DEFAULT_METHOD, METHODS
+
+    methods = list(dict.fromkeys(METHODS.checked(name) for name in method or [DEFAULT_METHOD]))
+    found = wanted_instances(blocks, density, range(seed, seed + instances), problem or [])
+    wanted = tuple(PlanJob(name, instance) for instance in found for name in methods)
+    setup = BlocksSetup(blocks_cell(), lockstep_config(price), budget, execute)
+    run(BlocksBenchmark(setup, wanted), RunOptions(jobs, ray, output, fresh, json_file, pictures))

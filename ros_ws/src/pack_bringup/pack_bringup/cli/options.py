@@ -1,0 +1,147 @@
+"""Options that several commands have, and what follows from their values."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pack_bringup.cli.terminal import notice
+from pack_core.network import LAST_DOMAIN, domain_in
+
+if TYPE_CHECKING:
+    from pack_bringup.viewers import PageProcess
+
+Domain = Annotated[
+    int | None, typer.Option(min=0, max=LAST_DOMAIN, help="ROS domain id; the environment's if not given.")
+]
+
+
+def domain_of(option: int | None) -> int:
+    """The domain that an option names, else the environment's, else 0 as ROS has it."""
+    return domain_in(os.environ) or 0 if option is None else option
+
+
+def domain_words(option: int | None) -> str:
+    """The option as other commands need it, after a space; empty if they do not need it."""
+    return "" if option is None or option == domain_of(None) else f" --domain {option}"
+
+
+Reset = Annotated[
+    bool, typer.Option(help="Put the cell into the goal's scene first; --no-reset: as the cell stands.")
+]
+
+
+Network = Annotated[
+    str,
+    typer.Option(
+        metavar="INTERFACE",
+        help="Talk to other machines over this network interface, too. Default: this machine alone.",
+    ),
+]
+
+
+def prepare_network(network: str = "") -> None:
+    """Put this command's environment, and so that of what it starts, in order before it joins a graph.
+
+    Args:
+        network: what `--network` names; empty: this machine alone.
+
+    Raises:
+        PackError: no such interface, or a variable has a value with which no node starts.
+    """
+    from pack_bringup.graph.network import network_environment
+    from pack_core.network import enforce
+
+    if network:
+        os.environ.update(network_environment(network))
+    for sentence in enforce(os.environ):
+        notice(sentence, typer.colors.YELLOW, is_error=True)
+
+
+RealTimeFactor = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0,
+        help="Simulated seconds per second of wall clock; 0: as fast as possible. Default: see sim.yaml.",
+    ),
+]
+Video = Annotated[
+    bool, typer.Option(help="Render the run as MP4 and as an interactive replay, for the report.")
+]
+FreeDomain = Annotated[
+    int | None,
+    typer.Option(min=0, max=101, help="ROS domain id. Default: the environment's, else one that is free."),
+]
+RunFolder = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="Folder for everything that the run leaves behind. Default: a new one below bags/.",
+    ),
+]
+
+
+Jobs = Annotated[
+    int, typer.Option(min=1, help="Trials at a time, each in a process of its own on this machine.")
+]
+Ray = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Run the trials on a Ray cluster instead: its address, `auto` for the one that this machine is "
+        "part of, `local` to start one here.",
+    ),
+]
+BenchmarkFolder = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="Folder of the results. Default: one below bags/benchmarks/, named after the settings.",
+    ),
+]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="Delete the results that DIR has already and measure anew.")
+]
+JsonFile = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="Write the summary to this file, too.")
+]
+
+
+PORT, HOST = 8210, "127.0.0.1"
+
+Live = Annotated[bool, typer.Option("--live", help="Serve a page that shows the cell in the browser.")]
+Port = Annotated[int, typer.Option(min=1, max=65535, help="Port of the page, with --live.")]
+Host = Annotated[
+    str,
+    typer.Option(
+        help="Address on which the page listens, with --live. Others than this machine's need --token: "
+        "who has it can operate the cell (docs/operate/viewing.md)."
+    ),
+]
+Token = Annotated[
+    str,
+    typer.Option(
+        envvar="PACKCELL_PAGE_TOKEN",
+        help="What a browser must bring to see the page, at least 16 characters.",
+    ),
+]
+
+
+def page_process(cell: str, live: bool, port: int, host: str = HOST, token: str = "") -> PageProcess | None:
+    """The page that the options ask for; None without `--live`."""
+    from pack_bringup.viewers import PageProcess
+
+    return PageProcess(cell, port, host, token) if live else None
+
+
+Foxglove = Annotated[
+    bool,
+    typer.Option("--foxglove", help="Serve live topics to Foxglove, read only, to this machine only."),
+]

@@ -1,0 +1,76 @@
+"""Viewers as processes beside a cell's nodes: the page in the browser, and the server for Foxglove."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+from pack_bringup.graph.executables import find_executable
+from pack_core.errors import ConfigError
+
+NODE = "live"
+TOKEN_VARIABLE = "PACKCELL_PAGE_TOKEN"
+"""The node reads the token from here: parameters can be read by everybody in the graph, and command lines
+by everybody on the machine."""
+
+
+@dataclass(frozen=True)
+class PageProcess:
+    """The node `live` and how it is told what to serve.
+
+    Attributes:
+        cell: the cell that is shown.
+        port: of the page.
+        host: address to listen on; others than 127.0.0.1 need a token.
+        token: what a browser must bring; empty: none.
+    """
+
+    cell: str
+    port: int
+    host: str = "127.0.0.1"
+    token: str = ""
+
+    def commands(self) -> dict[str, list[str]]:
+        """The command of the node, by its name."""
+        command = [str(find_executable("pack_viewer", "live_node")), "--ros-args", "-r", f"__node:={NODE}"]
+        for name, value in {"cell": self.cell, "port": self.port, "host": self.host}.items():
+            command += ["-p", f"{name}:={json.dumps(value)}"]
+        return {NODE: command}  # it does not stand back behind others (nice): STOP goes through it
+
+    def environment(self) -> dict[str, str]:
+        """What the node reads from its environment."""
+        return {TOKEN_VARIABLE: self.token} if self.token else {}
+
+    @property
+    def announcement(self) -> str:
+        """Where the page is, and how to open it on a machine with a display."""
+        return announcement(self.host, self.port, self.token)
+
+
+def announcement(host: str, port: int, token: str = "") -> str:
+    """A line that says where a page is, and how to open it on a machine with a display."""
+    address = f"http://{host}:{port}" + (f"/?token={token}" if token else "")
+    has_display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    return f"page: {address}" + (f"  (xdg-open {address})" if has_display and sys.stdout.isatty() else "")
+
+
+FOXGLOVE = "foxglove"
+FOXGLOVE_ADDRESS = "ws://127.0.0.1:8765"
+INSTALL = ".venv/bin/uv pip install --python .venv/bin/python --require-hashes -r requirements/foxglove.txt"
+
+
+def foxglove_command(cell: str) -> dict[str, list[str]]:
+    """The command of the node that serves a cell's topics, by its name.
+
+    Raises:
+        ConfigError: the extra is not installed.
+    """
+    if find_spec("foxglove") is None:
+        raise ConfigError(f"--foxglove needs foxglove-sdk, which is an extra; run: {INSTALL}")
+    executable = str(find_executable("pack_bringup", "foxglove_node"))
+    arguments = ["--ros-args", "-r", f"__node:={FOXGLOVE}", "-p", f"cell:={cell}"]
+    # It stands back behind the nodes: a late message to a viewer does no harm, a late setpoint does.
+    return {FOXGLOVE: ["nice", "-n", "5", executable, *arguments]}

@@ -1,0 +1,51 @@
+"""What `pack demo` says at its end."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import typer
+
+from pack_bringup.cli import pursue
+from pack_bringup.pace import Pace
+from pack_bringup.packing.goals import PackingJob
+from pack_core.errors import BagError
+
+
+@pytest.fixture
+def ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A goal that has ended well, without a message."""
+    result = SimpleNamespace(success=True, message="")
+    monkeypatch.setattr(pursue, "run_demo", lambda *_: (result, Pace(1.0)))
+
+
+def test_a_report_that_was_interrupted_is_said_to_be_made_by_pack_evaluate(
+    ended: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pursue, "run_evaluation", stop)
+    with pytest.raises(typer.Exit) as left:
+        pursue.run_live(PackingJob(folder=tmp_path / "run"), video=True)
+    assert left.value.exit_code == 130
+    said = capsys.readouterr().out
+    assert f"pack evaluate {tmp_path / 'run'}" in said
+    assert "goal ended: success\n" in said
+
+
+def test_a_goal_that_failed_before_its_work_began_has_its_reason_and_no_word_of_a_bad_recording(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise BagError("the recording holds no order")
+
+    result = SimpleNamespace(success=False, message="the cell is not calibrated")
+    monkeypatch.setattr(pursue, "run_demo", lambda *_: (result, Pace(1.0)))
+    monkeypatch.setattr(pursue, "run_evaluation", fail)
+    with pytest.raises(typer.Exit) as left:
+        pursue.run_live(PackingJob(folder=tmp_path / "run"), video=True)
+    assert left.value.exit_code == 1
+    said = capsys.readouterr().out
+    assert "goal ended: failure, the cell is not calibrated\n" in said
+    assert "recording" not in said
