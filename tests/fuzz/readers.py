@@ -68,7 +68,7 @@ def cells(path: Path) -> None:
 
 def weights(path: Path) -> None:
     """A set of weights."""
-    from pack_mpc.weights import load_weights
+    from pack_mpc.cost.weights import load_weights
 
     getattr(load_weights, "__wrapped__", load_weights)(path.stem)
 

@@ -15,7 +15,10 @@ setup(
     ],
     # What the registers of the shipped packages find (pack_core/register.py).
     entry_points={
-        "pack_mpc.optimizers": ["judo = pack_baselines.judo_optimizer:JudoOptimizer"],
+        "pack_mpc.optimizers": [
+            "ilqr = pack_baselines.ilqr.ilqr_optimizer:IlqrOptimizer",
+            "judo = pack_baselines.judo_optimizer:JudoOptimizer",
+        ],
         "pack_planner.placement_planners": [
             "algorithm_1 = pack_baselines.placement_planners:Algorithm1Planner",
             "random = pack_baselines.placement_planners:RandomPosePlanner",

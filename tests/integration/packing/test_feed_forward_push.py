@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from pack_core.packing.cell import packing_cell
-from pack_mpc.cost import PackingCost
-from pack_mpc.residuals import Residuals
-from pack_mpc.sgn_config import SgnConfig
-from pack_mpc.sgn_optimizer import SgnOptimizer
-from pack_mpc.target import PackingTarget
-from pack_mpc.weights import Stage, load_weights
+from pack_mpc.cost.cost import PackingCost, Residuals
+from pack_mpc.cost.weights import load_weights
+from pack_mpc.optimizers.sgn import SgnConfig, SgnOptimizer
+from pack_mpc.target import PackingTarget, Stage
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.simulator import Simulator
 from pack_sim.packing.simulator_config import SimulatorConfig

@@ -24,7 +24,7 @@ from pack_core.rotations import Array, Pose, angle_between
 from pack_lockstep.packing.disturbances import hide_all
 from pack_lockstep.packing.lockstep import HELD, Lockstep, Step
 from pack_lockstep.packing.lockstep_config import lockstep_config
-from pack_mpc.outcome import PackingOutcome
+from pack_mpc.task.task import PackingOutcome
 
 SEED = 0
 FACTOR = 0.3

@@ -16,7 +16,7 @@ from integration.simulation_rig import pause, play
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.scene import from_scene
-from pack_mpc.stages import Stage
+from pack_mpc.target import Stage
 
 FACTOR = 0.3
 """Real-time factor at which one process runs four nodes."""

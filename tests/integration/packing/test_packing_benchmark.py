@@ -26,7 +26,7 @@ from pack_lockstep.benchmarking.results_folder import ResultsFolder
 from pack_lockstep.packing.benchmark import PackingBenchmark
 from pack_lockstep.packing.settings import BenchmarkSettings, PackingSetup, SceneJob, scene_jobs, set_up
 from pack_lockstep.packing.trial import run_scene
-from pack_mpc.look import LookConfig
+from pack_mpc.task.look import LookConfig
 
 SHORT = 0.6
 """Of simulated time for each goal [s]: a few iterations of the controller."""

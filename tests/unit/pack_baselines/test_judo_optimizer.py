@@ -12,10 +12,9 @@ from pack_core.packing.cell import packing_cell
 from pack_core.robots.panda import PANDA
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState
-from pack_mpc.cost import PackingCost
-from pack_mpc.residuals import Residuals
-from pack_mpc.target import PackingTarget
-from pack_mpc.weights import Stage, load_weights
+from pack_mpc.cost.cost import PackingCost, Residuals
+from pack_mpc.cost.weights import load_weights
+from pack_mpc.target import PackingTarget, Stage
 
 
 def test_judo_that_is_not_installed_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:

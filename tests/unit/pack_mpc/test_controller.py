@@ -12,10 +12,10 @@ from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, PackingController
+from pack_mpc.cost.weights import load_weights
 from pack_mpc.optimizers import OPTIMIZERS
-from pack_mpc.solution import Optimizer
-from pack_mpc.target import PackingTarget
-from pack_mpc.weights import Stage, load_weights
+from pack_mpc.optimizers.optimizer import Optimizer
+from pack_mpc.target import PackingTarget, Stage
 
 ABOVE = PackingTarget(np.array([0.45, 0.05, 0.30]), 0.2)
 INSIDE = PackingTarget(np.array([0.50, 0.02, 0.09]), 0.0, collisions=("tea_box",))

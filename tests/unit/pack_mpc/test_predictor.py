@@ -8,8 +8,8 @@ import pytest
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
+from pack_mpc.controller import Predictor
 from pack_mpc.plant import PackingPlant
-from pack_mpc.predictor import Predictor
 from pack_sim.packing.simulator import Simulator
 from pack_sim.packing.simulator_config import SimulatorConfig
 

@@ -9,7 +9,8 @@ from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.rotations import Array
 from pack_mpc.plant import PackingPlant
-from pack_mpc.press import PressConfig, pressing
+from pack_mpc.setpoints import pressing
+from pack_mpc.task.stages import PressConfig
 
 HOME = np.array(packing_cell().robot.home)
 CONFIG = PressConfig(force=20.0, rate=40.0, delay=0.15)

@@ -11,7 +11,8 @@ from pack_core.packing.cell import packing_cell
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
-from pack_mpc.session import PackingObservation, PackingSession, SessionConfig
+from pack_mpc.observation import PackingObservation
+from pack_mpc.session import PackingSession, SessionConfig
 
 LATENCY = 0.048
 LOST = "soup_can"

@@ -20,14 +20,13 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import HELD_POSITION, ArmRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
-from pack_mpc.cost import PackingCost
-from pack_mpc.feed_forward import predicted_setpoints
+from pack_mpc.cost.cost import PackingCost
+from pack_mpc.optimizers.optimizer import Optimizer, Solution
+from pack_mpc.optimizers.sgn import SgnConfig
+from pack_mpc.optimizers.spline import Basis, ResolvedRateServo, ServoReference
 from pack_mpc.plant import PackingPlant
-from pack_mpc.sgn_config import SgnConfig
-from pack_mpc.solution import Optimizer, Solution
-from pack_mpc.spline import Basis, ResolvedRateServo, ServoReference
-from pack_mpc.target import PackingTarget
-from pack_mpc.weights import Stage
+from pack_mpc.setpoints import predicted_setpoints
+from pack_mpc.target import PackingTarget, Stage
 
 WORTHLESS = 1e12
 """Cost of a rollout that diverged."""

@@ -75,16 +75,23 @@ class Register(Mapping[str, T]):
         return name
 
 
-def with_sections(sections: Mapping[str, type[Config]]) -> Callable[[type[C]], type[C]]:
-    """A class decorator: adds to a configuration class one section of parameters for each name.
+def with_fields(fields: Mapping[str, Any]) -> Callable[[type[C]], type[C]]:
+    """A class decorator: adds fields to a configuration class, each a type and what it defaults to.
 
-    So whoever registers something brings its parameters along, and a node has them under its name.
+    It is for fields that follow from a list kept elsewhere, so that they are not written out a second time.
     """
 
     def extended(cls: type[C]) -> type[C]:
-        fields: dict[str, Any] = {name: (section, section()) for name, section in sections.items()}
         return create_model(
             cls.__name__, __base__=cls, __module__=cls.__module__, __doc__=cls.__doc__, **fields
         )
 
     return extended
+
+
+def with_sections(sections: Mapping[str, type[Config]]) -> Callable[[type[C]], type[C]]:
+    """A class decorator: adds to a configuration class one section of parameters for each name.
+
+    So whoever registers something brings its parameters along, and a node has them under its name.
+    """
+    return with_fields({name: (section, section()) for name, section in sections.items()})

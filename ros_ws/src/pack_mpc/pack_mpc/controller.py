@@ -6,22 +6,25 @@ import time as wall_clock
 from dataclasses import dataclass
 from typing import Annotated
 
+import mujoco
+import numpy as np
 from pydantic import AfterValidator, Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import ArmRole
 from pack_core.packing.scene import Scene
 from pack_core.register import with_sections
+from pack_core.rotations import Array
 from pack_core.states import SceneState
-from pack_mpc.cost import PackingCost
+from pack_mpc.cost.cost import PackingCost, Residuals
+from pack_mpc.cost.weights import WeightSet
 from pack_mpc.optimizers import OPTIMIZERS
-from pack_mpc.predictor import Predictor
-from pack_mpc.press import pressing
-from pack_mpc.residuals import Residuals
-from pack_mpc.solution import Solution
-from pack_mpc.target import PackingTarget
-from pack_mpc.weights import Stage, WeightSet
+from pack_mpc.optimizers.optimizer import Solution
+from pack_mpc.plant import STATE, PackingPlant
+from pack_mpc.setpoints import pressing
+from pack_mpc.target import PackingTarget, Stage
 
 OptimizerName = Annotated[str, AfterValidator(OPTIMIZERS.known)]
 """A configuration's field that names an optimizer."""
@@ -31,7 +34,7 @@ OptimizerName = Annotated[str, AfterValidator(OPTIMIZERS.known)]
 class ControllerConfig(Config):
     """Parameters of the controller, and of each optimizer in a section of its name."""
 
-    optimizer: OptimizerName = Field(default="sgn", description="what plans; its name in optimizers.py")
+    optimizer: OptimizerName = Field(default="sgn", description="what plans; its name in pack_mpc/optimizers")
     threads: int = Field(default=2, ge=1, description="threads of the rollouts")
     published: PositiveFloat = Field(
         default=0.24, description="part of the horizon that is sent to the driver [s]"
@@ -51,6 +54,49 @@ class ControlPlan:
     setpoints: Setpoints
     solution: Solution
     iteration_ms: float
+
+
+PREDICTION_STEP = 0.006
+"""Time step of the prediction [s]."""
+
+
+class Predictor:
+    """Advances a state under the setpoints in flight, those that the driver follows while planning goes on.
+
+    The servos are actuators of the model, which MuJoCo integrates implicitly: computed outside of it, once
+    a step, the driver's damping would be unstable at this step length.
+    """
+
+    def __init__(self, scene: Scene, cell: PackingCell) -> None:
+        driven = cell.model_copy(update={"robot": cell.robot.applied})
+        self._plant = PackingPlant(scene, driven, timestep=PREDICTION_STEP, threads=1, arm=ArmRole.SERVO)
+        self._data = mujoco.MjData(self._plant.model)
+
+    def predict(self, x: Array, setpoints: tuple[Setpoints, ...], latency: float) -> Array:
+        """The full state `(nx,)` after `latency` [s], rounded to whole steps.
+
+        Args:
+            x: full state `(nx,)`.
+            setpoints: setpoints in flight, oldest first, each in force from its own time on; before the
+                first of them the arm holds.
+            latency: time to predict [s].
+        """
+        model, layout, data = self._plant.model, self._plant.layout, self._data
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_setState(model, data, x, STATE)
+        hold = Setpoints(x[0], np.zeros(1), x[layout.q][None], np.zeros((1, 7)), np.zeros((1, 7)))
+        plans, arm = (hold, *setpoints), layout.v - 1 - model.nq
+        for _ in range(round(latency / PREDICTION_STEP)):
+            time = data.time + PREDICTION_STEP
+            # those that begin within the step count for all of it from its middle on
+            in_force = [plan for plan in plans if plan.time <= time - 0.5 * PREDICTION_STEP]
+            q_d, v_d, tau_ff = in_force[-1].at(time)
+            data.ctrl[:] = np.concatenate([q_d, v_d])
+            data.qfrc_applied[arm] = tau_ff
+            mujoco.mj_step(model, data)
+        state = np.empty(self._plant.nx)
+        mujoco.mj_getState(model, data, state, STATE)
+        return state
 
 
 class PackingController:

@@ -6,6 +6,7 @@ import threading
 from typing import Any
 
 from pack_interfaces.action import FillContainer, PackObject
+from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
@@ -17,20 +18,29 @@ from pack_core.ros.goal_node import GoalNode
 from pack_core.ros.messages.joints import to_setpoints
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
-from pack_mpc.mpc_node_config import MpcNodeConfig
+from pack_mpc.cost.weights import load_weights
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.ros.fill_action import FillAction
 from pack_mpc.ros.fill_goal import FillGoal
 from pack_mpc.ros.mailbox import Mailbox
-from pack_mpc.ros.pack_goal import PackGoal, method_of, refusal_of
-from pack_mpc.ros.placement_client import PlacementClient
+from pack_mpc.ros.pack_goal import PackGoal, PlacementClient, method_of, refusal_of
 from pack_mpc.ros.status import to_outcome, to_result, to_status
-from pack_mpc.session import PackingSession, hold
-from pack_mpc.weights import load_weights
-from pack_mpc.worker import Worker
+from pack_mpc.session import PackingSession, SessionConfig
+from pack_mpc.setpoints import hold
+from pack_mpc.worker import Worker, WorkerConfig
 
 CHECK_PERIOD = 0.1
 """Time between two looks whether the goal's time has run out [s of wall clock]."""
+
+
+class MpcNodeConfig(SessionConfig):
+    """Parameters of the node `mpc`."""
+
+    worker: WorkerConfig = WorkerConfig()
+    watched: tuple[str, ...] = Field(
+        default=("sim", "perception", "planner", "recorder"), description="the arm holds while one is silent"
+    )
+    fault_time: PositiveFloat = Field(default=1.0, description="silence that ends a goal [s of wall clock]")
 
 
 class MpcNode(GoalNode):

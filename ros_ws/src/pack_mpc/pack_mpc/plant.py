@@ -15,7 +15,6 @@ from pack_core.packing.rollouts import SleepingRollouts
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_core.states import SceneState
-from pack_mpc.ilqr import Linearization
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 EPSILON = 1e-6
@@ -37,6 +36,19 @@ class Layout:
     v: np.ndarray
     object_p: dict[str, np.ndarray]
     object_v: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """First-order model along a trajectory: dx_{t+1} = A dx_t + B du_t, dy_t = C dx_t + D du_t.
+
+    `A (T,n,n)`, `B (T,n,m)`, `C (T+1,p,n)`, `D (T,p,m)` for n states, m controls and p outputs.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
 
 
 class PackingPlant:

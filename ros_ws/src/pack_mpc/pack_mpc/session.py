@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -10,21 +9,18 @@ from pydantic import Field, PositiveFloat
 
 from pack_core.config import NEXT_GOAL, Changeable, Config
 from pack_core.errors import MessageError
-from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, ControlPlan, PackingController
+from pack_mpc.cost.weights import WeightFactors, load_weights
 from pack_mpc.filling.fill_config import FillConfig
-from pack_mpc.look import LookMachine, unseen_of, with_parked
-from pack_mpc.stages import StageMachine
-from pack_mpc.task import PackingTask
-from pack_mpc.task_config import TaskConfig
-from pack_mpc.weight_factors import WeightFactors
-from pack_mpc.weights import load_weights
+from pack_mpc.observation import PackingObservation, unseen_of, with_parked
+from pack_mpc.task.look import LookMachine
+from pack_mpc.task.stages import StageMachine
+from pack_mpc.task.task import PackingTask, TaskConfig
 
 
 class SessionConfig(Config):
@@ -50,23 +46,6 @@ class SessionConfig(Config):
         )
         task = self.task.model_copy(update={"landing_reach": fill.landing_reach, "stages": stages})
         return self.model_copy(update={"task": task})
-
-
-@dataclass(frozen=True)
-class PackingObservation:
-    """What an iteration plans from.
-
-    Attributes:
-        joints: newest sample of the joints.
-        scene: newest estimate of the objects.
-        forces: magnitudes of the external force since the last observation `(n,)` [N].
-        is_held: whether the pump holds the object.
-    """
-
-    joints: JointSample
-    scene: SceneState
-    forces: Array
-    is_held: bool = True
 
 
 class PackingSession:
@@ -152,9 +131,3 @@ class PackingSession:
     def iteration_ms(self) -> float:
         """Median wall-clock time of the iterations so far [ms]."""
         return float(np.median(self.iterations_ms)) if self.iterations_ms else 0.0
-
-
-def hold(joints: JointSample) -> Setpoints:
-    """Setpoints that run out at once, so that the driver holds the arm where it is."""
-    zero = np.zeros((1, 7))
-    return Setpoints(joints.time, np.zeros(1), joints.q[None], zero, zero)

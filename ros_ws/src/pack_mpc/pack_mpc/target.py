@@ -1,12 +1,22 @@
-"""Where the controller shall bring the held object: the targets that the residuals are measured from."""
+"""What the task asks of the controller: stage, which decides the weights, and target."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import Enum
 
 import numpy as np
 
 from pack_core.rotations import Array
+
+
+class Stage(Enum):
+    """Stages of the task (section III-B2), and LOOK, which comes first while an object has no pose."""
+
+    LOOK = "look"
+    PRE_PACK = "pre_pack"
+    INSERT = "insert"
+    FINE_TUNE = "fine_tune"
 
 
 @dataclass(frozen=True)

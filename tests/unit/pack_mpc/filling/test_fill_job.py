@@ -21,7 +21,7 @@ from pack_mpc.filling.fill_job import FillJob
 from pack_mpc.filling.requests import Arrange, FillRequest, Pack, Packed, Present, Presented, UsePump
 from pack_mpc.filling.steps import FillObservation
 from pack_mpc.filling.tool_motion import PathLeg, ToolArm
-from pack_mpc.outcome import PackingOutcome
+from pack_mpc.task.task import PackingOutcome
 
 CELL = packing_cell()
 CARTON = Box(name="carton", shape="box", size=(0.09, 0.06, 0.1), mass=0.3)

@@ -22,9 +22,10 @@ from pack_mpc.filling.fill_job import FillJob
 from pack_mpc.filling.fill_report import FillReport
 from pack_mpc.filling.requests import Arrange, FillRequest, Judge, Pack, Packed, Present, Presented, UsePump
 from pack_mpc.filling.steps import FillObservation
-from pack_mpc.force_record import ForceRecord
-from pack_mpc.look import unseen_of
-from pack_mpc.session import PackingObservation, PackingSession, hold
+from pack_mpc.observation import PackingObservation, unseen_of
+from pack_mpc.session import PackingSession
+from pack_mpc.setpoints import hold
+from pack_mpc.task.force_record import ForceRecord
 from pack_planner.filling.fill_planner import FillPlanner
 from pack_planner.placement.placement_planner import PlacementPlanners
 

@@ -18,10 +18,10 @@ from pack_evaluation.packing.run import Run
 from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_lockstep.packing.run_log import PackingRunLog
-from pack_mpc.blindness import blind_for
 from pack_mpc.controller import ControlPlan
-from pack_mpc.outcome import PackingOutcome
-from pack_mpc.session import PackingObservation, PackingSession
+from pack_mpc.observation import PackingObservation, blind_for
+from pack_mpc.session import PackingSession
+from pack_mpc.task.task import PackingOutcome
 from pack_planner.placement.placement_planner import PlacementPlanners
 
 HELD = "HELD"

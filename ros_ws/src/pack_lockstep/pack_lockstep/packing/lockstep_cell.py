@@ -14,7 +14,8 @@ from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
 from pack_core.rotations import Pose
 from pack_core.topics import steps_between
 from pack_lockstep.packing.lockstep_config import LockstepConfig
-from pack_mpc.session import PackingObservation, PackingSession
+from pack_mpc.observation import PackingObservation
+from pack_mpc.session import PackingSession
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_planner.placement.placement_planner import PlacementPlanner
 from pack_planner.placement.placement_result import PlannedPlacement

@@ -16,9 +16,8 @@ from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.track import to_tracks
 from pack_mpc.controller import ControlPlan
-from pack_mpc.outcome import PackingOutcome
-from pack_mpc.placement import ChosenPlacement
-from pack_mpc.task import PackingTask
+from pack_mpc.task.stages import ChosenPlacement
+from pack_mpc.task.task import PackingOutcome, PackingTask
 from pack_perception.mocap.physics_estimator import PhysicsEstimator
 from pack_planner.placement.placement_result import SHOWN, PlannedPlacement
 from pack_sim.packing.simulator import Simulator

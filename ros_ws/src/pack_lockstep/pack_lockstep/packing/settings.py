@@ -16,8 +16,8 @@ from pack_core.packing.scene_file import load_scene
 from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_config
 from pack_lockstep.packing.presets import load_preset
 from pack_mpc.controller import OptimizerName
+from pack_mpc.cost.weights import load_weights
 from pack_mpc.optimizers import OPTIMIZERS
-from pack_mpc.weights import load_weights
 
 MM = 1e3
 

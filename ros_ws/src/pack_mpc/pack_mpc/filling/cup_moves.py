@@ -12,7 +12,7 @@ from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.steps import FillCommand, FillObservation, Steps, Until
 from pack_mpc.filling.tool_motion import PEAK, PathLeg, ToolArm, legs
-from pack_mpc.stages import nearest_heading
+from pack_mpc.task.stages import nearest_heading
 
 OVERLAP = 0.35
 """Share of a leg during which the next one begins already, well above everything."""

@@ -19,7 +19,7 @@ from pack_mpc.filling.fill_report import FilledObject, FillReport
 from pack_mpc.filling.object_handling import ObjectHandling
 from pack_mpc.filling.requests import Arrange, Judge, Pack, Packed, Present, Presented
 from pack_mpc.filling.steps import FillCommand, FillObservation, FillStage, Steps, ask
-from pack_mpc.outcome import PackingOutcome
+from pack_mpc.task.task import PackingOutcome
 
 
 class FillJob:

@@ -13,7 +13,7 @@ from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.requests import UsePump
 from pack_mpc.filling.steps import FillObservation, Steps, ask, wait
 from pack_mpc.filling.tool_motion import legs
-from pack_mpc.stages import UP
+from pack_mpc.task.stages import UP
 
 
 class ObjectHandling:

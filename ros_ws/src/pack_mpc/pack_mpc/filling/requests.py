@@ -9,7 +9,7 @@ from typing import TypeAlias
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
-from pack_mpc.outcome import PackingOutcome
+from pack_mpc.task.task import PackingOutcome
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from pack_mpc.ros.fill_clients import FillClients
 from pack_mpc.ros.fill_goal import FillGoal
 from pack_mpc.ros.fill_messages import to_fill_progress, to_fill_report, to_fill_result
 from pack_mpc.ros.mailbox import Mailbox
-from pack_mpc.ros.placement_client import PlacementClient
+from pack_mpc.ros.pack_goal import PlacementClient
 from pack_mpc.session import SessionConfig
 
 

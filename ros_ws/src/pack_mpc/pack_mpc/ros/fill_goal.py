@@ -19,12 +19,13 @@ from pack_mpc.controller import ControlPlan
 from pack_mpc.filling.fill_job import FillJob
 from pack_mpc.filling.requests import FillRequest, Pack, Packed
 from pack_mpc.filling.steps import FillObservation
-from pack_mpc.force_record import ForceRecord
+from pack_mpc.observation import PackingObservation
 from pack_mpc.ros.fill_clients import FillClients
 from pack_mpc.ros.fill_requests import FillRequests, Poll
-from pack_mpc.ros.pack_goal import GoalTurn
-from pack_mpc.ros.placement_client import PlacementClient
-from pack_mpc.session import PackingObservation, PackingSession, SessionConfig, hold
+from pack_mpc.ros.pack_goal import GoalTurn, PlacementClient
+from pack_mpc.session import PackingSession, SessionConfig
+from pack_mpc.setpoints import hold
+from pack_mpc.task.force_record import ForceRecord
 
 STEP = 0.02
 """Time between two steps of the job while no packing goal is in progress [s]."""

@@ -18,8 +18,8 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.conversions import to_pose
 from pack_core.ros.messages.scene import to_scene
 from pack_mpc.filling.requests import Arrange, Judge, Present, Presented, UsePump
+from pack_mpc.observation import PackingObservation
 from pack_mpc.ros.fill_clients import FillClients, arrangement_in, reason_in
-from pack_mpc.session import PackingObservation
 
 Poll = Callable[[], object | None]
 """Returns the answer to a request, once there is one."""

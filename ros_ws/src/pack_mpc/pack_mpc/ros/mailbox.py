@@ -24,8 +24,7 @@ from pack_core.ros.messages.scene import from_scene
 from pack_core.ros.node import CellNode
 from pack_core.ros.stream import Stream, StreamWait
 from pack_core.states import SceneState
-from pack_mpc.blindness import blind_for
-from pack_mpc.session import PackingObservation
+from pack_mpc.observation import PackingObservation, blind_for
 
 SCENE_AGE = 0.1
 """Age beyond which an estimate of the scene is not planned from [s]."""

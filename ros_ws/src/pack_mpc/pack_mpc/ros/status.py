@@ -11,8 +11,9 @@ from std_msgs.msg import String
 
 from pack_core.ros.messages.conversions import WORLD, to_pose, to_stamp
 from pack_mpc.controller import ControlPlan
-from pack_mpc.look import LookMachine
-from pack_mpc.session import PackingObservation, PackingSession
+from pack_mpc.observation import PackingObservation
+from pack_mpc.session import PackingSession
+from pack_mpc.task.look import LookMachine
 
 
 def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> MpcStatus:

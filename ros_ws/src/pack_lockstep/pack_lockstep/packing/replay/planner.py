@@ -22,8 +22,8 @@ from pack_evaluation.packing.run import Run
 from pack_lockstep.node_parameters import parameters_of
 from pack_lockstep.packing.presets import PackingPreset
 from pack_lockstep.packing.replay.comparison import ComparisonRow, Replay, check_frames
+from pack_mpc.cost.weights import load_weights
 from pack_mpc.session import SessionConfig
-from pack_mpc.weights import load_weights
 from pack_planner.placement.placement_planner import (
     PlacementPlanner,
     PlacementPlannerConfig,

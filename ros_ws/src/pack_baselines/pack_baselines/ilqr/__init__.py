@@ -1,0 +1,1 @@
+"""Iterative LQR on joint torques, the optimizer of the paper."""

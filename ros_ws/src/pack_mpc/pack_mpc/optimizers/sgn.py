@@ -1,0 +1,205 @@
+"""Spline Gauss-Newton by rollouts (SGN): a few twist knots, large finite differences, explorers.
+
+One batch of rollouts perturbs the knots, each or in a late iteration some of them, by a step that is large
+enough to see past a contact; the Gauss-Newton steps that follow from it, at several dampings, are rolled out
+in a second batch, and the cheapest rollout of both is the plan. Every rollout is independent of the others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
+
+from pack_core.config import Config
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.model import HELD_POSITION, ArmRole
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array
+from pack_mpc.cost.cost import PackingCost
+from pack_mpc.optimizers.optimizer import Optimizer, Solution
+from pack_mpc.optimizers.spline import Basis, ResolvedRateServo, ServoReference
+from pack_mpc.plant import PackingPlant
+from pack_mpc.setpoints import predicted_setpoints
+from pack_mpc.target import PackingTarget, Stage
+
+
+class SgnConfig(Config):
+    """Parameters of the optimizer `sgn`; a twist is linear [m/s], then angular [rad/s]."""
+
+    timestep: PositiveFloat = Field(default=0.02, description="time step of the model [s]")
+    horizon: PositiveInt = Field(default=30, description="length of the horizon, in steps")
+    knots: PositiveInt = Field(default=3, description="knots of the twist spline")
+    step_linear: PositiveFloat = Field(default=0.05, description="step of the finite differences [m/s]")
+    step_angular: PositiveFloat = Field(default=0.25, description="step of the finite differences [rad/s]")
+    explorers: NonNegativeInt = Field(
+        default=0, description="random splines in each iteration, where perturbations alone get stuck"
+    )
+    spread_linear: PositiveFloat = Field(default=0.12, description="standard deviation of explorers [m/s]")
+    spread_angular: PositiveFloat = Field(default=0.5, description="standard deviation of explorers [rad/s]")
+    dampings: tuple[PositiveFloat, ...] = Field(
+        default=(0.01, 0.1, 1.0),
+        description="dampings of the Gauss-Newton steps, one rollout each",
+    )
+    speed_linear: PositiveFloat = Field(default=0.4, description="largest linear twist [m/s]")
+    speed_down: PositiveFloat = Field(default=0.4, description="largest downward twist [m/s]")
+    speed_landing: PositiveFloat = Field(
+        default=0.07, description="largest downward twist where the object may land on another [m/s]"
+    )
+    speed_angular: PositiveFloat = Field(default=1.5, description="largest angular twist [rad/s]")
+    effort: NonNegativeFloat = Field(default=0.02, description="weight of the squared knots in the cost")
+    late: PositiveFloat = Field(
+        default=0.05,
+        description="an iteration that begins so long after the last one perturbs the first knot and one of "
+        "the others, in turn, so that a slow processor keeps up [s]",
+    )
+    leash: PositiveFloat = Field(
+        default=0.04, description="lead limit: how far the reference may be ahead of the arm [m]"
+    )
+
+
+@dataclass(frozen=True)
+class RolloutBatch:
+    """B rollouts at once.
+
+    Attributes:
+        residuals: weighted residuals `(B, M)`.
+        costs: `(B,)`; infinite for a rollout that diverged.
+        xs: states `(B, T+1, nx)`.
+        ys: outputs `(B, T+1, ny)`.
+        q: desired joint positions `(B, T, 7)` [rad].
+        v: desired joint velocities `(B, T, 7)` [rad/s].
+    """
+
+    residuals: Array
+    costs: Array
+    xs: Array
+    ys: Array
+    q: Array
+    v: Array
+
+
+class SgnOptimizer(Optimizer):
+    """Improves a twist spline: knots theta `(K, 6)`; the driver's servos are part of its model."""
+
+    parameters = SgnConfig
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: SgnConfig, threads: int) -> None:
+        self._config, self._drive = config, cell.robot
+        self.plant = PackingPlant(scene, cell, timestep=config.timestep, threads=threads, arm=ArmRole.SERVO)
+        times = np.asarray(config.timestep * np.arange(config.horizon), dtype=float)
+        end = config.horizon * config.timestep
+        self._basis = Basis(times, np.linspace(0.0, end, config.knots))
+        self._rng = np.random.default_rng(0)
+        self._steps = np.repeat([[config.step_linear] * 3 + [config.step_angular] * 3], config.knots, axis=0)
+        self._spread = np.array([config.spread_linear] * 3 + [config.spread_angular] * 3)
+        self._upper = np.array([config.speed_linear] * 3 + [config.speed_angular] * 3)
+        self._lower = -self._upper
+        self._theta = np.zeros((config.knots, 6))
+        self._turn = 0
+        self._reference: ServoReference | None = None
+
+    def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
+        """One iteration from the state `x0`: the cheapest rollout of both batches is the plan."""
+        config = self._config
+        down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
+        self._lower[2] = -down
+        last, q_arm = self._reference, x0[self.plant.layout.q]
+        q_ref = q_arm if last is None else last.at(float(x0[0]), q_arm)
+        servo = ResolvedRateServo(self.plant, q_arm, q_ref, config.leash)
+        nominal = self._clip(self._shifted(x0))
+        is_late = last is not None and float(x0[0]) - last.time > config.late
+        thetas, signs = self._first_batch(nominal, x0, target, self._due(is_late=is_late))
+        first = self._roll_out(servo, x0, cost, thetas)
+        steps = self._gauss_newton(first, thetas, signs)
+        second = self._roll_out(servo, x0, cost, steps)
+        costs = np.concatenate([first.costs, second.costs])
+        best = int(np.argmin(costs))
+        batch, i = (first, best) if best < len(first.costs) else (second, best - len(first.costs))
+        self._theta = np.concatenate([thetas, steps])[best]
+        # The last reference holds to the end of the horizon, where no step begins any more.
+        offsets = np.append(self._basis.times, self._basis.knots[-1])
+        q, v = (np.concatenate([part[i], part[i, -1:]]) for part in (batch.q, batch.v))
+        self._reference = ServoReference(float(x0[0]), offsets, q)
+        setpoints = predicted_setpoints(self.plant, self._drive, offsets, batch.xs[i], q, v)
+        path = batch.ys[i][:, self.plant.sensor(HELD_POSITION)]
+        return Solution(setpoints, path, float(costs[best]), float(best > 0), 0.0)
+
+    def _shifted(self, x0: Array) -> Array:
+        """The last plan's knots as seen from the time of `x0`."""
+        if self._reference is None:
+            return np.zeros_like(self._theta)
+        return self._basis.shifted(self._theta, float(x0[0]) - self._reference.time)
+
+    def _due(self, *, is_late: bool) -> np.ndarray:
+        """Whether each knot `(K,)` is perturbed in this iteration."""
+        knots = np.arange(len(self._theta))
+        if not is_late or len(knots) < 3:
+            return np.ones(len(knots), dtype=bool)
+        self._turn = 1 + self._turn % (len(knots) - 1)
+        return np.asarray((knots == 0) | (knots == self._turn))
+
+    def _first_batch(
+        self, nominal: Array, x0: Array, target: PackingTarget, due: np.ndarray
+    ) -> tuple[Array, Array]:
+        """The splines of the first batch, all within bounds, and the signs of the perturbations.
+
+        Returns:
+            Splines `(B, K, 6)`: the nominal one, one perturbation for each of the n parameters of the knots
+            that are due, a halt, a straight way to the target, random explorers; and signs `(6 K,)`, 0 where
+            nothing is perturbed.
+        """
+        signs = (self._signs(nominal) * due[:, None]).ravel()
+        deltas = np.diag(signs * self._steps.ravel())[signs != 0.0].reshape(-1, *nominal.shape)
+        explorers = nominal + self._rng.normal(size=(self._config.explorers, *nominal.shape)) * self._spread
+        straight = np.stack([np.zeros_like(nominal), self._straight(x0, target)])
+        thetas = np.concatenate(
+            [nominal[None], nominal + deltas, self._clip(np.concatenate([straight, explorers]))]
+        )
+        return thetas, signs
+
+    def _signs(self, nominal: Array) -> Array:
+        """Random signs of the perturbations `(K, 6)`, towards the inside where a bound is near."""
+        signs = self._rng.choice([-1.0, 1.0], nominal.shape)
+        ahead = nominal + signs * self._steps
+        return np.where((ahead > self._upper) | (ahead < self._lower), -signs, signs)
+
+    def _straight(self, x0: Array, target: PackingTarget) -> Array:
+        """The spline that heads straight for the target and stops there."""
+        twist = np.zeros(6)
+        # The speed that covers the way in half the horizon; bounds cut it, and the last knot is at rest.
+        twist[:3] = (target.p_WN - self.plant.held_position(x0)) / (0.5 * self._basis.knots[-1])
+        return np.concatenate([np.tile(twist, (len(self._theta) - 1, 1)), np.zeros((1, 6))])
+
+    def _roll_out(
+        self, servo: ResolvedRateServo, x0: Array, cost: PackingCost, thetas: Array
+    ) -> RolloutBatch:
+        q, v = servo.references(self._basis.matrix() @ thetas, self._config.timestep)
+        xs, ys = self.plant.rollout(x0, np.concatenate([q, v], axis=2))
+        residuals = cost.weighted(xs, ys)
+        costs = (residuals**2).sum(axis=1) + self._config.effort * (thetas**2).sum(axis=(1, 2))
+        return RolloutBatch(residuals, np.where(np.isfinite(costs), costs, np.inf), xs, ys, q, v)
+
+    def _gauss_newton(self, batch: RolloutBatch, thetas: Array, signs: Array) -> Array:
+        """Gauss-Newton steps from the nominal, one for each damping `(D, K, 6)`.
+
+        With weighted residuals r, J = dr/dtheta and effort e, the cost r'r + e theta'theta has half the
+        gradient g = J'r + e theta and half the Hessian H = J'J + e I. The steps are Levenberg-Marquardt's,
+        -(H + d diag(H))^-1 g, short ones for a large damping d.
+        """
+        varied, nominal = np.flatnonzero(signs), thetas[0]
+        n = len(varied)
+        # Rollout 0 is the nominal one, 1 to n are its perturbations.
+        J = (batch.residuals[1 : n + 1] - batch.residuals[0]).T / (signs * self._steps.ravel())[varied]
+        if not np.all(np.isfinite(J)):
+            return np.asarray(nominal[None])
+        gradient = J.T @ batch.residuals[0] + self._config.effort * nominal.ravel()[varied]
+        hessian = J.T @ J + self._config.effort * np.eye(n)
+        steps = np.zeros((len(self._config.dampings), nominal.size))
+        for step, damping in zip(steps, self._config.dampings, strict=True):
+            step[varied] = -np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), gradient)
+        return self._clip(nominal + steps.reshape(-1, *nominal.shape))
+
+    def _clip(self, thetas: Array) -> Array:
+        return np.asarray(np.clip(thetas, self._lower, self._upper))
