@@ -20,7 +20,7 @@ from pack_core.robots.seven_axis_arm import SevenAxisArm
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.conversions import from_stamp
-from pack_core.ros.messages.joints import from_joint_state, to_setpoints
+from pack_core.ros.messages.joints import from_joint_state, to_trajectory
 from pack_core.ros.node import CellNode
 
 SENDER = "mpc"
@@ -124,7 +124,7 @@ class DriverRig:
 
     def send(self, setpoints: Setpoints) -> None:
         """Send setpoints."""
-        self.send_message(to_setpoints(setpoints, self.arm.joints))
+        self.send_message(to_trajectory(setpoints, self.arm.joints))
 
     def send_message(self, message: JointTrajectory) -> None:
         """Send a message as it is."""

@@ -24,7 +24,7 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.conversions import from_stamp
-from pack_core.ros.messages.joints import from_joint_state, to_setpoints
+from pack_core.ros.messages.joints import from_joint_state, to_trajectory
 from pack_core.ros.messages.packing import from_markers
 from pack_core.ros.watch.peer_watch import ALIVE_QOS, alive_topic
 from pack_core.topics import CLOCK_RATE
@@ -209,7 +209,7 @@ def test_joints_in_another_order_are_put_in_order(rig: DriverRig) -> None:
     rig.set_going()
     rig.wait_until(lambda: rig.speed < SLOW)
     begun, held = rig.time, rig.joints.q
-    message = to_setpoints(rig.move()(), rig.arm.joints)
+    message = to_trajectory(rig.move()(), rig.arm.joints)
     message.joint_names = message.joint_names[::-1]
     for point in message.points:
         for column in COLUMNS:
@@ -281,7 +281,7 @@ def test_bad_setpoints_neither_move_nor_end_it_and_are_counted(rig: DriverRig, k
     refused = rig.refusals()
     for what, spoil in BAD[kind].items():
         begun, held = rig.time, rig.joints.q
-        message = to_setpoints(rig.move()(), rig.arm.joints)
+        message = to_trajectory(rig.move()(), rig.arm.joints)
         spoil(message)
         # One at a time: of several at once the queue, which keeps the newest one, may lose some.
         rig.send_message(message)

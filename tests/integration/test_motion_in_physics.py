@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from pack_core.joints import JointReference
+from pack_core.joints import Setpoints
 from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
@@ -54,7 +54,7 @@ class Physics:
         simulator, last = self.simulator, self.motion.commanded
         new = self.motion.step(simulator.time + PERIOD, simulator.joints())
         rows = [np.stack([getattr(last, name), getattr(new, name)]) for name in ("q", "v", "a")]
-        simulator.accept(JointReference(simulator.time, np.array([0.0, PERIOD]), *rows))
+        simulator.accept(Setpoints(simulator.time, np.array([0.0, PERIOD]), *rows[:2], a=rows[2]))
         for _ in range(STEPS):
             simulator.step()
             self._compare()

@@ -10,7 +10,7 @@ from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 from rclpy.qos import ReliabilityPolicy
 
 from integration.harness import Graph
-from pack_core.joints import JointReference, JointSample
+from pack_core.joints import JointSample, Setpoints
 from pack_core.motion.moves import JointMove, Move, Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.robots.kr210 import JOINTS
@@ -36,7 +36,7 @@ class Arm:
 
     def __init__(self, graph: Graph) -> None:
         self._graph, self.time, self.q = graph, 1.0, HOME.copy()
-        self.references: list[JointReference] = []
+        self.references: list[Setpoints] = []
         graph.probe.listen(contracts.SETPOINTS, contracts.MOTION_STATUS)
         graph.connect(contracts.JOINT_STATES, contracts.MOTION_TARGET, contracts.MOTION_OBSTACLES)
         self._be_heard()
@@ -66,8 +66,10 @@ class Arm:
         self._graph.probe.send(contracts.JOINT_STATES, to_joint_state(sample, JOINTS))
         self._graph.wait_until(lambda: len(answers) > heard)
         if self.status.state != "HELD":
-            self._graph.wait_until(lambda: from_trajectory(setpoints[-1], JOINTS).end > self.time + AHEAD)
-        reference = from_trajectory(setpoints[-1], JOINTS)
+            self._graph.wait_until(
+                lambda: from_trajectory(setpoints[-1], JOINTS, "a").end > self.time + AHEAD
+            )
+        reference = from_trajectory(setpoints[-1], JOINTS, "a")
         self.references.append(reference)
         self.time += PERIOD
         self.q = reference.at(self.time)[0]

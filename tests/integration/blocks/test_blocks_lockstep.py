@@ -11,7 +11,7 @@ from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import block_name
 from pack_core.bodies import set_object_poses
 from pack_core.errors import MessageError
-from pack_core.joints import JointReference
+from pack_core.joints import Setpoints
 from pack_core.motion.target import Acceptance, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Pose
@@ -87,7 +87,7 @@ def test_a_block_that_a_hand_moves_during_an_action_is_seen_and_planned_for_anew
 
 
 def test_a_run_whose_setpoints_the_driver_refuses_ends_and_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(_: BlocksSimulator, reference: JointReference) -> None:
+    def refuse(_: BlocksSimulator, setpoints: Setpoints) -> None:
         raise MessageError("velocity of elbow_joint is 9.000 rad/s")
 
     monkeypatch.setattr(BlocksSimulator, "accept", refuse)

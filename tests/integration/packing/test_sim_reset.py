@@ -13,7 +13,7 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.messages.joints import to_setpoints
+from pack_core.ros.messages.joints import to_trajectory
 from pack_core.ros.messages.scene import from_scene
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.sim_node import PackingSimNode
@@ -40,7 +40,7 @@ def expected_poses(scene: Scene) -> np.ndarray:
 def test_reset_with_a_seed_brings_that_scene_and_the_arm_home(graph: Graph) -> None:
     node = start_sim(graph)
     before = newest_joints(graph)
-    graph.probe.send(contracts.SETPOINTS, to_setpoints(ramp(before, 1.0), PANDA.joints))
+    graph.probe.send(contracts.SETPOINTS, to_trajectory(ramp(before, 1.0), PANDA.joints))
     graph.wait_until(lambda: newest_joints(graph).q[0] > before.q[0] + 0.01)
     response = reset(graph, node, seed=3)
     assert response.success, response.message
@@ -48,7 +48,7 @@ def test_reset_with_a_seed_brings_that_scene_and_the_arm_home(graph: Graph) -> N
     np.testing.assert_allclose(poses_of(graph, scene), expected_poses(scene), atol=0.002)
     np.testing.assert_allclose(newest_joints(graph).q, packing_cell().robot.home, atol=0.005)
     assert np.all(np.diff(stamps_of(graph, contracts.JOINT_STATES)) > 0.0)
-    assert node.simulator.controller.is_holding
+    assert node.simulator.follower.is_holding
 
 
 def test_reset_with_a_scene_text_brings_that_scene_and_its_description(graph: Graph) -> None:

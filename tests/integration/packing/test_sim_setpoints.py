@@ -14,7 +14,7 @@ from integration.simulation_rig import accept_times, standing_without_setpoints
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
-from pack_core.ros.messages.joints import to_setpoints
+from pack_core.ros.messages.joints import to_trajectory
 from pack_sim.packing.sim_node import PackingSimNode
 
 AT_REST = 0.02
@@ -26,19 +26,19 @@ DURATION = 0.3
 def test_the_arm_follows_setpoints_and_holds_when_they_grow_stale(graph: Graph) -> None:
     node = start_sim(graph)
     sent, accepted = newest_joints(graph), accept_times(node)
-    graph.probe.send(contracts.SETPOINTS, to_setpoints(ramp(sent, 1.0), PANDA.joints))
+    graph.probe.send(contracts.SETPOINTS, to_trajectory(ramp(sent, 1.0), PANDA.joints))
     graph.wait_until(lambda: accepted and newest_joints(graph).time > accepted[0] + 0.4)
     samples = joint_samples(graph, sent.time)
     assert max(speeds(sample).max() for sample in samples) > 0.5 * SPEED
     moving = [sample.time for sample in samples if speeds(sample).max() > AT_REST]
     assert 0.09 < moving[-1] - accepted[0] < 0.14
-    assert node.simulator.controller.is_holding
+    assert node.simulator.follower.is_holding
 
 
 def follow_and_send(graph: Graph, node: PackingSimNode, bad: JointTrajectory) -> float:
     """Stream a good ramp, with bad setpoints in between; the speed at which the joint went on."""
     start, accepted = newest_joints(graph), accept_times(node)
-    good = to_setpoints(ramp(start, 2.0), PANDA.joints)
+    good = to_trajectory(ramp(start, 2.0), PANDA.joints)
     passed = (0.1, 0.1 + DURATION)
     with standing_without_setpoints(node, accepted):
         while newest_joints(graph).time < start.time + passed[1]:
@@ -60,22 +60,22 @@ def refused(node: PackingSimNode) -> int:
 @pytest.mark.parametrize(
     ("column", "value", "named"),
     [
-        ("positions", [math.nan] * 7, "setpoint q is not finite"),
+        ("positions", [math.nan] * 7, "setpoint q: a position is not finite"),
         ("positions", [0.0] * 6, "(40, 6); allowed: (40, 7)"),
-        ("positions", [9.0] + [0.0] * 6, "setpoint q of joint 1 is 9.000 rad; allowed: -2.897 to 2.897"),
+        ("positions", [9.0] + [0.0] * 6, "position of panda_joint1 is 9.000 rad; allowed: -2.897 to 2.897"),
         (
             "velocities",
             [0.0] * 6 + [-50.0],
-            "v of joint 7 is -50.000 rad/s; allowed: -2.610 to 2.610",
+            "velocity of panda_joint7 is -50.000 rad/s; allowed: -2.610 to 2.610",
         ),
-        ("effort", [1e3] + [0.0] * 6, "setpoint tau of joint 1 is 1000.000 N m; allowed: -87.000 to 87.000"),
+        ("effort", [1e3] + [0.0] * 6, "torque of panda_joint1 is 1000.000 N m; allowed: -87.000 to 87.000"),
     ],
 )
 def test_bad_setpoints_are_refused_counted_and_named_while_the_arm_goes_on(
     graph: Graph, column: str, value: list[float], named: str
 ) -> None:
     node = start_sim(graph)
-    bad = to_setpoints(ramp(newest_joints(graph), 1.0), PANDA.joints)
+    bad = to_trajectory(ramp(newest_joints(graph), 1.0), PANDA.joints)
     for point in bad.points:
         setattr(point, column, value)
     assert follow_and_send(graph, node, bad) == pytest.approx(SPEED, rel=0.25)

@@ -6,7 +6,7 @@ import numpy as np
 from pack_interfaces.srv import SpawnBox
 
 from integration.harness import Graph
-from pack_core.joints import JointReference, JointSample
+from pack_core.joints import JointSample, Setpoints
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
@@ -49,7 +49,7 @@ def joint_samples(graph: Graph, after: float) -> list[JointSample]:
     return [from_joint_state(message, JOINTS) for message in mail if from_stamp(message.header.stamp) > after]
 
 
-def ramp(start: JointSample, duration: float) -> JointReference:
+def ramp(start: JointSample, duration: float) -> Setpoints:
     """A reference that brings the first joint from rest to `SPEED` and keeps it there."""
     offsets = np.arange(0.0, duration, 0.01)
     early = np.minimum(offsets, RISE)
@@ -57,4 +57,4 @@ def ramp(start: JointSample, duration: float) -> JointReference:
     a[:, 0] = np.where(offsets < RISE, SPEED / RISE, 0.0)
     v[:, 0] = SPEED / RISE * early
     q[:, 0] += 0.5 * SPEED / RISE * early**2 + SPEED * (offsets - early)
-    return JointReference(start.time, offsets, q, v, a)
+    return Setpoints(start.time, offsets, q, v, a=a)

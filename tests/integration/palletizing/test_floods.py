@@ -20,7 +20,7 @@ FLOOD = """
 import sys, time
 import numpy as np
 import rclpy
-from pack_core.joints import JointReference, JointSample
+from pack_core.joints import JointSample, Setpoints
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion
 from pack_core.ros.messages.joints import from_joint_state, to_trajectory
@@ -35,7 +35,7 @@ while not heard:
     rclpy.spin_once(node)
 start = from_joint_state(heard[-1], JOINTS)
 zeros = np.zeros((2, len(JOINTS)))
-stands = JointReference(start.time, np.array([0.0, 60.0]), zeros + start.q, zeros, zeros)
+stands = Setpoints(start.time, np.array([0.0, 60.0]), zeros + start.q, zeros, a=zeros)
 message = to_trajectory(stands, JOINTS)
 print("floods", flush=True)
 begun, sent = time.monotonic(), 0

@@ -7,7 +7,7 @@ import pytest
 
 from integration.harness import Graph
 from integration.palletizing.pallet_rig import joint_samples, newest_joints, start_pallet_sim
-from pack_core.joints import JointReference
+from pack_core.joints import Setpoints
 from pack_core.motion.moves import Move, Path, PoseMove
 from pack_core.motion.target import MotionTarget
 from pack_core.robots.kr210 import LIMITS
@@ -36,9 +36,9 @@ class Deaf:
         self.until = -np.inf
         node.simulator.accept = self.accept  # type: ignore[method-assign]
 
-    def accept(self, reference: JointReference) -> None:
+    def accept(self, setpoints: Setpoints) -> None:
         if self._node.simulator.time > self.until:
-            self._accept(reference)
+            self._accept(setpoints)
 
 
 @pytest.fixture
@@ -91,9 +91,8 @@ def test_a_stream_that_begins_far_from_the_held_arm_is_refused_counted_and_named
     graph: Graph, sim: PalletSimNode
 ) -> None:
     stands = newest_joints(graph)
-    far = JointReference(
-        stands.time, np.array([0.0, 9.0]), np.tile(stands.q + 0.2, (2, 1)), *np.zeros((2, 2, 6))
-    )
+    rest = np.zeros((2, 6))
+    far = Setpoints(stands.time, np.array([0.0, 9.0]), np.tile(stands.q + 0.2, (2, 1)), rest, a=rest)
     graph.probe.send(motion.SETPOINTS, to_trajectory(far, LIMITS.names))
     graph.wait_until(lambda: sim.health.counts["refused /joint_setpoints"] == 1)
     assert "joint_a2 +0.2000 rad from where the arm was held" in sim.health.status().message

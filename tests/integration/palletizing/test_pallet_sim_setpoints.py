@@ -48,9 +48,9 @@ def test_the_arm_follows_setpoints_and_brakes_when_they_grow_stale(graph: Graph)
     ("column", "value", "named"),
     [
         ("positions", [math.nan] * 6, "a position is not finite"),
-        ("positions", [0.0] * 5, "positions have shape"),
+        ("positions", [0.0] * 5, "setpoint q has shape"),
         ("velocities", [-9.0] + [0.0] * 5, "velocity of joint_a1 is -9.000 rad/s; allowed: -2.038 to 2.038"),
-        ("accelerations", [], "positions have shape|accelerations have shape"),
+        ("accelerations", [], "setpoint q has shape|setpoint a has shape"),
     ],
 )
 def test_bad_setpoints_are_refused_counted_and_named(

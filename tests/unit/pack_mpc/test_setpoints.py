@@ -16,7 +16,7 @@ from pack_mpc.optimizers.optimizer import Solution
 from pack_mpc.optimizers.sgn import SgnConfig, SgnOptimizer
 from pack_mpc.setpoints import predicted_setpoints
 from pack_mpc.target import PackingTarget, Stage
-from pack_sim.packing.joint_controller import JointController
+from unit.pack_sim.packing.driver import Driver
 
 DRIVE = packing_cell().robot
 OFFSETS = np.array([0.0, 0.02, 0.05, 0.07])
@@ -37,7 +37,7 @@ def test_the_drivers_torque_is_that_of_the_servos_at_every_moment(scene: Scene, 
     xs = np.zeros((len(OFFSETS), plant.nx))
     xs[:, 0] = 1.0 + OFFSETS
     xs[:, plant.layout.q], xs[:, plant.layout.v] = q_pred, v_pred
-    driver = JointController(DRIVE, watchdog=1.0)
+    driver = Driver(DRIVE, watchdog=1.0)
     driver.accept(predicted_setpoints(plant, DRIVE, OFFSETS, xs, q_des, v_des), 1.0)
     q, v = home + 0.02 * rng.normal(size=7), 0.02 * rng.normal(size=7)
     q_d, v_d = (
@@ -80,7 +80,7 @@ def test_without_its_torque_a_plan_does_not_set_the_arm_going(scene, joints, sta
     plan, limits = solution.setpoints, DRIVE.arm.limits
     assert np.abs(plan.tau).max() > 5.0
     assert np.all(np.abs(plan.tau) <= limits.effort)
-    driver = JointController(DRIVE, watchdog=1.0)
+    driver = Driver(DRIVE, watchdog=1.0)
     driver.accept(plan, plan.time)
     at_rest = driver.torque(plan.time, joints.q, joints.v, lambda: np.eye(7))
     np.testing.assert_allclose(at_rest, np.clip(plan.tau[0], -limits.effort, limits.effort), atol=1e-9)
@@ -89,7 +89,7 @@ def test_without_its_torque_a_plan_does_not_set_the_arm_going(scene, joints, sta
 @pytest.mark.parametrize("share", [1.0, 0.5, 0.125])
 def test_the_driver_feeds_back_the_configured_share_and_holds_with_all(share: float) -> None:
     drive = DRIVE.model_copy(update={"feedback": share})
-    driver = JointController(drive, watchdog=0.1)
+    driver = Driver(drive, watchdog=0.1)
     home, still = np.array(DRIVE.home), np.zeros(7)
     off = home + 0.01
     held = driver.torque(0.0, home, still, lambda: np.eye(7))

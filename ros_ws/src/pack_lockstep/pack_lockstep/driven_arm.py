@@ -8,9 +8,10 @@ from typing import Protocol
 import numpy as np
 
 from pack_core.errors import MessageError
-from pack_core.joints import JointReference, JointSample, JointSetpoint
+from pack_core.joints import JointSample, Setpoints
 from pack_core.rotations import Array
 from pack_motion.controller import MotionController
+from pack_motion.reference.trajectory import JointState
 
 
 class SteppedPhysics(Protocol):
@@ -35,7 +36,7 @@ class ReferenceDriver(Protocol):
     def joints(self) -> JointSample:
         """The arm's measured joints."""
 
-    def accept(self, reference: JointReference) -> None:
+    def accept(self, setpoints: Setpoints) -> None:
         """Take setpoints; MessageError if they are refused."""
 
     def step(self) -> None:
@@ -62,7 +63,7 @@ class DrivenArm:
         on_refusal: Callable[[str], None],
     ) -> None:
         self._motion, self._simulator, self._period = motion, simulator, period
-        self._setpoint = JointSetpoint(simulator.time, q, np.zeros_like(q), np.zeros_like(q))
+        self._setpoint = JointState.at_rest(q)
         self._on_refusal = on_refusal
 
     @property
@@ -74,9 +75,9 @@ class DrivenArm:
         """Make one step of the motion controller, and the physics steps of the same period."""
         simulator, period, last = self._simulator, self._period, self._setpoint
         new = self._motion.step(simulator.time + period, simulator.joints())
-        rows = [np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a))]
+        q, v, a = (np.stack(pair) for pair in ((last.q, new.q), (last.v, new.v), (last.a, new.a)))
         try:
-            simulator.accept(JointReference(simulator.time, np.array([0.0, period]), *rows))
+            simulator.accept(Setpoints(simulator.time, np.array([0.0, period]), q, v, a=a))
         except MessageError as error:
             self._on_refusal(f"the driver refused setpoints: {error}")
         for _ in range(round(period / simulator.config.timestep)):

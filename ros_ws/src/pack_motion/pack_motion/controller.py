@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pack_core.errors import PackError
-from pack_core.joints import JointSample, JointSetpoint
+from pack_core.joints import JointSample
 from pack_core.motion.moves import JointMove, Mode, Path
 from pack_core.motion.target import Acceptance, MotionStatus, MotionTarget
 from pack_core.motion.world import Obstacle
@@ -165,8 +165,8 @@ class MotionController:
         self._moving.observe(obstacles, self._time if time is None else time)
         self._refresh_field()
 
-    def step(self, time: float, sample: JointSample) -> JointSetpoint:
-        """Advance to `time`.
+    def step(self, time: float, sample: JointSample) -> JointState:
+        """Advance to `time`; what is commanded of the joints then.
 
         Args:
             time: time of the setpoint [s]; later than the last one.
@@ -191,7 +191,7 @@ class MotionController:
         tracker.step(h, before, after, posture, seen)
         self._monitor.progress.record(time, tracker.state)
         self._monitor.judge(h, sample, pursuit, self._target, (tracker.least_distance, self._field.names))
-        return JointSetpoint(time, tracker.state.q, tracker.state.v, tracker.state.a)
+        return tracker.state
 
     def status(self) -> MotionStatus:
         """State and progress of the newest move."""

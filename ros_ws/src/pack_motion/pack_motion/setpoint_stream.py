@@ -6,7 +6,7 @@ from collections import deque
 
 import numpy as np
 
-from pack_core.joints import JointReference, JointSample, JointSetpoint
+from pack_core.joints import JointSample, Setpoints
 from pack_core.motion.target import MotionTarget
 from pack_core.rotations import Array
 from pack_motion.controller import MotionController
@@ -47,13 +47,13 @@ class SetpointStream:
 
     def has_begun_anew(self, sample: JointSample) -> bool:
         """Whether time went back, as after a reset of the simulator."""
-        return sample.time < self._rows[-1].time - 2.0 * self._horizon
+        return sample.time < self._rows[-1][0] - 2.0 * self._horizon
 
-    def advance(self, sample: JointSample) -> JointReference | None:
+    def advance(self, sample: JointSample) -> Setpoints | None:
         """Setpoints from the last one that is due up to the horizon; None while the arm is held."""
         controller = self.controller
         self.left, self.interruption = None, ""
-        gap = sample.time - self._rows[-1].time
+        gap = sample.time - self._rows[-1][0]
         if controller.is_held:
             controller.see(sample)
             if not self._has_rested(sample) or self.is_barred:
@@ -98,14 +98,14 @@ class SetpointStream:
         return sample.time - self._rested > 2.0 * self._horizon
 
     def _restart(self) -> None:
-        state, time = self.controller.commanded, self.controller.time
-        self._rows = deque([JointSetpoint(time, state.q, state.v, state.a)], maxlen=MEMORY)
+        self._rows = deque([(self.controller.time, self.controller.commanded)], maxlen=MEMORY)
 
-    def _rows_until(self, sample: JointSample) -> JointReference:
+    def _rows_until(self, sample: JointSample) -> Setpoints:
         while self.controller.time + self._period <= sample.time + self._horizon + 1e-9:
-            self._rows.append(self.controller.step(self.controller.time + self._period, sample))
-        while len(self._rows) > 1 and self._rows[1].time <= sample.time:
+            state = self.controller.step(self.controller.time + self._period, sample)
+            self._rows.append((self.controller.time, state))
+        while len(self._rows) > 1 and self._rows[1][0] <= sample.time:
             self._rows.popleft()
-        times = np.array([row.time for row in self._rows])
-        q, v, a = (np.array([getattr(row, name) for row in self._rows]) for name in ("q", "v", "a"))
-        return JointReference(float(times[0]), times - times[0], q, v, a)
+        times = np.array([time for time, _ in self._rows])
+        q, v, a = (np.array([getattr(state, name) for _, state in self._rows]) for name in ("q", "v", "a"))
+        return Setpoints(float(times[0]), times - times[0], q, v, a=a)

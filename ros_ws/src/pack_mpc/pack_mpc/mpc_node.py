@@ -15,7 +15,7 @@ from pack_core.packing.exit_reason import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
-from pack_core.ros.messages.joints import to_setpoints
+from pack_core.ros.messages.joints import to_trajectory
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_mpc.cost.weights import load_weights
@@ -150,7 +150,7 @@ class MpcNode(GoalNode):
         with self._sending:
             is_wanted = self._pursued is goal and not self.silent_peers
             if is_wanted:
-                self._setpoints.publish(to_setpoints(setpoints, self._cell.robot.arm.joints))
+                self._setpoints.publish(to_trajectory(setpoints, self._cell.robot.arm.joints))
         return is_wanted
 
     def _end(self, goal: PackGoal | FillGoal) -> None:
@@ -164,7 +164,7 @@ class MpcNode(GoalNode):
 
     def _hold(self) -> None:
         if self._mailbox.joints is not None:
-            self._setpoints.publish(to_setpoints(hold(self._mailbox.joints), self._cell.robot.arm.joints))
+            self._setpoints.publish(to_trajectory(hold(self._mailbox.joints), self._cell.robot.arm.joints))
 
     def on_peer(self, peer: str, is_alive: bool) -> None:
         """Hold the arm as soon as a peer falls silent; setpoints planned before are not sent after it."""

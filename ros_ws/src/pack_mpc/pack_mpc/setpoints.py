@@ -54,7 +54,7 @@ def pressing(plant: PackingPlant, setpoints: Setpoints, force: float) -> Setpoin
         return setpoints
     limit = plant.arm.limits.effort
     down = plant.held_jacobian(setpoints.q[0])[:3].T @ np.array([0.0, 0.0, -force])
-    return replace(setpoints, tau=np.clip(setpoints.tau + down, -limit, limit))
+    return replace(setpoints, tau=np.clip(setpoints.fed_forward + down, -limit, limit))
 
 
 def hold(joints: JointSample) -> Setpoints:

@@ -4,7 +4,7 @@ import numpy as np
 
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.model import TOOL, arm_model
-from pack_core.joints import JointReference
+from pack_core.joints import Setpoints
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.kinematics.parallel_axes import ParallelAxes
 from pack_core.robots.ur10e import JOINTS, LIMITS
@@ -39,7 +39,7 @@ class TestArm:
         q = np.array([self._solve(self._between(X_WG, share)) for share in shares])
         v = np.gradient(q, ROW, axis=0)
         v[[0, -1]] = 0.0
-        reference = JointReference(self._simulator.time, times, q, v, np.gradient(v, ROW, axis=0))
+        reference = Setpoints(self._simulator.time, times, q, v, a=np.gradient(v, ROW, axis=0))
         timestep = self._simulator.config.timestep
         for _ in range(round(times[-1] / timestep)):
             self._simulator.accept(reference)

@@ -5,7 +5,7 @@ from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.fingers import FingerCommand, FingerStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.errors import MessageError
-from pack_core.joints import JointReference
+from pack_core.joints import Setpoints
 from pack_core.rotations import angle_between
 from pack_sim.blocks.simulator import BlocksSimulator
 from unit.pack_sim.blocks.arm import TestArm, tool_down
@@ -52,7 +52,7 @@ def test_tool_follows_a_fast_line_within_a_tenth_of_a_millimetre(simulator: Bloc
 def test_a_bad_reference_is_refused(simulator: BlocksSimulator) -> None:
     rows = np.zeros((1, 7))
     with pytest.raises(MessageError, match="shape"):
-        simulator.accept(JointReference(0.0, np.zeros(1), rows, rows, rows))
+        simulator.accept(Setpoints(0.0, np.zeros(1), rows, rows, a=rows))
 
 
 def test_references_that_were_on_their_way_at_a_reset_are_refused() -> None:
@@ -60,7 +60,7 @@ def test_references_that_were_on_their_way_at_a_reset_are_refused() -> None:
     rest = np.zeros((1, 6))
     before = np.array([CELL.robot.look]) + 0.5
     with pytest.raises(MessageError, match="from where the arm was held"):
-        renewed.accept(JointReference(52.0, np.zeros(1), before, rest, rest))
+        renewed.accept(Setpoints(52.0, np.zeros(1), before, rest, a=rest))
     run(renewed, 0.2)
     assert renewed.joints().q == pytest.approx(np.array(CELL.robot.look), abs=1e-4)
 

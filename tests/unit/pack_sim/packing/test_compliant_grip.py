@@ -62,7 +62,9 @@ def test_the_driver_feels_which_way_the_held_object_is_pushed(
     force: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     simulator, felt = build(), []
-    monkeypatch.setattr(simulator.controller, "update_contact", lambda time, force, *rest: felt.append(force))
+    monkeypatch.setattr(
+        simulator.controller, "update_contact", lambda time, force, *rest, **state: felt.append(force)
+    )
     push(simulator, np.array(force))
     run(simulator, 0.5)
     np.testing.assert_allclose(felt[-1], force, atol=0.5)

@@ -75,7 +75,7 @@ def test_a_fast_arm_without_setpoints_is_at_rest_within_40_ms(scene: Scene, join
         simulator.accept(plan)
         run(simulator, 0.05)
     assert np.abs(simulator.joints().v).max() > 0.9
-    simulator.controller.drop()
+    simulator.follower.drop()
     run(simulator, 0.04)
     for _ in range(100):
         run(simulator, 0.002)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import ruckig
 
-from pack_core.joints import JointReference
+from pack_core.joints import Setpoints
 from pack_core.kinematics.model_chain import chain_from_model
 from pack_core.kinematics.spherical_wrist import SphericalWrist
 from pack_core.palletizing.box_body import BoxBody
@@ -101,7 +101,7 @@ class Rig:
         for i in range(len(times) - 1):
             rows = slice(i, i + AHEAD)
             self.simulator.accept(
-                JointReference(start + times[i], times[rows] - times[i], q[rows], v[rows], a[rows])
+                Setpoints(start + times[i], times[rows] - times[i], q[rows], v[rows], a=a[rows])
             )
             for _ in range(2):
                 self.simulator.step()

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from pack_core.errors import MessageError, PackError
-from pack_core.joints import JointReference
+from pack_core.joints import Setpoints
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Pose, yaw_of
-from pack_sim.gentle_stop import RAMP
+from pack_sim.brakes import RAMP
 from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from unit.pack_sim.palletizing.rig import OVER_TABLE, Rig
@@ -23,9 +23,9 @@ def build(seed: int = 0) -> PalletSimulator:
     return PalletSimulator(palletizing_cell(), PalletSimulatorConfig(), seed)
 
 
-def still(simulator: PalletSimulator, rows: int = 2) -> JointReference:
+def still(simulator: PalletSimulator, rows: int = 2) -> Setpoints:
     q = np.tile(simulator.joints().q, (rows, 1))
-    return JointReference(simulator.time, 0.02 * np.arange(rows), q, np.zeros((rows, 6)), np.zeros((rows, 6)))
+    return Setpoints(simulator.time, 0.02 * np.arange(rows), q, np.zeros((rows, 6)), a=np.zeros((rows, 6)))
 
 
 def test_the_arm_stays_where_it_is_without_references() -> None:
@@ -53,14 +53,14 @@ def test_no_joint_needs_more_than_its_effort_on_the_way() -> None:
     assert np.all(share < 0.9), share
 
 
-def ramp(simulator: PalletSimulator, speed: float, duration: float) -> JointReference:
+def ramp(simulator: PalletSimulator, speed: float, duration: float) -> Setpoints:
     """The first joint goes from rest to a speed, and on."""
     times = np.arange(0.0, duration, 0.01)
     rise = np.minimum(times, speed / ACCELERATION)
     q, v, a = np.tile(simulator.joints().q, (len(times), 1)), *np.zeros((2, len(times), 6))
     q[:, 0] += 0.5 * ACCELERATION * rise**2 + speed * (times - rise)
     v[:, 0], a[:, 0] = ACCELERATION * rise, ACCELERATION * (times < speed / ACCELERATION)
-    return JointReference(simulator.time, times, q, v, a)
+    return Setpoints(simulator.time, times, q, v, a=a)
 
 
 def test_an_arm_whose_references_end_brakes_within_its_limits_and_holds() -> None:
@@ -105,7 +105,7 @@ def test_a_reference_for_seven_joints_is_refused() -> None:
     simulator = build()
     q = np.zeros((2, 7))
     with pytest.raises(MessageError, match="allowed: \\(2, 6\\)"):
-        simulator.accept(JointReference(0.0, np.array([0.0, 0.02]), q, q, q))
+        simulator.accept(Setpoints(0.0, np.array([0.0, 0.02]), q, q, a=q))
 
 
 def test_a_box_arrives_about_the_middle_of_the_picking_table_and_rests() -> None:

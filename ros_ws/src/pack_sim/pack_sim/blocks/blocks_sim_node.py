@@ -19,12 +19,12 @@ from pack_core.errors import PackError
 from pack_core.paths import config_path
 from pack_core.robots.ur10e import LIMITS
 from pack_core.ros.contracts import blocks as contracts
+from pack_core.ros.contracts import motion
 from pack_core.ros.messages.blocks import to_tags
 from pack_sim.blocks.ros.blocks_publisher import BlocksPublisher
 from pack_sim.blocks.ros.camera_publisher import CameraPublisher
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
-from pack_sim.ros.motion_sim_node import MotionSimNode, run_sim_with_camera
-from pack_sim.ros.physics_node import Pacing
+from pack_sim.ros.physics_node import Pacing, PhysicsNode, run_sim_with_camera
 
 
 class BlocksSimNodeConfig(BlocksSimulatorConfig, Pacing):
@@ -36,11 +36,11 @@ class BlocksSimNodeConfig(BlocksSimulatorConfig, Pacing):
     shadows: bool = Field(default=False, description="in the camera's pictures; they take twice as long")
 
 
-class BlocksSimNode(MotionSimNode):
+class BlocksSimNode(PhysicsNode):
     """The blocks cell's drivers of arm and gripper, and its camera in a thread of its own."""
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__(LIMITS.names, **kwargs)
+        super().__init__(**kwargs)
         self._config = self.read_parameters(BlocksSimNodeConfig, self.change_pace)
         self._cell, self._finger_commands = blocks_cell(), 0
         self._publisher = BlocksPublisher(self, self._config.timestep)
@@ -54,7 +54,8 @@ class BlocksSimNode(MotionSimNode):
             (contracts.TRIGGER, self._trigger),
             (contracts.RESET, self._reset),
         )
-        self.follow_motion(services, self._config.real_time_factor, self._camera)
+        factor = self._config.real_time_factor
+        self.start(motion.SETPOINTS, "motion", LIMITS.names, services, factor, self._camera)
 
     @property
     def simulator(self) -> BlocksSimulator:

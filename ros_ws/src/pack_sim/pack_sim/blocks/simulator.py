@@ -14,15 +14,15 @@ from pack_core.blocks.model import TOOL, arm_model, block_name, build_model
 from pack_core.blocks.planar import PlanarPose
 from pack_core.bodies import body_pose, set_object_poses
 from pack_core.config import Config
-from pack_core.joints import JointReference, JointSample
+from pack_core.joints import JointSample, Setpoints
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS, LIMITS
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
 from pack_sim.blocks.gripper_fingers import GripperFingers
-from pack_sim.gentle_stop import Desired
+from pack_sim.brakes import GentleBrake
 from pack_sim.joint_servo import JointServo
-from pack_sim.reference_follower import ReferenceFollower
+from pack_sim.setpoint_follower import SetpointFollower
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 START_OPENING = 0.060
@@ -33,7 +33,7 @@ class BlocksSimulatorConfig(Config):
     """Parameters of the simulated drivers."""
 
     timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint servo [s]")
-    watchdog: PositiveFloat = Field(default=0.1, description="age at which a reference is stale [s]")
+    watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
 
 
 class BlocksSimulator:
@@ -64,26 +64,29 @@ class BlocksSimulator:
         self._q = np.array([self.model.joint(name).qposadr[0] for name in JOINTS])
         self._v = np.array([self.model.joint(name).dofadr[0] for name in JOINTS])
         self._motors = np.array([self.model.actuator(name).id for name in JOINTS])
-        self.follower = ReferenceFollower(LIMITS, self.config.watchdog, cell.servo.stop_deceleration)
+        brake = GentleBrake(LIMITS, cell.servo.stop_deceleration)
+        self.follower = SetpointFollower(LIMITS, self.config.watchdog, brake)
         self._servo = JointServo(arm_model(cell), LIMITS, cell.servo, timestep)
         self.fingers = GripperFingers(self.model, cell.gripper.speed, cell.gripper.force, START_OPENING)
         self._put(starts)
-        self._desired()  # from here on the arm is held: references from before a reset are refused
+        self.follower.at(
+            self.time, self.data.qpos[self._q], self.data.qvel[self._v]
+        )  # from here on the arm is held: setpoints from before a reset are refused
 
     @property
     def time(self) -> float:
         """Simulated time [s]."""
         return float(self.data.time)
 
-    def accept(self, reference: JointReference) -> None:
-        """Hand a reference to the arm's driver; raises MessageError when it is refused."""
-        self.follower.accept(reference, self.time)
+    def accept(self, setpoints: Setpoints) -> None:
+        """Pass setpoints to the driver; raises MessageError if they are refused."""
+        self.follower.accept(setpoints, self.time)
 
     def step(self) -> None:
         """Advance by one time step."""
         data = self.data
         q, v = data.qpos[self._q], data.qvel[self._v]
-        data.ctrl[self._motors] = self._servo.torque(q, v, self._desired())
+        data.ctrl[self._motors] = self._servo.torque(q, v, self.follower.at(self.time, q, v))
         self.fingers.update(data)
         mujoco.mj_step(self.model, data)
 
@@ -121,9 +124,6 @@ class BlocksSimulator:
         state = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, state, STATE)
         return state
-
-    def _desired(self) -> Desired:
-        return self.follower.at(self.time, self.data.qpos[self._q])
 
     def _put(self, starts: Mapping[str, PlanarPose]) -> None:
         half = self.cell.block.half

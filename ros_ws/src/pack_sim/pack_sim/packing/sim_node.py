@@ -9,7 +9,6 @@ import numpy as np
 from pack_interfaces.srv import GripperCommand, PresentObject, ResetScene
 from pydantic import Field
 from std_msgs.msg import String
-from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.packing.frames import fixed_frames
 from pack_core.packing.objects import parse_object
@@ -17,7 +16,6 @@ from pack_core.packing.robot_description import describe_robot
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.messages.joints import from_setpoints
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_sim.packing.ros.sensor_publisher import SensorPublisher
@@ -50,7 +48,8 @@ class PackingSimNode(PhysicsNode):
             (contracts.GRIPPER_COMMAND, self._command_gripper),
             (contracts.PRESENT, self._present),
         )
-        self.start(contracts.SETPOINTS, "mpc", services, self._config.real_time_factor)
+        joints = self._cell.robot.arm.joints
+        self.start(contracts.SETPOINTS, "mpc", joints, services, self._config.real_time_factor)
 
     def _change(self, config: PackingSimNodeConfig) -> None:
         self.change_pace(config)
@@ -67,16 +66,6 @@ class PackingSimNode(PhysicsNode):
         """Advance by a block of steps, publish what is due, and return the simulated time that passed [s]."""
         self._sensors.step(self._simulator)
         return self._sensors.period
-
-    def accept(self, message: JointTrajectory) -> None:
-        """Pass setpoints to the joint controller."""
-        setpoints = from_setpoints(message, self._cell.robot.arm.joints)
-        with self.lock:
-            self._simulator.accept(setpoints)
-
-    def drop(self) -> None:
-        """Discard the setpoints, so that the arm brakes and is held."""
-        self._simulator.controller.drop()
 
     def _first_scene(self) -> Scene:
         if self._config.scene:

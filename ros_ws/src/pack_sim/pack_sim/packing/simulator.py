@@ -16,7 +16,8 @@ from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
-from pack_sim.packing.governor import ContactGovernor
+from pack_sim.brakes import TorqueBrake
+from pack_sim.packing.contact_governor import ContactGovernor
 from pack_sim.packing.hand_over import hang_fault, present_fault, presented_pose, seal_fault
 from pack_sim.packing.joint_controller import JointController
 from pack_sim.packing.mismatch import actual, actual_object, believed, believed_object, joint_friction
@@ -26,6 +27,7 @@ from pack_sim.packing.pump import PumpModel
 from pack_sim.packing.scene_physics import PhysicsOptions, ScenePhysics
 from pack_sim.packing.simulator_config import SimulatorConfig
 from pack_sim.packing.wrench_sensor import WrenchSensor
+from pack_sim.setpoint_follower import SetpointFollower
 
 
 class Simulator:
@@ -54,8 +56,8 @@ class Simulator:
         self._is_handed_over = is_handed_over = scene.is_handed_over
         friction = joint_friction(config.mismatch, len(cell.robot.arm.joints), arm_rng)
         self.controller = JointController(
-            cell.robot, config.watchdog, ContactGovernor(config.governor, config.timestep),
-            config.friction_compensation, config.torque_rate * config.timestep,
+            cell.robot, ContactGovernor(config.governor, config.timestep), config.friction_compensation,
+            config.torque_rate * config.timestep,
         )  # fmt: skip
         self.pump = PumpModel(cell.suction, config.timestep, is_closed=not is_handed_over)
         self._rng = rng
@@ -67,6 +69,8 @@ class Simulator:
             HeldRole.FREE if is_handed_over else self._held, time=time, lip_touches=is_handed_over,
             poses={scene.new_object.name: self._presented()} if is_handed_over else {},
         )  # fmt: skip
+        brake = TorqueBrake(cell.robot.arm.limits, self._physics.mass_matrix)
+        self.follower = SetpointFollower(cell.robot.arm.limits, config.watchdog, brake)
         self._payload = PayloadCompensation(self.model, self.description)
 
     @property
@@ -85,8 +89,8 @@ class Simulator:
         return self._physics.time
 
     def accept(self, setpoints: Setpoints) -> None:
-        """Pass setpoints to the joint controller; raises MessageError if they are refused."""
-        self.controller.accept(setpoints, self.time)
+        """Pass setpoints to the driver; raises MessageError if they are refused."""
+        self.follower.accept(setpoints, self.time)
 
     def change_sensors(self, config: SimulatorConfig) -> None:
         """Measure with other errors from now on; all else in `config` is as it was."""
@@ -101,8 +105,12 @@ class Simulator:
         q, v = physics.q, physics.v
         force, torque = self.external_wrench()
         force, bending = self._tip_rotation() @ force, float(np.hypot(torque[0], torque[1]))
-        self.controller.update_contact(self.time, force, bending, v, physics.cup_jacobian)
-        data.ctrl[:] = self.controller.torque(self.time, q, v, physics.mass_matrix)
+        is_holding = self.follower.is_holding
+        self.controller.update_contact(
+            self.time, force, bending, v, physics.cup_jacobian, is_holding=is_holding
+        )
+        desired = self.follower.at(self.time, q, v)
+        data.ctrl[:] = self.controller.torque(q, v, desired, is_holding=self.follower.is_holding)
         if self.pump.state.is_closed:
             self._payload.apply(self.model, data)
         mujoco.mj_step(self.model, data)

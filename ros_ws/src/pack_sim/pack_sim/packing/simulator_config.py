@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import AT_ONCE, Config
-from pack_sim.packing.governor_config import GovernorConfig
+from pack_sim.packing.contact_governor import ContactGovernorConfig
 from pack_sim.packing.hand_over import HandOverConfig
 from pack_sim.packing.mismatch import MismatchConfig
 from pack_sim.packing.mocap import MocapConfig
@@ -20,7 +20,7 @@ class SimulatorConfig(Config):
 
     timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
     watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
-    governor: GovernorConfig = GovernorConfig()
+    governor: ContactGovernorConfig = ContactGovernorConfig()
     friction_compensation: NonNegativeFloat = Field(
         default=0.0, description="compensated friction of each joint, along its desired velocity [N m]"
     )

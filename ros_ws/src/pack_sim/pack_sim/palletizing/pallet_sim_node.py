@@ -16,6 +16,7 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.frames import fixed_frames
 from pack_core.palletizing.robot_description import describe_robot
 from pack_core.robots.kr210 import LIMITS
+from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.messages.conversions import from_pose
 from pack_sim.palletizing.crossings import visitors_of
@@ -26,8 +27,7 @@ from pack_sim.palletizing.ros.cell_publisher import CellPublisher
 from pack_sim.palletizing.ros.scan_publisher import ScanPublisher
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.palletizing.visitor_sensor import VisitorSensor, VisitorSensorConfig
-from pack_sim.ros.motion_sim_node import MotionSimNode, run_sim_with_camera
-from pack_sim.ros.physics_node import Pacing
+from pack_sim.ros.physics_node import Pacing, PhysicsNode, run_sim_with_camera
 
 
 class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
@@ -48,11 +48,11 @@ class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
     scanner: PlaceScannerConfig = PlaceScannerConfig()
 
 
-class PalletSimNode(MotionSimNode):
+class PalletSimNode(PhysicsNode):
     """The palletizing cell's driver and gripper, and its camera in a thread of its own."""
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__(LIMITS.names, **kwargs)
+        super().__init__(**kwargs)
         self._config = self.read_parameters(PalletSimNodeConfig, self.change_pace)
         self._cell = palletizing_cell(self._config.preset)
         known = known_cell(self._config.preset, self._config.calibration).calibration
@@ -73,7 +73,8 @@ class PalletSimNode(MotionSimNode):
             (contracts.SCAN_PALLET, partial(self._scan, "pallet")),
             (contracts.SCAN_TABLE, partial(self._scan, "reorientation_table")),
         )
-        self.follow_motion(services, self._config.real_time_factor, self._camera)
+        factor = self._config.real_time_factor
+        self.start(motion.SETPOINTS, "motion", LIMITS.names, services, factor, self._camera)
 
     @property
     def simulator(self) -> PalletSimulator:

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.joints import JointReference, JointSample
+from pack_core.joints import Desired, JointSample, Setpoints
 from pack_core.palletizing.box_body import BoxBody
 from pack_core.palletizing.carried_load import CarriedLoad
 from pack_core.palletizing.cell import PalletizingCell
@@ -21,6 +21,7 @@ from pack_core.robots.kr210 import LIMITS
 from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
+from pack_sim.brakes import GentleBrake
 from pack_sim.joint_servo import JointServo
 from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.contact_watch import ContactWatch
@@ -32,7 +33,7 @@ from pack_sim.palletizing.snapshot import PhysicsSnapshot, Snapshot
 from pack_sim.palletizing.surface_gripper import SurfaceGripper
 from pack_sim.palletizing.true_cell import true_cell
 from pack_sim.palletizing.visitor_watch import visitor_distances
-from pack_sim.reference_follower import ReferenceFollower
+from pack_sim.setpoint_follower import SetpointFollower
 
 UNEVEN = np.array([0.004, -0.003, 0.0])
 """By how much an operator misses the place where something is to be laid [m]."""
@@ -89,11 +90,12 @@ class PalletSimulator:
         self._torque_noise = cell.imperfections.torque_noise * LIMITS.effort
         self._rng = np.random.default_rng([seed, TORQUE])
         self._servo = JointServo(self._load.model, limits, cell.servo, config.timestep)
-        self.follower = ReferenceFollower(limits, config.watchdog, cell.servo.stop_deceleration)
+        brake = GentleBrake(limits, cell.servo.stop_deceleration)
+        self.follower = SetpointFollower(limits, config.watchdog, brake)
         self.gripper = SurfaceGripper(cell.tool, grip)
         self.contacts = ContactWatch(cell.contact)
         self.contacts.index(self._physics.model)
-        self.reference()  # from here on the arm is held: references must begin where it stands
+        self.reference()  # from here on the arm is held: setpoints must begin where it stands
 
     @property
     def time(self) -> float:
@@ -115,16 +117,16 @@ class PalletSimulator:
         """The boxes in the cell, in the order of their arrival."""
         return tuple(self._physics.boxes.values())
 
-    def accept(self, reference: JointReference) -> None:
-        """Pass a reference to the joint controller; raises MessageError when it is refused."""
-        self.follower.accept(reference, self.time)
+    def accept(self, setpoints: Setpoints) -> None:
+        """Pass setpoints to the driver; raises MessageError if they are refused."""
+        self.follower.accept(setpoints, self.time)
 
     def step(self) -> None:
         """Advance by one time step."""
         model, data = self._physics.model, self._physics.data
         motors = self._physics.motors
         q, v = data.qpos[motors], data.qvel[motors]
-        desired = self.follower.at(self.time, self._reported(q))
+        desired = self.follower.at(self.time, self._reported(q), v)
         if self._gears is not None:
             desired = self._gears.motors(desired)
             data.qfrc_applied[self._physics.gears] = self._gears.torque(data.qpos[self._physics.gears])
@@ -149,9 +151,10 @@ class PalletSimulator:
         """True joint angles of the links `(6,)` [rad]; no part of a control loop may use them."""
         return self._physics.link_angles()
 
-    def reference(self) -> tuple[Array, Array, Array]:
+    def reference(self) -> Desired:
         """What the joint controller pursues now: position, velocity and acceleration, each `(6,)`."""
-        return self.follower.at(self.time, self._reported(self._physics.data.qpos[self._physics.motors]))
+        data, motors = self._physics.data, self._physics.motors
+        return self.follower.at(self.time, self._reported(data.qpos[motors]), data.qvel[motors])
 
     def open_camera(self, config: PalletCameraConfig) -> PalletCamera:
         """The overhead camera of the cell as it truly is; it draws inside a `with` statement."""

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from abc import abstractmethod
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Annotated, Any, Protocol
 
 import mujoco
 from pydantic import Field
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.config import AT_ONCE, Config
-from pack_core.joints import JointSample
+from pack_core.joints import JointSample, Setpoints
 from pack_core.robots.described_robot import DescribedRobot
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.messages.joints import from_trajectory
 from pack_core.ros.node import CellNode
+from pack_core.ros.run import run_node
 from pack_sim.pacing import Pacer
 from pack_sim.ros.arm_brake import ArmBrake
 from pack_sim.ros.frame_publisher import FramePublisher
 from pack_sim.ros.pause import Pause
 from pack_sim.ros.setpoint_gate import SetpointGate
+from pack_sim.setpoint_follower import SetpointFollower
 
 Service = Callable[[Any, Any], Any]
 REPORT_PERIOD = 1.0
@@ -36,6 +41,8 @@ FAILED_PAUSE = 0.1
 
 class SimulatedCell(Protocol):
     """A simulated cell, as far as every cell's node needs it."""
+
+    follower: SetpointFollower
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -50,6 +57,17 @@ class SimulatedCell(Protocol):
     def joints(self) -> JointSample:
         """What the joint sensors measure now."""
         ...
+
+    def accept(self, setpoints: Setpoints) -> None:
+        """Pass setpoints to the driver; raises MessageError when they are refused."""
+        ...
+
+
+class CameraEnd(Protocol):
+    """A camera that draws in a thread of its own, as far as this node needs it."""
+
+    def close(self) -> None:
+        """End the thread."""
 
 
 class Pacing(Config):
@@ -76,6 +94,7 @@ class PhysicsNode(CellNode):
         self._stopped = threading.Event()
         self._factor = self.advertise(shared.REAL_TIME_FACTOR)
         self._thread: threading.Thread | None = None
+        self._camera_end: CameraEnd | None = None
 
     def show(self, robot: DescribedRobot) -> FramePublisher:
         """Tell viewers of the robot, and of all that moves from the first tick on.
@@ -94,32 +113,28 @@ class PhysicsNode(CellNode):
     def advance(self) -> float:
         """Advance by one tick of /clock and publish what is due, under the lock; how long that was [s]."""
 
-    @abstractmethod
-    def accept(self, message: JointTrajectory) -> None:
-        """Hand setpoints to the driver; raises MessageError when they are refused."""
-
     def release(self) -> None:
         """Let the arm follow setpoints again after a stop, under the lock: for a reset of the cell."""
         self._brake.release()
 
-    @abstractmethod
-    def drop(self) -> None:
-        """Let the driver forget its setpoints and hold the arm, under the lock."""
-
     def start(
-        self, setpoints: Contract, sender: str, services: Iterable[tuple[Contract, Service]], factor: float
-    ) -> None:
+        self, setpoints: Contract, sender: str, joints: Sequence[str],
+        services: Iterable[tuple[Contract, Service]], factor: float, camera: CameraEnd | None = None,
+    ) -> None:  # fmt: skip
         """Take commands and let time run.
 
         Args:
             setpoints: of the arm.
             sender: the node that sends them; when it falls silent the arm is held.
+            joints: names of the arm's joints, in the order of the simulator.
             services: what is served, and by whom.
             factor: simulated seconds a second of wall clock, 0 for as fast as it can.
+            camera: is closed with the node.
         """
+        self._joints, self._camera_end = joints, camera
         self._pause = Pause(self, self.lock)
-        self._brake = ArmBrake(self, self.drop, lambda: self.simulator.joints(), self.lock)
-        self._gate = SetpointGate(self, setpoints, sender, self._brake, self.accept, self.drop, self.lock)
+        self._brake = ArmBrake(self, self._drop, lambda: self.simulator.joints(), self.lock)
+        self._gate = SetpointGate(self, setpoints, sender, self._brake, self._accept, self._drop, self.lock)
         group = ReentrantCallbackGroup()
         for contract, serve in services:
             self.create_service(contract.type, contract.name, serve, callback_group=group)
@@ -140,9 +155,19 @@ class PhysicsNode(CellNode):
             self._gate.end()
 
     def destroy_node(self) -> None:
-        """Stop the physics, then the node."""
+        """Stop the physics and the camera, then the node."""
         self.stop()
+        if self._camera_end is not None:
+            self._camera_end.close()
         super().destroy_node()
+
+    def _accept(self, message: JointTrajectory) -> None:
+        setpoints = from_trajectory(message, self._joints, self.simulator.follower.feed_forward)
+        with self.lock:
+            self.simulator.accept(setpoints)
+
+    def _drop(self) -> None:
+        self.simulator.follower.drop()
 
     def _run(self) -> None:
         while not self._stopped.is_set():
@@ -178,3 +203,9 @@ class PhysicsNode(CellNode):
 
     def on_peer_end(self, peer: str) -> None:
         self._gate.note_end(peer)
+
+
+def run_sim_with_camera(make: Callable[[], Node]) -> int:
+    """As `run_node`; drawing in software leaves the other cores to the physics."""
+    os.environ.setdefault("LP_NUM_THREADS", "1")  # of Mesa's llvmpipe
+    return run_node(make)

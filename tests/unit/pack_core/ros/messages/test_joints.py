@@ -1,9 +1,9 @@
-"""Joint references and setpoints survive the way through messages; other joints' never arrive."""
+"""Setpoints survive the way through messages; other joints' never arrive."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,24 +11,22 @@ import pytest
 from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.errors import MessageError
-from pack_core.joints import JointReference, JointSample, Setpoints
-from pack_core.ros.messages.joints import (
-    from_joint_state,
-    from_setpoints,
-    from_trajectory,
-    to_joint_state,
-    to_setpoints,
-    to_trajectory,
-)
+from pack_core.joints import JointSample, Setpoints
+from pack_core.ros.messages.joints import from_joint_state, from_trajectory, to_joint_state, to_trajectory
 
 NAMES = ("shoulder", "elbow")
 ROWS = np.arange(6.0).reshape(3, 2)
-FIELDS = (12.5, np.array([0.0, 0.1, 0.3]), ROWS, ROWS + 10.0, ROWS + 20.0)
+THIRD = ROWS + 20.0
+FIELDS = (12.5, np.array([0.0, 0.1, 0.3]), ROWS, ROWS + 10.0)
 
 Parse = Callable[[JointTrajectory, Sequence[str]], Any]
 BOTH = [
-    pytest.param(to_trajectory(JointReference(*FIELDS), NAMES), from_trajectory, id="reference"),
-    pytest.param(to_setpoints(Setpoints(*FIELDS), NAMES), from_setpoints, id="setpoints"),
+    pytest.param(
+        to_trajectory(Setpoints(*FIELDS, **{stated: THIRD}), NAMES),
+        partial(from_trajectory, feed_forward=stated),
+        id=stated,
+    )
+    for stated in ("a", "tau")
 ]
 both = pytest.mark.parametrize(("message", "parse"), BOTH)
 
@@ -36,16 +34,17 @@ both = pytest.mark.parametrize(("message", "parse"), BOTH)
 @both
 def test_rows_come_back_as_they_were(message: JointTrajectory, parse: Parse) -> None:
     parsed = parse(message, NAMES)
-    for field, expected in zip(fields(parsed), FIELDS, strict=True):
-        np.testing.assert_allclose(getattr(parsed, field.name), expected, atol=1e-9)
+    given = (parsed.time, parsed.offsets, parsed.q, parsed.v, parsed.fed_forward)
+    for values, expected in zip(given, (*FIELDS, THIRD), strict=True):
+        np.testing.assert_allclose(values, expected, atol=1e-9)
 
 
 def test_the_torque_travels_as_effort_and_the_acceleration_as_acceleration() -> None:
-    reference, setpoints = (param.values[0] for param in BOTH)
-    assert list(setpoints.points[2].effort) == list(FIELDS[4][2])
-    assert not setpoints.points[2].accelerations
-    assert list(reference.points[2].accelerations) == list(FIELDS[4][2])
-    assert not reference.points[2].effort
+    with_acceleration, with_torque = (param.values[0] for param in BOTH)
+    assert list(with_torque.points[2].effort) == list(THIRD[2])
+    assert not with_torque.points[2].accelerations
+    assert list(with_acceleration.points[2].accelerations) == list(THIRD[2])
+    assert not with_acceleration.points[2].effort
 
 
 @both
@@ -62,9 +61,9 @@ def test_other_joints_are_refused(message: JointTrajectory, parse: Parse, given:
 def test_joints_in_another_order_are_put_in_order(message: JointTrajectory, parse: Parse) -> None:
     turned = parse(message, NAMES[::-1])
     in_order = parse(message, NAMES)
-    for field in fields(in_order):
-        given, expected = getattr(turned, field.name), getattr(in_order, field.name)
-        np.testing.assert_array_equal(given, expected if np.ndim(expected) < 2 else expected[:, ::-1])
+    np.testing.assert_array_equal(turned.offsets, in_order.offsets)
+    for column in ("q", "v", "fed_forward"):
+        np.testing.assert_array_equal(getattr(turned, column), getattr(in_order, column)[:, ::-1])
 
 
 @both
@@ -74,10 +73,10 @@ def test_a_message_without_points_is_refused(message: JointTrajectory, parse: Pa
 
 
 def test_points_of_different_length_are_refused() -> None:
-    message = to_setpoints(Setpoints(*FIELDS), NAMES)
+    message = to_trajectory(Setpoints(*FIELDS, THIRD), NAMES)
     message.points[1].effort = [1.0]
     with pytest.raises(MessageError, match="different length in positions, velocities or effort"):
-        from_setpoints(message, NAMES)
+        from_trajectory(message, NAMES, "tau")
 
 
 def test_joint_states_of_another_order_are_put_in_order() -> None:

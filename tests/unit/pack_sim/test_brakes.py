@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pack_core.robots.ur10e import LIMITS
-from pack_sim.gentle_stop import GentleStop
+from pack_sim.brakes import GentleStop
 
 START = 5.0
 TIMES = START + np.arange(0.0, 2.0, 0.02)

@@ -2,37 +2,36 @@ import numpy as np
 import pytest
 
 from pack_core.errors import MessageError
-from pack_core.joints import JointReference
+from pack_core.joints import Setpoints
 from pack_core.robots.ur10e import LIMITS
-from pack_sim.gentle_stop import RAMP
-from pack_sim.reference_follower import ReferenceFollower
-from pack_sim.rejoining import PERIOD, SAME_POSITION, SAME_SPEED
+from pack_sim.brakes import PERIOD, RAMP, SAME_POSITION, SAME_SPEED, GentleBrake
+from pack_sim.setpoint_follower import SetpointFollower
 
 STEP, WATCHDOG = 0.002, 0.1
-REST = np.zeros(6)
+REST, STANDING = np.zeros(6), np.zeros((2, 6))
 
 
-def moving(time: float, speed: float, duration: float = 0.05) -> JointReference:
+def moving(time: float, speed: float, duration: float = 0.05) -> Setpoints:
     offsets = np.array([0.0, duration])
     q = speed * np.outer(time + offsets, np.eye(6)[0])
     v = np.tile(speed * np.eye(6)[0], (2, 1))
-    return JointReference(time, offsets, q, v, np.zeros((2, 6)))
+    return Setpoints(time, offsets, q, v, a=np.zeros((2, 6)))
 
 
 @pytest.fixture
-def follower() -> ReferenceFollower:
-    return ReferenceFollower(LIMITS, WATCHDOG, deceleration=1.0)
+def follower() -> SetpointFollower:
+    return SetpointFollower(LIMITS, WATCHDOG, GentleBrake(LIMITS, deceleration=1.0))
 
 
-def test_a_fresh_reference_is_followed(follower: ReferenceFollower) -> None:
+def test_a_fresh_reference_is_followed(follower: SetpointFollower) -> None:
     follower.accept(moving(0.0, 0.5), 0.0)
-    q, v, _ = follower.at(0.02, REST)
+    q, v, _ = follower.at(0.02, REST, REST)
     assert not follower.is_holding
     assert (q[0], v[0]) == pytest.approx((0.01, 0.5))
 
 
-def test_an_arm_that_was_never_told_anything_stays_where_it_is(follower: ReferenceFollower) -> None:
-    q, v, a = follower.at(1.0, np.arange(6.0))
+def test_an_arm_that_was_never_told_anything_stays_where_it_is(follower: SetpointFollower) -> None:
+    q, v, a = follower.at(1.0, np.arange(6.0), REST)
     assert follower.is_holding
     assert q == pytest.approx(np.arange(6.0))
     assert not v.any()
@@ -40,12 +39,12 @@ def test_an_arm_that_was_never_told_anything_stays_where_it_is(follower: Referen
 
 
 def test_without_fresh_references_the_arm_stops_within_the_acceleration_limits(
-    follower: ReferenceFollower,
+    follower: SetpointFollower,
 ) -> None:
     speed = 1.0
     follower.accept(moving(0.0, speed), 0.0)
     times = np.arange(0.0, 1.0, STEP)
-    rows = [follower.at(time, REST) for time in times]
+    rows = [follower.at(time, REST, REST) for time in times]
     v, a = (np.array([row[i][0] for row in rows]) for i in (1, 2))
     assert follower.is_holding
     assert v[-1] == 0.0
@@ -56,46 +55,46 @@ def test_without_fresh_references_the_arm_stops_within_the_acceleration_limits(
     assert np.abs(np.diff(a)).max() <= 1.01 * most * STEP / RAMP
 
 
-def test_a_reference_older_than_the_watchdog_is_not_followed(follower: ReferenceFollower) -> None:
+def test_a_reference_older_than_the_watchdog_is_not_followed(follower: SetpointFollower) -> None:
     follower.accept(moving(0.0, 0.5, duration=10.0), 0.0)
-    follower.at(WATCHDOG + STEP, REST)
+    follower.at(WATCHDOG + STEP, REST, REST)
     assert follower.is_holding
 
 
 def test_the_last_row_of_a_reference_is_followed_at_a_time_that_rounding_makes_later(
-    follower: ReferenceFollower,
+    follower: SetpointFollower,
 ) -> None:
     assert 0.1 + 0.2 > 0.3
     follower.accept(moving(0.0, 0.5, duration=0.3), 0.25)
-    follower.at(0.1 + 0.2, REST)
+    follower.at(0.1 + 0.2, REST, REST)
     assert not follower.is_holding
 
 
-def test_a_dropped_reference_is_not_followed(follower: ReferenceFollower) -> None:
+def test_a_dropped_reference_is_not_followed(follower: SetpointFollower) -> None:
     follower.accept(moving(0.0, 0.5), 0.0)
     follower.drop()
-    follower.at(STEP, REST)
+    follower.at(STEP, REST, REST)
     assert follower.is_holding
 
 
-def starved(follower: ReferenceFollower, gap: float) -> float:
+def starved(follower: SetpointFollower, gap: float) -> float:
     """An arm at 1 rad/s whose references end at 0.05 s: the time after a gap in them [s]."""
     follower.accept(moving(0.0, 1.0), 0.0)
     for time in np.arange(0.0, 0.05 + gap, STEP):
-        follower.at(time, REST)
+        follower.at(time, REST, REST)
     assert follower.is_holding
     return 0.05 + gap
 
 
 def test_references_that_come_back_soon_are_joined_within_all_limits_and_then_followed(
-    follower: ReferenceFollower,
+    follower: SetpointFollower,
 ) -> None:
     start = starved(follower, 0.05)
-    rows = [follower.at(start - STEP, REST)]
+    rows = [follower.at(start - STEP, REST, REST)]
     times = start + np.arange(0.0, 2.0, STEP)
     for time in times:
         follower.accept(moving(time, 1.0), time)
-        rows.append(follower.at(time, REST))
+        rows.append(follower.at(time, REST, REST))
     q, v, a = (np.array([row[i][0] for row in rows]) for i in range(3))
     assert times[0] - q[1] > 1e-4
     assert q[-1] == pytest.approx(times[-1], abs=1e-12)
@@ -105,43 +104,41 @@ def test_references_that_come_back_soon_are_joined_within_all_limits_and_then_fo
 
 
 def test_references_that_come_back_far_from_where_the_arm_is_held_are_refused(
-    follower: ReferenceFollower,
+    follower: SetpointFollower,
 ) -> None:
     late = starved(follower, 1.0)
     with pytest.raises(MessageError, match=r"shoulder_pan_joint \+0\.\d+ rad from where the arm was held"):
         follower.accept(moving(late, 1.0), late)
-    held, v, _ = follower.at(late, REST)
+    held, v, _ = follower.at(late, REST, REST)
     assert follower.is_holding
     assert not v.any()
-    follower.accept(
-        JointReference(late, np.array([0.0, 0.05]), np.tile(held, (2, 1)), *np.zeros((2, 2, 6))), late
-    )
-    follower.at(late + STEP, REST)
+    follower.accept(Setpoints(late, np.array([0.0, 0.05]), np.tile(held, (2, 1)), STANDING, a=STANDING), late)
+    follower.at(late + STEP, REST, REST)
     assert not follower.is_holding
 
 
 def test_references_that_begin_a_period_later_are_compared_with_where_the_braking_arm_is_then(
-    follower: ReferenceFollower,
+    follower: SetpointFollower,
 ) -> None:
     speed = 0.95 * LIMITS.velocity[0]
     follower.accept(moving(0.0, speed), 0.0)
-    follower.at(0.05, REST)
-    q, v, _ = follower.at(0.05 + STEP, REST)
+    follower.at(0.05, REST, REST)
+    q, v, _ = follower.at(0.05 + STEP, REST, REST)
     assert follower.is_holding
     step = PERIOD * v + 0.5 * PERIOD * LIMITS.velocity * np.eye(6)[0]
     rows = np.tile(q + step, (2, 1))
-    later = JointReference(0.05 + STEP + PERIOD, np.array([0.0, 0.05]), rows, *np.zeros((2, 2, 6)))
+    later = Setpoints(0.05 + STEP + PERIOD, np.array([0.0, 0.05]), rows, STANDING, a=STANDING)
     follower.accept(later, 0.05 + STEP + PERIOD)
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
 def test_a_held_arm_takes_what_its_velocity_limits_allow_in_a_period(
-    follower: ReferenceFollower, share: float
+    follower: SetpointFollower, share: float
 ) -> None:
-    follower.at(0.0, REST)
+    follower.at(0.0, REST, REST)
     step = np.zeros((2, 6))
     step[:, 3] = -share * PERIOD * LIMITS.velocity[3]
-    reference = JointReference(0.0, np.array([0.0, 0.05]), step, *np.zeros((2, 2, 6)))
+    reference = Setpoints(0.0, np.array([0.0, 0.05]), step, STANDING, a=STANDING)
     if share < 1.0:
         follower.accept(reference, 0.0)
         return
@@ -162,9 +159,9 @@ def test_a_held_arm_takes_what_its_velocity_limits_allow_in_a_period(
     ],
 )
 def test_a_bad_reference_is_refused_and_named(
-    follower: ReferenceFollower, change: dict[str, np.ndarray], named: str
+    follower: SetpointFollower, change: dict[str, np.ndarray], named: str
 ) -> None:
     good = moving(0.0, 0.1)
     values = {name: getattr(good, name) for name in ("time", "offsets", "q", "v", "a")}
     with pytest.raises(MessageError, match=named):
-        follower.accept(JointReference(**{**values, **change}), 0.0)
+        follower.accept(Setpoints(**{**values, **change}), 0.0)

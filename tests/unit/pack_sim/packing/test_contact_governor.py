@@ -8,10 +8,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from pack_sim.packing.governor import DAMPING, ContactGovernor
-from pack_sim.packing.governor_config import GovernorConfig
+from pack_sim.packing.contact_governor import DAMPING, ContactGovernor, ContactGovernorConfig
 
-CONFIG = GovernorConfig()
+CONFIG = ContactGovernorConfig()
 STEP = 0.001
 J = np.hstack([np.eye(6), np.zeros((6, 1))])
 UP = np.array([0.0, 0.0, 1.0])
@@ -122,7 +121,7 @@ def test_however_far_the_cup_is_bent_it_pulls_back_with_no_more_than_its_limit(
 
 def test_giving_way_must_begin_before_its_limit() -> None:
     with pytest.raises(ValidationError, match="less than bending_limit"):
-        GovernorConfig(bending=1.5, bending_limit=1.1)
+        ContactGovernorConfig(bending=1.5, bending_limit=1.1)
 
 
 def test_beyond_the_push_limit_it_pulls_back_in_proportion(governor: ContactGovernor) -> None:
@@ -188,5 +187,5 @@ def test_what_is_pushed_from_the_side_is_not_drawn_out(governor: ContactGovernor
 
 @given(st.floats(-60.0, 60.0))
 def test_a_driver_without_a_trigger_feels_no_contact(force: float) -> None:
-    governor = ContactGovernor(GovernorConfig(trigger=math.inf), STEP)
+    governor = ContactGovernor(ContactGovernorConfig(trigger=math.inf), STEP)
     assert not press(governor, force * UP, bending=9.0)
