@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from pack_bringup.cli import up
 from pack_bringup.cli.main import main
 from pack_bringup.cli.outputs import make_output_folder
 from pack_bringup.graph.processes import ProcessGroup
@@ -62,6 +63,45 @@ def test_a_file_is_no_folder(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(ConfigError, match="File exists; give another --output"):
         make_output_folder(tmp_path / "file")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["order", "check", "config/orders/order_05.json", "--output"],
+        ["order", "import", "config/orders/order_05.json", "--output"],
+        ["layout", "config/orders/order_05.json", "--output"],
+        ["evaluate", "bags/samples/packing", "--json"],
+        ["benchmark", "packing", "--json"],
+        ["benchmark", "faults", "packing", "--json"],
+        ["soak", "packing", "--json"],
+    ],
+    ids=" ".join,
+)
+def test_a_file_that_is_given_as_a_folder_is_refused_before_the_work(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path, command: list[str]
+) -> None:
+    (tmp_path / "file").touch()
+    target = tmp_path / "file" / "x.json" if command[-1] == "--json" else tmp_path / "file"
+    monkeypatch.chdir(config_path().parent)
+    said = refusal_of(monkeypatch, capfd, *command, str(target))
+    assert said.startswith(f"error: cannot write into {tmp_path / 'file'}: ")
+    assert said.endswith(f"; give another {command[-1]}\n")
+
+
+def test_a_folder_is_no_json_file(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    said = refusal_of(monkeypatch, capfd, "evaluate", "bags/samples/packing", "--json", str(tmp_path))
+    assert "it is a folder; give --json a file" in said
+
+
+def test_a_cell_whose_log_cannot_be_written_is_not_started(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(up, "bags_path", lambda: Path("/proc/bags"))  # as in a checkout that is read only
+    said = refusal_of(monkeypatch, capfd, "up", "packing")
+    assert said.startswith("error: cannot write into /proc/bags/logs: ")
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")

@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from pack_bringup.cli.options import JsonFile
 from pack_bringup.cli.outputs import make_output_folder, write_json
 from pack_bringup.cli.terminal import notice, show_table
 
@@ -40,9 +41,7 @@ def evaluate(
     gif: Annotated[bool, typer.Option("--gif", help="Also an animated GIF of a single run.")] = False,
     still: Annotated[bool, typer.Option("--still", help="Also one large picture of a single run.")] = False,
     pictures: Annotated[int, typer.Option(min=0, help="Failed runs that the report of many shows.")] = 12,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Write the measures to this file, too.")
-    ] = None,
+    json_file: JsonFile = None,
 ) -> None:
     """Measure recorded runs again, from the recordings alone, or put results side by side.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pack_bringup.cli.outputs import check_json_file
 from pack_bringup.cli.terminal import notice
 from pack_core.network import LAST_DOMAIN, domain_in
 
@@ -110,7 +111,10 @@ Fresh = Annotated[
     bool, typer.Option("--fresh", help="Delete the results that DIR has already and measure anew.")
 ]
 JsonFile = Annotated[
-    Path | None, typer.Option("--json", metavar="FILE", help="Write the summary to this file, too.")
+    Path | None,
+    typer.Option(
+        "--json", metavar="FILE", help="Write the summary to this file, too.", callback=check_json_file
+    ),
 ]
 
 

@@ -12,12 +12,15 @@ from typing import Any
 from pack_core.errors import ConfigError
 
 
-def make_output_folder(folder: Path, taken_by: Iterable[str] = ()) -> None:
+def make_output_folder(
+    folder: Path, taken_by: Iterable[str] = (), advice: str = "give another --output"
+) -> None:
     """Make a folder if it does not exist yet, and make sure that files can be written there.
 
     Args:
         folder: what `--output` names.
         taken_by: names of files and folders of an earlier run, which must not be there.
+        advice: what to do where it cannot be written to.
 
     Raises:
         ConfigError: it is a file, cannot be made or written to, or holds an earlier run.
@@ -32,12 +35,24 @@ def make_output_folder(folder: Path, taken_by: Iterable[str] = ()) -> None:
         with TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise ConfigError(f"cannot write into {folder}: {error.strerror}; give another --output") from error
+        raise ConfigError(f"cannot write into {folder}: {error.strerror}; {advice}") from error
+
+
+def check_json_file(path: Path | None) -> Path | None:
+    """Make the folder of the file that `--json` names, if it names one; the option's callback.
+
+    Raises:
+        ConfigError: the file cannot be written.
+    """
+    if path is not None:
+        if path.is_dir():
+            raise ConfigError(f"cannot write into {path}: it is a folder; give --json a file")
+        make_output_folder(path.parent, advice="give another --json")
+    return path
 
 
 def write_json(path: Path, values: Any) -> None:
-    """Write plain values; folders around the file are made where they are missing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """Write plain values, for other programs."""
     path.write_text(json.dumps(values, indent=2) + "\n")
 
 

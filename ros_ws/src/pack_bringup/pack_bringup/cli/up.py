@@ -26,6 +26,7 @@ from pack_bringup.cli.options import (
     page_process,
     prepare_network,
 )
+from pack_bringup.cli.outputs import make_output_folder
 from pack_bringup.cli.terminal import end_as_by_ctrl_c, notice
 from pack_bringup.graph.bring_up import Tee, wait_until_ready
 from pack_bringup.graph.graph import conditions, load_graph, parse_overrides
@@ -99,6 +100,7 @@ def up(
     - `pack up packing --network eth0`, for nodes on other machines
     """
     graph = load_graph(cell)
+    log = _log_file(cell)
     graph = graph.only(only) if only else graph
     names = [node.name for node in graph.nodes]
     given = {name: rest for name, rest in conditions(cell, preset, calibration).items() if name in names}
@@ -118,7 +120,7 @@ def up(
         typer.echo(f"Foxglove: open the connection {FOXGLOVE_ADDRESS}, read only")
     end_as_by_ctrl_c(signal.SIGINT, signal.SIGTERM)
     next_step = f"ready: `pack goal {cell}{domain_words(domain)}` sends a goal, Ctrl-C ends the cell"
-    died = _run(commands, environment, names, _log_file(cell), next_step, with_restarts=restart)
+    died = _run(commands, environment, names, log, next_step, with_restarts=restart)
     if died:
         notice(f"died before the end: {', '.join(died)}", typer.colors.RED, is_error=True)
         raise typer.Exit(1)
@@ -161,5 +163,5 @@ def _wait(group: ProcessGroup, with_restarts: bool) -> None:
 
 def _log_file(cell: str) -> Path:
     folder = bags_path() / "logs"
-    folder.mkdir(parents=True, exist_ok=True)
+    make_output_folder(folder, advice="logs and recordings of running cells go there")
     return folder / f"{cell}_{datetime.now():%Y%m%d_%H%M%S}.log"

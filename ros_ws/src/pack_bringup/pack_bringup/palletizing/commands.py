@@ -288,6 +288,7 @@ def layout(
 
     - `pack layout config/orders/order_03.json --output /tmp/layout`
     """
+    make_output_folder(output)
     from pack_core.errors import OrderError
     from pack_core.palletizing.cell import palletizing_cell
     from pack_core.palletizing.orders.layout_plan import LayoutStatus

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pack_bringup.cli.outputs import make_output_folder
 from pack_bringup.cli.terminal import notice, show_table
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ def check(
     - `pack order check config/orders/order_03.json`
     - `pack order check config/orders/stress/order_01.json --output /tmp/orders`
     """
+    make_output_folder(output)
     from pack_core.errors import ConfigError, OrderError
     from pack_core.palletizing.cell import palletizing_cell
     from pack_core.palletizing.orders.order_file import order_as_written
@@ -51,7 +53,6 @@ def check(
     reasons, plan, hold_mm = judge(
         given, palletizing_cell(), load_parameters("palletizing/layout", LayoutConfig)
     )
-    output.mkdir(parents=True, exist_ok=True)
     picture = output / f"{order.stem}_check.png"
     draw_order(given, reasons).savefig(picture, dpi=110)
     for reason in reasons:
@@ -107,6 +108,7 @@ def import_items(
         )
     names = order_names(items, name)
     lists = {order_id: load_items(path, listed_unit) for order_id, path in names.items()}
+    make_output_folder(output)
 
     # What follows takes a second to import: what is wrong with a list is said before.
     from rich.console import Console
@@ -124,7 +126,6 @@ def import_items(
     with Console(stderr=True).status("packing") as line:
         for order_id, boxes in lists.items():
             found += propose(boxes, order_id, palletizing_cell(), config, layout, line.update)
-    output.mkdir(parents=True, exist_ok=True)
     for proposal in found:
         path = output / f"{proposal.order.order_id}.json"
         path.write_text(proposal.order.model_dump_json(indent=1, exclude_none=True) + "\n")
