@@ -6,7 +6,7 @@ ARGS ?=
 WORKERS ?= 2
 IN_ENV := source tools/env.sh &&
 
-.PHONY: help setup demo test slow bench fuzz regression lint lock clean
+.PHONY: help setup demo test slow bench fuzz regression lint docs lock clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -40,6 +40,9 @@ regression: setup ## compare two versions (ARGS="record DIR", "compare A B")
 
 lint: setup ## ruff, formatting, mypy
 	@$(IN_ENV) ruff check && ruff format --check && mypy
+
+docs: setup ## reference of the code from docstrings, with its links checked
+	@$(IN_ENV) python tools/api_reference.py site
 
 lock: setup ## resolve requirements/*.in anew
 	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \

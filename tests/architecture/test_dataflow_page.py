@@ -21,6 +21,12 @@ def test_dataflow_page_equals_the_wiring_tables() -> None:
     assert page == wiring_page(wiring_tables()), "run: pack wiring --markdown > docs/reference/dataflow.md"
 
 
+def test_dataflow_page_has_every_contract_and_tells_none_twice() -> None:
+    rows = re.findall(r"^\| (/[^ ]+) \| (.*) \|$", wiring_page(wiring_tables()), re.MULTILINE)
+    assert {name for name, _ in rows} == {contract.name for cell in CELLS for contract in wiring_of(cell)}
+    assert {row for row in rows if rows.count(row) == len(CELLS)} == set()
+
+
 @pytest.mark.parametrize("cell", CELLS)
 def test_wiring_names_only_nodes_of_the_graph(cell: str) -> None:
     nodes = {node.name for node in load_graph(cell).nodes} | {"user", "all"}

@@ -17,6 +17,14 @@ COLUMNS = ("name", "kind", "type", "from", "to", "rate", "QoS", "recorded", "wha
 PAGE = """# Data flow
 
 Written by `pack wiring --markdown` from the wiring tables, `pack_core/ros/contracts/`.
+[conventions.md](../concepts/conventions.md) has frames, units and clocks.
+
+## All cells
+
+What every cell has in the same way. The pictures and tables below leave it out. `all` stands for every node,
+`user` for whoever looks on or sends goals.
+
+{shared}
 """
 
 SECTION = """
@@ -49,13 +57,22 @@ def wiring_rows(contracts: Iterable[Contract]) -> Iterator[tuple[str, ...]]:
 
 def wiring_page(tables: Mapping[str, Sequence[Contract]]) -> str:
     """The text of docs/reference/dataflow.md, from the contracts by cell."""
-    return PAGE + "".join(_section(cell, contracts) for cell, contracts in tables.items())
+    rows = [dict.fromkeys(wiring_rows(contracts)) for contracts in tables.values()]
+    shared = [row for row in rows[0] if all(row in others for others in rows)]
+    names = {row[0] for row in shared}
+    own = {cell: [item for item in table if item.name not in names] for cell, table in tables.items()}
+    return PAGE.format(shared=_table(shared)) + "".join(_section(cell, table) for cell, table in own.items())
 
 
 def _section(cell: str, contracts: Sequence[Contract]) -> str:
-    lines = [COLUMNS, tuple("---" for _ in COLUMNS), *wiring_rows(contracts)]
-    table = "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
-    return SECTION.format(cell=cell.capitalize(), edges="\n".join(_edges(contracts)), table=table)
+    return SECTION.format(
+        cell=cell.capitalize(), edges="\n".join(_edges(contracts)), table=_table(wiring_rows(contracts))
+    )
+
+
+def _table(rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [COLUMNS, tuple("---" for _ in COLUMNS), *rows]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
 
 
 def _edges(contracts: Sequence[Contract]) -> Iterator[str]:

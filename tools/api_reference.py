@@ -1,0 +1,72 @@
+"""Builds the reference of the code from its docstrings, and checks it: `make docs`.
+
+Every module must import and every link must lead somewhere, or the exit code is 1 and the reasons are listed.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import warnings
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+from pdoc import pdoc, render
+
+ROOT = Path(__file__).resolve().parent.parent
+HREF = re.compile(r'href="([^"]+)"')
+ANCHOR = re.compile(r'id="([^"]+)"')
+PARSED = "Error parsing type annotation"
+"""pdoc says so of names that only type checkers import; it then shows the annotation as it is written."""
+
+
+def packages() -> list[str]:
+    """The project's Python packages, but for generated ones."""
+    return sorted(path.parent.name for path in ROOT.glob("ros_ws/src/*/*/__init__.py"))
+
+
+def build(output: Path) -> list[str]:
+    """Write the pages; returns what pdoc could not take up, in words."""
+    render.configure(docformat="google", show_source=False, footer_text=f"PackCell {version()}")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        pdoc(*packages(), output_directory=output)
+    said = (str(warning.message) for warning in caught if warning.category is UserWarning)
+    return [text.splitlines()[0] for text in said if PARSED not in text]
+
+
+def version() -> str:
+    """The project's version."""
+    return (ROOT / "VERSION").read_text().strip()
+
+
+@cache
+def anchors(page: Path) -> frozenset[str]:
+    """The places of a page that a link can name."""
+    return frozenset(ANCHOR.findall(page.read_text()))
+
+
+def broken_links(output: Path) -> Iterator[str]:
+    """Links to files or places that are not there, with their page."""
+    for page in sorted(output.rglob("*.html")):
+        for link in set(HREF.findall(page.read_text())):
+            place, _, anchor = link.partition("#")
+            if "://" in link or link.startswith("data:"):
+                continue
+            target = (page.parent / place).resolve() if place else page
+            if not target.is_file() or (anchor and anchor not in anchors(target)):
+                yield f"{page.relative_to(output)}: {link} leads nowhere"
+
+
+def main() -> int:
+    """Build and check; returns the exit code."""
+    output = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "site").resolve()
+    wrong = build(output) + list(broken_links(output))
+    pages = len(list(output.rglob("*.html")))
+    sys.stdout.write("".join(f"{line}\n" for line in [*wrong, f"{pages} pages: {output / 'index.html'}"]))
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
