@@ -18,6 +18,7 @@ from pack_core.network import (
     domain_in,
     enforce,
 )
+from pack_core.paths import project_root
 
 PROFILE = """<dds xmlns="http://www.eprosima.com"><profiles>
 <transport_descriptors><transport_descriptor><transport_id>udp</transport_id><type>{transport}</type>
@@ -178,3 +179,10 @@ def test_a_network_is_not_called_open_that_is_not(tmp_path: Path, monkeypatch: p
     monkeypatch.setenv(PROFILE_VARIABLE, str(profile(tmp_path, ANY)))
     with pytest.raises(ConfigError, match=f"the network is not open: .*allows {ANY}"):
         check_bound()
+
+
+def test_nothing_joins_a_graph_but_in_an_environment_in_order() -> None:
+    """All of ours start ROS by `start_ros`, which enforces the rules."""
+    sources = project_root() / "ros_ws" / "src"
+    starts = [path for path in sources.rglob("*.py") if "rclpy.init(" in path.read_text()]
+    assert [path.relative_to(sources).as_posix() for path in starts] == ["pack_core/pack_core/ros/run.py"]
