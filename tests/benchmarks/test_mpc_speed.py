@@ -7,7 +7,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from pack_core.packing.cell import PackingCell, packing_cell
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingMethod
 from pack_lockstep.packing.lockstep import Lockstep, Step
 from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_config
 from pack_sim.packing.scene_generator import generate_scene

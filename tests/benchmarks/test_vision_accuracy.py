@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.box_detection import DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxBody, DetectionStatus, ExpectedBox
 from pack_core.palletizing.calibration import CellCalibration, load_calibration
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array, Pose

@@ -169,7 +169,7 @@ def upload(path: Path) -> None:
 
 def tags(path: Path) -> None:
     """A message of the tags' numbers."""
-    from pack_core.blocks.tags_text import parse_tags
+    from pack_core.blocks.block_sighting import parse_tags
 
     parse_tags(_received(path))
 

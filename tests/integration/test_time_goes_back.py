@@ -14,7 +14,7 @@ from integration.harness import Graph
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.planar import PlanarPose
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus
 from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.ros.contracts import blocks, motion, palletizing, shared

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_evaluation.packing.criteria import Criteria, judge
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.measures import goal_force, measure

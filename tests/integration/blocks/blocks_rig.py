@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 
 from integration.harness import Graph
 from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.fingers import FingerState, FingerStatus
+from pack_core.blocks.gripper import FingerState, FingerStatus
 from pack_core.blocks.plan import Plan, PlanStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.motion.target import MotionState, MotionStatus

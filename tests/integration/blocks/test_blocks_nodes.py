@@ -10,7 +10,7 @@ from std_srvs.srv import Trigger
 
 from block_fsm.block_fsm_node import BlockFsmNode
 from integration.harness import Graph
-from pack_core.blocks.fingers import FingerStatus
+from pack_core.blocks.gripper import FingerStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_core.blocks.problem_file import problem_text

@@ -11,7 +11,7 @@ from integration.blocks.test_blocks_nodes import start_sim
 from integration.harness import Graph
 from integration.simulation_rig import assert_a_pause_loses_nothing, braking_time, pause, set_state, slowly
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.fingers import FingerCommand, FingerStatus
+from pack_core.blocks.gripper import FingerCommand, FingerStatus
 from pack_core.blocks.model import block_name
 from pack_core.bodies import set_object_poses
 from pack_core.joints import JointSample

@@ -12,8 +12,8 @@ from pack_interfaces.action import FillContainer
 
 from integration.harness import Graph
 from integration.packing.cell_rig import Cell
-from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.goals import FillMethod
 from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.packing_list import PackingList
 from pack_core.ros.contracts import packing as contracts

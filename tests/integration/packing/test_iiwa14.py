@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from pack_core.bodies import body_pose
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingMethod
 from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.rotations import rotate
 from pack_lockstep.packing.lockstep import Lockstep

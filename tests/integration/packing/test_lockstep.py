@@ -14,8 +14,7 @@ from integration.packing.cell_rig import EASY, Cell
 from integration.packing.sim_rig import EXAMPLE
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.exit_reason import PackingExitReason
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingExitReason, PackingMethod
 from pack_core.packing.scene_file import load_scene
 from pack_core.paths import config_path
 from pack_core.ros.contracts import packing as contracts

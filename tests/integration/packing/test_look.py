@@ -8,8 +8,7 @@ from integration.harness import Graph
 from integration.packing.cell_rig import Cell
 from integration.packing.hidden_scene import FROM_ABOVE, write_hidden_scene
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.exit_reason import PackingExitReason
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingExitReason, PackingMethod
 from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_lockstep.packing.lockstep import Lockstep, Step

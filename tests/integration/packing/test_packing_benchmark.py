@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from pack_bringup.cli.main import app
 from pack_core.errors import ConfigError
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_core.paths import bags_path
 from pack_evaluation.packing.measures import goal_force, measure
 from pack_evaluation.packing.run import Run

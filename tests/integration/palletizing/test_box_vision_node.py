@@ -11,8 +11,7 @@ import pytest
 
 from integration.harness import Graph
 from pack_core.camera import PinholeCamera
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxBody, BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.view import Picture
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.messages.camera import to_camera_info, to_image

@@ -6,7 +6,7 @@ import pytest
 from pack_core.errors import ConfigError
 from pack_core.palletizing.calibration import CalibratedCamera, CellCalibration, PlacingError
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.displacement import Displacement
+from pack_core.palletizing.imperfections import Displacement
 from pack_core.paths import config_path
 from pack_core.rotations import Array, Pose, log
 from pack_lockstep.palletizing.benchmark import OrderJob, PalletSetup, run_order

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.displacement import Displacement
+from pack_core.palletizing.imperfections import Displacement
 from pack_core.rotations import Array, Pose, log
 from pack_core.tasks.steps import Steps
 from pack_lockstep.palletizing.calibration_lockstep import CalibrationLockstep, calibrate, quick_check

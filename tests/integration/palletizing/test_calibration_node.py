@@ -15,11 +15,11 @@ from integration.harness import Graph
 from pack_core.camera import LensDistortion
 from pack_core.joints import JointSample
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.calibration import CalibratedCamera, CellCalibration, PlacingError
-from pack_core.palletizing.displacement import NOWHERE, Displacement
 from pack_core.palletizing.grip import ASKED, GripState
-from pack_core.robots.gears import GearCompensation
+from pack_core.palletizing.imperfections import NOWHERE, Displacement
+from pack_core.robots.joint_properties import GearCompensation
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion as motion_contracts
 from pack_core.ros.contracts import palletizing as contracts

@@ -5,8 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.box_detection import DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxBody, DetectionStatus, ExpectedBox
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path

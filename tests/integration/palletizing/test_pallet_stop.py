@@ -16,7 +16,7 @@ from integration.simulation_rig import (
 )
 from pack_core.motion.moves import Path, PoseMove
 from pack_core.motion.target import MotionTarget
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts

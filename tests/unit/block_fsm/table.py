@@ -14,7 +14,7 @@ from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.fingers import FingerState, FingerStatus
+from pack_core.blocks.gripper import FingerState, FingerStatus
 from pack_core.blocks.plan import Action, PickPlace, Plan, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import is_refused

@@ -8,7 +8,7 @@ import pytest
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
 from pack_mpc.observation import PackingObservation

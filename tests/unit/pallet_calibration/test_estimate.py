@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.robots.gears import GearCompensation
+from pack_core.robots.joint_properties import GearCompensation
 from pack_core.rotations import Array, Pose, exp, multiply
 from pallet_calibration.conclusion import calibratable, conclude, model_of
 from pallet_calibration.estimate import CORNER, CalibrationFit, estimate

@@ -9,8 +9,8 @@ import pytest
 
 from pack_core.joints import JointSample
 from pack_core.motion.target import MotionState, MotionStatus
-from pack_core.palletizing.arm_kinematics import arm_kinematics
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.arm import arm_kinematics
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.ports import Command, LayOnTable, PursueTarget, StopArm, TakePicture

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.grip import ASKED, GripState
 from pack_core.palletizing.orders.order import Order

@@ -5,7 +5,7 @@ import pytest
 
 from pack_core.motion.moves import UP, Transfer
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
-from pack_core.palletizing.displacement import Displacement
+from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Pose, from_yaw

@@ -7,12 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.robots.joint_limits import FLIP, LONG_WAY
+from pack_core.robots.joint_properties import FLIP, LONG_WAY
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Pose, from_yaw
 from pallet_fsm.goals import Goals

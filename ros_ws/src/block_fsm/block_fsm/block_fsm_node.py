@@ -25,7 +25,7 @@ from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import TOOL, arm_model
 from pack_core.blocks.problem_file import parse_problem
-from pack_core.kinematics.model_chain import chain_from_model
+from pack_core.kinematics.chain import chain_from_model
 from pack_core.robots.ur10e import JOINTS
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion

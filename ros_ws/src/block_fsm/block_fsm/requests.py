@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.fingers import FingerCommand, FingerState
+from pack_core.blocks.gripper import FingerCommand, FingerState
 from pack_core.blocks.plan import Plan
 from pack_core.blocks.problem import Problem
 from pack_core.motion.moves import Path

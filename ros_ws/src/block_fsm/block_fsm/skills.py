@@ -18,7 +18,7 @@ from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers, NoPi
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.fingers import FingerCommand, FingerState, FingerStatus
+from pack_core.blocks.gripper import FingerCommand, FingerState, FingerStatus
 from pack_core.blocks.plan import Action, PickPlace, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveAction, primitives_of

@@ -9,7 +9,7 @@ import numpy as np
 
 from pack_core.motion.moves import JointMove, Path
 from pack_core.motion.target import MotionTarget
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
 from pack_motion.clearance.transfer import TransferPlanner

@@ -11,7 +11,7 @@ from std_msgs.msg import String
 
 from pack_core.errors import PackError
 from pack_core.joints import Setpoints
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode

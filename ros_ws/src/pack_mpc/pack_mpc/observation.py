@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pack_core.joints import JointSample
-from pack_core.packing.parking import parked_pose
+from pack_core.packing.model import parked_pose
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_core.states import ObjectState, SceneState

@@ -10,8 +10,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import NEXT_GOAL, Changeable, Config
 from pack_core.errors import MessageError
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.exit_reason import PackingExitReason
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingExitReason, PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, ControlPlan, PackingController

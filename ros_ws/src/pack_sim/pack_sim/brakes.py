@@ -14,7 +14,7 @@ import ruckig
 
 from pack_core.errors import MessageError
 from pack_core.joints import Desired, FeedForward, Setpoints
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array
 
 RAMP = 0.1

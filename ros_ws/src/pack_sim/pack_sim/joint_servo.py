@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from pack_core.robots.joint_limits import JointLimits
-from pack_core.robots.servo import JointServoGains
+from pack_core.robots.joint_properties import JointLimits, JointServoGains
 from pack_core.rotations import Array
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pack_core.errors import MessageError
 from pack_core.joints import Desired, FeedForward, Setpoints
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array
 
 SLACK = 1e-3

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.calibration import CellCalibration, EstimatedNumber
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.displacement import Displacement
-from pack_core.robots.gears import GearCompensation, Gears
+from pack_core.palletizing.imperfections import Displacement
+from pack_core.robots.joint_properties import GearCompensation, Gears
 from pallet_calibration.estimate import CalibrationFit, estimate
 from pallet_calibration.model import CellModel
 from pallet_calibration.parameters import (

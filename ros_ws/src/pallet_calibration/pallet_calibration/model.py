@@ -9,12 +9,11 @@ import numpy as np
 
 from pack_core.camera import PinholeCamera, seen_pixels
 from pack_core.kinematics.chain import SerialChain
+from pack_core.palletizing.arm import CarriedLoad, DeflectionModel
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
-from pack_core.palletizing.carried_load import CarriedLoad
 from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
-from pack_core.palletizing.deflection import DeflectionModel
-from pack_core.palletizing.displacement import Displacement
-from pack_core.robots.gears import GearCompensation
+from pack_core.palletizing.imperfections import Displacement
+from pack_core.robots.joint_properties import GearCompensation
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Array, Pose, exp, multiply, rotate
 from pallet_calibration.measurements import BoardView, FeltContact

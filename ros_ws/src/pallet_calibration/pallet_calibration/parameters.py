@@ -8,8 +8,8 @@ import numpy as np
 
 from pack_core.camera import LensDistortion
 from pack_core.palletizing.calibration import CalibratedCamera
-from pack_core.palletizing.displacement import Displacement
-from pack_core.robots.gears import GearCompensation
+from pack_core.palletizing.imperfections import Displacement
+from pack_core.robots.joint_properties import GearCompensation
 from pack_core.rotations import Array
 
 AXES = ("x", "y", "z", "about x", "about y", "about z")

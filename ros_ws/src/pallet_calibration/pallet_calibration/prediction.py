@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.calibration import PlacingError
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pallet_calibration.estimate import JOINTS, CalibrationFit

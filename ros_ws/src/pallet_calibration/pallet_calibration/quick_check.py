@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.motion.world import CarriedBox
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
 from pack_core.tasks.steps import Steps
 from pallet_calibration.measurements import contact_of

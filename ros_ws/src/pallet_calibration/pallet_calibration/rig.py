@@ -16,10 +16,9 @@ from pack_core.motion.moves import Line, Move, Path, PoseMove
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, ReachTolerance
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing import ports
-from pack_core.palletizing.arm_kinematics import arm_kinematics
-from pack_core.palletizing.board_sighting import BoardSighting
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.box_detection import ExpectedBox
+from pack_core.palletizing.arm import arm_kinematics
+from pack_core.palletizing.boxes import BoxBody, ExpectedBox
+from pack_core.palletizing.calibration_board import BoardSighting
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Pose
 from pack_core.tasks.move import MoveFollower, follow

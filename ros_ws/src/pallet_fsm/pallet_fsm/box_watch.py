@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pack_core.palletizing.box_detection import DetectionStatus
+from pack_core.palletizing.boxes import DetectionStatus
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.ports import Command, PalletObservation
 from pallet_fsm.feeder import Feeder

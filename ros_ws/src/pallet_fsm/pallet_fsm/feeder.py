@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.ports import Command, PalletObservation, SpawnBox, TakePicture
 from pallet_fsm.work_item import WorkItem
 

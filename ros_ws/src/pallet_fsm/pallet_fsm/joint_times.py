@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from pack_core.palletizing.arm_kinematics import arm_kinematics
-from pack_core.robots.joint_limits import step_effort
+from pack_core.palletizing.arm import arm_kinematics
+from pack_core.robots.joint_properties import step_effort
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Array, Pose
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.ports import PalletObservation, TakePicture
 from pack_core.rotations import Array, Pose, angle_between, from_yaw, multiply
 from pallet_fsm.work_item import WorkItem

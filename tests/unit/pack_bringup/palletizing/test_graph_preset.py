@@ -12,7 +12,7 @@ from pack_bringup.palletizing.goals import NODES
 from pack_core.errors import ConfigError
 from pack_core.palletizing.calibration import CalibratedCamera, CellCalibration, PlacingError
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.displacement import NOWHERE
+from pack_core.palletizing.imperfections import NOWHERE
 
 
 @pytest.fixture

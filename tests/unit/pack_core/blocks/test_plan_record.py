@@ -2,8 +2,7 @@
 
 import json
 
-from pack_core.blocks.plan import PickPlace, Push
-from pack_core.blocks.plan_record import from_record, to_record
+from pack_core.blocks.plan import PickPlace, Push, from_record, to_record
 from pack_core.blocks.planar import PlanarPose
 
 

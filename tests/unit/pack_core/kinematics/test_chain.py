@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pack_core.errors import PackError
-from pack_core.kinematics.chain import SerialChain
-from pack_core.kinematics.model_chain import chain_from_model
+from pack_core.kinematics.chain import SerialChain, chain_from_model
 from pack_core.robots import kr210, ur10e
 from pack_core.rotations import Array, Pose, angle_between, log, multiply
 

@@ -4,8 +4,15 @@ import numpy as np
 import pytest
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.fit import fitting_yaws
-from pack_core.packing.free_space import base_height, fill, footprint, free_places, is_blocked, is_inside
+from pack_core.packing.free_space import (
+    base_height,
+    fill,
+    fitting_yaws,
+    footprint,
+    free_places,
+    is_blocked,
+    is_inside,
+)
 from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.scene import Container, Scene
 from pack_core.packing.scene_file import load_scene

@@ -3,7 +3,7 @@
 import pytest
 
 from pack_core.errors import ConfigError
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingMethod
 
 
 def test_each_baseline_lacks_one_of_two_things() -> None:

@@ -10,9 +10,8 @@ from pydantic import ValidationError
 from pack_core.config import parse_config
 from pack_core.errors import ConfigError
 from pack_core.hull import hull_of
-from pack_core.packing.capsule import Capsule
 from pack_core.packing.convex_mesh import ConvexMesh
-from pack_core.packing.objects import Box, Cylinder, ObjectModel
+from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import MARKER_HEIGHT, TOP_MARKERS, SceneItem
 

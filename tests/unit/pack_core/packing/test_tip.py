@@ -11,8 +11,15 @@ from hypothesis import strategies as st
 from pack_core.bodies import body_pose
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell, Tip, packing_cell
-from pack_core.packing.model import ArmRole, HeldRole, build_model, cup_point, held_pose
-from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
+from pack_core.packing.model import (
+    TIP_JOINTS,
+    ArmRole,
+    HeldRole,
+    build_model,
+    cup_point,
+    held_pose,
+    tip_coordinates,
+)
 from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose, angle_between, exp
 

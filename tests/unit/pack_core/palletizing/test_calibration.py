@@ -18,8 +18,8 @@ from pack_core.palletizing.calibration import (
     load_calibration,
 )
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.displacement import NOWHERE, Displacement
-from pack_core.robots.gears import GearCompensation
+from pack_core.palletizing.imperfections import NOWHERE, Displacement
+from pack_core.robots.joint_properties import GearCompensation
 
 FOUND = CellCalibration(
     preset="real",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.displacement import NOWHERE, Displacement
+from pack_core.palletizing.imperfections import NOWHERE, Displacement
 from pack_core.rotations import Pose, angle_between, from_yaw
 
 

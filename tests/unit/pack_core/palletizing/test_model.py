@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from pack_core.errors import PackError
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import LIMITS

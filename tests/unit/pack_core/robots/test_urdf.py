@@ -10,17 +10,16 @@ import numpy as np
 import pytest
 
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.robot_description import describe_robot as describe_blocks_robot
+from pack_core.blocks.model import describe_robot as describe_blocks_robot
 from pack_core.bodies import body_pose
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.robot_description import describe_robot as describe_packing_robot
+from pack_core.packing.model import describe_robot as describe_packing_robot
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.robot_description import describe_robot as describe_pallet_robot
-from pack_core.robots.described_robot import DescribedRobot
+from pack_core.palletizing.model import describe_robot as describe_pallet_robot
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.robots.seven_axis_arm import SevenAxisArm
-from pack_core.robots.urdf import robot_description
+from pack_core.robots.urdf import DescribedRobot, robot_description
 
 
 def describe_arm(arm: SevenAxisArm) -> DescribedRobot:

@@ -5,7 +5,7 @@ import pytest
 
 from pack_core.errors import BagError
 from pack_core.packing import topics
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_evaluation.force import FILTER_TIME
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.measures import measure

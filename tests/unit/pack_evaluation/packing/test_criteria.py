@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_evaluation.packing.criteria import Criteria, exit_reason, is_packed, judge
 from pack_evaluation.packing.measures import measure
 from pack_evaluation.packing.run import Iterations

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core import rotations
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_core.states import Source
 from pack_evaluation.packing.measures import measure, object_displacements
 from pack_evaluation.packing.run import Run

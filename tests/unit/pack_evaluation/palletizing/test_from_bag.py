@@ -11,7 +11,7 @@ import numpy as np
 
 from pack_core.motion.topics import JOINT_STATES, SETPOINTS
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.displacement import Displacement
+from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import BASE
 from pack_core.rotations import Array, Pose, from_yaw

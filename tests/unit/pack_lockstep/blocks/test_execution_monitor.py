@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers
-from pack_core.blocks.fingers import FingerCommand
+from pack_core.blocks.gripper import FingerCommand
 from pack_core.motion.moves import Line, Path
 from pack_core.rotations import Pose, from_yaw
 from pack_core.states import ObjectState, SceneState

@@ -7,7 +7,7 @@ import pytest
 
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError, PackError
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingMethod
 from pack_core.paths import project_root
 from pack_lockstep.benchmarking.trial_file import plain
 from pack_lockstep.node_parameters import load_parameters

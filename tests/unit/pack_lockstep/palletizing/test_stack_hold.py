@@ -1,6 +1,6 @@
 import numpy as np
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Pose
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from pack_core.joints import JointSample, Setpoints
-from pack_core.packing.arrangement import Arrangement
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import Arrangement, PackingExitReason
 from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.objects import Box
 from pack_core.packing.packing_list import PackingList

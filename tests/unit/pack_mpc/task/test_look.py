@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, exp, rotate
 from pack_core.states import ObjectState, SceneState

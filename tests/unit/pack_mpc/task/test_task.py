@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.packing.entry import LANDING_MARGIN, WayIn
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose
 from pack_core.states import ObjectState, SceneState

@@ -9,8 +9,7 @@ import mujoco
 import numpy as np
 
 from pack_core.camera import PinholeCamera
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.box_detection import BoxDetection, ExpectedBox
+from pack_core.palletizing.boxes import BoxBody, BoxDetection, ExpectedBox
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.view import CellView, Picture

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.rotations import Pose, from_yaw, rotate, yaw_of
 from unit.pack_perception.boxes.spawns import TABLE, Dims, Spawn, Stage, errors, spawns
 

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.box_detection import DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxBody, DetectionStatus, ExpectedBox
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.displacement import Displacement
+from pack_core.palletizing.imperfections import Displacement
 from pack_core.rotations import Pose, angle_between, from_yaw
 from pack_perception.boxes.box_vision import BoxVision, VisionConfig
 from pack_perception.boxes.table_camera import TableCamera

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import shapely
 
-from pack_core.packing.arrangement import Arrangement, FillMethod
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.free_space import footprint, is_inside
+from pack_core.packing.goals import Arrangement, FillMethod
 from pack_core.packing.objects import Box, Cylinder, ObjectModel
 from pack_core.packing.packing_list import PackingList, PackingOrder
 from pack_core.rotations import Pose

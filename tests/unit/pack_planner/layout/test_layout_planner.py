@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from pack_core.errors import PackError
-from pack_core.palletizing.orders.layers import layers_of
-from pack_core.palletizing.orders.layout_plan import LayoutStatus
+from pack_core.palletizing.orders.layout_plan import LayoutStatus, layers_of
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.orders.placed_box import PlacedBox

@@ -9,12 +9,11 @@ import pytest
 
 from pack_core.errors import OrderError
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.orders.handling import Handling, turns_of
 from pack_core.palletizing.orders.item_list import Item, load_items
 from pack_core.palletizing.orders.layout_plan import LayoutStatus
 from pack_core.palletizing.orders.order_file import reasons_against
 from pack_core.palletizing.orders.support import support_of
-from pack_core.palletizing.orders.turn_choice import turns_of
 from pack_core.paths import config_path
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 from pack_planner.layout.online_packer import PackerConfig, Packing, pack_in_sequence

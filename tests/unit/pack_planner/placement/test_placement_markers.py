@@ -3,8 +3,8 @@
 import numpy as np
 from visualization_msgs.msg import Marker
 
-from pack_core.packing.capsule import Capsule
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.objects import Capsule
 from pack_core.packing.scene import Scene
 from pack_planner.placement.least_disturbance_planner import LeastDisturbancePlanner
 from pack_planner.placement.placement_evaluation import PlacementConfig

@@ -5,7 +5,7 @@ import numpy as np
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.model import TOOL, arm_model
 from pack_core.joints import Setpoints
-from pack_core.kinematics.model_chain import chain_from_model
+from pack_core.kinematics.chain import chain_from_model
 from pack_core.kinematics.parallel_axes import ParallelAxes
 from pack_core.robots.ur10e import JOINTS, LIMITS
 from pack_core.rotations import Pose, conjugate, exp, from_yaw, log, multiply

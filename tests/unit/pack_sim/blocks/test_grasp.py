@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.fingers import FingerCommand, FingerStatus
+from pack_core.blocks.gripper import FingerCommand, FingerStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.rotations import Pose, angle_between
 from pack_sim.blocks.simulator import BlocksSimulator

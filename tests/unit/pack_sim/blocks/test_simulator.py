@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.fingers import FingerCommand, FingerStatus
+from pack_core.blocks.gripper import FingerCommand, FingerStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints

@@ -7,9 +7,8 @@ import pytest
 
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell, Suction, Tip, packing_cell
-from pack_core.packing.model import HeldRole
+from pack_core.packing.model import TIP_JOINTS, HeldRole
 from pack_core.packing.scene import Scene
-from pack_core.packing.tip import TIP_JOINTS
 from pack_core.rotations import Array, Pose, angle_between
 from pack_sim.packing.mismatch import MismatchConfig
 from pack_sim.packing.simulator import Simulator

@@ -6,9 +6,9 @@ import numpy as np
 import ruckig
 
 from pack_core.joints import Setpoints
-from pack_core.kinematics.model_chain import chain_from_model
+from pack_core.kinematics.chain import chain_from_model
 from pack_core.kinematics.spherical_wrist import SphericalWrist
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import JERK_LIMITS, LIMITS

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.rotations import Pose
 from unit.pack_sim.palletizing.rig import Rig, above
 

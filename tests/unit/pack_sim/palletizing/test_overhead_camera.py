@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array, Pose, from_yaw

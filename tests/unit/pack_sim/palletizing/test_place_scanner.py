@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.scanner import SCANNED
 from pack_core.rotations import Pose, from_yaw

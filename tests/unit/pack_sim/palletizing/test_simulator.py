@@ -5,7 +5,7 @@ import pytest
 
 from pack_core.errors import MessageError, PackError
 from pack_core.joints import Setpoints
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Pose, yaw_of

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.rotations import Pose
 from unit.pack_sim.palletizing.rig import Rig, above

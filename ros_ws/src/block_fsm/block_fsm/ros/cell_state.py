@@ -9,7 +9,7 @@ from pack_interfaces.msg import JawState as JawStateMsg
 from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 
 from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.fingers import FingerState
+from pack_core.blocks.gripper import FingerState
 from pack_core.motion.target import MotionStatus
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion

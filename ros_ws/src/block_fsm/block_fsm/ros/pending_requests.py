@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 
 from block_fsm.requests import Answer, MoveArm, MoveFingers, NoPicture, PlanFor
 from block_fsm.ros.cell_state import CellState
-from pack_core.blocks.fingers import FingerStatus
+from pack_core.blocks.gripper import FingerStatus
 from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
 from pack_core.errors import PackError
 from pack_core.motion.target import MotionState, MotionStatus

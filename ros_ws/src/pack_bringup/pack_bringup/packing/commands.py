@@ -34,8 +34,7 @@ from pack_bringup.cli.pursue import run_goal, run_live
 from pack_bringup.cli.terminal import show_table
 from pack_bringup.recording.run_record import default_folder
 from pack_core.errors import ConfigError
-from pack_core.packing.arrangement import FillMethod
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import FillMethod, PackingMethod
 from pack_mpc.optimizers import OPTIMIZERS
 
 if TYPE_CHECKING:
@@ -302,7 +301,7 @@ def replay(
     - `pack replay bags/samples/packing --node planner --seed 5`
     """
     from pack_core.errors import BagError
-    from pack_core.packing.method import PackingMethod
+    from pack_core.packing.goals import PackingMethod
     from pack_evaluation.bag import read_bag
     from pack_evaluation.record import cell_of, load_record
     from pack_lockstep.packing.presets import load_preset

@@ -1,11 +1,20 @@
-"""What tag perception says about the blocks on the table."""
+"""What tag perception says about the blocks on the table, and the text with the tag of every block."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
+
+import yaml
+from pydantic import Field
 
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.topics import TAGS
+from pack_core.config import Config, parse_config
+from pack_core.text.limits import MOST_BLOCKS, BlockName
+
+TagNumber = Annotated[int, Field(ge=0, le=10_000)]
 
 
 @dataclass(frozen=True)
@@ -49,3 +58,17 @@ class BlockSighting:
 def stranger(number: int) -> str:
     """What a block with a tag of this number is called that nobody knows."""
     return f"tag {number}"
+
+
+class _Tags(Config):
+    tags: Annotated[dict[BlockName, TagNumber], Field(max_length=MOST_BLOCKS)]
+
+
+def tags_text(tags: Mapping[str, int]) -> str:
+    """The text, from the number of every block's tag."""
+    return yaml.safe_dump({"tags": dict(tags)})
+
+
+def parse_tags(text: str) -> dict[str, int]:
+    """The number of every block's tag, by the block's id; raises ConfigError."""
+    return dict(parse_config(_Tags, text, TAGS).tags)

@@ -11,8 +11,8 @@ from pack_core.camera import PinholeCamera, focal_length
 from pack_core.config import Config, load_config
 from pack_core.paths import config_path
 from pack_core.pose_config import PoseConfig
+from pack_core.robots.joint_properties import JointServoGains
 from pack_core.robots.robotiq_2f85 import MAX_FORCE, MAX_SPEED
-from pack_core.robots.servo import JointServoGains
 
 Joints = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
 

@@ -1,4 +1,4 @@
-"""MuJoCo model of the blocks cell: arm, gripper, table, blocks and the overhead camera."""
+"""MuJoCo model of the blocks cell: arm, gripper, table, blocks and camera; what viewers are told of it."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import mujoco
 import numpy as np
 
 from pack_core.blocks.cell import BlocksCell
-from pack_core.blocks.surroundings import add_surroundings
-from pack_core.blocks.tag_texture import cube_faces
+from pack_core.drawing.room import Light, add_lights, add_sky, add_table, add_tiles
+from pack_core.drawing.textures import add_material, cube_faces
 from pack_core.robots.robotiq_2f85 import PADS, TIPS, add_robotiq_2f85
 from pack_core.robots.ur10e import add_motors, add_ur10e
+from pack_core.robots.urdf import DescribedRobot
+from pack_core.rotations import Pose
 
 CAMERA = "overhead"
 TOOL = "tool"
@@ -52,7 +54,7 @@ def build_model(
     add_robotiq_2f85(flange, spec, pad_friction=friction, contype=ROBOT, conaffinity=0)
     _add_camera(spec, cell)
     if look:
-        add_surroundings(spec, cell)
+        _add_surroundings(spec, cell)
     _set_contacts(spec, cell)
     for block in tags:
         _add_grips(spec, cell, block_name(block))
@@ -115,19 +117,9 @@ def _add_block(spec: mujoco.MjSpec, cell: BlocksCell, block: str, tag: int | Non
         rgba=(0.78, 0.64, 0.45, 1) if tag is None else (1, 1, 1, 1),
     )  # fmt: skip
     if tag is not None:
-        geom.material = _add_tag(spec, cell, tag, f"tag of {block}")
-
-
-def _add_tag(spec: mujoco.MjSpec, cell: BlocksCell, tag: int, name: str) -> str:
-    faces = cube_faces(tag, cell.block.tag_edge, cell.block.edge)
-    texture = spec.add_texture(
-        name=name, type=mujoco.mjtTexture.mjTEXTURE_CUBE, width=faces.shape[1], height=faces.shape[0],
-        nchannel=3,
-    )  # fmt: skip
-    texture.data = faces.tobytes()
-    material = spec.add_material(name=name, specular=0.0, shininess=0.0)
-    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
-    return name
+        geom.material = f"tag of {block}"
+        faces = cube_faces(tag, facts.tag_edge, facts.edge)
+        add_material(spec, geom.material, faces, specular=0.0, shininess=0.0)
 
 
 def _add_camera(spec: mujoco.MjSpec, cell: BlocksCell) -> None:
@@ -135,3 +127,45 @@ def _add_camera(spec: mujoco.MjSpec, cell: BlocksCell) -> None:
     camera = cell.camera
     spec.worldbody.add_camera(name=CAMERA, pos=camera.position, fovy=camera.fovy_deg)
     spec.visual.global_.offwidth, spec.visual.global_.offheight = camera.width, camera.height
+
+
+def _add_surroundings(spec: mujoco.MjSpec, cell: BlocksCell) -> None:
+    """Add a table, a floor, a sky and soft light from above."""
+    visual = spec.visual
+    visual.quality.shadowsize = 4096
+    visual.headlight.ambient = (0.42, 0.42, 0.42)
+    visual.headlight.diffuse, visual.headlight.specular = (0.2, 0.2, 0.2), (0.0, 0.0, 0.0)
+    visual.map.shadowclip = 1.4
+    visual.map.znear, visual.map.zfar = 0.02, 30.0
+    add_sky(spec, (0.95, 0.96, 0.98), (0.70, 0.76, 0.82))
+    add_tiles(spec, "tiles", (0.70, 0.71, 0.73), (0.62, 0.63, 0.65))
+    spec.add_material(name="table", rgba=(0.62, 0.52, 0.40, 1.0), specular=0.05, shininess=0.1)
+    add_table(spec, cell.table.centre, cell.table.size, top="table", floor="tiles")
+    x, y = cell.workspace.centre
+    lights = (
+        Light((x + 0.7, y - 0.9, 2.5), (-0.3, 0.4, -1.0), 0.40, True),
+        Light((x - 1.0, y + 1.2, 2.0), (0.5, -0.6, -1.0), 0.15, False),
+    )
+    add_lights(spec, lights, specular=0.1)
+
+
+def describe_robot(cell: BlocksCell) -> DescribedRobot:
+    """The arm and the gripper with its fingers; the point between the finger tips is the link `tool`."""
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    flange = add_ur10e(spec, cell.robot.base.to_pose(), contype=0, conaffinity=0)
+    add_robotiq_2f85(flange, spec, pad_friction=1.0, contype=0, conaffinity=0)
+    return DescribedRobot.of(spec, "ur10e")
+
+
+def fixed_frames(cell: BlocksCell) -> dict[str, tuple[str, Pose]]:
+    """X_PF and the parent's name P, by the name of frame F.
+
+    `table` is the middle of the table's top, `workspace` the middle of where blocks may be, and
+    `overhead_camera` that of the pictures: z forward, x to the right, y down.
+    """
+    return {
+        "table": ("world", Pose(np.array([*cell.table.centre, 0.0]))),
+        "workspace": ("world", Pose(np.array([*cell.workspace.centre, 0.0]))),
+        "overhead_camera": ("world", cell.camera.pinhole.X_WC),
+    }

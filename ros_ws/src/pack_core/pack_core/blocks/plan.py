@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
@@ -141,3 +142,24 @@ class Plan:
     def turns(self) -> float:
         """Turns of the wrist while it holds a block, summed [rad]."""
         return sum(abs(float(wrapped(a.end.yaw - a.start.yaw))) for a in self.actions)
+
+
+def to_record(actions: Iterable[Action]) -> list[dict[str, Any]]:
+    """One mapping an action; a push has no `grasp`."""
+    return [
+        {"block": a.block, "start": list(a.start.row), "end": list(a.end.row)}
+        | ({"grasp": a.grasp} if isinstance(a, PickPlace) else {})
+        for a in actions
+    ]
+
+
+def from_record(record: Iterable[Mapping[str, Any]]) -> tuple[Action, ...]:
+    """The actions that `to_record` wrote."""
+    return tuple(_action(row) for row in record)
+
+
+def _action(row: Mapping[str, Any]) -> Action:
+    start, end = PlanarPose(*row["start"]), PlanarPose(*row["end"])
+    if "grasp" in row:
+        return PickPlace(row["block"], start, end, row["grasp"])
+    return Push(row["block"], start, end)

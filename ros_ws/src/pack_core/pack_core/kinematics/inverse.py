@@ -14,10 +14,10 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.errors import PackError
 from pack_core.kinematics import screws
 from pack_core.kinematics.chain import SerialChain
-from pack_core.kinematics.meeting_point import meeting_point
-from pack_core.kinematics.subproblems import angles_to_plane
+from pack_core.kinematics.screws import angles_to_plane
 from pack_core.rotations import Array, Pose, to_matrix
 
 TURN = 2.0 * np.pi
@@ -30,6 +30,8 @@ Solver = Callable[[Array, Array, Array, Array, Array], tuple[Array, Bools]]
 """Takes axes and points `(6, 3)` and the wrist's centre `(3,)`, all at zero, and rotation `(3, 3)` and
 translation `(3,)` of the last link from there. Returns joint positions `(8, 6)` by branch, limits aside, and
 which of them exist `(8,)`."""
+TOLERANCE = 1e-6
+"""How far the point may be from an axis that is said to pass through it [m]."""
 
 
 class InverseKinematics(ABC):
@@ -132,3 +134,19 @@ def shoulder_angles(z: Array, r: Array, w0: Array, w: Array) -> Array:
     wrist's centre along it: (w - r[0]) . R1 z[1] = (w0 - r[0]) . z[1], subproblem 4.
     """
     return np.asarray(angles_to_plane(z[0], w - r[0], z[1], z[1] @ (w0 - r[0])))
+
+
+def meeting_point(chain: SerialChain, joints: Sequence[int]) -> Array:
+    """The point `(3,)` that the axes of `joints` share where all joints are zero [m].
+
+    Raises:
+        PackError: they do not meet in one point.
+    """
+    # x is on axis i when (I - z z') (x - r) = 0: what is across the axis vanishes. Three rows for each axis.
+    across = [np.eye(3) - np.outer(chain.axes[i], chain.axes[i]) for i in joints]
+    A = np.vstack(across)
+    b = np.concatenate([P @ chain.points[i] for P, i in zip(across, joints, strict=True)])
+    point, _, rank, _ = np.linalg.lstsq(A, b, rcond=1e-9)
+    if rank < 3 or np.abs(A @ point - b).max() > TOLERANCE:
+        raise PackError(f"axes {[i + 1 for i in joints]} must meet in one point for this inverse")
+    return np.asarray(point)

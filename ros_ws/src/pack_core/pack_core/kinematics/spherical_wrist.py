@@ -15,7 +15,7 @@ from pack_core.errors import PackError
 from pack_core.kinematics import screws
 from pack_core.kinematics.chain import SerialChain
 from pack_core.kinematics.inverse import Bools, InverseKinematics, shoulder_angles
-from pack_core.kinematics.subproblems import angle_about, angles_to_distance, angles_to_plane
+from pack_core.kinematics.screws import angle_about, angles_to_distance, angles_to_plane
 from pack_core.rotations import Array
 
 TOLERANCE = 1e-6

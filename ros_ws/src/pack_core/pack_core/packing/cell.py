@@ -6,16 +6,16 @@ from functools import cache
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field, PositiveFloat
+from pydantic import Field, PositiveFloat, model_validator
 
 from pack_core.config import Config, load_values, merged, parse_values, validate_config
-from pack_core.packing.object_set import DrawnObjects
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.paths import config_path
 from pack_core.robots.arm_drive import ArmDrive
 from pack_core.robots.pump import Pump
 from pack_core.rotations import Pose, from_yaw
+from pack_core.text.limits import Share
 
 Point = tuple[float, float, float]
 
@@ -88,6 +88,24 @@ class HandOver(Config):
     def pose_of(self, item: SceneItem) -> Pose:
         """X_WN: the object as announced, standing upright."""
         return Pose(np.array([*self.centre, item.half_extents[2]]), from_yaw(np.deg2rad(self.yaw_deg)))
+
+
+class DrawnObjects(Config):
+    """How the objects of a generated scene are drawn.
+
+    Attributes:
+        object_set: name of a file of config/object_sets.
+        base_area: least and most share of the base that all objects, the new one included, cover.
+    """
+
+    object_set: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=64)]
+    base_area: tuple[Share, Share]
+
+    @model_validator(mode="after")
+    def _least_first(self) -> DrawnObjects:
+        if self.base_area[0] >= self.base_area[1]:
+            raise ValueError("a `base_area` of two shares, the smaller one first")
+        return self
 
 
 class PackingCell(Config):

@@ -1,4 +1,4 @@
-"""Where the new object would stand upright in the container without touching anything.
+"""Room in the container: where an upright object would stand free, whether it fits at all, how full it is.
 
 Everything is seen from above: bodies are their convex footprints, and the places of the new object's
 centre that are taken by a body are the Minkowski sum of both footprints. A body counts with its whole
@@ -7,17 +7,24 @@ footprint, whatever its height, since the new object reaches down to the base.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 
+from pack_core.errors import PackError
+from pack_core.hull import hull_of
 from pack_core.packing.scene import Container, Scene
 from pack_core.packing.scene_item import SceneItem
-from pack_core.rotations import Pose, from_yaw
+from pack_core.rotations import Array, Pose, from_yaw
 
 YAW_STEP = np.deg2rad(1.0)
 """Distance between the yaws at which `is_blocked` looks for a free place [rad]."""
 SMALLEST_AREA = 1e-10
 """A free area smaller than this is a rounding error [m^2]."""
+YAW_STEPS = 721
+"""Candidate yaws: a quarter of a degree apart for an object with a symmetry of 180 degrees."""
 
 
 def footprint(item: SceneItem, X_WO: Pose) -> shapely.Polygon:
@@ -91,3 +98,49 @@ def _minkowski_sums(taken: list[shapely.Polygon], outline: shapely.Polygon) -> l
     # all outlines are convex, so the hull of the corners' differences is the whole sum
     sums = [shapely.get_coordinates(other)[:, None] - corners for other in taken]
     return [shapely.MultiPoint(places.reshape(-1, 2)).convex_hull for places in sums]
+
+
+def fitting_yaws(item: SceneItem, container: Container, yaw: float) -> Array:
+    """Yaws [rad] at which the object fits, evenly spread over half a symmetry to either side of `yaw`.
+
+    Raises:
+        PackError: it is too wide at every yaw, or so tall that its centre would stand over the rim.
+    """
+    yaws = yaw + item.symmetry * np.linspace(-0.5, 0.5, YAW_STEPS)
+    room = 0.5 * np.array(container.size) - item.half_spans(yaws)
+    yaws = yaws[np.all(room >= 0.0, axis=1)]
+    x, y, z = (2 * item.half_extents).tolist()
+    if yaws.size == 0:
+        raise PackError(
+            f"'{item.name}' is {x:.3f} x {y:.3f} m wide, the container {container.size[0]:.3f} x "
+            f"{container.size[1]:.3f} m; allowed: what fits between the walls at some yaw"
+        )
+    if z >= 2 * container.height:
+        raise PackError(
+            f"'{item.name}' is {z:.3f} m tall, the container's walls {container.height:.3f} m; allowed: less "
+            f"than {2 * container.height:.3f} m, so that its centre is below the rim"
+        )
+    return yaws
+
+
+@dataclass(frozen=True)
+class Fill:
+    """How full a container is.
+
+    Attributes:
+        base_area: share of the base that objects cover.
+        volume: share of the container's volume, up to its rim, that objects take.
+    """
+
+    base_area: float
+    volume: float
+
+
+def fill_of(container: Container, standing: Sequence[tuple[SceneItem, Pose]]) -> Fill:
+    """How full the container is with objects at X_WO; of an object's volume the part below the rim counts."""
+    outlines = [footprint(item, X_WO) for item, X_WO in standing]
+    area = float(np.prod(container.size))
+    box = shapely.box(*container.lower, *container.upper)
+    covered = shapely.union_all(outlines).intersection(box).area if outlines else 0.0
+    volumes = [hull_of(X_WO.apply(item.hull())).volume_below(container.height) for item, X_WO in standing]
+    return Fill(float(covered) / area, float(sum(volumes)) / (area * container.height))

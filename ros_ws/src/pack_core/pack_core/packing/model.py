@@ -1,4 +1,8 @@
-"""MuJoCo models of the packing cell: one builder, with roles for the arm and for the new object."""
+"""MuJoCo models of the packing cell: one builder, with roles for the arm and for the new object.
+
+Beside it stand what a model is made of (table, container, the cup's springs, surroundings for pictures) and
+what viewers are told of the cell: its fixed frames, and its arm as URDF.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +10,17 @@ from enum import Enum
 
 import mujoco
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from pack_core.packing.cell import PackingCell
-from pack_core.packing.scene import Scene
+from pack_core.drawing.room import Light, add_lights, add_sky, add_table, add_tiles
+from pack_core.errors import ConfigError
+from pack_core.packing.cell import PackingCell, Tip
+from pack_core.packing.scene import Container, Scene
 from pack_core.packing.scene_item import SceneItem
-from pack_core.packing.steering import add_steering
-from pack_core.packing.surroundings import add_surroundings
-from pack_core.packing.table_and_container import add_container, add_table
-from pack_core.packing.tip import add_tip
 from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
 from pack_core.robots.pump import add_pump
-from pack_core.rotations import Array, Pose
+from pack_core.robots.urdf import DescribedRobot
+from pack_core.rotations import Array, Pose, conjugate, from_matrix, multiply, rotate
 
 TIP_FORCE = "tip_force"
 TIP_TORQUE = "tip_torque"
@@ -26,6 +30,19 @@ HELD_Z_AXIS = "held_z_axis"
 WALLS = ("wall_left", "wall_right", "wall_near", "wall_far")
 UPSIDE_DOWN = (0.0, 1.0, 0.0, 0.0)
 """Half a turn about x as a quaternion wxyz: the cup's z axis points down, the held object's points up."""
+STEERING_STIFFNESS = np.array([1000.0, 1000.0, 1000.0, 30.0, 30.0, 30.0])
+"""[N/m] and [N m/rad]: what the driver's joint servos give the held object, within a factor of two."""
+STEERING_DAMPING = np.array([80.0, 80.0, 80.0, 1.5, 1.5, 1.5])
+"""Damping along and about the world's axes [N s/m] and [N m s/rad]."""
+WORLD_SITE = "world_frame"
+SLIDES = ("tip_x", "tip_y", "tip_z")
+HINGES = ("tip_roll", "tip_pitch", "tip_yaw")
+TIP_JOINTS = (*SLIDES, *HINGES)
+"""The joints in their order, in the held object's axes: it shifts first, then turns about x, y and z."""
+PARKED = np.array([-5.0, 0.0])
+"""Where the first of them stands, out of reach of everything else: x and y [m]."""
+PARKING_GAP = 1.0
+"""Distance from one to the next [m]."""
 
 
 class ArmRole(Enum):
@@ -86,8 +103,8 @@ def build_model(
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     _set_solver(spec, timestep)
-    add_table(spec, scene.friction, surroundings)
-    add_container(spec, scene.container, scene.friction)
+    _add_table(spec, scene.friction, surroundings)
+    _add_container(spec, scene.container, scene.friction)
     for item in scene.objects:
         _add_object(spec, spec.worldbody.add_body(name=item.name), item, scene, free=True)
     tool = None if arm is ArmRole.ABSENT else _add_arm(spec, cell)
@@ -102,7 +119,7 @@ def build_model(
     elif arm is ArmRole.GUIDED:
         make_heavy(spec, cell.robot.arm)
     if surroundings:
-        add_surroundings(spec, scene.container)
+        _add_surroundings(spec, scene.container)
     return spec.compile()
 
 
@@ -146,7 +163,7 @@ def _add_new_object(
         body = spec.worldbody.add_body(name=item.name, gravcomp=is_steered)
         _add_object(spec, body, item, scene, free=True)
         if is_steered:
-            add_steering(spec, body, cell.push.force, cell.push.moment)
+            _add_steering(spec, body, cell.push.force, cell.push.moment)
     elif held is not HeldRole.ABSENT and tool is not None:
         X_TN, is_rigid = held_pose(scene), held is HeldRole.RIGID
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)
@@ -179,3 +196,144 @@ def _add_object(
         friction=(friction, 0.005, item.rolling_friction), condim=item.contact_dimension,
         rgba=(*item.colour, 1.0),
     )  # fmt: skip
+
+
+def _add_table(spec: mujoco.MjSpec, friction: float, surroundings: bool) -> None:
+    """Add the plane of the table, which is not drawn where `surroundings` draw a floor instead."""
+    spec.worldbody.add_geom(
+        name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(1.0, 0.8, 0.1), condim=3,
+        friction=(friction, 0.005, 0.0001),
+        rgba=(0.5, 0.5, 0.5, 0.0 if surroundings else 1.0),
+    )  # fmt: skip
+
+
+def _add_container(spec: mujoco.MjSpec, container: Container, friction: float) -> None:
+    """Add the four walls, whose inner faces are as far apart as the container's size says."""
+    # half extents, as MuJoCo's boxes take them
+    (w, l), h, t = 0.5 * np.array(container.size), 0.5 * container.height, 0.5 * container.wall
+    x, y = container.centre
+    sides = {
+        "wall_left": ((x, y + l + t), (w + 2 * t, t)), "wall_right": ((x, y - l - t), (w + 2 * t, t)),
+        "wall_near": ((x - w - t, y), (t, l)), "wall_far": ((x + w + t, y), (t, l)),
+    }  # fmt: skip
+    for name, ((px, py), (sx, sy)) in sides.items():
+        spec.worldbody.add_geom(
+            name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=(px, py, h), size=(sx, sy, h),
+            friction=(friction, 0.005, 0.0001), condim=3, rgba=(0.25, 0.42, 0.62, 1.0),
+        )  # fmt: skip
+
+
+def _add_steering(spec: mujoco.MjSpec, body: mujoco.MjsBody, force: float, moment: float) -> None:
+    """Add six actuators whose controls are the body's desired position [m] and rotation vector [rad].
+
+    Along each axis they pull with up to `force` [N], and turn about it with up to `moment` [N m].
+    """
+    limits = np.repeat([force, moment], 3)
+    spec.worldbody.add_site(name=WORLD_SITE)
+    body.add_site(name=body.name)
+    # gear k selects direction k of the site's transform: three translations, then three rotations
+    for i, gear in enumerate(np.eye(6)):
+        actuator = spec.add_actuator(
+            name=f"steering_{i}", target=body.name, refsite=WORLD_SITE, trntype=mujoco.mjtTrn.mjTRN_SITE,
+            gear=gear, forcelimited=True, forcerange=(-limits[i], limits[i]),
+        )  # fmt: skip
+        actuator.set_to_position(kp=STEERING_STIFFNESS[i], kv=STEERING_DAMPING[i])
+
+
+def add_tip(body: mujoco.MjsBody, tip: Tip | None, p_NP: Array) -> None:
+    """Hang a held object on the springs of the cup.
+
+    Args:
+        body: the held object.
+        tip: stiffness and damping of the springs.
+        p_NP: the cup's point P `(3,)` in the body's frame [m].
+
+    Raises:
+        ConfigError: the cup has no springs.
+    """
+    if tip is None:
+        raise ConfigError("a compliant grip needs stiffnesses; give `tip` in config/cells/packing.yaml")
+    kinds = [mujoco.mjtJoint.mjJNT_SLIDE] * 3 + [mujoco.mjtJoint.mjJNT_HINGE] * 3
+    stiffness = [tip.lateral, tip.lateral, tip.axial, tip.bending, tip.bending, tip.twist]
+    for i, name in enumerate(TIP_JOINTS):
+        body.add_joint(
+            name=name, type=kinds[i], axis=np.eye(3)[i % 3], pos=p_NP, stiffness=stiffness[i],
+            damping=tip.damping_time * stiffness[i],
+        )  # fmt: skip
+
+
+def tip_coordinates(X_TN0: Pose, X_TN: Pose, p_NP: Array) -> Array:
+    """Coordinates `(6,)` [m, rad] of the tip's joints that bring the held object from X_TN0 to X_TN.
+
+    The joints are at the cup's point P, `p_NP` `(3,)` [m] in the object's frame.
+    """
+    inverse = conjugate(X_TN0.q)
+    shift = rotate(inverse, X_TN.apply(p_NP) - X_TN0.apply(p_NP))
+    # intrinsic angles "XYZ", since the hinges turn about x, y and z one after the other
+    turn = Rotation.from_quat(multiply(inverse, X_TN.q), scalar_first=True).as_euler("XYZ")
+    return np.concatenate([shift, turn])
+
+
+def _add_surroundings(spec: mujoco.MjSpec, container: Container) -> None:
+    """Add a table, a floor, a sky and lights that cast soft shadows."""
+    visual = spec.visual
+    visual.global_.offwidth, visual.global_.offheight = 1920, 1080
+    visual.quality.shadowsize = 4096
+    visual.headlight.ambient = (0.34, 0.34, 0.34)
+    visual.headlight.diffuse, visual.headlight.specular = (0.25, 0.25, 0.25), (0.0, 0.0, 0.0)
+    visual.map.shadowclip = 1.4
+    add_sky(spec, (0.95, 0.96, 0.98), (0.70, 0.76, 0.82))
+    add_tiles(spec, "tiles", (0.70, 0.71, 0.73), (0.62, 0.63, 0.65), reflectance=0.03)
+    spec.add_material(name="table", rgba=(0.80, 0.76, 0.70, 1.0), specular=0.1, shininess=0.2)
+    add_table(spec, (0.35, 0.0), (1.5, 1.2), top="table", floor="tiles")
+    x, y = container.centre
+    lights = (
+        Light((x + 0.6, y - 0.8, 2.5), (-0.35, 0.4, -1.0), 0.42, True),
+        Light((x - 1.0, y + 1.2, 2.0), (0.5, -0.6, -1.0), 0.16, False),
+    )
+    add_lights(spec, lights, specular=0.15)
+
+
+def parked_pose(i: int, item: SceneItem) -> Pose:
+    """X_WO of object number `i` of a scene while it is parked: it stands on the table's plane."""
+    x, y = PARKED - (PARKING_GAP * i, 0.0)
+    return Pose(np.array([x, y, item.half_extents[2]]))
+
+
+def describe_robot(cell: PackingCell) -> DescribedRobot:
+    """The arm and the pump; the cup is the link `tool`."""
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    arm = cell.robot.arm
+    add_pump(arm.add_to(spec), cell.pump, arm.flange)
+    return DescribedRobot.of(spec, arm.name)
+
+
+def fixed_frames(cell: PackingCell, container: Container) -> dict[str, tuple[str, Pose]]:
+    """X_PF and the parent's name P, by the name of frame F.
+
+    Besides container and table there are two at the tool. `cup` is the cup's lip. `tip` is the frame of
+    `/wrench`: the middle of the held object's top, with the axes of an object that hangs upright (what a
+    compliant cup adds to that is left out). `mocap_camera_1` and so on look along z, with x to the right.
+    """
+    here = Pose(np.zeros(3))
+    frames = {
+        "table": ("world", here),
+        "container": ("world", Pose(np.array([*container.centre, 0.0]))),
+        "cup": ("tool", here),
+        "tip": ("tool", Pose(np.zeros(3), np.array(UPSIDE_DOWN))),
+    }
+    for number, position in enumerate(cell.mocap.cameras, start=1):
+        frames[f"mocap_camera_{number}"] = ("world", _looking_at(position, cell.mocap.target))
+    return frames
+
+
+def _looking_at(position: tuple[float, float, float], target: tuple[float, float, float]) -> Pose:
+    """X_WC of a camera: z forward, x to the right and level, y down."""
+    forward = np.subtract(target, position) / np.linalg.norm(np.subtract(target, position))
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    if np.linalg.norm(right) < 1e-9:  # it looks straight down, where every horizontal axis is level
+        right = np.array([0.0, -1.0, 0.0])
+    right = right / np.linalg.norm(right)
+    R_WC = np.column_stack([right, np.cross(forward, right), forward])
+    return Pose(np.array(position), from_matrix(R_WC))

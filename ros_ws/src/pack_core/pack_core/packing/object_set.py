@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from pack_core.config import Config, load_config
 from pack_core.errors import PackError
-from pack_core.packing.fit import fitting_yaws
-from pack_core.packing.free_space import footprint
+from pack_core.packing.cell import DrawnObjects, PackingCell
+from pack_core.packing.free_space import fitting_yaws, footprint
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
 from pack_core.paths import config_path
 from pack_core.rotations import Pose
-from pack_core.text.limits import MOST_OBJECTS, Share
-
-if TYPE_CHECKING:
-    from pack_core.packing.cell import PackingCell
+from pack_core.text.limits import MOST_OBJECTS
 
 MOST_DRAWS = 1000
 """Draws after which no scene of the wanted area is expected any more."""
@@ -29,24 +26,6 @@ class ObjectSet(Config):
     """Objects to draw from, without poses."""
 
     objects: Annotated[list[ObjectModel], Field(min_length=2, max_length=100)]
-
-
-class DrawnObjects(Config):
-    """How the objects of a generated scene are drawn.
-
-    Attributes:
-        object_set: name of a file of config/object_sets.
-        base_area: least and most share of the base that all objects, the new one included, cover.
-    """
-
-    object_set: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=64)]
-    base_area: tuple[Share, Share]
-
-    @model_validator(mode="after")
-    def _least_first(self) -> DrawnObjects:
-        if self.base_area[0] >= self.base_area[1]:
-            raise ValueError("a `base_area` of two shares, the smaller one first")
-        return self
 
 
 @cache

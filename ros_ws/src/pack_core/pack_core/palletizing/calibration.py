@@ -12,8 +12,8 @@ from pack_core.camera import LensDistortion
 from pack_core.config import Config, load_config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
-from pack_core.palletizing.displacement import Displacement
-from pack_core.robots.gears import GearCompensation
+from pack_core.palletizing.imperfections import Displacement
+from pack_core.robots.joint_properties import GearCompensation
 
 Pair = tuple[float, float]
 

@@ -1,18 +1,18 @@
-"""The calibration board: a plate with a ChArUco pattern, and a bare end by which the gripper holds it."""
+"""The calibration board, a ChArUco pattern on a plate with a bare end for the gripper; and how it is seen."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.rotations import Array
 
 FAMILY = cv2.aruco.DICT_5X5_100
-FACE_PIXELS = 2100
+BOARD_PIXELS = 2100
 """Side of the pictures of the faces; a cube texture's are square, whatever the face's sides are. With this
 number squares have whole numbers of pixels, 140 by 200."""
 
@@ -75,9 +75,9 @@ CALIBRATION_BOARD = CalibrationBoard()
 
 def board_faces(board: CalibrationBoard) -> npt.NDArray[np.uint8]:
     """The six faces as a column of pictures, in the order of `cardboard_faces`; the pattern is on +z."""
-    side = np.full((FACE_PIXELS, FACE_PIXELS, 3), (150, 150, 150), dtype=np.uint8)
+    side = np.full((BOARD_PIXELS, BOARD_PIXELS, 3), (150, 150, 150), dtype=np.uint8)
     top = np.full_like(side, 150)
-    scale = FACE_PIXELS / np.array(board.size[:2])  # pixels a metre, along x and along y
+    scale = BOARD_PIXELS / np.array(board.size[:2])  # pixels a metre, along x and along y
     extent = np.array(board.squares) * board.square
     picture = board.pattern.generateImage((1540, 1400), None, 0, 1)
     width, height = np.round(extent * scale).astype(int)
@@ -86,3 +86,27 @@ def board_faces(board: CalibrationBoard) -> npt.NDArray[np.uint8]:
     picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
     top[upper : upper + height, left : left + width] = picture[..., None]
     return np.concatenate([side, side, side, side, top, side])
+
+
+@dataclass(frozen=True)
+class BoardSighting:
+    """Corners of the board's pattern in one picture.
+
+    Attributes:
+        time: when the picture was taken [s].
+        width: of the picture [pixel].
+        ids: numbers of the corners that were seen `(n,)`; none where no board was found.
+        pixels: where they were seen, u and v `(n, 2)` [pixel].
+    """
+
+    time: float
+    width: int
+    ids: Array
+    pixels: Array
+
+    def scaled(self, width: int) -> BoardSighting:
+        """The same in pictures of another width [pixel]."""
+        if width == self.width:
+            return self
+        # The left edge of both pictures is at -0.5, half a pixel before the first pixel's centre.
+        return replace(self, width=width, pixels=(self.pixels + 0.5) * np.float64(width / self.width) - 0.5)

@@ -12,12 +12,11 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, Serial
 from pack_core.camera import LensDistortion, PinholeCamera, focal_length
 from pack_core.config import Config, load_values, validate_config
 from pack_core.motion.world import Obstacle
-from pack_core.palletizing.displacement import NOWHERE, Displacement
 from pack_core.palletizing.grip import GripLimits
-from pack_core.palletizing.imperfections import ArmPreset
+from pack_core.palletizing.imperfections import NOWHERE, ArmPreset, Displacement
 from pack_core.palletizing.scanner import ScannerMount, Scanners
 from pack_core.paths import config_path
-from pack_core.robots.servo import JointServoGains
+from pack_core.robots.joint_properties import JointServoGains
 from pack_core.robots.surface_gripper import GripperTool, gripper_tool
 from pack_core.rotations import Array, Pose
 

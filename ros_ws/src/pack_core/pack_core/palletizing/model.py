@@ -1,4 +1,4 @@
-"""The MuJoCo model of the palletizing cell, with the boxes that are in it."""
+"""The MuJoCo model of the palletizing cell with its boxes, and what viewers are told of it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ from collections.abc import Sequence
 
 import mujoco
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import BoxContact, PalletizingCell
-from pack_core.palletizing.furniture import add_furniture
-from pack_core.palletizing.look import add_surroundings
+from pack_core.palletizing.furniture import add_furniture, add_surroundings
+from pack_core.palletizing.scanner import SCANNED, scanner_frame
 from pack_core.palletizing.visitors import Visitor
-from pack_core.robots.gears import Gears
+from pack_core.robots.joint_properties import Gears
 from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
 from pack_core.robots.surface_gripper import TOOL
+from pack_core.robots.urdf import DescribedRobot
 from pack_core.rotations import Pose
 
 GRIP_SOLREF = (0.01, 1.0)
@@ -87,12 +88,6 @@ def _add_visitor(spec: mujoco.MjSpec, visitor: Visitor) -> None:
     )  # fmt: skip
 
 
-def body_pose(data: mujoco.MjData, name: str) -> Pose:
-    """X_WB of a body after forward kinematics."""
-    body = data.body(name)
-    return Pose(body.xpos, body.xquat)
-
-
 def _add_motors(spec: mujoco.MjSpec) -> None:
     """A torque actuator on every joint, with the published limit; controls are torques `(6,)` [N m]."""
     for name, limit in zip(LIMITS.names, LIMITS.effort, strict=True):
@@ -123,3 +118,23 @@ def _set_contacts(spec: mujoco.MjSpec, contact: BoxContact) -> None:
     for geom in spec.geoms:
         geom.friction = (contact.friction, 0.005, 0.0001)
         geom.solref, geom.solimp = contact.solref, (*contact.solimp, 0.5, 2.0)
+
+
+def describe_robot(cell: PalletizingCell) -> DescribedRobot:
+    """The arm on its nominal base, with rigid gears, and the gripper; its face is the link `tool`."""
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, look=True), look=True)
+    return DescribedRobot.of(spec, "kr210")
+
+
+def fixed_frames(cell: PalletizingCell) -> dict[str, tuple[str, Pose]]:
+    """X_PF and the parent's name P, by the name of frame F.
+
+    `pallet_deck` is the frame of orders and layouts: a corner of the deck, x along its length.
+    `overhead_camera` is that of the pictures, each scanner has its own: z forward, x to the right, y down.
+    """
+    return {
+        "pallet_deck": ("world", cell.pallet.X_WP),
+        "overhead_camera": ("world", cell.overhead_camera.X_WC),
+    } | {scanner_frame(place): ("world", cell.scanner_pose(place)) for place in SCANNED}

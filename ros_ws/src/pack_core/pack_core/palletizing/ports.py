@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pack_core.motion.target import MotionStatus, MotionTarget
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.box_detection import BoxDetection, ExpectedBox
+from pack_core.palletizing.boxes import BoxBody, BoxDetection, ExpectedBox
 from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Pose

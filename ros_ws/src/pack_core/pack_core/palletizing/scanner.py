@@ -14,7 +14,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.camera import LOOKING_DOWN
 from pack_core.config import Config
-from pack_core.palletizing.displacement import NOWHERE, Displacement
+from pack_core.palletizing.imperfections import NOWHERE, Displacement
 from pack_core.rotations import Array, Pose, from_yaw, multiply
 
 

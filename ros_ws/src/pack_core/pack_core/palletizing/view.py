@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from types import TracebackType
 from typing import Self
@@ -12,17 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.camera import PinholeCamera
-from pack_core.errors import PackError
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.drawing.renderer import look_through, open_renderer
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.look import BOARD, CARDBOARDS
+from pack_core.palletizing.furniture import BOARD, CARDBOARDS
 from pack_core.palletizing.model import build_model
 from pack_core.rotations import Array, Pose, to_matrix
 
 Picture = npt.NDArray[np.uint8]
-NEAR, FAR = 0.05, 30.0
-"""Nearest and farthest distance that the picture of a pinhole camera shows [m]."""
 
 
 class CellView:
@@ -56,7 +53,7 @@ class CellView:
         self._shadows = shadows
         self._materials = [self._model.material(f"cardboard_{i}").id for i in range(CARDBOARDS)]
         self._board = self._model.material(BOARD).id
-        self._renderer = self._open(height, width)
+        self._renderer = open_renderer(self._model, width, height)
 
     def __enter__(self) -> Self:
         return self
@@ -78,7 +75,7 @@ class CellView:
         pinhole = isinstance(camera, PinholeCamera)
         self._renderer.update_scene(self._data, mujoco.MjvCamera() if pinhole else camera)
         if isinstance(camera, PinholeCamera):
-            _point(scene, camera)
+            look_through(camera, scene)
         scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
         scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = self._shadows
         for box, X_WB in boxes.items():
@@ -96,27 +93,3 @@ class CellView:
         geom.matid = self._board if is_board else self._materials[box.look % CARDBOARDS]
         geom.category = mujoco.mjtCatBit.mjCAT_DYNAMIC  # decoration would cast no shadow
         scene.ngeom += 1
-
-    def _open(self, height: int, width: int) -> mujoco.Renderer:
-        try:
-            return mujoco.Renderer(self._model, height, width)
-        except Exception as error:  # whatever the platform's OpenGL raises
-            backend = os.environ.get("MUJOCO_GL", "not set")
-            raise PackError(
-                f"cannot draw without a screen: {error} (MUJOCO_GL is {backend}); install EGL, `sudo apt-get "
-                "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl"
-            ) from error
-
-
-def _point(scene: mujoco.MjvScene, camera: PinholeCamera) -> None:
-    """Give both cameras of the scene, one for each eye, the pose and the intrinsics of a pinhole camera."""
-    R_WC = to_matrix(camera.X_WC.q)
-    scale = NEAR / camera.f
-    for eye in scene.camera:
-        eye.pos[:], eye.forward[:], eye.up[:] = camera.X_WC.p, R_WC[:, 2], -R_WC[:, 1]
-        eye.frustum_near, eye.frustum_far = NEAR, FAR
-        # Pixel centres have whole coordinates, so that the picture reaches from -0.5 to its size less 0.5.
-        eye.frustum_top = scale * (camera.c[1] + 0.5)
-        eye.frustum_bottom = -scale * (camera.height - camera.c[1] - 0.5)
-        eye.frustum_center = scale * (0.5 * camera.width - camera.c[0] - 0.5)
-        eye.frustum_width = scale * 0.5 * camera.width

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.robots.seven_axis_arm import QUARTER_X, UNROTATED, ArmLink, SevenAxisArm
 
 _S = 0.7071067811865476

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.robots.seven_axis_arm import MINUS_QUARTER_X, QUARTER_X, UNROTATED, ArmLink, SevenAxisArm
 
 PANDA = SevenAxisArm(

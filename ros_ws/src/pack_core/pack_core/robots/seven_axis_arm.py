@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 
 Colour = tuple[float, float, float, float]
 Capsule = tuple[float, tuple[float, ...]]

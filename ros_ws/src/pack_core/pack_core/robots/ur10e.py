@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array, Pose, exp, to_matrix
 
 JOINTS = (

@@ -1,9 +1,10 @@
-"""A robot as URDF, made from its MuJoCo model: links, joints and shapes, for viewers of ROS 2."""
+"""A robot without its surroundings: model, links, joints, and its description as URDF."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -21,6 +22,40 @@ KINDS = {mujoco.mjtJoint.mjJNT_HINGE: "revolute", mujoco.mjtJoint.mjJNT_SLIDE: "
 """Joints of URDF by those of MuJoCo; a body without a joint is fixed to its parent."""
 Shape = tuple[str, dict[str, str], Pose]
 """Element of URDF, its attributes, and X_BG: its pose in the link's frame."""
+
+
+@dataclass(frozen=True)
+class DescribedRobot:
+    """A robot as it is told to viewers.
+
+    Attributes:
+        model: the robot alone, with the shapes that pictures show.
+        links: names of its links, the base first; they are frames in /tf.
+        joints: names of its joints, fingers included.
+        urdf: the same as URDF.
+    """
+
+    model: mujoco.MjModel
+    links: tuple[str, ...]
+    joints: tuple[str, ...]
+    urdf: str
+
+    @classmethod
+    def of(cls, spec: mujoco.MjSpec, name: str) -> DescribedRobot:
+        """The robot of a specification that holds nothing else.
+
+        Args:
+            spec: its first body is fixed to the world.
+            name: of the robot.
+
+        Raises:
+            ConfigError: URDF cannot express a body's joints.
+        """
+        model = spec.compile()
+        root = model.body(1).name  # body 0 is the world
+        links = tuple(model.body(body).name for body in bodies_below(model, root))
+        joints = tuple(model.joint(joint).name for joint in range(model.njnt))
+        return cls(model, links, joints, robot_description(model, root, name))
 
 
 def robot_description(model: mujoco.MjModel, root: str, name: str) -> str:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus
-from pack_core.blocks.plan_record import from_record
+from pack_core.blocks.plan import Diagnosis, Plan, PlanStatus, from_record
 from pack_core.blocks.problem_file import parse_problem
 from pack_evaluation.blocks.from_bag import load_blocks_run
 from pack_evaluation.blocks.measures import BlocksMeasures, measure

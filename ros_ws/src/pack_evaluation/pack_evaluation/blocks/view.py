@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.model import block_name, build_model
+from pack_core.drawing.renderer import open_renderer
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS
 from pack_evaluation.blocks.from_bag import BlocksRun
@@ -33,7 +34,7 @@ class RunView:
         self._model = build_model(cell, tags, timestep=0.001, look=True)
         self._model.vis.global_.offwidth, self._model.vis.global_.offheight = size
         self._data = mujoco.MjData(self._model)
-        self._renderer = mujoco.Renderer(self._model, size[1], size[0])
+        self._renderer = open_renderer(self._model, *size)
 
     def __enter__(self) -> Self:
         return self

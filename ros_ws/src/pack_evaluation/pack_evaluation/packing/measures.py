@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_core.rotations import Array
 from pack_evaluation.force import low_pass
 from pack_evaluation.packing.chatter import chatter

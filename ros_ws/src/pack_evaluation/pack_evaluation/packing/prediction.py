@@ -16,8 +16,7 @@ import numpy as np
 
 from pack_core.bodies import body_pose, set_object_poses
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import ArmRole, HeldRole, build_model
-from pack_core.packing.parking import parked_pose
+from pack_core.packing.model import ArmRole, HeldRole, build_model, parked_pose
 from pack_core.rotations import Array
 from pack_core.states import Source
 from pack_evaluation.packing.run import Run

@@ -10,13 +10,14 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from pack_core.bodies import set_object_poses
+from pack_core.drawing.renderer import open_renderer
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import WALLS, ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
 from pack_evaluation.captions import INK, caption_font
 from pack_evaluation.packing.run import Run
-from pack_evaluation.packing.view import Picture, open_renderer
+from pack_evaluation.packing.view import Picture
 
 COLUMNS = 3
 TILE = (480, 360)

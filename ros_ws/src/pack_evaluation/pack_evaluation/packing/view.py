@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from types import TracebackType
 from typing import Self
 
@@ -12,7 +11,7 @@ import numpy.typing as npt
 
 from pack_core.bodies import set_object_poses
 from pack_core.config import Config
-from pack_core.errors import PackError
+from pack_core.drawing.renderer import open_renderer
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import WALLS, ArmRole, HeldRole, build_model
 from pack_core.rotations import Pose, to_matrix
@@ -101,24 +100,6 @@ class View:
         # MuJoCo draws two pictures of each mesh: the mesh itself, and after it its convex hull
         ghost.dataid = 2 * int(geom.dataid[0])
         scene.ngeom += 1
-
-
-def open_renderer(model: mujoco.MjModel, width: int, height: int) -> mujoco.Renderer:
-    """A renderer without a screen, bound to the thread that calls this.
-
-    Raises:
-        PackError: there is no OpenGL to draw with.
-    """
-    visual = model.vis.global_
-    visual.offwidth, visual.offheight = max(visual.offwidth, width), max(visual.offheight, height)
-    try:
-        return mujoco.Renderer(model, height, width)
-    except Exception as error:  # whatever the platform's OpenGL raises
-        backend = os.environ.get("MUJOCO_GL", "not set")
-        raise PackError(
-            f"cannot draw without a screen: {error} (MUJOCO_GL is {backend}); install EGL, `sudo apt-get "
-            "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl, or use --no-video"
-        ) from error
 
 
 def _target(run: Run, time: float) -> Pose | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.rotations import Array
 from pack_evaluation.captions import Picture
 from pack_evaluation.palletizing.run import BoxTrack, StandingCell

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.view import CellView
 from pack_core.rotations import Array
 from pack_evaluation.captions import Picture, add_bar

@@ -11,8 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Polygon, Rectangle
 
-from pack_core.palletizing.orders.layers import layers_of
-from pack_core.palletizing.orders.layout_plan import LayoutPlan, PlannedBox
+from pack_core.palletizing.orders.layout_plan import LayoutPlan, PlannedBox, layers_of
 from pack_core.palletizing.orders.order import Order, OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.displacement import Displacement
-from pack_core.palletizing.frames import fixed_frames
+from pack_core.palletizing.imperfections import Displacement
+from pack_core.palletizing.model import fixed_frames
 from pack_core.robots.kr210 import BASE
 from pack_core.rotations import Pose
 from pack_evaluation.bag import Bag

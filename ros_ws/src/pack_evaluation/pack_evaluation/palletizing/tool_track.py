@@ -7,8 +7,7 @@ from functools import cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pack_core.kinematics.chain import SerialChain
-from pack_core.kinematics.model_chain import chain_from_model
+from pack_core.kinematics.chain import SerialChain, chain_from_model
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import JOINTS

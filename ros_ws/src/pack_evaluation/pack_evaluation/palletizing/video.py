@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.view import CellView
 from pack_evaluation.captions import add_bar
 from pack_evaluation.evaluator import OnProgress

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from pack_core.blocks.cell import BlocksCell
-from pack_core.blocks.plan import Plan, Push
-from pack_core.blocks.plan_record import to_record
+from pack_core.blocks.plan import Plan, Push, to_record
 from pack_core.blocks.problem import Problem
 from pack_core.blocks.problem_file import problem_text
 from pack_evaluation.blocks.plan_verifier import verify

@@ -19,7 +19,7 @@ from block_fsm.requests import Answer, ExecutorRequest, Look, MoveArm, MoveFinge
 from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import BlocksCell
-from pack_core.blocks.fingers import FingerState, FingerStatus
+from pack_core.blocks.gripper import FingerState, FingerStatus
 from pack_core.blocks.plan import Plan
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem

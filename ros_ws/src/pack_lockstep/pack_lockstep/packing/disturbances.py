@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.packing.cell import packing_cell
+from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
-from pack_core.packing.method import PackingMethod
 from pack_core.rotations import angle_between
 from pack_lockstep.disturbances import Disturbance, DisturbanceReport, DisturbanceTable
 from pack_lockstep.packing.lockstep import HELD, Lockstep, Step

@@ -9,8 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
-from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.goals import FillMethod
 from pack_core.packing.packing_list import PackingList, supermarket_list
 from pack_lockstep.benchmarking.benchmark import Verdict
 from pack_lockstep.packing.controlled_benchmark import ControlledBenchmark

@@ -9,11 +9,9 @@ import numpy as np
 
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
-from pack_core.packing.arrangement import Arrangement, FillMethod
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.container_fill import fill_of
-from pack_core.packing.free_space import is_packed
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.free_space import fill_of, is_packed
+from pack_core.packing.goals import Arrangement, FillMethod, PackingMethod
 from pack_core.packing.packing_list import PackingList
 from pack_lockstep.packing.fill_result import FillResult
 from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements, Sense

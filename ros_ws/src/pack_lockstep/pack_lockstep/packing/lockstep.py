@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
-from pack_core.packing.method import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
 from pack_evaluation.packing.run import Run

@@ -10,7 +10,7 @@ from typing import Any
 from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
 from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_config

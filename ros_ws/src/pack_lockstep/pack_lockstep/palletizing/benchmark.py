@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from pack_core.errors import ConfigError, OrderError, PackError
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.calibration import CellCalibration, KnownCell
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus

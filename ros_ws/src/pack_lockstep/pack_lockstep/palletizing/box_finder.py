@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Pose, from_yaw, multiply
 from pack_perception.boxes.box_vision import BoxVision, VisionConfig

@@ -6,10 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pack_core.palletizing.board_sighting import BoardSighting
-from pack_core.palletizing.box_detection import BoxDetection, ExpectedBox
+from pack_core.palletizing.boxes import BoxDetection, ExpectedBox
 from pack_core.palletizing.calibration import CellCalibration
-from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
+from pack_core.palletizing.calibration_board import CALIBRATION_BOARD, BoardSighting
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.ports import (
     CloseGripper,
@@ -21,7 +20,7 @@ from pack_core.palletizing.ports import (
     StopArm,
     TakePicture,
 )
-from pack_core.robots.gears import GearCompensation
+from pack_core.robots.joint_properties import GearCompensation
 from pack_core.tasks.steps import A
 from pack_lockstep.driven_arm import DrivenArm
 from pack_lockstep.palletizing.calibration_log import CalibrationLog

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 
 from pack_core.kinematics.chain import SerialChain
-from pack_core.palletizing.arm_kinematics import arm_kinematics
-from pack_core.palletizing.board_sighting import BoardSighting
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.arm import arm_kinematics
+from pack_core.palletizing.boxes import BoxBody
+from pack_core.palletizing.calibration_board import BoardSighting
 from pack_core.palletizing.topics import TRUTH_RATE
 from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array, Pose

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.errors import PackError
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
 from pack_core.rotations import Array, Pose, from_yaw, multiply

@@ -15,8 +15,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.motion.target import MotionStatus
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.box_detection import BoxDetection
+from pack_core.palletizing.boxes import BoxBody, BoxDetection
 from pack_core.palletizing.calibration import CellCalibration
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan

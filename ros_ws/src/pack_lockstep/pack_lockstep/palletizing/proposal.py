@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from pack_core.errors import OrderError
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.model import build_model
 from pack_core.rotations import Array, Pose

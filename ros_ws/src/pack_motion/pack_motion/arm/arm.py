@@ -8,7 +8,7 @@ import numpy as np
 
 from pack_core.kinematics.chain import SerialChain
 from pack_core.kinematics.inverse import InverseKinematics
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array
 from pack_motion.arm.body_boxes import BodyBoxes
 from pack_motion.arm.fingers import Fingers

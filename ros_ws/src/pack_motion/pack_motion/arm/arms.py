@@ -10,9 +10,9 @@ import numpy as np
 
 from pack_core.blocks.cell import blocks_cell
 from pack_core.errors import ConfigError
-from pack_core.kinematics.model_chain import chain_from_model
+from pack_core.kinematics.chain import chain_from_model
 from pack_core.kinematics.parallel_axes import ParallelAxes
-from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.robots import kr210, robotiq_2f85, ur10e
 from pack_motion.arm.arm import MotionArm
 from pack_motion.arm.body_boxes import boxes_from_model, fixed_boxes

@@ -9,7 +9,7 @@ import numpy as np
 
 from pack_core.errors import PackError
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
-from pack_core.robots.joint_limits import step_effort
+from pack_core.robots.joint_properties import step_effort
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.joint_move import MoveLimits, brake, joint_move

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.robots.joint_limits import JointLimits
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array
 
 BRAKING = 0.9

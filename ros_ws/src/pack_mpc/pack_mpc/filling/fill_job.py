@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pack_core.packing.arrangement import Arrangement
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.container_fill import fill_of
-from pack_core.packing.exit_reason import PackingExitReason
-from pack_core.packing.free_space import is_packed
+from pack_core.packing.free_space import fill_of, is_packed
+from pack_core.packing.goals import Arrangement, PackingExitReason
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingList, handed_over
 from pack_core.packing.scene import Scene

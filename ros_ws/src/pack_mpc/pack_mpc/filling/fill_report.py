@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from pack_core.packing.container_fill import Fill
+from pack_core.packing.free_space import Fill
 from pack_core.rotations import Pose
 
 

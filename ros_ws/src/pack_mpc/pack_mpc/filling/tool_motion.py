@@ -14,7 +14,7 @@ import numpy as np
 
 from pack_core.joints import Setpoints
 from pack_core.kinematics import screws
-from pack_core.kinematics.model_chain import chain_from_model
+from pack_core.kinematics.chain import chain_from_model
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.robots.pump import add_pump

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pack_interfaces.action import FillContainer
 from std_msgs.msg import String
 
-from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.goals import FillMethod
 from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts

@@ -8,7 +8,7 @@ from pack_interfaces.srv import PlanFilling
 from rclpy.task import Future
 
 from pack_core.errors import MessageError
-from pack_core.packing.arrangement import Arrangement
+from pack_core.packing.goals import Arrangement
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.conversions import from_pose

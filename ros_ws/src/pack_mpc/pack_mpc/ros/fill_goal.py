@@ -7,11 +7,9 @@ from collections.abc import Callable
 from pack_interfaces.action import FillContainer
 
 from pack_core.errors import PackError
-from pack_core.packing.arrangement import FillMethod
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.container_fill import Fill
-from pack_core.packing.exit_reason import PackingExitReason
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.free_space import Fill
+from pack_core.packing.goals import FillMethod, PackingExitReason, PackingMethod
 from pack_core.packing.packing_list import PackingList
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array

@@ -6,7 +6,7 @@ import json
 
 from pack_interfaces.action import FillContainer
 
-from pack_core.packing.container_fill import Fill
+from pack_core.packing.free_space import Fill
 from pack_mpc.ros.fill_goal import FillGoal
 
 

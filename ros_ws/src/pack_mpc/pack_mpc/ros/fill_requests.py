@@ -9,7 +9,7 @@ import yaml
 from pack_interfaces.srv import GripperCommand, PlanFilling, PlanPlacement, PresentObject
 from rclpy.task import Future
 
-from pack_core.packing.arrangement import FillMethod
+from pack_core.packing.goals import FillMethod
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingList
 from pack_core.packing.scene import Scene

@@ -11,8 +11,7 @@ from rclpy.task import Future
 
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
-from pack_core.packing.exit_reason import PackingExitReason
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingExitReason, PackingMethod
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import from_pose, to_point, to_pose
 from pack_core.ros.messages.packing import from_way

@@ -10,7 +10,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
 from pack_core.packing.entry import Entry, WayIn, plan_entry
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_core.states import SceneState

@@ -5,8 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from pack_core.palletizing.board_sighting import BoardSighting
-from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
+from pack_core.palletizing.calibration_board import CALIBRATION_BOARD, BoardSighting
 from pack_perception.boxes.segmentation import Picture
 
 

@@ -12,7 +12,7 @@ from pydantic import Field
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from pack_core.camera import PinholeCamera
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.ros.contracts import palletizing as contracts

@@ -8,7 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus
 from pack_core.rotations import Array
 from pack_perception.boxes.segmentation import Picture, Segmentation
 

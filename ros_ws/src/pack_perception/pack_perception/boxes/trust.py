@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.palletizing.box_detection import DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import DetectionStatus, ExpectedBox
 from pack_core.rotations import Array
 from pack_perception.boxes.edge_line import EdgeLine, TopFace
 from pack_perception.boxes.segmentation import Segmentation

@@ -9,8 +9,7 @@ import numpy.typing as npt
 from pack_core.bodies import body_pose
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import ArmRole, HeldRole, build_model
-from pack_core.packing.parking import parked_pose
+from pack_core.packing.model import ArmRole, HeldRole, build_model, parked_pose
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, conjugate, exp, multiply, rotate
 

@@ -17,9 +17,9 @@ from pydantic import Field, PositiveFloat
 from pack_core.blocks.block_sighting import BlockSighting, stranger
 from pack_core.blocks.cell import Block
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.tag_texture import FAMILY
 from pack_core.camera import PinholeCamera
 from pack_core.config import Config
+from pack_core.drawing.textures import TAG_FAMILY
 from pack_core.rotations import Array
 
 CORNERS = np.array([[-0.5, 0.5], [0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
@@ -55,7 +55,7 @@ class TagVision:
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         parameters.cornerRefinementWinSize = config.refinement_window
         parameters.cornerRefinementMaxIterations = config.refinement_steps
-        self._detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(FAMILY), parameters)
+        self._detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(TAG_FAMILY), parameters)
 
     def find(self, picture: npt.NDArray[np.uint8], camera: PinholeCamera, time: float) -> BlockSighting:
         """Blocks in a picture.

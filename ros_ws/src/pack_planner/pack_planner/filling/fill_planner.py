@@ -8,9 +8,8 @@ from types import MappingProxyType
 import numpy as np
 
 from pack_core.errors import PackError
-from pack_core.packing.arrangement import Arrangement, FillMethod
-from pack_core.packing.fit import fitting_yaws
-from pack_core.packing.free_space import is_packed
+from pack_core.packing.free_space import fitting_yaws, is_packed
+from pack_core.packing.goals import Arrangement, FillMethod
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingOrder
 from pack_core.packing.scene import Container, Scene

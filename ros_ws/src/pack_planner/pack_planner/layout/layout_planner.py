@@ -10,10 +10,9 @@ from pydantic import Field, PositiveFloat
 
 from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_core.errors import PackError
-from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus, PlannedBox
+from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus, PlannedBox, resequence
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.palletizing.orders.sequence import resequence
 from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
 from pack_planner.layout.insertion_direction import InsertionConfig, choose_insertion
 from pack_planner.layout.pallet_separator import PalletSeparator, Separation, SeparatorConfig

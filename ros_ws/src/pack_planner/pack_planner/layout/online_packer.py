@@ -16,10 +16,10 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
+from pack_core.palletizing.orders.handling import PRICE, TurnChoice
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
 from pack_core.palletizing.orders.support import SupportConfig, support_of
-from pack_core.palletizing.orders.turn_choice import PRICE, TurnChoice
 from pack_core.rotations import Array
 
 Turns = Mapping[str, Sequence[TurnChoice]]

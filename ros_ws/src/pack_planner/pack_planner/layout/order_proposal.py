@@ -11,10 +11,10 @@ from pydantic import Field, NonNegativeInt, PositiveInt
 from pack_core.config import Config
 from pack_core.errors import OrderError
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.orders.cell_check import misfits_of
+from pack_core.palletizing.orders.handling import TurnChoice, turns_of
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.order import Order
-from pack_core.palletizing.orders.turn_choice import TurnChoice, turns_of
+from pack_core.palletizing.orders.order_check import misfits_of
 from pack_core.text.shown import listed
 from pack_planner.layout.online_packer import PackedItem, PackerConfig, Packing, Turns, pack_in_sequence
 

@@ -15,7 +15,7 @@ from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, Pos
 from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_core.errors import PackError
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.fit import fitting_yaws
+from pack_core.packing.free_space import fitting_yaws
 from pack_core.packing.model import HeldRole
 from pack_core.packing.scene import Container, Scene
 from pack_core.packing.scene_item import SceneItem

@@ -13,8 +13,8 @@ from pack_interfaces.srv import PlanFilling, PlanPlacement
 from std_msgs.msg import String
 
 from pack_core.errors import MessageError, PackError
-from pack_core.packing.arrangement import Arrangement, FillMethod
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.goals import Arrangement, FillMethod
 from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample

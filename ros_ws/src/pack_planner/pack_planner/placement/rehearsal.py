@@ -1,6 +1,6 @@
 """Rehearsals of entries: the new object is lowered into the container in simulation, without an arm.
 
-It hangs on springs whose force is limited like the arm's (`pack_core/packing/steering.py`). The springs' rest
+It hangs on springs whose force is limited like the arm's (`pack_core/packing/model.py`). The springs' rest
 pose moves down at a fixed speed, with the tilt and offset of the entry.
 """
 

@@ -9,12 +9,11 @@ from pack_interfaces.srv import JawCommand, ResetScene
 from pydantic import Field
 from std_srvs.srv import Trigger
 
-from pack_core.blocks import fingers
+from pack_core.blocks import gripper
 from pack_core.blocks.cell import blocks_cell
-from pack_core.blocks.frames import fixed_frames
+from pack_core.blocks.model import describe_robot, fixed_frames
 from pack_core.blocks.problem import Problem
 from pack_core.blocks.problem_file import load_problem, parse_problem
-from pack_core.blocks.robot_description import describe_robot
 from pack_core.errors import PackError
 from pack_core.paths import config_path
 from pack_core.robots.ur10e import LIMITS
@@ -77,7 +76,7 @@ class BlocksSimNode(PhysicsNode):
     ) -> JawCommand.Response:
         try:
             with self.lock:
-                self._simulator.fingers.command(fingers.FingerCommand(request.opening, request.force))
+                self._simulator.fingers.command(gripper.FingerCommand(request.opening, request.force))
                 self._finger_commands += 1
         except PackError as error:
             response.message = str(error)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.blocks.fingers import FingerCommand, FingerState, FingerStatus
+from pack_core.blocks.gripper import FingerCommand, FingerState, FingerStatus
 from pack_core.errors import MessageError
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS, MAX_FORCE, STROKE
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from types import TracebackType
 from typing import Self
@@ -13,6 +12,7 @@ import numpy.typing as npt
 
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.model import CAMERA, build_model
+from pack_core.drawing.renderer import open_renderer
 from pack_core.errors import PackError
 from pack_core.rotations import Array
 
@@ -42,14 +42,7 @@ class OverheadCamera:
         self._renderer: mujoco.Renderer | None = None
 
     def __enter__(self) -> Self:
-        try:
-            self._renderer = mujoco.Renderer(self._model, self._camera.height, self._camera.width)
-        except Exception as error:  # whatever the platform's OpenGL raises
-            backend = os.environ.get("MUJOCO_GL", "not set")
-            raise PackError(
-                f"cannot draw without a screen: {error} (MUJOCO_GL is {backend}); install EGL, `sudo apt-get "
-                "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl"
-            ) from error
+        self._renderer = open_renderer(self._model, self._camera.width, self._camera.height)
         return self
 
     def __exit__(

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.blocks.cell import BlocksCell
-from pack_core.blocks.fingers import FingerState
+from pack_core.blocks.gripper import FingerState
 from pack_core.blocks.model import TOOL, arm_model, block_name, build_model
 from pack_core.blocks.planar import PlanarPose
 from pack_core.bodies import body_pose, set_object_poses

@@ -11,9 +11,16 @@ import numpy as np
 from pack_core.bodies import body_pose, set_object_poses
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import ArmRole, HeldRole, build_model, cup_point, held_pose
+from pack_core.packing.model import (
+    TIP_JOINTS,
+    ArmRole,
+    HeldRole,
+    build_model,
+    cup_point,
+    held_pose,
+    tip_coordinates,
+)
 from pack_core.packing.scene import Scene
-from pack_core.packing.tip import TIP_JOINTS, tip_coordinates
 from pack_core.rotations import Array, Pose, conjugate, rotate
 from pack_core.states import ObjectState, SceneState
 from pack_sim.packing.contacts import soften_contacts

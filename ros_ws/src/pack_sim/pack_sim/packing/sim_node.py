@@ -10,9 +10,8 @@ from pack_interfaces.srv import GripperCommand, PresentObject, ResetScene
 from pydantic import Field
 from std_msgs.msg import String
 
-from pack_core.packing.frames import fixed_frames
+from pack_core.packing.model import describe_robot, fixed_frames
 from pack_core.packing.objects import parse_object
-from pack_core.packing.robot_description import describe_robot
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.ros.contracts import packing as contracts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Pose, from_yaw
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from pack_core.bodies import body_pose
 from pack_core.errors import PackError
 from pack_core.palletizing.grip import GripLoad
-from pack_core.palletizing.model import body_pose
 from pack_core.robots.surface_gripper import PAD_BIT, TOOL
 from pack_core.rotations import Array
 

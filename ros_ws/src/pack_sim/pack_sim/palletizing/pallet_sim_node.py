@@ -10,11 +10,10 @@ from pydantic import Field
 from std_srvs.srv import Trigger
 
 from pack_core.errors import PackError
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.frames import fixed_frames
-from pack_core.palletizing.robot_description import describe_robot
+from pack_core.palletizing.model import describe_robot, fixed_frames
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from pack_core.errors import PackError
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.model import build_model
 from pack_core.palletizing.visitors import Visitor

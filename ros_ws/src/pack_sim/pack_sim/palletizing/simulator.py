@@ -11,12 +11,12 @@ from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.joints import Desired, JointSample, Setpoints
-from pack_core.palletizing.box_body import BoxBody
-from pack_core.palletizing.carried_load import CarriedLoad
+from pack_core.palletizing.arm import CarriedLoad
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.model import body_pose
 from pack_core.palletizing.visitors import Visitor
-from pack_core.robots.gears import GearCompensation
+from pack_core.robots.joint_properties import GearCompensation
 from pack_core.robots.kr210 import LIMITS
 from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Array, Pose

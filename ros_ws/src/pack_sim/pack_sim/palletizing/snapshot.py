@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.rotations import Array, Pose
 
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from pack_core.camera import LensDistortion
 from pack_core.palletizing.cell import OverheadCameraMount, PalletizingCell
-from pack_core.palletizing.displacement import Displacement
-from pack_core.palletizing.imperfections import CameraErrors, PoseError
+from pack_core.palletizing.imperfections import CameraErrors, Displacement, PoseError
 from pack_core.palletizing.scanner import SCANNED
 
 FURNITURE, CAMERA, SCANNERS = 2, 3, 9

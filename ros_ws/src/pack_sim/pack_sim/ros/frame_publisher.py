@@ -11,7 +11,7 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from pack_core.robots.described_robot import DescribedRobot
+from pack_core.robots.urdf import DescribedRobot
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.conversions import WORLD, to_stamp
 from pack_core.ros.messages.markers import frame_of, shape_markers

@@ -18,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.config import AT_ONCE, Config
 from pack_core.joints import JointSample, Setpoints
-from pack_core.robots.described_robot import DescribedRobot
+from pack_core.robots.urdf import DescribedRobot
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.joints import from_trajectory

@@ -9,9 +9,9 @@ import numpy as np
 from viser import GlbHandle, SceneApi
 
 from pack_core.blocks import topics
+from pack_core.blocks.block_sighting import parse_tags
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import block_name, build_model
-from pack_core.blocks.tags_text import parse_tags
 from pack_core.motion import topics as motion
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS

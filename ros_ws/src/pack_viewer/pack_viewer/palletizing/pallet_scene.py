@@ -12,9 +12,9 @@ from viser import GlbHandle, SceneApi
 from pack_core.config import Config, validate_config
 from pack_core.motion import topics as motion
 from pack_core.palletizing import topics
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.look import CARDBOARDS
+from pack_core.palletizing.furniture import CARDBOARDS
 from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import JOINTS
 from pack_core.rotations import Array

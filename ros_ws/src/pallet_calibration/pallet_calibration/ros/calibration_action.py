@@ -16,11 +16,11 @@ from sensor_msgs.msg import JointState
 from pack_core.errors import ConfigError, PackError
 from pack_core.joints import JointSample
 from pack_core.motion import topics
-from pack_core.palletizing.board_sighting import BoardSighting
 from pack_core.palletizing.calibration import KnownCell
+from pack_core.palletizing.calibration_board import BoardSighting
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.ports import Command, PalletObservation
-from pack_core.robots.gears import GearCompensation
+from pack_core.robots.joint_properties import GearCompensation
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.goal_node import GoalNode

@@ -11,7 +11,7 @@ from pack_interfaces.msg import MotionStatus as MotionStatusMsg
 from sensor_msgs.msg import PointCloud2
 
 from pack_core.motion.target import MotionStatus
-from pack_core.palletizing.box_detection import BoxDetection
+from pack_core.palletizing.boxes import BoxDetection
 from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE
 from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.ports import PalletObservation

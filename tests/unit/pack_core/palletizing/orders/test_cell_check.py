@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from pack_core.errors import OrderError
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.orders.grips import GRAVITY, grips_of
 from pack_core.palletizing.orders.order import OrderBox
+from pack_core.palletizing.orders.order_check import GRAVITY, grips_of
 from pack_core.palletizing.orders.order_file import load_order, parse_order
 from pack_core.paths import config_path
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pack_core.palletizing.orders.layout_plan import resequence
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.palletizing.orders.sequence import resequence
 from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
 from pack_core.paths import config_path
 

@@ -1,7 +1,7 @@
 import re
 from pathlib import Path
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_evaluation.packing.studies import STUDIES
 from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.study_report import study_section, write_study_report

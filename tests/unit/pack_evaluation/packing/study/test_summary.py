@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_evaluation.packing.study.summary import contact_force, exits, summarize
 from pack_evaluation.packing.study.tables import tables
 from pack_evaluation.packing.study.trial import PackingStudy, PackingTrial, trial_of

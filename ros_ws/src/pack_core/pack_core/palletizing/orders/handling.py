@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+from itertools import permutations
+from typing import Literal, get_args
 
 OrientId = Literal[0, 1, 2, 3, 4, 5]
 BundlingAxis = Literal["z", "y"]
@@ -38,6 +39,10 @@ class Handling(StrEnum):
     TABLE = "table"
 
 
+PRICE = {Handling.NONE: 0, Handling.FLIP: 1, Handling.TABLE: 2}
+"""What a turn costs against others: standing a box up on table B takes twice the time of a whole cycle."""
+
+
 @dataclass(frozen=True)
 class Turn:
     """From the way a box arrives, d_x along the world's x and d_z up, to the way it stands on the pallet.
@@ -59,3 +64,34 @@ def turn_of(dims: Extents, axis: BundlingAxis, orient_id: OrientId) -> Turn:
         return Turn(Handling.NONE, extents)
     turned = dims[1], dims[0], dims[2]
     return Turn(Handling.FLIP if extents == turned else Handling.TABLE, extents)
+
+
+@dataclass(frozen=True)
+class TurnChoice:
+    """How an order names a turn, and what it takes."""
+
+    orient_id: OrientId
+    bundling_axis: BundlingAxis
+    handling: Handling
+    extents: Extents
+
+
+def turns_of(size: Extents, *, this_side_up: bool) -> tuple[TurnChoice, ...]:
+    """The turns to every distinct extents that a box may have on the pallet, the cheapest first.
+
+    Args:
+        size: length, width and height of the box [m].
+        this_side_up: whether the height stays upright.
+    """
+    d_x, d_y, d_z = sorted(size, reverse=True)  # a box arrives on its largest face
+    upright = {size[2]} if this_side_up else set(size)
+    wanted = {extents for extents in permutations(size) if extents[2] in upright}
+    found: dict[Extents, TurnChoice] = {}
+    for axis in ARRIVAL:
+        for orient_id in get_args(OrientId):
+            turn = turn_of((d_x, d_y, d_z), axis, orient_id)
+            choice = TurnChoice(orient_id, axis, turn.handling, turn.extents)
+            best = found.get(turn.extents)
+            if turn.extents in wanted and (best is None or PRICE[choice.handling] < PRICE[best.handling]):
+                found[turn.extents] = choice
+    return tuple(sorted(found.values(), key=lambda choice: PRICE[choice.handling]))

@@ -1,14 +1,19 @@
-"""The answer of the layout service: where every box goes, in which sequence, and from which side it comes."""
+"""A layout: its layers, the sequence in which it is built, and the layout service's answer for each box."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import groupby
 
 import numpy as np
 
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
+
+LAYER_STEP = 0.001
+"""Heights of bases are rounded to multiples of this; equal ones are in one layer [m]."""
 
 
 class LayoutStatus(IntEnum):
@@ -69,3 +74,31 @@ class LayoutPlan:
     boxes: tuple[PlannedBox, ...]
     gap: float
     virtual_margin: float
+
+
+def layers_of(boxes: Sequence[PlacedBox]) -> list[tuple[PlacedBox, ...]]:
+    """The layers from the deck upwards."""
+    by_height = sorted(boxes, key=_base_step)
+    return [tuple(layer) for _, layer in groupby(by_height, key=_base_step)]
+
+
+def _base_step(item: PlacedBox) -> int:
+    return round(float(item.lower[2]) / LAYER_STEP)
+
+
+def resequence(boxes: Sequence[PlacedBox], rise: float) -> tuple[PlacedBox, ...]:
+    """Sort boxes so that the stack grows evenly; otherwise keep the given sequence.
+
+    A box is ready when no box that is still to be placed belongs under it. The next box is the first ready
+    one in the given sequence whose top is at most `rise` [m] over the lowest base of all ready boxes. Where
+    there is none, it is the ready box with the lowest top, so that boxes placed later have low neighbours.
+    """
+    rest, sorted_boxes = list(boxes), []
+    while rest:
+        ready = [item for item in rest if not any(item.is_over(other) for other in rest)]
+        ceiling = min(item.lower[2] for item in ready) + rise
+        low = [item for item in ready if item.upper[2] <= ceiling]
+        chosen = low[0] if low else min(ready, key=lambda item: float(item.upper[2]))
+        rest.remove(chosen)
+        sorted_boxes.append(chosen)
+    return tuple(sorted_boxes)

@@ -1,13 +1,17 @@
-"""Finds everything that is wrong with an order although each of its keys and values is allowed."""
+"""Finds everything that is wrong with an order: in itself, and for the pallet and the gripper of a cell."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
 
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.grip import GripLoad
+from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.orders.order import Order, OrderBox
 from pack_core.palletizing.orders.placed_box import TOUCH
 from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
@@ -18,6 +22,11 @@ MOST_OVERLAPS = 1000
 """Pairs that are looked for; where all boxes are at one place, there are n^2 / 2."""
 ROUNDING = 0.01
 """Totals in an order file may differ by this from those of its boxes [kg, m]."""
+PALLET_TOLERANCE = 0.001
+"""An order's pallet may differ from the cell's by this [m]."""
+CELL_FILE = "config/cells/palletizing.yaml"
+GRAVITY = 9.81
+"""Acceleration of free fall [m/s^2]."""
 
 
 def problems_of(order: Order, config: SupportConfig) -> list[str]:
@@ -92,3 +101,82 @@ def _overlapping(order: Order) -> Iterator[str]:
 
 def _shown(p: np.ndarray) -> str:
     return "(" + ", ".join(f"{value:.3f}" for value in p) + ")"
+
+
+def misfits_of(order: Order, cell: PalletizingCell) -> list[str]:
+    """Every reason why this cell cannot build the order; empty where it can."""
+    return [*_wrong_pallet(order, cell), *(why for item in order.boxes for why in _not_held(item, cell))]
+
+
+def _wrong_pallet(order: Order, cell: PalletizingCell) -> Iterator[str]:
+    own = dict(zip(("length", "width"), cell.pallet.size, strict=True))
+    for key, allowed in {**own, "deck_height": cell.pallet.deck_height}.items():
+        given = getattr(order.pallet, key)
+        if abs(given - allowed) > PALLET_TOLERANCE:
+            yield f"key 'pallet.{key}' is {given:g}; allowed: {allowed:g}, the cell's ({CELL_FILE}: pallet)"
+
+
+def _not_held(item: OrderBox, cell: PalletizingCell) -> Iterator[str]:
+    """For each limit of the gripper that is exceeded, the first grip that exceeds it."""
+    reasons: dict[str, str] = {}
+    seals = cell.tool.seals()
+    for grip in grips_of(item, cell.grip.carrying_acceleration):
+        # Seals are ordered from the largest to the smallest: the first that fits the face is used.
+        seal = next((seal for seal in seals if seal.side <= grip.face), seals[-1])
+        for passed in cell.grip.passed_by(grip.load, seal.share):
+            key, unit = passed.key, passed.unit
+            text = f"{item.weight:g} kg, {grip.how}, make a {passed.what} of {passed.load:.1f} {unit}"
+            reasons.setdefault(key, f"{text}; allowed: {passed.allowed:g} {unit} ({CELL_FILE}: grip.{key})")
+        if grip.face < seal.side:
+            text = f"its face is {grip.face:g} m wide where it is {grip.how}"
+            reasons.setdefault("face", f"{text}; allowed: {seal.side:g} m ({CELL_FILE}: {seal.key})")
+    return (f"box '{item.id}': {reason}" for reason in reasons.values())
+
+
+@dataclass(frozen=True)
+class PlannedGrip:
+    """One of the ways in which a box is held by the gripper.
+
+    Attributes:
+        how: the grip in words.
+        face: the shorter side of the face at the pad [m].
+        load: upper bound of the load, whatever the direction of the acceleration.
+    """
+
+    how: str
+    face: float
+    load: GripLoad
+
+
+def grips_of(item: OrderBox, acceleration: float) -> tuple[PlannedGrip, ...]:
+    """The grips that a box's handling needs.
+
+    Args:
+        item: the box; its centre of mass is assumed in its middle.
+        acceleration: largest acceleration at which it is carried, in any direction [m/s^2].
+    """
+    lying, shorter = item.dims[2], item.dims[1]
+    from_above = PlannedGrip("held from above", shorter, _hanging(item.weight, lying, acceleration))
+    if item.turn.handling is not Handling.TABLE:
+        return (from_above,)
+    length, width, height = item.turn.extents
+    return (
+        from_above,
+        PlannedGrip("held at its side", shorter, _sideways(item.weight, lying, acceleration)),
+        PlannedGrip("stood up", min(length, width), _hanging(item.weight, height, acceleration)),
+    )
+
+
+def _hanging(mass: float, depth: float, acceleration: float) -> GripLoad:
+    """Load of a box that hangs under the pad, `depth` [m] along the pad's axis: its centre is depth / 2 away.
+
+    Gravity and acceleration pull, acceleration shears, and the shear has the lever arm depth / 2.
+    """
+    shear = mass * acceleration
+    return GripLoad(mass * (GRAVITY + acceleration), shear, 0.5 * depth * shear)
+
+
+def _sideways(mass: float, depth: float, acceleration: float) -> GripLoad:
+    """Load of a box held at its side, the pad's axis level: gravity and acceleration shear and bend."""
+    shear = mass * (GRAVITY + acceleration)
+    return GripLoad(mass * acceleration, shear, 0.5 * depth * shear)

@@ -9,9 +9,8 @@ from pydantic import ValidationError
 
 from pack_core.errors import ConfigError, OrderError
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.orders.cell_check import misfits_of
 from pack_core.palletizing.orders.order import Order
-from pack_core.palletizing.orders.order_check import problems_of
+from pack_core.palletizing.orders.order_check import misfits_of, problems_of
 from pack_core.palletizing.orders.support import SupportConfig
 from pack_core.text.json_text import parse_json
 from pack_core.text.lines import Lines

@@ -8,8 +8,7 @@ import mujoco
 import numpy as np
 from pydantic import PositiveFloat, model_validator
 
-from pack_core.robots.kr210 import ARM_CONTACT
-from pack_core.robots.kr210_shapes import DARK, STEEL
+from pack_core.robots.kr210 import ARM_CONTACT, DARK, STEEL
 from pack_core.robots.surface_gripper import PAD_BIT, TOOL, GripperTool, Seal
 
 PAD_THICKNESS = 0.02

@@ -13,14 +13,12 @@ from pack_interfaces.msg import JawState as JawStateMsg
 from pack_interfaces.srv import PlanRearrangement
 from std_msgs.msg import String
 
-from pack_core.blocks.block_sighting import BlockSighting
-from pack_core.blocks.fingers import FingerState, FingerStatus
-from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.block_sighting import BlockSighting, parse_tags, tags_text
+from pack_core.blocks.gripper import FingerState, FingerStatus, GripperFootprint
 from pack_core.blocks.plan import Action, Diagnosis, PickPlace, Plan, PlanStatistics, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveAction, PrimitiveKind
 from pack_core.blocks.problem import PlacedBlock, Problem, Tolerance
-from pack_core.blocks.tags_text import parse_tags, tags_text
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError, MessageError
 from pack_core.ros.messages.conversions import WORLD, finite, from_stamp, to_stamp

@@ -13,9 +13,8 @@ from pack_interfaces.srv import PlanLayout
 from sensor_msgs.msg import PointCloud2, PointField
 
 from pack_core.errors import MessageError
-from pack_core.palletizing.board_sighting import BoardSighting
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
-from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.calibration_board import CALIBRATION_BOARD, BoardSighting
 from pack_core.palletizing.grip import GripLoad, GripState
 from pack_core.palletizing.orders.layout_plan import Insertion, LayoutPlan, LayoutStatus, PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox

@@ -11,8 +11,8 @@ import numpy as np
 
 from pack_core import stamps
 from pack_core.errors import BagError
+from pack_core.packing.model import parked_pose
 from pack_core.packing.objects import ObjectModel
-from pack_core.packing.parking import parked_pose
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import DESCRIPTION, FILL_PROGRESS, FILL_RESULT, JOINT_STATES, TRUTH, WRENCH
 from pack_core.robots.packing_arms import arm_of

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_core.packing.container_fill import Fill, fill_of
-from pack_core.packing.free_space import is_packed
+from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.scene import Scene
 from pack_evaluation.track import Track
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_evaluation.packing.measures import CYCLE_MS, PackingMeasures
 from pack_evaluation.packing.study.trial import PackingStudy
 from pack_evaluation.spread import Split, split, spread

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_evaluation.packing.measures import CYCLE_MS
 from pack_evaluation.packing.study.summary import exits, failure_metrics, summarize
 from pack_evaluation.packing.study.trial import PackingStudy

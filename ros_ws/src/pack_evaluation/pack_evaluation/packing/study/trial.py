@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pack_core.packing.exit_reason import PackingExitReason
+from pack_core.packing.goals import PackingExitReason
 from pack_core.rotations import Array
 from pack_evaluation.packing.criteria import Criteria
 from pack_evaluation.packing.measures import PackingMeasures, goal_force, measure

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.errors import BagError
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import DESCRIPTION, FILL_RESULT, SCENE, SETTLED_SAMPLES
 from pack_core.ros.messages.conversions import from_stamp

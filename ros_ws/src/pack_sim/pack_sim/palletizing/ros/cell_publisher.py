@@ -11,7 +11,7 @@ from std_msgs.msg import String
 
 from pack_core import topics as shared_topics
 from pack_core.palletizing import topics
-from pack_core.palletizing.box_body import BoxBody
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts

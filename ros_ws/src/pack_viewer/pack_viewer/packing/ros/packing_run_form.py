@@ -9,7 +9,7 @@ from pack_interfaces.action import FillContainer, PackObject
 from pack_interfaces.srv import ResetScene
 
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.method import PackingMethod
+from pack_core.packing.goals import PackingMethod
 from pack_core.packing.packing_list import parse_list, supermarket_list
 from pack_core.packing.scene_file import parse_scene, scene_text
 from pack_core.paths import config_path
