@@ -132,7 +132,8 @@ def presets(path: Path) -> None:
 
 def graphs(path: Path) -> None:
     """The nodes of a cell."""
-    from pack_bringup.graph.graph import launch_parameters, load_graph
+    from pack_bringup.graph.graph import load_graph
+    from pack_bringup.graph.launch import launch_parameters
 
     load_graph(path.stem).commands()
     launch_parameters(path.stem, "", [])

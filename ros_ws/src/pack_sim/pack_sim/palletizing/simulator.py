@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 from pydantic import Field, PositiveFloat
 
+from pack_core.bodies import body_pose
 from pack_core.config import Config
 from pack_core.joints import Desired, JointSample, Setpoints
 from pack_core.palletizing.arm import CarriedLoad
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.model import body_pose
 from pack_core.palletizing.visitors import Visitor
 from pack_core.robots.joint_properties import GearCompensation
 from pack_core.robots.kr210 import LIMITS
