@@ -57,7 +57,7 @@ class ControlPlan:
 
 
 PREDICTION_STEP = 0.006
-"""Time step of the prediction [s]."""
+"""Time step of the prediction [s]: that of the paper's model (IV-B)."""
 
 
 class Predictor:

@@ -19,13 +19,14 @@ from pack_core.ros.messages.joints import to_trajectory
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_mpc.cost.weights import load_weights
+from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.ros.fill_action import FillAction
 from pack_mpc.ros.fill_goal import FillGoal
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.pack_goal import PackGoal, PlacementClient, method_of, refusal_of
 from pack_mpc.ros.status import to_outcome, to_result, to_status
-from pack_mpc.session import PackingSession, SessionConfig
+from pack_mpc.session import PackingSession
 from pack_mpc.setpoints import hold
 from pack_mpc.worker import Worker, WorkerConfig
 
@@ -33,7 +34,7 @@ CHECK_PERIOD = 0.1
 """Time between two looks whether the goal's time has run out [s of wall clock]."""
 
 
-class MpcNodeConfig(SessionConfig):
+class MpcNodeConfig(FillSessionConfig):
     """Parameters of the node `mpc`."""
 
     worker: WorkerConfig = WorkerConfig()

@@ -1,4 +1,4 @@
-"""A goal in progress: the task, its controller and what was observed, one step at a time."""
+"""A goal in progress: the task and its controller, one observation at a time."""
 
 from __future__ import annotations
 
@@ -15,10 +15,7 @@ from pack_core.packing.scene import Scene
 from pack_core.states import SceneState
 from pack_mpc.controller import ControllerConfig, ControlPlan, PackingController
 from pack_mpc.cost.weights import WeightFactors, load_weights
-from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.observation import PackingObservation, unseen_of, with_parked
-from pack_mpc.task.look import LookMachine
-from pack_mpc.task.stages import StageMachine
 from pack_mpc.task.task import PackingTask, TaskConfig
 
 
@@ -31,20 +28,10 @@ class SessionConfig(Config):
     weight_factors: WeightFactors = WeightFactors()
     controller: ControllerConfig = ControllerConfig()
     task: TaskConfig = TaskConfig()
-    fill: FillConfig = FillConfig()
     blind_time: PositiveFloat = Field(
         default=1.0,
         description="the arm holds when the cameras have seen no object at all for so long, but in LOOK [s]",
     )
-
-    def of_fill_job(self) -> SessionConfig:
-        """The parameters of the packing goals of a fill job."""
-        fill = self.fill
-        stages = self.task.stages.model_copy(
-            update={"pre_pack_distance": fill.pre_pack_distance, "clearance": fill.clearance}
-        )
-        task = self.task.model_copy(update={"landing_reach": fill.landing_reach, "stages": stages})
-        return self.model_copy(update={"task": task})
 
 
 class PackingSession:
@@ -97,7 +84,7 @@ class PackingSession:
         """
         task, time, objects = self.task, seen.joints.time, seen.scene.objects
         held, unseen = self.scene.new_object.name, unseen_of(self.scene, seen.scene)
-        lost = unseen if isinstance(task.machine, StageMachine) else ()
+        lost = unseen if task.has_seen_all else ()
         if held not in objects or lost:
             raise MessageError(f"the newest scene lacks {', '.join(lost or (held,))}")
         X_WN = objects[held].X_WO
@@ -109,7 +96,7 @@ class PackingSession:
         machine = task.machine
         if task.outcome is not None or machine is None:
             return None
-        scene = with_parked(self.scene, seen.scene) if self._is_looking else seen.scene
+        scene = with_parked(self.scene, seen.scene) if task.is_looking else seen.scene
         plan = self.controller.plan(
             seen.joints, scene, machine.stage, machine.target, time - machine.stage_start, latency,
             task.reliefs,
@@ -120,11 +107,7 @@ class PackingSession:
     @property
     def blind_time(self) -> float:
         """For how long the arm goes on when the cameras see nothing [s]: LOOK is what lets them see."""
-        return np.inf if self._is_looking else self._config.blind_time
-
-    @property
-    def _is_looking(self) -> bool:
-        return isinstance(self.task.machine, LookMachine)
+        return np.inf if self.task.is_looking else self._config.blind_time
 
     @property
     def iteration_ms(self) -> float:

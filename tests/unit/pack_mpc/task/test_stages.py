@@ -8,7 +8,7 @@ from pack_core.packing.entry import Entry
 from pack_core.packing.objects import Box
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, exp, from_yaw, rotate
-from pack_mpc.session import SessionConfig
+from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.target import Stage
 from pack_mpc.task.stages import ChosenPlacement, StageConfig, StageMachine, nearest_heading
 
@@ -38,7 +38,7 @@ def test_in_a_fill_job_a_broad_object_passes_over_the_tallest_one_though_it_is_t
     broad = Box(name="broad", shape="box", size=(0.158, 0.06, 0.21), mass=0.4)
     scene = scene.model_copy(update={"new_object": broad})
     placement = ChosenPlacement(Pose(np.array([0.5, 0.0, 0.105])))
-    machine = StageMachine(scene, SessionConfig().of_fill_job().task.stages, placement, 0.0, START)
+    machine = StageMachine(scene, FillSessionConfig().of_goals().task.stages, placement, 0.0, START)
     p_WN, tilt = machine.target.p_WN, np.deg2rad(10.0)
     lowest = p_WN[2] - 0.105 * np.cos(tilt) - 0.079 * np.sin(tilt)
     assert lowest > scene.rim + 0.01

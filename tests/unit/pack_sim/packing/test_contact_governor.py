@@ -8,7 +8,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from pack_sim.packing.contact_governor import DAMPING, ContactGovernor, ContactGovernorConfig
+from pack_core.kinematics.damping import DAMPING
+from pack_sim.packing.contact_governor import ContactGovernor, ContactGovernorConfig
 
 CONFIG = ContactGovernorConfig()
 STEP = 0.001

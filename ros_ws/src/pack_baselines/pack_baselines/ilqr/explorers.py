@@ -12,11 +12,10 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, NonNegativeInt
 
 from pack_core.config import Config
+from pack_core.kinematics.damping import damped_square
 from pack_core.rotations import Array
 from pack_mpc.plant import STATE, PackingPlant
 
-DAMPING = 1e-4
-"""Added to J J' before it is inverted, so that torques stay bounded near a singular posture."""
 DURATIONS = (0.4, 1.0)
 """Shortest and longest displacement, as shares of the horizon."""
 
@@ -82,5 +81,4 @@ def _torque_per_acceleration(plant: PackingPlant, x0: Array) -> Array:
     # layout.v counts in the state [time, qpos, qvel]: less 1 and nq, it counts degrees of freedom.
     arm, J = plant.layout.v - 1 - model.nq, plant.held_jacobian(x0[plant.layout.q])
     # tau' = a' (J J')^-1 J M: the joint accelerations J^+ a times the inertia; damped near singular postures.
-    damped = J @ J.T + DAMPING * np.eye(6)
-    return np.asarray(np.linalg.solve(damped, J) @ inertia[np.ix_(arm, arm)])
+    return np.asarray(np.linalg.solve(damped_square(J), J) @ inertia[np.ix_(arm, arm)])

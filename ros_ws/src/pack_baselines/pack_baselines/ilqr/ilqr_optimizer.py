@@ -19,7 +19,7 @@ from pack_mpc.plant import PackingPlant
 from pack_mpc.target import PackingTarget, Stage
 
 DIVERGED = 20.0
-"""Joint speed beyond which a rollout is worthless [rad/s]."""
+"""Joint speed beyond which a rollout is worthless [rad/s]: many times what the arm's joints may do."""
 REGULARISATION = 1e-4
 """Regularisation of Quu at the start, and again whenever the cost changes."""
 

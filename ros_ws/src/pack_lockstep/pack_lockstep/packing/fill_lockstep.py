@@ -150,7 +150,7 @@ class FillLockstep:
         number = len(self.job.report.objects)
         placements = LockstepPlacements(planner, config, self._seed + 1000 * number, request.X_WN)
         session = PackingSession(
-            scene, self._physical, config.session.of_fill_job(), PackingMethod.PACK_IT_IN, self.simulator.time
+            scene, self._physical, config.session.of_goals(), PackingMethod.PACK_IT_IN, self.simulator.time
         )
         while session.task.outcome is None:
             seen = self._look()

@@ -6,7 +6,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_lockstep.packing.presets import PackingPreset
-from pack_mpc.session import SessionConfig
+from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_planner.placement.placement_planner import PlacementPlannerConfig
 from pack_sim.packing.simulator_config import SimulatorConfig
@@ -30,7 +30,7 @@ class LockstepConfig(Config):
     simulator: SimulatorConfig = SimulatorConfig()
     estimator: EstimatorConfig = EstimatorConfig()
     planner: PlacementPlannerConfig = PlacementPlannerConfig()
-    session: SessionConfig = SessionConfig()
+    session: FillSessionConfig = FillSessionConfig()
 
 
 def lockstep_config(preset: PackingPreset | None = None) -> LockstepConfig:
@@ -40,5 +40,5 @@ def lockstep_config(preset: PackingPreset | None = None) -> LockstepConfig:
         simulator=given.parameters("sim", SimulatorConfig),
         estimator=given.parameters("perception", EstimatorConfig),
         planner=given.parameters("planner", PlacementPlannerConfig),
-        session=given.parameters("mpc", SessionConfig),
+        session=given.parameters("mpc", FillSessionConfig),
     )

@@ -7,6 +7,7 @@ from typing import ClassVar
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import NEXT_GOAL, Changeable, Config
+from pack_mpc.session import SessionConfig
 
 
 class FillConfig(Config):
@@ -81,3 +82,18 @@ class FillConfig(Config):
         default=15.0, description="change of force that tells that the cup drags something [N]"
     )
     rest_speed: PositiveFloat = Field(default=0.02, description="speed below which an object rests [m/s]")
+
+
+class FillSessionConfig(SessionConfig):
+    """Parameters of a fill job and of the packing goals in it."""
+
+    fill: FillConfig = FillConfig()
+
+    def of_goals(self) -> SessionConfig:
+        """The parameters of the job's packing goals."""
+        fill = self.fill
+        stages = self.task.stages.model_copy(
+            update={"pre_pack_distance": fill.pre_pack_distance, "clearance": fill.clearance}
+        )
+        task = self.task.model_copy(update={"landing_reach": fill.landing_reach, "stages": stages})
+        return self.model_copy(update={"task": task})

@@ -15,6 +15,7 @@ import numpy as np
 from pack_core.joints import Setpoints
 from pack_core.kinematics import screws
 from pack_core.kinematics.chain import chain_from_model
+from pack_core.kinematics.damping import damped_inverse
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.robots.pump import add_pump
@@ -28,8 +29,6 @@ PEAK = 1.875
 """Peak speed of a minimum-jerk profile over its mean: the maximum of 30 s^2 - 60 s^3 + 30 s^4."""
 SHORTEST = 0.2
 """No leg takes less [s], however short it is."""
-DAMPING = 1e-4
-"""Damping of the inverse kinematics, which keeps joints slow near singular postures."""
 CENTRING = 1.0
 """Rate at which joints drift to the home pose where the cup's pose leaves them free [1/s]."""
 ROUNDS = 3
@@ -166,7 +165,7 @@ class ToolArm:
             here = self.cup(q)
             J = screws.jacobian(z, p, here.p, len(q) - 1)
             error = np.concatenate([X_WT.p - here.p, log(multiply(X_WT.q, conjugate(here.q)))])
-            inverse = J.T @ np.linalg.inv(J @ J.T + DAMPING * np.eye(6))
+            inverse = damped_inverse(J)
             step = inverse @ error
             if k == 0:  # the motion that leaves the cup where it is
                 step += pull - inverse @ (J @ pull)

@@ -102,29 +102,22 @@ class SgnOptimizer(Optimizer):
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from the state `x0`: the cheapest rollout of both batches is the plan."""
-        config = self._config
-        down = min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
-        self._lower[2] = -down
-        last, q_arm = self._reference, x0[self.plant.layout.q]
-        q_ref = q_arm if last is None else last.at(float(x0[0]), q_arm)
-        servo = ResolvedRateServo(self.plant, q_arm, q_ref, config.leash)
-        nominal = self._clip(self._shifted(x0))
-        is_late = last is not None and float(x0[0]) - last.time > config.late
-        thetas, signs = self._first_batch(nominal, x0, target, self._due(is_late=is_late))
+        self._lower[2] = -self._fastest_down(target)
+        nominal, servo = self._clip(self._shifted(x0)), self._servo(x0)
+        thetas, signs = self._first_batch(nominal, x0, target, self._due(x0))
         first = self._roll_out(servo, x0, cost, thetas)
         steps = self._gauss_newton(first, thetas, signs)
         second = self._roll_out(servo, x0, cost, steps)
         costs = np.concatenate([first.costs, second.costs])
         best = int(np.argmin(costs))
-        batch, i = (first, best) if best < len(first.costs) else (second, best - len(first.costs))
         self._theta = np.concatenate([thetas, steps])[best]
-        # The last reference holds to the end of the horizon, where no step begins any more.
-        offsets = np.append(self._basis.times, self._basis.knots[-1])
-        q, v = (np.concatenate([part[i], part[i, -1:]]) for part in (batch.q, batch.v))
-        self._reference = ServoReference(float(x0[0]), offsets, q)
-        setpoints = predicted_setpoints(self.plant, self._drive, offsets, batch.xs[i], q, v)
-        path = batch.ys[i][:, self.plant.sensor(HELD_POSITION)]
-        return Solution(setpoints, path, float(costs[best]), float(best > 0), 0.0)
+        batch, i = (first, best) if best < len(first.costs) else (second, best - len(first.costs))
+        return self._solution(batch, i, step_size=float(best > 0))
+
+    def _fastest_down(self, target: PackingTarget) -> float:
+        """Largest downward speed [m/s]: slow where it may land on something."""
+        config = self._config
+        return min(config.speed_down, config.speed_landing) if target.may_land else config.speed_down
 
     def _shifted(self, x0: Array) -> Array:
         """The last plan's knots as seen from the time of `x0`."""
@@ -132,9 +125,16 @@ class SgnOptimizer(Optimizer):
             return np.zeros_like(self._theta)
         return self._basis.shifted(self._theta, float(x0[0]) - self._reference.time)
 
-    def _due(self, *, is_late: bool) -> np.ndarray:
-        """Whether each knot `(K,)` is perturbed in this iteration."""
-        knots = np.arange(len(self._theta))
+    def _servo(self, x0: Array) -> ResolvedRateServo:
+        """The servos at `x0`; they go on from where the last plan's reference stands by then."""
+        last, q_arm = self._reference, x0[self.plant.layout.q]
+        q_ref = q_arm if last is None else last.at(float(x0[0]), q_arm)
+        return ResolvedRateServo(self.plant, q_arm, q_ref, self._config.leash)
+
+    def _due(self, x0: Array) -> np.ndarray:
+        """Whether each knot `(K,)` is perturbed: if late, the first and another in turn."""
+        knots, last = np.arange(len(self._theta)), self._reference
+        is_late = last is not None and float(x0[0]) - last.time > self._config.late
         if not is_late or len(knots) < 3:
             return np.ones(len(knots), dtype=bool)
         self._turn = 1 + self._turn % (len(knots) - 1)
@@ -200,6 +200,17 @@ class SgnOptimizer(Optimizer):
         for step, damping in zip(steps, self._config.dampings, strict=True):
             step[varied] = -np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), gradient)
         return self._clip(nominal + steps.reshape(-1, *nominal.shape))
+
+    def _solution(self, batch: RolloutBatch, i: int, step_size: float) -> Solution:
+        """Rollout i of a batch as the plan, and its reference as the one to go on from."""
+        # The last reference holds to the end of the horizon, where no step begins any more.
+        offsets = np.append(self._basis.times, self._basis.knots[-1])
+        q, v = (np.concatenate([part[i], part[i, -1:]]) for part in (batch.q, batch.v))
+        xs = batch.xs[i]
+        self._reference = ServoReference(float(xs[0, 0]), offsets, q)
+        setpoints = predicted_setpoints(self.plant, self._drive, offsets, xs, q, v)
+        path = batch.ys[i][:, self.plant.sensor(HELD_POSITION)]
+        return Solution(setpoints, path, float(batch.costs[i]), step_size, 0.0)
 
     def _clip(self, thetas: Array) -> Array:
         return np.asarray(np.clip(thetas, self._lower, self._upper))

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pack_core.kinematics.damping import damped_inverse
 from pack_core.rotations import Array
 from pack_mpc.plant import PackingPlant
 
-DAMPING = 1e-4
-"""Added to J J' before it is inverted, so that joint speeds stay bounded near a singular posture."""
 NULL_SPACE_RATE = 0.5
-"""Rate at which the redundant joint motion returns to the middle of its range [1/s]."""
+"""Rate at which the redundant motion returns to the middle of its range [1/s], slow against the horizon."""
 LEAD_MIN = 1e-9
 """Guards the division by the lead of a reference that stands where the arm does [m]."""
 
@@ -83,7 +82,7 @@ class ResolvedRateServo:
     def __init__(self, plant: PackingPlant, q: Array, q_ref: Array, leash: float) -> None:
         self._limits = plant.arm.limits
         self._J = plant.held_jacobian(q)
-        self._inverse = self._J.T @ np.linalg.inv(self._J @ self._J.T + DAMPING * np.eye(6))
+        self._inverse = damped_inverse(self._J)
         self._posture = NULL_SPACE_RATE * (np.eye(7) - self._inverse @ self._J) @ (self._limits.middle - q)
         self._start = q + _limited(q_ref - q, self._J, leash)
 

@@ -13,12 +13,12 @@ from pack_core.packing.packing_list import parse_list
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.node import CellNode
+from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.ros.fill_clients import FillClients
 from pack_mpc.ros.fill_goal import FillGoal
 from pack_mpc.ros.fill_messages import to_fill_progress, to_fill_report, to_fill_result
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.pack_goal import PlacementClient
-from pack_mpc.session import SessionConfig
 
 
 class FillAction:
@@ -51,7 +51,7 @@ class FillAction:
         return f"the pump holds '{held}'; allowed: an empty cup" if mailbox.is_held else ""
 
     def begin(
-        self, request: FillContainer.Goal, config: SessionConfig, scene: Callable[[], Scene], time: float
+        self, request: FillContainer.Goal, config: FillSessionConfig, scene: Callable[[], Scene], time: float
     ) -> FillGoal:
         """The job of an accepted goal; `scene` returns the newest description of the cell."""
         given, method = parse_list(request.list, "goal", self._cell), FillMethod.of(request.method)

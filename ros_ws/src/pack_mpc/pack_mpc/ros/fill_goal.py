@@ -14,6 +14,7 @@ from pack_core.packing.packing_list import PackingList
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.controller import ControlPlan
+from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.filling.fill_job import FillJob
 from pack_mpc.filling.requests import FillRequest, Pack, Packed
 from pack_mpc.filling.steps import FillObservation
@@ -21,7 +22,7 @@ from pack_mpc.observation import PackingObservation
 from pack_mpc.ros.fill_clients import FillClients
 from pack_mpc.ros.fill_requests import FillRequests, Poll
 from pack_mpc.ros.pack_goal import GoalTurn, PlacementClient
-from pack_mpc.session import PackingSession, SessionConfig
+from pack_mpc.session import PackingSession
 from pack_mpc.setpoints import hold
 from pack_mpc.task.force_record import ForceRecord
 
@@ -47,7 +48,7 @@ class FillGoal:
     """
 
     def __init__(
-        self, clients: FillClients, placements: PlacementClient, cell: PackingCell, config: SessionConfig,
+        self, clients: FillClients, placements: PlacementClient, cell: PackingCell, config: FillSessionConfig,
         given: PackingList, method: FillMethod, seed: int, scene: Callable[[], Scene], time: float,
     ) -> None:  # fmt: skip
         self._placements, self._cell, self._config = placements, cell, config
@@ -142,7 +143,7 @@ class FillGoal:
     def _pack(self, request: Pack) -> Poll:
         scene = self._scene().gripped(request.grip)
         self._placements.start(self._requests.next_seed(), self._method.placement_variant, request.X_WN)
-        config = self._config.of_fill_job()
+        config = self._config.of_goals()
         session = PackingSession(scene, self._cell, config, PackingMethod.PACK_IT_IN, self._stepped)
         self.session = session
 

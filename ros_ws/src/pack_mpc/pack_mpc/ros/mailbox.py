@@ -27,9 +27,9 @@ from pack_core.states import SceneState
 from pack_mpc.observation import PackingObservation, blind_for
 
 SCENE_AGE = 0.1
-"""Age beyond which an estimate of the scene is not planned from [s]."""
+"""Age beyond which an estimate of the scene is not planned from [s]: twelve frames of the cameras."""
 JOINTS_WAIT = 0.05
-"""Longest time for which the worker waits for a joint state [s of wall clock]."""
+"""Longest time for which the worker waits for a joint state [s of wall clock]: half the driver's watchdog."""
 REPORT_PERIOD = 2.0
 """Time between two looks at what has come while nobody asks, so that bad messages are reported [s of wall
 clock]."""

@@ -13,7 +13,6 @@ from pack_core.ros.messages.conversions import WORLD, to_pose, to_stamp
 from pack_mpc.controller import ControlPlan
 from pack_mpc.observation import PackingObservation
 from pack_mpc.session import PackingSession
-from pack_mpc.task.look import LookMachine
 
 
 def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> MpcStatus:
@@ -33,8 +32,8 @@ def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPl
 
 def to_look(session: PackingSession) -> str:
     """Which objects the goal is looking for, in words; empty if it is not."""
-    machine = session.task.machine
-    return f"looking for {', '.join(machine.unseen)}" if isinstance(machine, LookMachine) else ""
+    task = session.task
+    return f"looking for {', '.join(task.unseen)}" if task.is_looking else ""
 
 
 def to_feedback(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> PackObject.Feedback:

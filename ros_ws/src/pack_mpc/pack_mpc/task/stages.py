@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
@@ -71,6 +72,37 @@ class ChosenPlacement:
     collisions: tuple[str, ...] = ()
     entry: Entry = field(default_factory=Entry)
     is_rehearsed: bool = False
+
+
+class Machine(Protocol):
+    """What a goal follows: the stages of a placement, or look poses while an object has no pose.
+
+    Attributes:
+        stage: the stage, which decides the weights.
+        stage_start: time at which it began [s].
+    """
+
+    stage: Stage
+    stage_start: float
+
+    @property
+    def target(self) -> PackingTarget:
+        """Where the held object shall go now."""
+        ...
+
+    @property
+    def placement(self) -> ChosenPlacement:
+        """Where it shall go in the end."""
+        ...
+
+    @property
+    def halt(self) -> float:
+        """Time without progress [s]."""
+        ...
+
+    def distance(self, p_WN: Array) -> float:
+        """Distance [m] from the held object to the end."""
+        ...
 
 
 class StageMachine:

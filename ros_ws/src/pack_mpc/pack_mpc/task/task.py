@@ -17,7 +17,7 @@ from pack_core.states import SceneState
 from pack_mpc.target import Stage
 from pack_mpc.task.force_record import ForceRecord
 from pack_mpc.task.look import LookConfig, LookMachine
-from pack_mpc.task.stages import ChosenPlacement, StageConfig, StageMachine
+from pack_mpc.task.stages import ChosenPlacement, Machine, StageConfig, StageMachine
 
 
 class TaskConfig(Config):
@@ -88,13 +88,34 @@ class PackingTask:
         self._start, self._timeout = time, timeout or config.timeout
         self.lean = lean if knows_objects else 0.0
         self._knows_objects = knows_objects
-        self.machine: StageMachine | LookMachine | None = None
+        self._look: LookMachine | None = None
+        self._stages: StageMachine | None = None
         self.tried: list[Pose] = []
         self._has_placement = False
         self.outcome: PackingOutcome | None = None
         self._has_succeeded, self._refusals = False, 0
         self._forces = ForceRecord()
         self.distance = 0.0
+
+    @property
+    def machine(self) -> Machine | None:
+        """What is followed: look poses until every object has a pose, then stages; None at first."""
+        return self._stages or self._look
+
+    @property
+    def has_seen_all(self) -> bool:
+        """Whether every object has had a pose, so that from now on each must have one."""
+        return self._stages is not None
+
+    @property
+    def is_looking(self) -> bool:
+        """Whether the goal looks for objects without a pose."""
+        return self._look is not None and self._stages is None
+
+    @property
+    def unseen(self) -> tuple[str, ...]:
+        """Names of the objects that the goal looked for last."""
+        return () if self._look is None else self._look.unseen
 
     def elapsed(self, time: float) -> float:
         """Time since the goal was accepted [s]."""
@@ -186,11 +207,11 @@ class PackingTask:
         Returns:
             Whether the stage or the target changed.
         """
-        if unseen and not isinstance(self.machine, StageMachine):
+        if unseen and not self.has_seen_all:
             return self._look_for(unseen, time, X_WN)
-        changed, machine = False, self.machine
-        if not isinstance(machine, StageMachine):
-            changed, machine = machine is not None, self._follow(self._middle(X_WN), time, X_WN)
+        changed, machine = False, self._stages
+        if machine is None:
+            changed, machine = self._look is not None, self._follow(self._middle(X_WN), time, X_WN)
         changed |= machine.update(time, X_WN, may_insert=self._has_placement)
         self.distance = machine.distance(X_WN.p)
         self._has_succeeded |= machine.stage is Stage.FINE_TUNE
@@ -219,9 +240,9 @@ class PackingTask:
 
     def _look_for(self, unseen: tuple[str, ...], time: float, X_WN: Pose) -> bool:
         """Look for objects without a pose; the goal ends once all look poses have been tried."""
-        if not isinstance(self.machine, LookMachine):
-            self.machine = LookMachine(self._scene, self._config.look, time, X_WN)
-        look = self.machine
+        if self._look is None:
+            self._look = LookMachine(self._scene, self._config.look, time, X_WN)
+        look = self._look
         changed = look.update(time, X_WN, unseen)
         self.distance = look.distance(X_WN.p)
         if look.is_exhausted:
@@ -242,7 +263,7 @@ class PackingTask:
         return ChosenPlacement(Pose(np.array([x, y, half_height]), from_yaw(yaw_of(X_WN.q))))
 
     def _follow(self, placement: ChosenPlacement, time: float, X_WN: Pose) -> StageMachine:
-        self.machine = machine = StageMachine(self._scene, self._config.stages, placement, time, X_WN)
+        self._stages = machine = StageMachine(self._scene, self._config.stages, placement, time, X_WN)
         return machine
 
     def _where(self) -> str:

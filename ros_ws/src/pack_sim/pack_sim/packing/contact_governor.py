@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
 
 from pack_core.config import Config
+from pack_core.kinematics.damping import damped_square
 from pack_core.rotations import Array
 
 HOLD_TARE_TIME = 0.05
@@ -21,8 +22,6 @@ HOLDS_DOWN = 0.7
 """A contact whose unit force has a downward part over this holds the object down: within 45 degrees of it."""
 AT_REST = 0.01
 """Speed into the contact below which the cup rests against it [m/s]."""
-DAMPING = 1e-4
-"""Damping of the least-squares problems below, which keeps them solvable near singular postures."""
 TINY = 1e-9
 """Guards divisions by the magnitude of a force [N]."""
 
@@ -165,7 +164,7 @@ class ContactGovernor:
             return v_d
         linear = J[:3]
         # damped pseudo-inverse: the joint velocity that moves the cup away from the contact at 1 m/s
-        retreat = linear.T @ np.linalg.solve(linear @ linear.T + DAMPING * np.eye(3), self._away)
+        retreat = linear.T @ np.linalg.solve(damped_square(linear), self._away)
         return np.asarray(v_d + excess * retreat)
 
     def bound(self, tau: Array, J: Array) -> Array:
@@ -212,4 +211,4 @@ def _length(v: Array) -> float:
 
 def _wrench(tau: Array, J: Array) -> Array:
     """The wrench `(6,)` of joint torques on the cup, by damped least squares."""
-    return np.asarray(np.linalg.solve(J @ J.T + DAMPING * np.eye(6), J @ tau))
+    return np.asarray(np.linalg.solve(damped_square(J), J @ tau))
