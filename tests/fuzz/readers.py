@@ -141,7 +141,7 @@ def graphs(path: Path) -> None:
 
 def trial(path: Path) -> None:
     """Results of a benchmark."""
-    from pack_lockstep.benchmarking.trial_file import read_trials
+    from pack_lockstep.benchmarking.results_folder import read_trials
 
     read_trials(path)
 

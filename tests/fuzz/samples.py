@@ -94,7 +94,7 @@ def meshes(folder: Path) -> list[Sample]:
 
 def trials(_: Path) -> list[Sample]:
     """Results of a benchmark."""
-    from pack_lockstep.benchmarking.trial_file import TrialFile
+    from pack_lockstep.benchmarking.results_folder import TrialFile
 
     path = Path(os.environ["PACKCELL_ROOT"]) / "trials.jsonl"
     file = TrialFile(path, "packing", {"count": 3, "noise": {"a": 1.0}}, {"commit": "abc"})

@@ -56,3 +56,18 @@ def test_a_replay_is_drawn_from_its_file_alone(tmp_path) -> None:
     with open_page((tmp_path / "replay.html").as_uri()) as browser:
         browser.wait_for_scene()
         assert browser.foreign_requests == []
+
+
+def test_a_replay_is_titled_with_its_recording(tmp_path) -> None:
+    write_replay(SAMPLE, tmp_path / "replay.html")
+    assert "<title>packing</title>" in (tmp_path / "replay.html").read_text()
+
+
+@pytest.mark.parametrize("start", [0.0, 1e6])
+def test_a_page_that_is_to_begin_outside_of_its_recording_begins_at_its_nearest_moment(start: float) -> None:
+    server = open_server(0, "PackCell")
+    try:
+        news = BagPage(server, SAMPLE, start=start).news
+        assert news.time == (news.start if start < news.start else news.end)
+    finally:
+        server.stop()

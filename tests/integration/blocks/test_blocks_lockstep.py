@@ -17,8 +17,7 @@ from pack_core.motion.world import Obstacle
 from pack_core.rotations import Pose
 from pack_core.states import SceneState
 from pack_lockstep.blocks.execution import Execution, execute
-from pack_lockstep.blocks.lockstep import BlocksLockstep
-from pack_lockstep.blocks.planning import CountedPlanner, CountedPlannerConfig
+from pack_lockstep.blocks.lockstep import BlocksLockstep, CountedPlanner, CountedPlannerConfig
 from pack_lockstep.blocks.settings import lockstep_config
 from pack_motion.controller import MotionController
 from pack_planner.rearrangement.instances import make_instance

@@ -9,8 +9,7 @@ from pack_core.packing.goals import PackingMethod
 from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.rotations import rotate
 from pack_lockstep.packing.lockstep import Lockstep
-from pack_lockstep.packing.lockstep_config import lockstep_config
-from pack_lockstep.packing.presets import load_preset
+from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 from pack_sim.packing.scene_generator import generate_scene
 
 SEED = 52

@@ -23,9 +23,8 @@ from pack_evaluation.packing.study.trial import PackingStudy
 from pack_lockstep.benchmarking.benchmark import Verdict, run_benchmark
 from pack_lockstep.benchmarking.pools import LocalPool, Pool
 from pack_lockstep.benchmarking.results_folder import ResultsFolder
-from pack_lockstep.packing.benchmark import PackingBenchmark
+from pack_lockstep.packing.benchmark import PackingBenchmark, run_scene
 from pack_lockstep.packing.settings import BenchmarkSettings, PackingSetup, SceneJob, scene_jobs, set_up
-from pack_lockstep.packing.trial import run_scene
 from pack_mpc.task.look import LookConfig
 
 SHORT = 0.6

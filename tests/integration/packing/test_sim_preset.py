@@ -12,8 +12,7 @@ from integration.packing.sim_rig import EXAMPLE, stamps_of
 from pack_bringup.graph.graph import preset_overrides
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
-from pack_lockstep.packing.lockstep_config import lockstep_config
-from pack_lockstep.packing.presets import load_preset
+from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 from pack_sim.packing.sim_node import PackingSimNode
 
 

@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from pack_bringup.cli.main import main
+from pack_bringup.cli.up import ready_words
+from pack_core.cells import CELLS
 from pack_evaluation.provenance import project_version
 
 PACK = [sys.executable, "-c", "from pack_bringup.cli.main import main; main()"]
@@ -47,6 +49,18 @@ def test_pack_says_its_version_and_commit(call: Called) -> None:
 def test_h_is_help_of_every_command(call: Called, command: tuple[str, ...]) -> None:
     assert call(*command, "-h").stdout == call(*command, "--help").stdout
     assert "Usage: " in call(*command, "-h").stdout
+
+
+def test_nodes_that_were_started_alone_are_not_said_to_take_a_goal() -> None:
+    assert "pack goal packing --domain 7" in ready_words("packing", [], " --domain 7")
+    alone = ready_words("packing", ["perception"], " --domain 7")
+    assert "ready: perception" in alone
+    assert "goal" not in alone
+
+
+def test_the_first_help_names_every_cell(call: Called) -> None:
+    said = call("--help").stdout
+    assert all(cell in said for cell in CELLS)
 
 
 def test_run_passes_arguments_on_as_they_are(prefix: Path) -> None:

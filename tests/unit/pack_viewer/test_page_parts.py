@@ -5,11 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from pack_viewer.cell_condition import CellCondition
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import chips, facts, headline, lines, signed_list
 from pack_viewer.node_board import NodeBoard, level_of
 from pack_viewer.palletizing.order_progress import OrderProgress
+from pack_viewer.run_panel import CellCondition
 from pallet_fsm.states import State
 
 READY = CellCondition(is_up=True)

@@ -29,7 +29,7 @@ class BagPage:
         server: the web server.
         bag: a run's folder, a bag's folder or an MCAP file.
         rate: simulated seconds a second of wall clock.
-        start: simulated time to begin at [s]; None: the recording's first moment.
+        start: simulated time to begin at [s], or the nearest that was recorded; None: the first moment.
 
     Attributes:
         server: as given.

@@ -8,15 +8,33 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from viser import SceneApi
 
 from pack_core.rotations import Array
-from pack_viewer.cell_scene import CellScene
 from pack_viewer.news import News, Topics
 
 if TYPE_CHECKING:
     from viser import ViserServer
 
     from pack_viewer.event_log import EventLog
+
+
+class CellScene(ABC):
+    """Arm, furniture and objects of a cell.
+
+    Args:
+        scene: the page's 3D scene.
+    """
+
+    topics: ClassVar[Topics]
+    """What it listens to."""
+
+    @abstractmethod
+    def __init__(self, scene: SceneApi) -> None: ...
+
+    @abstractmethod
+    def update(self, news: News) -> None:
+        """Draw what has become known, and move what has moved."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ class RecordedNews:
     Args:
         path: a run's folder, a bag's folder or an MCAP file.
         topics: what is read; what the recording lacks is left out.
-        start: simulated time to begin at [s]; None: the recording's first moment.
+        start: simulated time to begin at [s], or the nearest that was recorded; None: the first moment.
         clock: wall clock that never jumps [s].
 
     Attributes:
@@ -53,7 +53,7 @@ class RecordedNews:
         self._read, self._told = dict.fromkeys(self._tracks, 0), raw.messages[0].time_ns
         self.rate, self.is_paused = 1.0, False
         self._lock = threading.Lock()
-        self._time = self.start if start is None else start
+        self._time = self.start if start is None else self._within(start)
         self._seen_at: float | None = None
         self._went_back = False
 
@@ -75,9 +75,13 @@ class RecordedNews:
     def seek(self, time: float) -> None:
         """Go to a simulated time [s]."""
         with self._lock:
-            target = min(max(time, self.start), self.end)
+            target = self._within(time)
             self._went_back |= target < self._time
             self._time = target
+
+    def _within(self, time: float) -> float:
+        """The recorded moment that is nearest to a time [s]."""
+        return min(max(time, self.start), self.end)
 
     def take(self) -> list[News]:
         """What was recorded since the time of the last call; from the beginning if time went back."""

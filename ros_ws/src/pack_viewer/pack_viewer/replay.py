@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from html import escape
 from pathlib import Path
 
 import numpy as np
 
 from pack_core.cells import cell_part
 from pack_evaluation.record import cell_of
-from pack_viewer.cell_page import CellPage
-from pack_viewer.cell_scene import CellScene
+from pack_viewer.cell_page import CellPage, CellScene
 from pack_viewer.recorded_news import RecordedNews
 from pack_viewer.web_server import open_server
 
+VISER_TITLE = "<title>Viser</title>"
+"""Title of the file that viser writes; ours is the recording's name."""
 FRAME_RATE = 25.0
 """Frames a second of simulated time."""
 MOST_FRAMES = 1500
@@ -44,7 +46,9 @@ def write_replay(recording: Path, path: Path) -> None:
             recorder.insert_sleep(pause)
             news.seek(time)
             _draw(scene, news)
-        path.write_text(recorder.as_html())
+        path.write_text(
+            recorder.as_html().replace(VISER_TITLE, f"<title>{escape(recording.name)}</title>", 1)
+        )
     finally:
         server.stop()
 

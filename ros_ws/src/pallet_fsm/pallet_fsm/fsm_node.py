@@ -109,7 +109,7 @@ class PalletFsmNode(GoalNode):
     def describe(self, result: Palletize.Result | CalibrateCell.Result) -> str:
         if isinstance(result, CalibrateCell.Result):
             return result.message or f"{result.execution_time:.0f} s, as expected"
-        return f"{result.placed} of {result.boxes} boxes; {result.message}"
+        return "; ".join(filter(None, (f"{result.placed} of {result.boxes} boxes", result.message)))
 
     async def _plan(self, order: Order) -> LayoutPlan:
         request = PlanLayout.Request(order=order.model_dump_json(exclude_none=True), gap=-1.0)

@@ -9,7 +9,7 @@ from pack_bringup.graph.graph import preset_overrides
 from pack_bringup.packing.goals import NODES
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
-from pack_lockstep.packing.presets import load_preset
+from pack_lockstep.packing.lockstep_config import load_preset
 
 
 def value_of(overrides: dict[str, dict[str, str]], node: str, parameter: str) -> object:

@@ -17,7 +17,7 @@ from pack_bringup.robustness.fault_cases import (
 )
 from pack_core.cells import CELLS
 from pack_core.errors import ConfigError
-from pack_lockstep.benchmarking.trial_file import plain
+from pack_lockstep.benchmarking.results_folder import plain
 
 
 @pytest.mark.parametrize("cell", CELLS)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pack_core.errors import ConfigError
-from pack_lockstep.benchmarking.trial_file import TrialFile, plain, read_trials
+from pack_lockstep.benchmarking.results_folder import TrialFile, plain, read_trials
 
 SETTINGS = {"method": "ours", "cell": {"suction": {"pull": math.inf}}, "size": (0.24, 0.19)}
 

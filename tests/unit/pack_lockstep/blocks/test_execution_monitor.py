@@ -6,7 +6,7 @@ from pack_core.blocks.gripper import FingerCommand
 from pack_core.motion.moves import Line, Path
 from pack_core.rotations import Pose, from_yaw
 from pack_core.states import ObjectState, SceneState
-from pack_lockstep.blocks.execution_monitor import ExecutionMonitor
+from pack_lockstep.blocks.execution import ExecutionMonitor
 
 LIFT = MoveArm(Path((Line(Pose(np.zeros(3)), label="lift"),)), opening=0.05, obstacles=())
 LET_GO = MoveFingers(FingerCommand(0.06, 60.0))

@@ -10,8 +10,7 @@ from pack_core.bodies import set_object_poses
 from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
-from pack_lockstep.packing.lockstep_config import lockstep_config
-from pack_lockstep.packing.presets import load_preset
+from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 from pack_perception.mocap.rigid_body_fit import FitConfig
 from pack_sim.packing.mocap import MocapSystem
 from pack_sim.packing.scene_generator import generate_scene

@@ -3,8 +3,7 @@ import pytest
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import packing_cell
 from pack_core.paths import config_path
-from pack_lockstep.packing.lockstep_config import lockstep_config
-from pack_lockstep.packing.presets import PackingPreset, load_preset
+from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset, lockstep_config
 from pack_mpc.session import SessionConfig
 from pack_sim.packing.simulator_config import SimulatorConfig
 

@@ -9,7 +9,7 @@ from pack_core.config import validate_config
 from pack_core.errors import ConfigError, PackError
 from pack_core.packing.goals import PackingMethod
 from pack_core.paths import project_root
-from pack_lockstep.benchmarking.trial_file import plain
+from pack_lockstep.benchmarking.results_folder import plain
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.packing.settings import BenchmarkSettings, parse_size, scene_jobs, set_up
 from pack_mpc.optimizers import OPTIMIZERS

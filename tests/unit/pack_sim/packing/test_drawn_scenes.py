@@ -10,7 +10,7 @@ from pack_core.packing.object_set import DrawnObjects, can_be_packed, draw_new_o
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import parse_scene
 from pack_core.rotations import Pose, rotate
-from pack_lockstep.packing.presets import load_preset
+from pack_lockstep.packing.lockstep_config import load_preset
 from pack_sim.packing.scene_generator import generate_scene
 
 SEEDS = range(4)

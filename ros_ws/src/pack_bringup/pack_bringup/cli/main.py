@@ -21,9 +21,10 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     help="""Run, record, measure and inspect PackCell's robot cells.
 
-    - `pack demo packing` packs one object and reports
+    - `pack demo packing` packs one object and reports; `pack demo palletizing`, `pack demo blocks` likewise
     - `pack evaluate BAG` measures a recorded run
     - `pack benchmark packing` measures many scenes, without ROS, on simulated time
+    - `pack order import items.csv --unit mm` makes orders for the palletizing cell
     - `pack replay BAG --node perception` feeds an algorithm what its node received, and compares
     - `pack play BAG` publishes a recording into the live graph
     - `pack up packing` starts a whole cell, each node a process

@@ -119,11 +119,24 @@ def up(
         commands |= foxglove_command(cell)
         typer.echo(f"Foxglove: open the connection {FOXGLOVE_ADDRESS}, read only")
     end_as_by_ctrl_c(signal.SIGINT, signal.SIGTERM)
-    next_step = f"ready: `pack goal {cell}{domain_words(domain)}` sends a goal, Ctrl-C ends the cell"
+    next_step = ready_words(cell, names if only else [], domain_words(domain))
     died = _run(commands, environment, names, log, next_step, with_restarts=restart)
     if died:
         notice(f"died before the end: {', '.join(died)}", typer.colors.RED, is_error=True)
         raise typer.Exit(1)
+
+
+def ready_words(cell: str, only: list[str], domain: str) -> str:
+    """What is said once all nodes are ready.
+
+    Args:
+        cell: theirs.
+        only: names of the nodes where not all were started; these alone take no goal.
+        domain: the option that other commands need to join them, after a space, or nothing.
+    """
+    if only:
+        return f"ready: {', '.join(only)}; `pack status{domain}` shows what else runs, Ctrl-C ends it"
+    return f"ready: `pack goal {cell}{domain}` sends a goal, Ctrl-C ends the cell"
 
 
 def _run(

@@ -38,7 +38,7 @@ from pack_core.packing.goals import FillMethod, PackingMethod
 from pack_mpc.optimizers import OPTIMIZERS
 
 if TYPE_CHECKING:
-    from pack_lockstep.packing.replay.comparison import Replay
+    from pack_lockstep.packing.replay import Replay
 
 Seed = Annotated[
     int,
@@ -255,7 +255,7 @@ def benchmark(
                 f"{', '.join(given_too)} beside --fill; allowed: --places, --preset, --scenes, --seed, and "
                 "the options of every benchmark; the rest is for scenes"
             )
-        from pack_lockstep.packing.fill_benchmark import PackingFillBenchmark, fill_setup, list_jobs
+        from pack_lockstep.packing.benchmark import PackingFillBenchmark, fill_setup, list_jobs
 
         filling = fill_setup(places, preset, cores_each)
         run(PackingFillBenchmark(filling, list_jobs(seed, scenes, filling.cell)), options)
@@ -304,9 +304,8 @@ def replay(
     from pack_core.packing.goals import PackingMethod
     from pack_evaluation.bag import read_bag
     from pack_evaluation.record import cell_of, load_record
-    from pack_lockstep.packing.presets import load_preset
-    from pack_lockstep.packing.replay.perception import replay_perception
-    from pack_lockstep.packing.replay.planner import replay_planner
+    from pack_lockstep.packing.lockstep_config import load_preset
+    from pack_lockstep.packing.replay import replay_perception, replay_planner
 
     if (cell := cell_of(bag)) != "packing":
         raise BagError(f"{bag} is of the cell {cell}; only nodes of the packing cell can be replayed")

@@ -167,7 +167,7 @@ def packing_fill_job(
     Raises:
         ConfigError: the list cannot be used, or there is no such preset.
     """
-    from pack_lockstep.packing.presets import PackingPreset, load_preset
+    from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset
 
     cell = (load_preset(preset) if preset else PackingPreset()).packing_cell()
     listed = wanted_list(seed, given, cell)
@@ -191,8 +191,7 @@ def preset_overrides(name: str) -> dict[str, dict[str, str]]:
     Raises:
         ConfigError: there is no such preset, or it changes what is not there.
     """
-    from pack_lockstep.packing.lockstep_config import lockstep_config
-    from pack_lockstep.packing.presets import load_preset
+    from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 
     preset = load_preset(name)
     preset.packing_cell()

@@ -133,7 +133,7 @@ class Campaign:
         from pack_core.paths import bags_path
         from pack_evaluation.provenance import provenance
         from pack_lockstep.benchmarking.benchmark import Verdict
-        from pack_lockstep.benchmarking.trial_file import TrialFile
+        from pack_lockstep.benchmarking.results_folder import TrialFile
 
         folder = output or bags_path() / "benchmarks" / f"{self.kind}_{self.cell}"
         file = folder / f"{self.kind}.jsonl"
@@ -222,7 +222,7 @@ def soak(
     from pack_core.cells import check_cell
     from pack_core.paths import bags_path
     from pack_evaluation.provenance import provenance
-    from pack_lockstep.benchmarking.trial_file import TrialFile
+    from pack_lockstep.benchmarking.results_folder import TrialFile
 
     folder = output or bags_path() / "benchmarks" / f"soak_{check_cell(cell)}"
     if fresh:

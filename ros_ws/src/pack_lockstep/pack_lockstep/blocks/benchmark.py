@@ -17,8 +17,7 @@ from pack_evaluation.blocks.plan_verifier import verify
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
 from pack_lockstep.blocks.benchmark_instances import Instance
 from pack_lockstep.blocks.execution import execute
-from pack_lockstep.blocks.lockstep import BlocksLockstepConfig
-from pack_lockstep.blocks.planning import CountedPlannerConfig
+from pack_lockstep.blocks.lockstep import BlocksLockstepConfig, CountedPlannerConfig
 from pack_planner.rearrangement.planning import plan, warm_up
 
 WARM_UP = 0.2

@@ -19,8 +19,7 @@ from pack_core.paths import config_path
 from pack_core.rotations import Array, Pose
 from pack_core.states import SceneState
 from pack_lockstep.blocks.execution import MAX_ANGLE_DEG, MAX_ERROR
-from pack_lockstep.blocks.lockstep import BlocksLockstep
-from pack_lockstep.blocks.planning import CountedPlanner, CountedPlannerConfig
+from pack_lockstep.blocks.lockstep import BlocksLockstep, CountedPlanner, CountedPlannerConfig
 from pack_lockstep.blocks.settings import lockstep_config
 from pack_lockstep.disturbances import Disturbance, DisturbanceReport, DisturbanceTable
 

@@ -31,9 +31,52 @@ from pack_motion.arm.arms import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
-from pack_planner.rearrangement.methods import RearrangementConfig
+from pack_planner.rearrangement.methods import DEFAULT_METHOD, MethodName, RearrangementConfig
+from pack_planner.rearrangement.planning import plan
 from pack_sim.blocks.overhead_camera import OverheadCamera
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
+
+
+class CountingClock:
+    """A clock that goes on by a step whenever it is read, so that a run repeats on any machine."""
+
+    def __init__(self, step: float) -> None:
+        self._step, self._time = step, 0.0
+
+    def __call__(self) -> float:
+        """The time [s], a step later at every reading."""
+        self._time += self._step
+        return self._time
+
+
+class CountedPlannerConfig(Config):
+    """Parameters of planning in lockstep."""
+
+    method: MethodName = DEFAULT_METHOD
+    budget: PositiveFloat = Field(default=0.5, description="of a plan, on the counting clock [s]")
+    step: PositiveFloat = Field(default=0.005, description="by which that clock goes on [s]")
+    seed: int = Field(default=0, ge=0, description="of what the planner draws at random")
+
+
+class CountedPlanner:
+    """Plans with a budget of work.
+
+    Args:
+        config: method and budget.
+        methods: parameters of the methods.
+    """
+
+    def __init__(self, config: CountedPlannerConfig, methods: RearrangementConfig) -> None:
+        self._config, self._methods = config, methods
+
+    def __call__(self, problem: Problem) -> Plan:
+        """A plan for a problem."""
+        config = self._config
+        return plan(
+            problem, method=config.method, budget_s=config.budget, seed=config.seed,
+            config=self._methods, clock=CountingClock(config.step),
+        )  # fmt: skip
+
 
 Planner = Callable[[Problem], Plan]
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.free_space import fill_of, is_packed
+from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.goals import Arrangement, FillMethod, PackingMethod
 from pack_core.packing.packing_list import PackingList
-from pack_lockstep.packing.fill_result import FillResult
-from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements, Sense
+from pack_lockstep.packing.lockstep import LockstepCell, LockstepPlacements, Sense
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_mpc.filling.fill_job import FillJob
 from pack_mpc.filling.fill_report import FillReport
@@ -26,6 +27,43 @@ from pack_mpc.setpoints import hold
 from pack_mpc.task.force_record import ForceRecord
 from pack_planner.filling.fill_planner import FillPlanner
 from pack_planner.placement.placement_planner import PlacementPlanners
+
+
+@dataclass(frozen=True)
+class FillResult:
+    """A job's report, beside what is true at its end.
+
+    Attributes:
+        report: what the job itself saw.
+        fill: how full the container truly is.
+        inside: names of the objects that truly are in it.
+        outside: names of objects that are neither in it nor where they were handed over.
+        force_peak: largest external force of the whole job, behind a low-pass of 5 ms [N].
+    """
+
+    report: FillReport
+    fill: Fill
+    inside: tuple[str, ...]
+    outside: tuple[str, ...]
+    force_peak: float
+
+    @property
+    def faults(self) -> list[str]:
+        """What went wrong, in words."""
+        rows = [f"{row.name}: {row.reason}" for row in self.report.objects if row.has_fault]
+        return rows + [f"{name} ends outside" for name in self.outside]
+
+    def measures(self) -> dict[str, Any]:
+        """Plain values for the file of results; times in [s], the force in [N], shares from 0 to 1."""
+        rows = self.report.objects
+        return {
+            "without_fault": not self.faults, "faults": self.faults, "objects": len(self.inside),
+            "given": len(rows), "base_area": self.fill.base_area, "volume": self.fill.volume,
+            "durations": [row.duration for row in rows if row.name in self.inside],
+            "force": self.force_peak,
+            "fills": [[time, fill.base_area, fill.volume] for time, fill in self.report.fills],
+        }  # fmt: skip
+
 
 NEAR_HAND_OVER = 0.1
 """An object this near to the hand-over place was put aside there, or never left it [m]."""

@@ -9,20 +9,122 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
+from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
+from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
+from pack_core.rotations import Pose
 from pack_core.states import SceneState
+from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Run
-from pack_lockstep.packing.lockstep_cell import LockstepCell, LockstepPlacements
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_lockstep.packing.run_log import PackingRunLog
 from pack_mpc.controller import ControlPlan
 from pack_mpc.observation import PackingObservation, blind_for
 from pack_mpc.session import PackingSession
 from pack_mpc.task.task import PackingOutcome
-from pack_planner.placement.placement_planner import PlacementPlanners
+from pack_perception.mocap.hand_over_estimator import HandOverEstimator
+from pack_planner.placement.placement_planner import PlacementPlanner, PlacementPlanners
+from pack_planner.placement.placement_result import PlannedPlacement
+from pack_sim.packing.simulator import Simulator
+
+Sense = Callable[[Simulator, HandOverEstimator], None]
+
+
+class LockstepCell:
+    """Simulator and estimator, as the nodes `sim` and `perception` run them.
+
+    Args:
+        cell: the cell's physical facts.
+        scene: the scene, with a pose for every object.
+        config: parameters.
+        seed: seed of the sensors' noise.
+        sense: called after every step of the physics.
+
+    Attributes:
+        cameras: makes of each frame of markers the one that is delivered.
+    """
+
+    def __init__(
+        self, cell: PackingCell, scene: Scene, config: LockstepConfig, seed: int, sense: Sense
+    ) -> None:
+        self._config, self._sense = config, sense
+        self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
+        self.estimator = HandOverEstimator(self.simulator.description, cell, config.estimator)
+        self._forces: list[float] = []
+        self.cameras: Callable[[MarkerFrame], MarkerFrame] = lambda frame: frame
+
+    def settle(self) -> None:
+        """Let time pass before a goal, so that everything has been seen."""
+        self.advance(self._config.settle)
+        self._forces.clear()
+
+    def advance(self, duration: float) -> None:
+        """Let `duration` pass [s]."""
+        simulator, estimator = self.simulator, self.estimator
+        timestep = simulator.config.timestep
+        joint_steps, wrench_steps = (steps_between(rate, timestep) for rate in (JOINT_RATE, WRENCH_RATE))
+        for i in range(1, round(duration / timestep) + 1):
+            simulator.step()
+            if i % joint_steps == 0:
+                estimator.advance(simulator.joints())
+            if i % wrench_steps == 0:
+                self._forces.append(float(np.linalg.norm(simulator.external_wrench()[0])))
+            for frame in simulator.mocap.due(simulator.time):
+                estimator.correct(self.cameras(frame))
+            self._sense(simulator, estimator)
+
+    def observe(self) -> PackingObservation:
+        """What is known now, with the forces since the last call."""
+        joints: JointSample = self.simulator.joints()
+        forces, self._forces = np.array(self._forces), []
+        scene = self.estimator.state(joints.time)
+        return PackingObservation(joints, scene, forces, self.simulator.pump.state.is_closed)
+
+
+class LockstepPlacements:
+    """Plans a placement when a goal needs one, and hands it over once its planning time has passed.
+
+    Args:
+        planner: of the goal's scene.
+        config: how long planning takes.
+        seed: seed of the placements.
+        near: where the first placement is wanted, X_WN; None: wherever it disturbs least.
+    """
+
+    def __init__(
+        self, planner: PlacementPlanner, config: LockstepConfig, seed: int, near: Pose | None = None
+    ) -> None:
+        self._planner, self._config, self._seed, self._near = planner, config, seed, near
+        self._answer: tuple[float, PlannedPlacement] | None = None
+
+    def serve(self, session: PackingSession, seen: PackingObservation) -> PlannedPlacement | None:
+        """Plan if the goal needs a placement, and hand over the last one if it is due.
+
+        Returns:
+            A placement that was planned just now.
+        """
+        task, time, planned = session.task, seen.joints.time, None
+        if self._answer is None and session.needs_placement(seen.scene):
+            planned = self._planner.plan(
+                seen.scene, np.random.default_rng(self._seed + len(task.avoid)), avoid=task.avoid,
+                avoid_radius=task.avoid_radius, lean=task.lean, near=self._near,
+            )  # fmt: skip
+            config = self._config
+            latency = config.placement_latency + planned.rehearsals * config.rehearsal_latency
+            self._answer = (time + latency, planned)
+        if self._answer is not None and time >= self._answer[0]:
+            answer, self._answer = self._answer[1], None
+            if answer.X_WO is None:
+                task.refuse(time, answer.reason)
+            else:
+                task.place(answer.X_WO, answer.collisions, answer.way, seen.scene, answer.is_rehearsed)
+        return planned
+
 
 HELD = "HELD"
 """What a cycle is called in which the arm holds."""

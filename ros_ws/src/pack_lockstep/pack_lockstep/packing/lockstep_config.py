@@ -1,15 +1,75 @@
-"""Parameters of a run in lockstep: those of the nodes, and how long planning takes on the simulated clock."""
+"""Parameters of a run in lockstep: those of the nodes, changed by a preset, and how long planning takes."""
 
 from __future__ import annotations
 
-from pydantic import Field, NonNegativeFloat, PositiveFloat
+from collections.abc import Mapping
+from typing import Any, TypeVar
 
-from pack_core.config import Config
-from pack_lockstep.packing.presets import PackingPreset
+import yaml
+from pydantic import BaseModel, Field, NonNegativeFloat, PositiveFloat
+
+from pack_core.config import Config, load_config, merged, validate_config
+from pack_core.errors import ConfigError
+from pack_core.packing.cell import PackingCell, packing_cell
+from pack_core.paths import config_path
+from pack_lockstep.node_parameters import parameters_of
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_planner.placement.placement_planner import PlacementPlannerConfig
 from pack_sim.packing.simulator_config import SimulatorConfig
+
+C = TypeVar("C", bound=BaseModel)
+Section = dict[str, Any]
+
+
+class PackingPreset(Config):
+    """Differences from the configuration files, by the keys of these files.
+
+    Attributes:
+        cell: overrides config/cells/packing.yaml.
+        sim: overrides config/nodes/packing/sim.yaml; the other nodes likewise.
+    """
+
+    cell: Section = Field(default_factory=dict)
+    sim: Section = Field(default_factory=dict)
+    perception: Section = Field(default_factory=dict)
+    planner: Section = Field(default_factory=dict)
+    mpc: Section = Field(default_factory=dict)
+
+    def over(self, section: str, values: Mapping[str, Any]) -> PackingPreset:
+        """A copy of the preset in which `values` override one of its sections."""
+        return self.model_copy(update={section: merged(getattr(self, section), values)})
+
+    def packing_cell(self) -> PackingCell:
+        """The packing cell with this preset's changes."""
+        return packing_cell(yaml.safe_dump(self.cell))
+
+    def parameters(self, node: str, cls: type[C]) -> C:
+        """A core's configuration: its node's parameter file with this preset's changes.
+
+        Raises:
+            ConfigError: the preset names a parameter that the core does not have.
+        """
+        own: Section = getattr(self, node)
+        if unknown := sorted(set(own) - set(cls.model_fields)):
+            allowed = ", ".join(cls.model_fields)
+            raise ConfigError(f"preset: '{node}' has no {', '.join(unknown)}; allowed: {allowed}")
+        given, source = parameters_of(f"packing/{node}")
+        known = {key: value for key, value in given.items() if key in cls.model_fields}
+        return validate_config(cls, merged(known, own), f"{source} with a preset")
+
+
+def load_preset(name: str) -> PackingPreset:
+    """The preset `config/presets/<name>.yaml`.
+
+    Raises:
+        ConfigError: there is none, or it has a section that is not allowed.
+    """
+    path = config_path("presets", f"{name}.yaml")
+    if not path.is_file():
+        known = ", ".join(sorted(item.stem for item in path.parent.glob("*.yaml")))
+        raise ConfigError(f"no preset '{name}'; allowed: {known} (files in {path.parent})")
+    return load_config(PackingPreset, path)
 
 
 class LockstepConfig(Config):

@@ -13,8 +13,7 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
-from pack_lockstep.packing.lockstep_config import LockstepConfig, lockstep_config
-from pack_lockstep.packing.presets import load_preset
+from pack_lockstep.packing.lockstep_config import LockstepConfig, load_preset, lockstep_config
 from pack_mpc.controller import OptimizerName
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.optimizers import OPTIMIZERS

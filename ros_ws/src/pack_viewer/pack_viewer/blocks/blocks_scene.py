@@ -16,7 +16,7 @@ from pack_core.motion import topics as motion
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS
 from pack_core.rotations import Pose
-from pack_viewer.cell_scene import CellScene
+from pack_viewer.cell_page import CellScene
 from pack_viewer.geom_meshes import box_glb
 from pack_viewer.model_scene import ModelScene, scene_name
 from pack_viewer.news import News, Topics

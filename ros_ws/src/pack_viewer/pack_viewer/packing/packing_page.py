@@ -16,8 +16,7 @@ from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import GREY, ORANGE, boxed, chips, facts, put, signed_list
 from pack_viewer.news import News, Topics, seconds
 from pack_viewer.packing.fill_panel import FillPanel
-from pack_viewer.packing.ghosts import Ghosts
-from pack_viewer.packing.packing_scene import ESTIMATE, TRUTH, PackingScene
+from pack_viewer.packing.packing_scene import ESTIMATE, TRUTH, Ghosts, PackingScene
 from pack_viewer.rolling_plot import RollingPlot
 
 ENDS = ("placed", "done")

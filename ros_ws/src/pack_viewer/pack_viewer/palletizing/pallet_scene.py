@@ -20,7 +20,7 @@ from pack_core.robots.kr210 import JOINTS
 from pack_core.rotations import Array
 from pack_core.text.limits import MOST_BOXES
 from pack_core.text.yaml_text import parse_yaml
-from pack_viewer.cell_scene import CellScene
+from pack_viewer.cell_page import CellScene
 from pack_viewer.geom_meshes import box_glb
 from pack_viewer.model_scene import STILL, ModelScene, scene_name
 from pack_viewer.news import News, Topics

@@ -17,9 +17,8 @@ from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import facts, put
 from pack_viewer.news import News, Topics, seconds
-from pack_viewer.palletizing.order_progress import OrderProgress
+from pack_viewer.palletizing.order_progress import OrderPlaces, OrderProgress
 from pack_viewer.palletizing.pallet_scene import PalletScene
-from pack_viewer.palletizing.places import OrderPlaces
 from pack_viewer.rolling_plot import RollingPlot
 
 DETECTED = 1

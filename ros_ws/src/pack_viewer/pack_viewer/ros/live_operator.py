@@ -20,9 +20,9 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_sender import GoalSender
 from pack_core.ros.node import CellNode
 from pack_core.ros.node_status import LISTENING
-from pack_viewer.cell_condition import CellCondition
 from pack_viewer.event_log import EventLog
 from pack_viewer.ros.run_form import RunForm
+from pack_viewer.run_panel import CellCondition
 
 ANSWER = 5.0
 """A request without an answer for this long is told of [s of wall clock]."""

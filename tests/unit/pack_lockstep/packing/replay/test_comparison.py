@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pack_lockstep.packing.replay.comparison import ComparisonRow, Replay, expected_count
+from pack_lockstep.packing.replay import ComparisonRow, Replay, expected_count
 
 
 def frames(rate: float, seconds: float = 4.0) -> np.ndarray:

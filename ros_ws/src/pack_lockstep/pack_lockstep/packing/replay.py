@@ -1,0 +1,327 @@
+"""Feeds what a node received in a recording to its core, and compares the answers with the recorded ones."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.errors import BagError
+from pack_core.joints import JointSample
+from pack_core.packing.goals import PackingMethod
+from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.scene import Scene
+from pack_core.packing.topics import (
+    DESCRIPTION,
+    FILL_RESULT,
+    GRIPPER_STATE,
+    JOINT_STATES,
+    MARKERS,
+    SCENE,
+    SETTLED_SAMPLES,
+)
+from pack_core.ros.messages.conversions import from_stamp
+from pack_core.ros.messages.joints import from_joint_state
+from pack_core.ros.messages.packing import from_markers
+from pack_core.ros.messages.scene import from_scene
+from pack_core.rotations import Array
+from pack_core.states import SceneState
+from pack_evaluation.bag import Bag, result_in
+from pack_evaluation.goals import without_earlier_gaps
+from pack_evaluation.packing.from_bag import to_run
+from pack_evaluation.packing.run import Run
+from pack_evaluation.track import Track, to_tracks
+from pack_lockstep.node_parameters import parameters_of
+from pack_lockstep.packing.lockstep_config import PackingPreset
+from pack_mpc.cost.weights import load_weights
+from pack_mpc.session import SessionConfig
+from pack_perception.mocap.hand_over_estimator import HandOverEstimator
+from pack_perception.mocap.physics_estimator import EstimatorConfig
+from pack_planner.placement.placement_planner import (
+    PlacementPlanner,
+    PlacementPlannerConfig,
+    PlacementPlanners,
+)
+
+MAX_MISSING = 0.01
+"""Share of a topic's messages that a recording may lack; with fewer, a replay is meaningless."""
+
+
+@dataclass(frozen=True)
+class ComparisonRow:
+    """The comparison of one output.
+
+    Attributes:
+        name: name of the output.
+        compared: number of values that were compared.
+        mean_mm: mean of their differences.
+        difference_mm: the difference that decides: their 95th percentile, or the only one.
+        limit_mm: largest allowed difference.
+    """
+
+    name: str
+    compared: int
+    mean_mm: float
+    difference_mm: float
+    limit_mm: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the difference is within its limit; False if there was nothing to compare."""
+        return self.compared > 0 and self.difference_mm <= self.limit_mm
+
+
+@dataclass(frozen=True)
+class Replay:
+    """The outcome of a replay.
+
+    Attributes:
+        node: name of the node whose core was replayed.
+        inputs: number of input messages by topic.
+        rows: the comparisons.
+    """
+
+    node: str
+    inputs: dict[str, int]
+    rows: tuple[ComparisonRow, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the core's outputs agree with the node's recorded ones."""
+        return bool(self.rows) and all(row.agrees for row in self.rows)
+
+
+def check_frames(bag: Bag, topic: str, stamps: Sequence[float], rate: float | None = None) -> int:
+    """Count a topic's messages before anything is scored.
+
+    Args:
+        bag: the recording, for its name in errors.
+        topic: topic of the messages.
+        stamps: stamps of the messages [s], in order.
+        rate: least rate of the topic [Hz]; None for a periodic topic, whose rate follows from its stamps.
+
+    Returns:
+        The count.
+
+    Raises:
+        BagError: more than `MAX_MISSING` of the messages are missing, or all.
+    """
+    count = len(stamps)
+    if count < 2:
+        raise BagError(f"{bag.path} has {count} messages on {topic}: was it recorded?")
+    expected = expected_count(np.asarray(stamps)) if rate is None else round((stamps[-1] - stamps[0]) * rate)
+    if count < (1.0 - MAX_MISSING) * expected:
+        allowed = f"at least {100 * (1 - MAX_MISSING):.0f} %"
+        raise BagError(f"{bag.path} has {count} of {expected} messages on {topic}; a replay needs {allowed}")
+    return count
+
+
+def expected_count(stamps: Array) -> int:
+    """Number of messages that a periodic topic should have between its first and its last one.
+
+    The period is the mean of the gaps in which no message is missing. It is the mean, not the median, because
+    stamps are whole milliseconds.
+    """
+    gaps = np.diff(stamps)
+    period = float(gaps[gaps < 1.5 * np.median(gaps)].mean())
+    return 1 + int(np.maximum(np.round(gaps / period), 1.0).sum())
+
+
+TOPICS = (DESCRIPTION, JOINT_STATES, MARKERS)
+PERCENT = 95
+TRACK_LIMIT_MM = 1.0
+"""Limit of the 95th percentile; node and core step at different joint samples, which contact magnifies."""
+
+
+def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
+    """Estimate the poses again and compare them with the recorded estimate during the goal or fill job.
+
+    Args:
+        bag: the recording.
+        preset: preset of the run; None: config/nodes without changes.
+
+    Raises:
+        BagError: the recording lacks a topic or too many of its messages.
+    """
+    run = to_run(bag)
+    job = _job_window(bag)
+    start, end = job or (run.start, run.end)
+    bag = bag if job else without_earlier_gaps(bag, start, latched=(DESCRIPTION,))
+    joints = [from_stamp(message.header.stamp) for message in bag.of(JOINT_STATES)]
+    frames = [from_markers(message).time for message in bag.of(MARKERS)]
+    counts = {
+        topic: check_frames(bag, topic, times) for topic, times in ((JOINT_STATES, joints), (MARKERS, frames))
+    }
+    estimated = estimate_again(bag, preset or PackingPreset())
+    rows = tuple(
+        _compare_tracks(name, track.between(start, end), estimated.get(name))
+        for name, track in run.estimate.items()
+    )
+    return Replay("perception", counts, rows)
+
+
+def _job_window(bag: Bag) -> tuple[float, float] | None:
+    """Start and end of the last fill job [s]; None if there is none."""
+    if not (told := bag.of(FILL_RESULT)):
+        return None
+    report = result_in(told[-1].data, bag.path)
+    return float(report["start"]), float(report["fills"][-1][0])
+
+
+def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
+    """Estimated tracks by object, with a pose after every marker frame, from the messages as recorded."""
+    config, cell = preset.parameters("perception", EstimatorConfig), preset.packing_cell()
+    scene, *changes = [Scene.from_yaml(message.data, DESCRIPTION) for message in bag.of(DESCRIPTION)]
+    estimator = HandOverEstimator(scene, cell, config)
+    later = iter([None, *changes])  # the first is known before anything else comes
+    waiting: deque[MarkerFrame] = deque()
+    states: list[SceneState] = []
+    for item in bag.messages:
+        if item.topic == JOINT_STATES:
+            _advance(estimator, from_joint_state(item.message, cell.robot.arm.joints))
+        elif item.topic == MARKERS:
+            waiting.append(from_markers(item.message))
+        elif item.topic == GRIPPER_STATE and scene.is_handed_over:
+            _grip(estimator, is_closed=item.message.is_closed)
+        elif item.topic == DESCRIPTION and (change := next(later)) is not None:
+            scene = change
+            waiting.clear()
+            if scene.is_handed_over:
+                estimator.change_scene(scene)
+            else:
+                estimator = HandOverEstimator(scene, cell, config)
+        while waiting and not estimator.is_ahead(waiting[0]):
+            estimator.correct(waiting.popleft())
+            states.append(estimator.state(estimator.time))
+    return to_tracks(states)
+
+
+def _grip(estimator: HandOverEstimator, *, is_closed: bool) -> None:
+    """Follow the pump, as the node does."""
+    if is_closed and not estimator.is_held:
+        estimator.take_hold()
+    elif not is_closed and estimator.is_held:
+        estimator.let_go()
+
+
+def _advance(estimator: HandOverEstimator, joints: JointSample) -> None:
+    if estimator.wants(joints.time):
+        estimator.advance(joints)
+
+
+def _compare_tracks(name: str, recorded: Track, again: Track | None) -> ComparisonRow:
+    if again is None or not recorded.times.size:
+        return ComparisonRow(name, 0, float("nan"), float("nan"), TRACK_LIMIT_MM)
+    errors = 1e3 * again.at(recorded.times).distance_to(recorded.p)
+    worst = float(np.percentile(errors, PERCENT))
+    return ComparisonRow(name, errors.size, float(errors.mean()), worst, TRACK_LIMIT_MM)
+
+
+SAME = 1e-6
+"""Times that differ by less are of the same scene [s]."""
+PLACEMENT_LIMIT_MM = 1e-6
+"""The same scene gives the same placement, so only rounding is allowed."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A request for a placement, with the placement that was recorded.
+
+    Attributes:
+        planned_for: time of the scene that the placement was planned for [s].
+        tried: positions of the earlier placements `(n, 3)` [m].
+        p_WT: recorded position of the placement `(3,)` [m].
+        collisions: recorded collision list of the placement.
+    """
+
+    planned_for: float
+    tried: Array
+    p_WT: Array
+    collisions: tuple[str, ...]
+
+
+def replay_planner(
+    bag: Bag,
+    *,
+    seed: int,
+    method: PackingMethod = PackingMethod.PACK_IT_IN,
+    preset: PackingPreset | None = None,
+) -> Replay:
+    """Plan each placement of the goal again and compare it with the recorded one.
+
+    Args:
+        bag: the recording.
+        seed: seed of the goal.
+        method: method of the goal.
+        preset: preset of the run; None: config/nodes without changes.
+
+    Raises:
+        BagError: the recording lacks a topic or too many of its messages, or is that of a fill job.
+    """
+    if bag.of(FILL_RESULT):
+        raise BagError(
+            f"{bag.path} is of a fill job; what such a job asks of the planner is not recorded; "
+            "--node perception can be replayed"
+        )
+    run = to_run(bag)
+    bag = without_earlier_gaps(bag, run.start, latched=(DESCRIPTION,))
+    scenes = [from_scene(message) for message in bag.of(SCENE)]
+    min_rate = float(parameters_of("packing/perception")[0]["min_rate"])
+    count = check_frames(bag, SCENE, [scene.time for scene in scenes], min_rate)
+    scene = Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION)
+    given = preset or PackingPreset()
+    config = given.parameters("planner", PlacementPlannerConfig)
+    planner = PlacementPlanners(scene, given.packing_cell(), config).of(method.placement_variant)
+    session = given.parameters("mpc", SessionConfig)
+    times = [from_stamp(message.header.stamp) for message in bag.of(SETTLED_SAMPLES)]
+    rows = tuple(
+        _compare_placement(planner, session, request, scenes, seed) for request in requests(run, times)
+    )
+    return Replay("planner", {SCENE: count}, rows)
+
+
+def requests(run: Run, planned_for: Sequence[float]) -> Iterator[Request]:
+    """The requests of a goal that were taken up, in their order.
+
+    A placement that was taken up is the last that was planned before. Iterations before the first answer
+    move above the container's middle and have no placement yet.
+
+    Args:
+        run: the goal.
+        planned_for: times of the scenes that placements were planned for [s], in order.
+
+    Raises:
+        BagError: a placement was taken up that was not planned in the recording.
+    """
+    done, times = run.iterations, np.array(planned_for)
+    numbers, starts = np.unique(done.placements, return_index=True)
+    firsts = [int(i) for i in starts[numbers > 0]]
+    for n, first in enumerate(firsts):
+        before = times[times < done.times[first]]
+        if not before.size:
+            raise BagError(f"the recording has no message of {SETTLED_SAMPLES} before placement {n + 1}")
+        yield Request(float(before[-1]), done.p_WT[firsts[:n]], done.p_WT[first], done.collisions[first])
+
+
+def _compare_placement(
+    planner: PlacementPlanner,
+    session: SessionConfig,
+    request: Request,
+    scenes: Sequence[SceneState],
+    seed: int,
+) -> ComparisonRow:
+    """Compare the recorded placement with the one that is planned for the same scene."""
+    radius, lean = session.task.avoid_radius, load_weights(session.weights).lean
+    scene = next((scene for scene in scenes if abs(scene.time - request.planned_for) < SAME), None)
+    error = float("inf")
+    if scene is not None:
+        placement = planner.plan(
+            scene, np.random.default_rng(seed + len(request.tried)), lean=lean,
+            avoid=list(request.tried), avoid_radius=radius,
+        )  # fmt: skip
+        if placement.X_WO is not None and placement.collisions == request.collisions:
+            error = 1e3 * float(np.linalg.norm(placement.X_WO.p - request.p_WT))
+    name = f"placement {len(request.tried) + 1}"
+    return ComparisonRow(name, int(scene is not None), error, error, PLACEMENT_LIMIT_MM)

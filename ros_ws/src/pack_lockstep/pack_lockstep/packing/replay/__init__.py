@@ -1,1 +1,0 @@
-"""Feeds recorded inputs to a core and compares its outputs with the recorded ones."""
