@@ -17,8 +17,10 @@ from pdoc import pdoc, render
 ROOT = Path(__file__).resolve().parent.parent
 HREF = re.compile(r'href="([^"]+)"')
 ANCHOR = re.compile(r'id="([^"]+)"')
-PARSED = "Error parsing type annotation"
-"""pdoc says so of names that only type checkers import; it then shows the annotation as it is written."""
+SCRIPT = re.compile(r"<script.*?</script>", re.DOTALL)
+FAILURE = "Couldn't import"
+"""How pdoc's warning of a module begins that cannot be imported; it warns of annotations, too, whose names only
+type checkers import, and shows those as they are written."""
 
 
 def packages() -> list[str]:
@@ -32,8 +34,8 @@ def build(output: Path) -> list[str]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         pdoc(*packages(), output_directory=output)
-    said = (str(warning.message) for warning in caught if warning.category is UserWarning)
-    return [text.splitlines()[0] for text in said if PARSED not in text]
+    said = (str(warning.message) for warning in caught)
+    return [text.splitlines()[0] for text in said if text.startswith(FAILURE)]
 
 
 def version() -> str:
@@ -48,14 +50,18 @@ def anchors(page: Path) -> frozenset[str]:
 
 
 def broken_links(output: Path) -> Iterator[str]:
-    """Links to files or places that are not there, with their page."""
+    """Links to files or places that are not there, with their page.
+
+    pdoc itself links to members that it does not list, such as an inherited constructor; their class must be
+    there.
+    """
     for page in sorted(output.rglob("*.html")):
-        for link in set(HREF.findall(page.read_text())):
+        for link in set(HREF.findall(SCRIPT.sub("", page.read_text()))):
             place, _, anchor = link.partition("#")
             if "://" in link or link.startswith("data:"):
                 continue
             target = (page.parent / place).resolve() if place else page
-            if not target.is_file() or (anchor and anchor not in anchors(target)):
+            if not target.is_file() or (anchor and not {anchor, anchor.rpartition(".")[0]} & anchors(target)):
                 yield f"{page.relative_to(output)}: {link} leads nowhere"
 
 
