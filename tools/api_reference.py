@@ -19,8 +19,8 @@ HREF = re.compile(r'href="([^"]+)"')
 ANCHOR = re.compile(r'id="([^"]+)"')
 SCRIPT = re.compile(r"<script.*?</script>", re.DOTALL)
 FAILURE = "Couldn't import"
-"""How pdoc's warning of a module begins that cannot be imported; it warns of annotations, too, whose names only
-type checkers import, and shows those as they are written."""
+"""How pdoc's warning of a module begins that cannot be imported. It also warns of annotations whose names
+only type checkers import, and shows those as they are written."""
 
 
 def packages() -> list[str]:

@@ -80,12 +80,13 @@ def split(text: str) -> list[str]:
 
 
 def pages() -> list[Page]:
-    """The README, the pages in docs/, and those that lie beside what they describe."""
+    """The pages at the top, those in docs/, and those that lie beside what they describe."""
     root = project_root()
     found = [
-        root / "README.md",
         root / "bags" / "README.md",
         *root.glob("docs/**/*.md"),
         *root.glob("config/**/*.md"),
+        *root.glob("ros_ws/src/*/README.md"),
+        *root.glob("*.md"),
     ]
     return [Page(path) for path in sorted(found)]
