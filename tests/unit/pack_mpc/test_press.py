@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.rotations import Array
+from pack_mpc.controller import pressing
 from pack_mpc.plant import PackingPlant
-from pack_mpc.setpoints import pressing
 from pack_mpc.task.stages import PressConfig
 
 HOME = np.array(packing_cell().robot.home)

@@ -23,9 +23,8 @@ from pack_core.rotations import Array
 from pack_mpc.cost.cost import PackingCost
 from pack_mpc.optimizers.optimizer import Optimizer, Solution
 from pack_mpc.optimizers.sgn import SgnConfig
-from pack_mpc.optimizers.spline import Basis, ResolvedRateServo, ServoReference
+from pack_mpc.optimizers.spline import Basis, ResolvedRateServo, ServoReference, predicted_setpoints
 from pack_mpc.plant import PackingPlant
-from pack_mpc.setpoints import predicted_setpoints
 from pack_mpc.target import PackingTarget, Stage
 
 WORTHLESS = 1e12

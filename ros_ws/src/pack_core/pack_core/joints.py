@@ -102,3 +102,9 @@ class Setpoints:
     def _rows(self) -> Array:
         """Positions, velocities and torques `(3, T, n)`."""
         return np.stack([self.q, self.v, self.fed_forward])
+
+
+def hold(joints: JointSample) -> Setpoints:
+    """Setpoints that run out at once, so that the driver holds the arm where it is."""
+    zero = np.zeros((1, len(joints.q)))
+    return Setpoints(joints.time, np.zeros(1), joints.q[None], zero, zero)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as wall_clock
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import mujoco
@@ -23,7 +23,6 @@ from pack_mpc.cost.weights import WeightSet
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.optimizers.optimizer import Solution
 from pack_mpc.plant import STATE, PackingPlant
-from pack_mpc.setpoints import pressing
 from pack_mpc.target import PackingTarget, Stage
 
 OptimizerName = Annotated[str, AfterValidator(OPTIMIZERS.known)]
@@ -155,3 +154,16 @@ class PackingController:
         # The prediction leaves the press out: it moves the object only once what bears it gives way.
         setpoints = pressing(plant, sent, target.press)
         return ControlPlan(setpoints, solution, 1e3 * (wall_clock.perf_counter() - started))
+
+
+def pressing(plant: PackingPlant, setpoints: Setpoints, force: float) -> Setpoints:
+    """The same setpoints with torques that press the held object down with `force` [N] more.
+
+    A force f on the object takes the joint torques J' f, J the Jacobian of its position where the setpoints
+    begin. The torques stay within the arm's limits.
+    """
+    if not force:
+        return setpoints
+    limit = plant.arm.limits.effort
+    down = plant.held_jacobian(setpoints.q[0])[:3].T @ np.array([0.0, 0.0, -force])
+    return replace(setpoints, tau=np.clip(setpoints.fed_forward + down, -limit, limit))

@@ -10,7 +10,7 @@ from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
-from pack_core.joints import Setpoints
+from pack_core.joints import Setpoints, hold
 from pack_core.packing.goals import PackingExitReason
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
@@ -27,7 +27,6 @@ from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.pack_goal import PackGoal, PlacementClient, method_of, refusal_of
 from pack_mpc.ros.status import to_outcome, to_result, to_status
 from pack_mpc.session import PackingSession
-from pack_mpc.setpoints import hold
 from pack_mpc.worker import Worker, WorkerConfig
 
 CHECK_PERIOD = 0.1

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pack_core.errors import MessageError
-from pack_core.joints import Setpoints
+from pack_core.joints import Setpoints, hold
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.goals import Arrangement, FillMethod, PackingMethod
@@ -23,7 +23,6 @@ from pack_mpc.filling.requests import Arrange, FillRequest, Judge, Pack, Packed,
 from pack_mpc.filling.steps import FillObservation
 from pack_mpc.observation import PackingObservation, unseen_of
 from pack_mpc.session import PackingSession
-from pack_mpc.setpoints import hold
 from pack_mpc.task.force_record import ForceRecord
 from pack_planner.filling.fill_planner import FillPlanner
 from pack_planner.placement.placement_planner import PlacementPlanners

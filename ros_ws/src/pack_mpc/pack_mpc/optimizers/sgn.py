@@ -19,9 +19,8 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array
 from pack_mpc.cost.cost import PackingCost
 from pack_mpc.optimizers.optimizer import Optimizer, Solution
-from pack_mpc.optimizers.spline import Basis, ResolvedRateServo, ServoReference
+from pack_mpc.optimizers.spline import Basis, ResolvedRateServo, ServoReference, predicted_setpoints
 from pack_mpc.plant import PackingPlant
-from pack_mpc.setpoints import predicted_setpoints
 from pack_mpc.target import PackingTarget, Stage
 
 

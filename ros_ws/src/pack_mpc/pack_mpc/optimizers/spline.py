@@ -1,4 +1,4 @@
-"""Twist splines: the held object's twist at a few knots in time, turned into joint references."""
+"""Twist splines: the held object's twist at a few knots in time, as references of servos and as setpoints."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pack_core.joints import Setpoints
 from pack_core.kinematics.damping import damped_inverse
+from pack_core.robots.arm_drive import ArmDrive
 from pack_core.rotations import Array
 from pack_mpc.plant import PackingPlant
 
@@ -102,3 +104,35 @@ def _limited(lead: Array, J: Array, limit: float) -> Array:
     """
     length = float(np.linalg.norm(J[:3] @ lead))
     return lead * min(1.0, limit / max(length, LEAD_MIN))
+
+
+def predicted_setpoints(
+    plant: PackingPlant, drive: ArmDrive, offsets: Array, xs: Array, q_des: Array, v_des: Array
+) -> Setpoints:
+    """State a rollout of the servo model as predicted states with feed-forward torques.
+
+    In the rollout the servos pull the arm towards a reference (q_des, v_des), which leads it where it
+    pushes. Their torque along the predicted motion (q, v) is
+
+        tau_ff = Kp (q_des - q) + Kd (v_des - v)
+
+    and a driver that adds Kp (q - q_measured) + Kd (v - v_measured), Eq. 4, exerts the torque of the
+    servos wherever the arm really is: the predicted state cancels. Both are linear in the rows, so this
+    holds between them, too.
+
+    Args:
+        plant: the model of the rollout.
+        drive: gains Kp and Kd of the servos in it.
+        offsets: of the rows from the start `(T,)` [s].
+        xs: predicted full states `(T, nx)`.
+        q_des: reference positions `(T, 7)` [rad].
+        v_des: reference velocities `(T, 7)` [rad/s].
+
+    Returns:
+        Setpoints within the limits of the arm.
+    """
+    limits = plant.arm.limits
+    q = np.clip(xs[:, plant.layout.q], limits.lower, limits.upper)
+    v = np.clip(xs[:, plant.layout.v], -limits.velocity, limits.velocity)
+    tau = np.array(drive.stiffness) * (q_des - q) + np.array(drive.damping) * (v_des - v)
+    return Setpoints(float(xs[0, 0]), offsets, q, v, np.clip(tau, -limits.effort, limits.effort))

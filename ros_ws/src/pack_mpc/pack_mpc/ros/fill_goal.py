@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pack_interfaces.action import FillContainer
 
 from pack_core.errors import PackError
+from pack_core.joints import hold
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import Fill
 from pack_core.packing.goals import FillMethod, PackingExitReason, PackingMethod
@@ -23,7 +24,6 @@ from pack_mpc.ros.fill_clients import FillClients
 from pack_mpc.ros.fill_requests import FillRequests, Poll
 from pack_mpc.ros.pack_goal import GoalTurn, PlacementClient
 from pack_mpc.session import PackingSession
-from pack_mpc.setpoints import hold
 from pack_mpc.task.force_record import ForceRecord
 
 STEP = 0.02

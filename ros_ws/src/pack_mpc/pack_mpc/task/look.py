@@ -76,7 +76,7 @@ def look_poses(scene: Scene, config: LookConfig, X_WN: Pose) -> list[LookPose]:
 class LookMachine:
     """Goes from look pose to look pose; the caller says which objects are still unseen.
 
-    It is the other `Machine`, which stands in for the `StageMachine` while there is no placement.
+    It is the other `GoalMachine`, which stands in for the `StageMachine` while there is no placement.
 
     Args:
         scene: the container and the held object.

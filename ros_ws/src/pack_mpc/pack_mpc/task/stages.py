@@ -74,7 +74,7 @@ class ChosenPlacement:
     is_rehearsed: bool = False
 
 
-class Machine(Protocol):
+class GoalMachine(Protocol):
     """What a goal follows: the stages of a placement, or look poses while an object has no pose.
 
     Attributes:

@@ -17,7 +17,7 @@ from pack_core.states import SceneState
 from pack_mpc.target import Stage
 from pack_mpc.task.force_record import ForceRecord
 from pack_mpc.task.look import LookConfig, LookMachine
-from pack_mpc.task.stages import ChosenPlacement, Machine, StageConfig, StageMachine
+from pack_mpc.task.stages import ChosenPlacement, GoalMachine, StageConfig, StageMachine
 
 
 class TaskConfig(Config):
@@ -98,7 +98,7 @@ class PackingTask:
         self.distance = 0.0
 
     @property
-    def machine(self) -> Machine | None:
+    def machine(self) -> GoalMachine | None:
         """What is followed: look poses until every object has a pose, then stages; None at first."""
         return self._stages or self._look
 

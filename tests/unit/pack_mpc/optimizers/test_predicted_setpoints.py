@@ -14,7 +14,7 @@ from pack_mpc.cost.cost import PackingCost, Residuals
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.optimizers.optimizer import Solution
 from pack_mpc.optimizers.sgn import SgnConfig, SgnOptimizer
-from pack_mpc.setpoints import predicted_setpoints
+from pack_mpc.optimizers.spline import predicted_setpoints
 from pack_mpc.target import PackingTarget, Stage
 from unit.pack_sim.packing.driver import Driver
 
