@@ -13,11 +13,11 @@ from viser import ViserServer
 from pack_bringup.recording.recorder import Recorder
 from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core import stamps
+from pack_core.bag_topic import Topic
 from pack_core.blocks import topics as blocks
 from pack_core.motion import topics as motion
 from pack_core.palletizing import topics as palletizing
 from pack_core.paths import project_root
-from pack_evaluation.raw_bag import Topic
 from pack_viewer.blocks.blocks_page import BlocksPage
 from pack_viewer.live_page import SHARED_TOPICS, LivePage
 from pack_viewer.packing.packing_page import PackingPage

@@ -17,6 +17,7 @@ from rosbags.rosbag2.metadata import parse_qos
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from pack_core.bag_topic import Topic
 from pack_core.errors import BagError, ConfigError
 from pack_core.text.reader import load_yaml
 from pack_evaluation.mcap_file import McapContent, read_mcap
@@ -25,15 +26,6 @@ DEFINITIONS = ("ros2msg", "ros2idl")
 """Encodings of definitions of ROS 2 messages in MCAP."""
 DIGITS = 5
 """The most that the number of a bag's file has; longer ones are dates."""
-
-
-@dataclass(frozen=True)
-class Topic:
-    """A topic of a bag; `type` is a name like `sensor_msgs/msg/JointState`."""
-
-    name: str
-    type: str
-    offered_qos: tuple[Qos, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from pack_bringup.recording.bag_copy import copy_bag
 from pack_bringup.recording.bag_writer import BagWriter
 from pack_bringup.recording.playback import load_playback
 from pack_bringup.recording.ros.recorded_topics import message_types
+from pack_core.bag_topic import Topic
 from pack_evaluation.bag import read_bag
-from pack_evaluation.raw_bag import Topic
 
 NUMBER = "std_msgs/msg/Float64"
 TOPICS = (Topic("/numbers", NUMBER), Topic("/silent", NUMBER))

@@ -12,9 +12,9 @@ from rosbags.rosbag2 import Reader
 
 from pack_bringup.recording.recorder import Recorder
 from pack_bringup.recording.ros.recorded_topics import message_types
+from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
 from pack_evaluation.bag import read_bag
-from pack_evaluation.raw_bag import Topic
 
 NUMBER = "std_msgs/msg/Float64"
 NUMBERS = Topic("/numbers", NUMBER)
@@ -31,7 +31,7 @@ from pathlib import Path
 from threading import Event
 from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_bringup.recording.recorder import Recorder
-from pack_evaluation.raw_bag import Topic
+from pack_core.bag_topic import Topic
 
 types = message_types()
 recorder = Recorder(Path(sys.argv[1]), [Topic("/numbers", "std_msgs/msg/Float64")], types)

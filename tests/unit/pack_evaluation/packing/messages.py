@@ -21,11 +21,11 @@ from rosbags.interfaces import (
 from pack_bringup.recording.bag_writer import BagWriter
 from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core import stamps
+from pack_core.bag_topic import Topic
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
 from pack_core.robots.panda import PANDA
 from pack_core.topics import REAL_TIME_FACTOR
-from pack_evaluation.raw_bag import Topic
 
 TYPES = message_types()
 TOPICS = {

@@ -11,8 +11,9 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.rosbag2.errors import WriterError
 
 from pack_core import stamps
+from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
-from pack_evaluation.raw_bag import Topic, read_raw_bag
+from pack_evaluation.raw_bag import read_raw_bag
 
 
 @dataclass(frozen=True)

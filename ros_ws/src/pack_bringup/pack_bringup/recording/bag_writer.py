@@ -15,7 +15,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.typesys.store import Typestore
 
-from pack_evaluation.raw_bag import Topic
+from pack_core.bag_topic import Topic
 
 INFORMATION = "rosbag2_bagfile_information"
 

@@ -10,9 +10,10 @@ from rosbags.interfaces import QosDurability
 from rosbags.typesys.store import Typestore
 
 from pack_core import stamps
+from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
 from pack_core.topics import CLOCK, CLOCK_RATE
-from pack_evaluation.raw_bag import RawMessage, Topic, read_raw_bag
+from pack_evaluation.raw_bag import RawMessage, read_raw_bag
 
 TICK = stamps.to_ns(1.0 / CLOCK_RATE)
 """Between two ticks of a clock that is played [ns], as the simulator has it."""

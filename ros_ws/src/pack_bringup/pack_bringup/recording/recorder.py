@@ -14,8 +14,8 @@ from rosbags.rosbag2.errors import WriterError
 from rosbags.typesys.store import Typestore
 
 from pack_bringup.recording.bag_writer import BagWriter
+from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
-from pack_evaluation.raw_bag import Topic
 
 FLUSH_PERIOD = 0.2
 """Wall clock [s] between two moments at which all that was received is in the file. With what else a message

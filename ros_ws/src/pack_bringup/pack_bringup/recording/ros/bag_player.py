@@ -17,13 +17,14 @@ from rosgraph_msgs.msg import Clock
 from pack_bringup.recording.playback import Playback
 from pack_bringup.recording.ros.recorded_topics import message_types
 from pack_core import stamps
+from pack_core.bag_topic import Topic
 from pack_core.errors import BagError
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.conversions import to_stamp
 from pack_core.ros.run import confirm_network, start_ros
 from pack_core.ros.watch.peer_watch import SignOfLife
 from pack_core.ros.watch.watch_socket import WatchSocket
-from pack_evaluation.raw_bag import RawMessage, Topic
+from pack_evaluation.raw_bag import RawMessage
 
 DEPTH = 100
 """Of topics whose recording says nothing of their quality of service."""

@@ -12,9 +12,9 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from pack_core.bag_topic import Topic
 from pack_core.ros.contracts.contract import Contract, Kind
 from pack_core.ros.contracts.table import wiring_of
-from pack_evaluation.raw_bag import Topic
 
 INTERFACES = "pack_interfaces"
 
