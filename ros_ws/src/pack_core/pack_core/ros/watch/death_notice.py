@@ -4,6 +4,13 @@ The system closes the sockets of a killed process after it has taken back its me
 0.4 ms a megabyte: 0.1 s and more for a large node. A robust mutex that a thread holds is marked before that,
 and who waits for its word is woken (pthread_mutexattr_setrobust(3), futex(2), get_robust_list(2)). It lies in
 memory that the process shares with those who watch it.
+
+Kept beside the sockets because of what it gains. `mpc`, `planner` and `perception` of packing were killed in
+PRE_PACK and INSERT, with it and without in alternation, on a starved machine (two cores, load 15 to 20). The
+arm stood after 0.017 s of simulated time with it in the median of 14 kills, and after 0.064 s without, of 11;
+of `mpc` alone after 0.013 and 0.058 s. It took more than 0.1 s, in which a stop has to be over, once with it
+(0.102 s) and twice without (0.106 and 0.170 s). The driver's watchdog is no substitute: it begins to brake
+after 0.1 s, and knows of none but the node that sends setpoints.
 """
 
 from __future__ import annotations
