@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
+from pack_core.text.explanation import Lines
 from pack_core.text.json_text import parse_json
 from pack_core.text.limits import MOST_BYTES, Number
-from pack_core.text.lines import Lines
 from pack_core.text.reader import decoded, read_text
 from pack_core.text.shown import LONGEST_VALUE, listed, printable, shown_value
 

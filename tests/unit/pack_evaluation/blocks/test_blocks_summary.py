@@ -1,5 +1,4 @@
-from pack_evaluation.blocks.study_tables import comparison
-from pack_evaluation.blocks.summary import summarize
+from pack_evaluation.blocks.studies import comparison, summarize
 
 
 def line(**changes: object) -> dict[str, object]:

@@ -8,8 +8,7 @@ from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
 from pack_evaluation.blocks.from_bag import BlocksRun
-from pack_evaluation.blocks.video import COLUMNS, ROWS, STRIP_SIZE, write_strip
-from pack_evaluation.blocks.view import RunView
+from pack_evaluation.blocks.video import COLUMNS, ROWS, STRIP_SIZE, RunView, write_strip
 
 CELL = blocks_cell()
 SQUARE = ((0.5, -0.15), (0.8, -0.15), (0.8, 0.15), (0.5, 0.15))

@@ -6,7 +6,7 @@ import pytest
 from pack_core.errors import BagError
 from pack_core.packing import topics
 from pack_core.packing.goals import PackingExitReason
-from pack_evaluation.force import FILTER_TIME
+from pack_evaluation.packing.force import FILTER_TIME
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.measures import measure
 from unit.pack_evaluation.packing.messages import HEIGHTS, OUTCOME, TARGET, GoalWriter

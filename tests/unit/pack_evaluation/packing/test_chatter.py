@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pack_evaluation.packing.chatter import chatter
+from pack_evaluation.packing.force import chatter
 
 N = 1000
 TIMES = 2.0 + 0.004 * np.arange(N)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pack_core import rotations
 from pack_core.rotations import Array, Pose
-from pack_evaluation.packing.containment import TOLERANCE, Containment, containment
+from pack_evaluation.packing.measures import TOLERANCE, Containment, containment
 from unit.pack_evaluation.packing.runs import TARGET, make_run
 
 RUN = make_run()

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from pack_core import rotations
 from pack_core.states import Source
 from pack_evaluation.packing.measures import measure
-from pack_evaluation.packing.pose_errors import held_rotation_errors
-from pack_evaluation.packing.prediction import HORIZON, predict
+from pack_evaluation.packing.prediction import HORIZON, held_rotation_errors, predict
 from pack_evaluation.packing.run import Run
 from pack_evaluation.track import Track
 from unit.pack_evaluation.packing.runs import END, START, TARGET, holding_joints, make_run, still

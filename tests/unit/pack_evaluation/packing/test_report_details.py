@@ -10,10 +10,10 @@ from matplotlib.text import Text
 
 from pack_evaluation.packing.evaluator import EVALUATOR
 from pack_evaluation.packing.from_bag import load_run
-from pack_evaluation.packing.overlay import STAGE_TITLES
 from pack_evaluation.packing.plots import draw_displacement, plot_of
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.studies import STUDIES
+from pack_evaluation.packing.video import STAGE_TITLES
 from pack_evaluation.record import about_the_run
 from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 

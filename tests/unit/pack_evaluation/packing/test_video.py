@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from pack_core.errors import PackError
-from pack_evaluation.gif import write_gif
-from pack_evaluation.mp4 import FPS
-from pack_evaluation.packing.overlay import add_caption
-from pack_evaluation.packing.video import frame_times, write_video
+from pack_evaluation.packing.video import add_caption, frame_times, write_video
 from pack_evaluation.packing.view import View, ViewConfig
+from pack_evaluation.video_file import FPS, write_gif
 from unit.pack_evaluation.packing.runs import END, START, make_run
 
 SMALL = ViewConfig(width=160, height=96)

@@ -16,8 +16,15 @@ from pack_core.palletizing.model import build_model
 from pack_core.robots.kr210 import BASE
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_evaluation.bag import Bag, Recorded
-from pack_evaluation.palletizing.from_bag import interruptions_of, tool_of, true_of_known
-from pack_evaluation.palletizing.standing import DECK, TF_STATIC, frames_in, standing_cell
+from pack_evaluation.palletizing.from_bag import (
+    DECK,
+    TF_STATIC,
+    frames_in,
+    interruptions_of,
+    standing_cell,
+    tool_of,
+    true_of_known,
+)
 
 PERIOD_NS = 4_000_000
 HOME = np.array(palletizing_cell().arm.home)

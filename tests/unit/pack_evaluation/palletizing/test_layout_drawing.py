@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
-from pack_evaluation.palletizing.layout_drawing import write_pictures
+from pack_evaluation.palletizing.drawings import write_pictures
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 
 

@@ -11,8 +11,8 @@ from matplotlib.colors import to_rgba
 
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
+from pack_evaluation.palletizing.drawings import WRONG, draw_order
 from pack_evaluation.palletizing.measures import measure_order
-from pack_evaluation.palletizing.order_drawing import WRONG, draw_order
 from pack_evaluation.palletizing.plots import write_plots
 from pack_evaluation.palletizing.run import ToolTrack, UnwantedTouch, VisitorTrack, WayPoint
 from pack_evaluation.palletizing.state_times import merged, near_contact_peak, state_times

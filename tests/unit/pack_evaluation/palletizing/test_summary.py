@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from pack_evaluation.palletizing.study_tables import comparison
+from pack_evaluation.palletizing.studies import comparison
 from pack_evaluation.palletizing.summary import OrderTrial, cycles, summarize_orders
 
 

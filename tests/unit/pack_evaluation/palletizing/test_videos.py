@@ -11,7 +11,6 @@ from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import IDENTITY
 from pack_evaluation.captions import Picture
-from pack_evaluation.mp4 import FPS
 from pack_evaluation.palletizing import calibration_video
 from pack_evaluation.palletizing.calibration_film import (
     BoardPicture,
@@ -22,6 +21,7 @@ from pack_evaluation.palletizing.calibration_film import (
 from pack_evaluation.palletizing.calibration_video import captioned, write_calibration_video
 from pack_evaluation.palletizing.run import BoxTrack, StandingCell
 from pack_evaluation.palletizing.video import HEIGHT, SPEED, WIDTH, write_video
+from pack_evaluation.video_file import FPS
 from unit.pack_evaluation.palletizing.known_run import a_run
 
 GREY = np.full((HEIGHT, WIDTH, 3), 60, dtype=np.uint8)

@@ -73,7 +73,7 @@ def evaluate_one(
     bag: Path, folder: Path, *, video: bool, gif: bool, still: bool, goal: int | None = None
 ) -> dict[str, Any]:
     """Report a run and return its measures."""
-    from pack_evaluation.gif import write_gif
+    from pack_evaluation.video_file import write_gif
 
     evaluator = evaluator_of(bag)
     make_output_folder(folder)

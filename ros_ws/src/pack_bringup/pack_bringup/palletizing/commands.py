@@ -293,7 +293,7 @@ def layout(
     from pack_core.palletizing.cell import palletizing_cell
     from pack_core.palletizing.orders.layout_plan import LayoutStatus
     from pack_core.palletizing.orders.order_file import load_order
-    from pack_evaluation.palletizing.layout_drawing import write_pictures
+    from pack_evaluation.palletizing.drawings import write_pictures
     from pack_lockstep.node_parameters import load_parameters
     from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 

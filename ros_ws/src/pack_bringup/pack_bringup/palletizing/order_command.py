@@ -40,8 +40,7 @@ def check(
     from pack_core.palletizing.cell import palletizing_cell
     from pack_core.palletizing.orders.order_file import order_as_written
     from pack_core.text.reader import read_text
-    from pack_evaluation.palletizing.layout_drawing import write_pictures
-    from pack_evaluation.palletizing.order_drawing import draw_order
+    from pack_evaluation.palletizing.drawings import draw_order, write_pictures
     from pack_lockstep.node_parameters import load_parameters
     from pack_lockstep.palletizing.proposal import judge
     from pack_planner.layout.layout_planner import LayoutConfig
@@ -114,7 +113,7 @@ def import_items(
     from rich.console import Console
 
     from pack_core.palletizing.cell import palletizing_cell
-    from pack_evaluation.palletizing.order_drawing import draw_order
+    from pack_evaluation.palletizing.drawings import draw_order
     from pack_lockstep.node_parameters import load_parameters
     from pack_lockstep.palletizing.proposal import propose
     from pack_planner.layout.layout_planner import LayoutConfig

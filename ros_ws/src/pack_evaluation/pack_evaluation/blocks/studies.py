@@ -1,7 +1,8 @@
-"""Many rearrangements side by side: planned by several methods, carried out, or recorded with all nodes."""
+"""Many executions and plans of the blocks cell side by side: their measures summed up, and tables of them."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,10 +13,116 @@ from pack_core.blocks.problem_file import parse_problem
 from pack_evaluation.blocks.from_bag import load_blocks_run
 from pack_evaluation.blocks.measures import BlocksMeasures, measure
 from pack_evaluation.blocks.plan_drawing import write_plan
-from pack_evaluation.blocks.study_tables import comparison, instances, recordings
-from pack_evaluation.blocks.summary import OF_PLANS, summarize, summarize_recordings
+from pack_evaluation.spread import PARTS, mean_p95_max, spread_text
 from pack_evaluation.study import RECORDINGS, KeptTrials, Picture, Study, StudyEvaluator
-from pack_evaluation.table import TextTable
+from pack_evaluation.table import TextTable, measure_rows
+
+Line = Mapping[str, Any]
+OF_PLANS = {
+    "first_plan_ms": "first plan [ms]",
+    "first_actions": "actions of the first plan",
+    "total_ms": "planning [ms]",
+    "actions": "actions",
+    "lower_bound": "no plan has fewer than",
+    "pushes": "pushes among them",
+    "pushed_m": "length of these pushes, summed [m]",
+    "travel_m": "travel of the gripper [m]",
+}
+OF_EXECUTIONS = {
+    "error_mm": "farthest block from its goal [mm]",
+    "angle_deg": "most turned block [deg]",
+    "disturbance_mm": "bystander moved [mm]",
+    "slip_mm": "slip in the hand [mm]",
+    "slip_deg": "turn in the hand [deg]",
+    "duration_s": "simulated time [s]",
+}
+COUNTS = {
+    "solved": ("solved", "instances"),
+    "plans accepted by the verifier": ("verified", "solved"),
+    "as short as the lower bound": ("at_lower_bound", "solved"),
+    "carried out well": ("executed_ok", "executed"),
+}
+"""Rows of counts: name of the row, key of the count, key of the total."""
+
+
+def summarize(lines: Sequence[Line]) -> dict[str, Any]:
+    """Counts, and statistics of each measure; measures of plans are taken over the solved instances."""
+    solved = [line for line in lines if line["is_solved"]]
+    executions = [line["execution"] for line in lines if line["execution"] is not None]
+    summary: dict[str, Any] = {
+        "instances": len(lines),
+        "statuses": dict(Counter(line["status"] for line in lines)),
+        "solved": len(solved),
+        "verified": sum(not line["faults"] for line in solved),
+        "at_lower_bound": sum(line["actions"] == line["lower_bound"] for line in solved),
+        **{key: mean_p95_max([line[key] for line in solved]) for key in OF_PLANS},
+        "executed": len(executions),
+        "executed_ok": sum(execution["is_ok"] for execution in executions),
+        "executed_valid": sum(execution["is_valid"] for execution in executions),
+    }
+    return summary | {key: mean_p95_max([done[key] for done in executions]) for key in OF_EXECUTIONS}
+
+
+def summarize_recordings(measured: Sequence[BlocksMeasures]) -> dict[str, Any]:
+    """Counts, and statistics of the measures of each recording, errors being those of its worst block."""
+    return {
+        "recordings": len(measured),
+        "arranged": sum(m.success for m in measured),
+        "exit_reasons": dict(Counter(m.exit_reason for m in measured)),
+        "error_mm": mean_p95_max([max(m.error_mm.values()) for m in measured]),
+        "turn_deg": mean_p95_max([max(m.turn_deg.values()) for m in measured]),
+        "actions": mean_p95_max([m.actions for m in measured]),
+        "plans": mean_p95_max([m.plans for m in measured]),
+        "duration_s": mean_p95_max([m.duration_s for m in measured]),
+    }
+
+
+def comparison(summaries: Mapping[str, Mapping[str, Any]], title: str) -> TextTable:
+    """Table with a column for each study and a row for each measure that a study has."""
+    found = summaries.values()
+    lines = [
+        (name, *(f"{s[part]} of {s[whole]}" for s in found))
+        for name, (part, whole) in COUNTS.items()
+        if any(s[whole] for s in found)
+    ]
+    lines += [
+        (name, *(spread_text(s[key]) for s in found))
+        for key, name in (OF_PLANS | OF_EXECUTIONS).items()
+        if any(s[key]["mean"] is not None for s in found)
+    ]
+    note = f"Of every measure: {', '.join(PARTS.values())}; those of plans over the instances solved."
+    return TextTable(title, note, ("", *summaries), tuple(lines))
+
+
+def instances(trials: Mapping[str, Sequence[Mapping[str, Any]]]) -> TextTable:
+    """Table with a row for each instance and a column for each study.
+
+    Args:
+        trials: the trials of every study, by its name.
+    """
+    by_name = {(name, t["instance"]): t for name, found in trials.items() for t in found}
+    known = dict.fromkeys(t["instance"] for found in trials.values() for t in found)
+    lines = tuple((item, *(_outcome(by_name.get((name, item))) for name in trials)) for item in known)
+    note = "Status, actions (lower bound), milliseconds to the first plan."
+    return TextTable("Instances", note, ("instance", *trials), lines)
+
+
+def recordings(measured: Sequence[tuple[str, BlocksMeasures]]) -> TextTable:
+    """Table with a row for each measure and a column for each recording."""
+    by_recording = [{row.name: row.value for row in measure_rows(measures)} for _, measures in measured]
+    names = dict.fromkeys(name for values in by_recording for name in values)
+    lines = tuple((name, *(values.get(name, "-") for values in by_recording)) for name in names)
+    return TextTable("Recordings", "Every run with all nodes.", ("", *(name for name, _ in measured)), lines)
+
+
+def _outcome(trial: Mapping[str, Any] | None) -> str:
+    if trial is None:
+        return ""
+    if not trial["is_solved"]:
+        return f"{trial['status']}: {trial['message']}"
+    text = f"{trial['status']}, {trial['actions']} ({trial['lower_bound']}), {trial['first_plan_ms']:.1f} ms"
+    return "; ".join([text, *trial["faults"]])
+
 
 Trial = Mapping[str, Any]
 Recording = tuple[str, BlocksMeasures]

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from pack_evaluation.packing.criteria import Criteria
-from pack_evaluation.packing.overlay import OTHER_COLOUR, STAGE_COLOURS, STAGE_TITLES
 from pack_evaluation.packing.run import Run
+from pack_evaluation.packing.video import OTHER_COLOUR, STAGE_COLOURS, STAGE_TITLES
 from pack_evaluation.track import Track
 
 SIZE = (9.0, 3.1)

@@ -13,7 +13,11 @@ import numpy.typing as npt
 from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.motion.topics import JOINT_STATES, MOTION_STATUS, SETPOINTS
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.imperfections import Displacement
+from pack_core.palletizing.model import fixed_frames
 from pack_core.palletizing.topics import CONTACTS, GRIPPER_STATE, PALLET_STATE, RESULT, TRUTH
+from pack_core.robots.kr210 import BASE
 from pack_core.rotations import Array, Pose
 from pack_evaluation.bag import Bag, fitting, read_bag, result_in
 from pack_evaluation.goals import goal_of
@@ -21,18 +25,21 @@ from pack_evaluation.palletizing.run import (
     BoxRecord,
     BoxTrack,
     PalletRun,
+    StandingCell,
     StateVisit,
     ToolTrack,
     UnwantedTouch,
 )
-from pack_evaluation.palletizing.standing import DECK, TF_STATIC, frames_in, standing_cell
 from pack_evaluation.palletizing.tool_track import tool_track
 
+TF_STATIC, DECK = "/tf_static", "pallet_deck"
+"""The topic that has the frames of what stands still, and the pallet's frame."""
 TOPICS = (
     JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS, TF_STATIC,
 )  # fmt: skip
 NEAR = 0.75
 """Share of the usual time between setpoints; a moment farther from all setpoints had none to follow."""
+TABLES = ("picking_table", "reorientation_table")
 
 
 def load_pallet_run(path: Path, goal: int | None = None) -> PalletRun:
@@ -158,3 +165,31 @@ def _peaks(messages: Sequence[Any]) -> dict[str, tuple[float, float, float]]:
 
 def _seconds(stamp: Any) -> float:
     return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)
+
+
+def frames_in(bag: Bag) -> dict[str, Pose]:
+    """The true poses of what stands still in the world, by the names of the frames; the newest of each."""
+    found: dict[str, Pose] = {}
+    for message in bag.of(TF_STATIC):
+        for item in message.transforms:
+            if item.header.frame_id == "world":
+                p, q = item.transform.translation, item.transform.rotation
+                pose = Pose(np.array([p.x, p.y, p.z]), np.array([q.w, q.x, q.y, q.z]))
+                found[item.child_frame_id] = pose
+    return found
+
+
+def standing_cell(frames: dict[str, Pose]) -> StandingCell:
+    """The cell with tables, pallet and arm at the poses of frames; what has none stands where it should."""
+    cell = palletizing_cell()
+    nominal = {name: Pose(getattr(cell, name).middle) for name in TABLES}
+    nominal["pallet"] = fixed_frames(cell)[DECK][1]
+    true = {**frames, "pallet": frames.get(DECK, nominal["pallet"])}
+    moved = {
+        name: getattr(cell, name).model_copy(
+            update={"displacement": Displacement.between(X_WF, true[name], getattr(cell, name).middle)}
+        )
+        for name, X_WF in nominal.items()
+        if name in true
+    }
+    return StandingCell(cell.model_copy(update=moved), frames.get(BASE))

@@ -8,18 +8,24 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
+import numpy.typing as npt
 
+from pack_core.config import Config
 from pack_core.rotations import Array, angle_between
-from pack_evaluation.palletizing.box_measures import BoxMeasures, PlacementCriteria, measure_box
-from pack_evaluation.palletizing.run import PalletRun, ToolTrack
-from pack_evaluation.palletizing.state_times import StateTime, near_contact_peak, state_times
-from pack_evaluation.palletizing.visitor_measures import VisitorMeasures, measure_visitors, visitors_text
+from pack_evaluation.palletizing.run import BoxRecord, PalletRun, ToolTrack
+from pack_evaluation.palletizing.state_times import StateTime, near_contact_peak, state_times, tool_speeds
 from pack_evaluation.table import MeasureText, mean_and_max, number, yes_or_no
 
 CLEAR_STATE = "17 pre deposit"
 """Shifts are measured between two entries of this state: a box is about to come down on the stack."""
 GOAL_STATES = ("4 lift", "9 step back", "13 lift table", "19 retreat")
 """States that are entered when a goal was reached and the gripper has acted."""
+CROSSING = 1.0
+"""A visitor that comes nearer to the arm than this makes a crossing [m]; it ends when it is farther again."""
+KEPT = 0.1
+"""Distance that is to be kept [m]."""
+STANDS = 0.02
+"""Speed below which the tool stands [m/s]."""
 
 
 def _errors(boxes: Sequence[BoxMeasures]) -> str:
@@ -181,3 +187,111 @@ def _of_way_points(values: Sequence[float]) -> tuple[float, float] | None:
 
 def _mean_max(values: Array) -> tuple[float, float]:
     return (float(values.mean()), float(values.max())) if len(values) else (0.0, 0.0)
+
+
+class PlacementCriteria(Config):
+    """Largest errors, in position [m] and orientation [deg], of a correctly placed box."""
+
+    position: float = 0.005
+    orientation_deg: float = 1.0
+
+
+@dataclass(frozen=True)
+class BoxMeasures:
+    """The measures of one box.
+
+    Attributes:
+        name: name of the box.
+        handling: none, flip or table.
+        outcome: placed, skipped, lost or pending.
+        is_ok: whether it was placed and meets the criteria at the end.
+        error_mm: distance from its planned position at the end; None if it was not placed.
+        angle_deg: angle from its planned orientation at the end; None if it was not placed.
+        cycle_s: cycle time; None if it was not placed.
+        coaxial_N: largest coaxial force of its grips; None if it was not gripped.
+        shear_N: largest shear force of its grips; None if it was not gripped.
+        moment_Nm: largest bending moment of its grips; None if it was not gripped.
+    """
+
+    name: str
+    handling: str
+    outcome: str
+    is_ok: bool
+    error_mm: float | None
+    angle_deg: float | None
+    cycle_s: float | None
+    coaxial_N: float | None
+    shear_N: float | None
+    moment_Nm: float | None
+
+
+def measure_box(run: PalletRun, box: BoxRecord, criteria: PlacementCriteria) -> BoxMeasures:
+    """Measure one box of a run."""
+    error_mm = angle_deg = None
+    is_ok = False
+    if box.outcome == "placed":
+        X_WB = run.tracks[box.name].at(float("inf"))
+        error_mm = 1e3 * float(np.linalg.norm(X_WB.p - box.X_WB.p))
+        angle_deg = float(np.degrees(angle_between(X_WB.q, box.X_WB.q)))
+        is_ok = error_mm <= 1e3 * criteria.position and angle_deg <= criteria.orientation_deg
+    coaxial, shear, moment = run.grip_peaks.get(box.name, (None, None, None))
+    return BoxMeasures(
+        box.name, box.handling, box.outcome, is_ok, error_mm, angle_deg, run.cycles.get(box.name),
+        coaxial, shear, moment,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class VisitorMeasures:
+    """Visitors in a run.
+
+    Attributes:
+        crossings: how often a visitor came near the arm.
+        least_m: the least true distance in each crossing, from the arm or what it carries [m].
+        near_s: time in which a visitor was near [s].
+        stopped_s: part of it in which the tool stood [s].
+        too_near: crossings with less than the distance that is to be kept.
+        touches: unwanted contacts with a visitor.
+    """
+
+    crossings: int
+    least_m: tuple[float, ...]
+    near_s: float
+    stopped_s: float
+    too_near: int
+    touches: int
+
+
+def measure_visitors(run: PalletRun) -> VisitorMeasures | None:
+    """The measures of a run's visitors; None where there were none."""
+    if not run.visitors:
+        return None
+    least: list[float] = []
+    near_s = stopped_s = 0.0
+    speeds = tool_speeds(run)
+    for track in run.visitors.values():
+        is_near = track.distance < CROSSING
+        for first, beyond in _stretches(is_near):
+            least.append(float(track.distance[first:beyond].min()))
+        step = float(np.median(np.diff(track.times))) if len(track.times) > 1 else 0.0
+        tool = np.interp(track.times, run.tool.times, speeds)
+        near_s += step * float(is_near.sum())
+        stopped_s += step * float((is_near & (tool < STANDS)).sum())
+    touches = sum(any(name in run.visitors for name in touch.bodies) for touch in run.touches)
+    return VisitorMeasures(
+        len(least), tuple(least), near_s, stopped_s, sum(distance < KEPT for distance in least), touches
+    )
+
+
+def visitors_text(found: VisitorMeasures | None) -> str:
+    """The measures in a line of a table."""
+    if found is None:
+        return "-"
+    nearest = f"{min(found.least_m):.2f} m" if found.least_m else "-"
+    return f"{found.crossings} crossings, {nearest}; {found.touches} contacts"
+
+
+def _stretches(flags: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First index, and index beyond the last, of every run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [(int(edges[k]), int(edges[k + 1])) for k in range(0, len(edges), 2)]

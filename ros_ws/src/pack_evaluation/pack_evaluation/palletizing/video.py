@@ -11,8 +11,8 @@ from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.view import CellView
 from pack_evaluation.captions import add_bar
 from pack_evaluation.evaluator import OnProgress
-from pack_evaluation.mp4 import FPS, h264_video
 from pack_evaluation.palletizing.run import PalletRun
+from pack_evaluation.video_file import FPS, h264_video
 
 WIDTH, HEIGHT = 960, 540
 SPEED = 4.0

@@ -12,8 +12,8 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_check import misfits_of, problems_of
 from pack_core.palletizing.orders.support import SupportConfig
+from pack_core.text.explanation import Lines
 from pack_core.text.json_text import parse_json
-from pack_core.text.lines import Lines
 from pack_core.text.reader import read_text
 from pack_core.text.shown import listed, on_one_line, shown_value
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from pack_core import stamps
 from pack_core.errors import BagError
+from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.model import parked_pose
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.scene import Scene
@@ -18,9 +19,8 @@ from pack_core.packing.topics import DESCRIPTION, FILL_PROGRESS, FILL_RESULT, JO
 from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array
 from pack_evaluation.bag import fitting, read_bag, result_in
-from pack_evaluation.force import low_pass
 from pack_evaluation.goals import ONLY_GOAL, GoalNumber
-from pack_evaluation.packing.fill.true_end import TrueEnd, true_end
+from pack_evaluation.packing.force import low_pass
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.raw_bag import read_raw_bag
 from pack_evaluation.track import Track
@@ -30,6 +30,8 @@ TOLD = (FILL_PROGRESS, FILL_RESULT)
 """What the node tells of a job: its result, or, of a job that was cut off, its last progress."""
 INSTANT = 1e-3
 """Time in which an object comes from where it is parked to where it is handed over, in pictures [s]."""
+NEAR_HAND_OVER = 0.1
+"""An object that ends this near to where it was handed over was put aside there, or never left it [m]."""
 
 
 @dataclass(frozen=True)
@@ -191,3 +193,38 @@ def _seconds(message: Any) -> float:
 
 def _times(messages: Sequence[Any]) -> Array:
     return np.array([_seconds(message) for message in messages])
+
+
+@dataclass(frozen=True)
+class TrueEnd:
+    """How a job truly ended.
+
+    Attributes:
+        inside: names of the objects that are in the container.
+        outside: names of objects that are neither there nor where they were handed over.
+        fill: how full the container is.
+    """
+
+    inside: tuple[str, ...]
+    outside: tuple[str, ...]
+    fill: Fill
+
+
+def true_end(scene: Scene, paths: Mapping[str, Track], end: float) -> TrueEnd:
+    """Judge the last pose of every object.
+
+    Args:
+        scene: the container, and all objects.
+        paths: from an object's hand-over until it is taken out of the cell, or the recording ends.
+        end: time of the job's end [s].
+    """
+    until = {name: path.between(-np.inf, end) for name, path in paths.items()}
+    poses = {name: (path.pose(0), path.pose(-1)) for name, path in until.items() if path.times.size}
+    inside = tuple(name for name, (_, last) in poses.items() if is_packed(scene, last))
+    outside = tuple(
+        name
+        for name, (first, last) in poses.items()
+        if name not in inside and np.linalg.norm(last.p[:2] - first.p[:2]) > NEAR_HAND_OVER
+    )
+    fill = fill_of(scene.container, [(scene.model_of(name), poses[name][1]) for name in inside])
+    return TrueEnd(inside, outside, fill)

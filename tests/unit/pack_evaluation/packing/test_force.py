@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pack_evaluation.force import FILTER_TIME, low_pass
+from pack_evaluation.packing.force import FILTER_TIME, low_pass
 
 TIMES = np.arange(0.0, 0.2, 0.001)
 

@@ -1,7 +1,8 @@
-"""A video file, written picture by picture."""
+"""Video files: H.264, written picture by picture, and an animated GIF made of one."""
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Protocol
 import imageio_ffmpeg
 import numpy as np
 
+from pack_core.errors import PackError
 from pack_evaluation.captions import Picture
 
 FPS = 25
@@ -32,3 +34,19 @@ def h264_video(path: Path, width: int, height: int) -> Iterator[SendFrame]:
     with closing(video):
         video.send(None)
         yield lambda picture: video.send(np.ascontiguousarray(picture))
+
+
+def write_gif(video: Path, path: Path, *, width: int = 640, fps: int = 10, colours: int = 96) -> None:
+    """Turn a video into an animated GIF with a palette of its own.
+
+    Raises:
+        PackError: the video cannot be read.
+    """
+    filters = (
+        f"fps={fps},scale={width}:-1:flags=lanczos,split[a][b];"
+        f"[a]palettegen=max_colors={colours}[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"
+    )
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", "-i", str(video)]
+    done = subprocess.run([*command, "-vf", filters, str(path)], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise PackError(f"cannot turn {video} into {path}: {done.stderr.strip()}")
