@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from pydantic import Field, PositiveFloat
+from pydantic import Field, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
 from pack_core.joints import JointSample
@@ -24,11 +24,6 @@ from pack_perception.mocap.grip_tracker import GripConfig, GripTracker
 from pack_perception.mocap.guided_cell import GuidedCell, PoseHistory, Rows, shifted
 from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, Mask
 from pack_perception.mocap.sighting import AxisFitConfig, MarkerTable, sight
-
-TELEPORT = 3.0
-"""An arm that moves this many times faster than its velocity limits was placed elsewhere, as by a reset."""
-HISTORY = 50
-"""Number of steps of physics by which a marker frame may be late."""
 
 
 class CorrectionConfig(Config):
@@ -76,6 +71,13 @@ class EstimatorConfig(Config):
     )
     mocap_age: PositiveFloat = Field(
         default=0.03, description="age of a fit without physics up to which a pose counts as MOCAP [s]"
+    )
+    history: PositiveInt = Field(
+        default=50, description="steps of physics by which a marker frame may be late"
+    )
+    teleport: PositiveFloat = Field(
+        default=3.0,
+        description="an arm this many times faster than its velocity limits was put elsewhere, as by a reset",
     )
     correction: CorrectionConfig = CorrectionConfig()
     fit: FitConfig = FitConfig()
@@ -228,7 +230,7 @@ class PhysicsEstimator:
 
     def _use(self, physics: GuidedCell) -> None:
         self._physics = physics
-        self._history = PoseHistory(HISTORY, len(physics.qpos))
+        self._history = PoseHistory(self._config.history, len(physics.qpos))
 
     def _note(self, joints: JointSample) -> None:
         self._joints = joints
@@ -237,7 +239,7 @@ class PhysicsEstimator:
 
     def _jumps(self, last: JointSample, joints: JointSample) -> bool:
         gap = joints.time - last.time
-        reach = TELEPORT * self._cell.robot.arm.limits.velocity * max(gap, 1e-3)
+        reach = self._config.teleport * self._cell.robot.arm.limits.velocity * max(gap, 1e-3)
         return bool(gap < 0.0 or gap > self._config.max_gap or np.any(np.abs(joints.q - last.q) > reach))
 
     def _estimates(self) -> tuple[Array, Array]:

@@ -23,10 +23,6 @@ from pack_core.rotations import Pose, from_yaw
 from pack_planner.filling.arrangement_search import Arranged, ArrangementSearch
 from pack_planner.filling.free_places import NoFitPolygons, Outline, PlacedOutline
 
-GAIN = 0.02
-"""Share of the base by which another arrangement must cover more than the one that is kept."""
-WIDER = 1.5
-"""Factor from one gap that is tried to the next."""
 NO_ROOM = "no room for it is left on the base"
 
 
@@ -51,6 +47,11 @@ class ArrangementConfig(Config):
     shuffle: NonNegativeFloat = Field(
         default=0.8, description="how far tries depart from the largest-first order, as share of an area"
     )
+    gain: NonNegativeFloat = Field(
+        default=0.02,
+        description="share of the base by which another arrangement must cover more than the one known",
+    )
+    wider: float = Field(default=1.5, gt=1, description="factor from one gap that is tried to the next")
 
 
 class ArrangementPlanner:
@@ -92,7 +93,7 @@ class ArrangementPlanner:
         worth = sum(
             float(footprint(item, kept[item.name]).area) + bonus for item in items if item.name in kept
         )
-        if kept and found.worth <= worth + GAIN * base:
+        if kept and found.worth <= worth + config.gain * base:
             return kept
         found = self._widened(container, search, found, rng)
         heights = {item.name: float(item.half_extents[2]) for item in items}
@@ -124,12 +125,13 @@ class ArrangementPlanner:
         self, container: Container, search: ArrangementSearch, found: Arranged, rng: np.random.Generator
     ) -> Arranged:
         """The same objects with the widest gap at which all of them still find a place."""
-        gap, config = self._gap * WIDER, self._config
+        config = self._config
+        gap = self._gap * config.wider
         names = frozenset(found.placed)
-        while gap < config.free_gap + 1e-9:
+        while 0.0 < gap < config.free_gap + 1e-9:  # no factor widens a gap of zero
             no_fit = NoFitPolygons(container, gap, max(self._wall_gap, gap))
             wider = search.best(no_fit, config.tries_again, rng, found.worth, names)
             if len(wider.placed) < len(names):
                 break
-            found, gap = wider, gap * WIDER
+            found, gap = wider, gap * config.wider
         return found

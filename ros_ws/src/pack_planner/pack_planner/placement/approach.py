@@ -27,12 +27,8 @@ from pack_planner.placement.rehearsal import Rehearsal
 
 OFF: Array = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
 """Directions `(x, y, z)` in which a rehearsal is repeated with its goal off by `error`."""
-RESISTANCE = 10.0
-"""Weight of the lag in a score [1 / (m s)]; a lag is 0.015 m s without resistance, 0.06 at the limit."""
-GOOD, FAIR = 0.45, 0.8
-"""Scores below which the search ends: at once, or after a round without a better entry."""
 FAILURE = 1.0
-"""What a failed rehearsal adds to a score."""
+"""What a failed rehearsal adds to a score: the unit in which `resistance`, `good` and `fair` are given."""
 HOPELESS = 2.0 * FAILURE
 """An entry with this score or more fails; variations of it are not rehearsed."""
 
@@ -69,6 +65,15 @@ class ApproachConfig(Config):
         6, description="best entries of a round that are rehearsed again, perturbed"
     )
     error: NonNegativeFloat = Field(0.006, description="perturbation of these rehearsals [m]")
+    resistance: NonNegativeFloat = Field(
+        10.0,
+        description="weight of the lag in a score, in which a failed rehearsal counts 1 [1 / (m s)]; "
+        "a lag is 0.015 m s without resistance, 0.06 at the limit",
+    )
+    good: NonNegativeFloat = Field(0.45, description="score below which the search ends at once")
+    fair: NonNegativeFloat = Field(
+        0.8, description="score below which the search ends after a round without a better entry"
+    )
 
 
 class ApproachPlanner:
@@ -106,7 +111,7 @@ class ApproachPlanner:
         before = self._rehearsal.count
         likely = [beside(candidate, poses, lean) for candidate in candidates[: self._config.likely]]
         best, lowest = self._cheapest(likely, poses)
-        config, fresh, rounds, enough = self._config, iter(candidates), 1, GOOD
+        config, fresh, rounds, enough = self._config, iter(candidates), 1, self._config.good
         while rounds <= config.rounds and lowest >= enough:
             if lowest >= HOPELESS:
                 options = self._over_gaps(candidates, poses, lean, rng)
@@ -116,7 +121,7 @@ class ApproachPlanner:
             if not options:
                 break
             option, score = self._cheapest(options, poses)
-            rounds, enough = rounds + 1, GOOD if score < lowest else FAIR
+            rounds, enough = rounds + 1, config.good if score < lowest else config.fair
             if score < lowest:
                 best, lowest = option, score
         return best, self._rehearsal.count - before
@@ -140,7 +145,7 @@ class ApproachPlanner:
 
         Every entry is rehearsed as planned, and if one succeeds, the best `finalists` again with their goals
         shifted in each direction of `OFF`. The score is the cost (Eq. 6) + r as planned + the mean of r over
-        the directions, where r = `RESISTANCE` * lag, + 1 if the entry fails; without the shifted ones, 2 r.
+        the directions, where r = `resistance` * lag, + 1 if the entry fails; without the shifted ones, 2 r.
         """
         entries = [plan_entry(self._scene, o.X_WN, o.collisions, poses, o.way) for o in options]
         costs = np.array([option.cost for option in options])
@@ -165,7 +170,8 @@ class ApproachPlanner:
         """The part r of the scores of n entries `(m, n)`, their goals off by `shifts` `(m, 3)` [m]."""
         goals = [Pose(option.X_WN.p + shift, option.X_WN.q) for shift in shifts for option in options]
         seen = self._rehearsal.run(poses, goals, [*entries] * len(shifts))
-        return np.asarray(RESISTANCE * seen.lags + FAILURE * ~seen.is_success).reshape(len(shifts), -1)
+        r = self._config.resistance * seen.lags + FAILURE * ~seen.is_success
+        return np.asarray(r).reshape(len(shifts), -1)
 
     def _is_likely(self, first: PlacementCandidate, poses: Mapping[str, Pose], failures: int) -> bool:
         """Whether the first placement needs no rehearsal: there is room, and a side to lean to."""

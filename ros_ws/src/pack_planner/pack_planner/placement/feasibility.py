@@ -6,18 +6,26 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
+from pack_core.config import Config
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, rotate
 
 UP = np.array([0.0, 0.0, 1.0])
 FORWARD = np.array([1.0, 0.0, 0.0])
-TILT_LIMIT = np.deg2rad(10.0)
-"""The new object counts as upright up to this tilt."""
-BASE_LIMIT = 0.015
-"""The new object counts as standing on the base up to this height [m], the paper's tolerance."""
-WALL_LIMIT = 0.003
-"""How far the new object's outline may reach into a wall, by soft contact and its tilt [m]."""
+
+
+class FeasibilityConfig(Config):
+    """What counts as packed, and how far it may be from that."""
+
+    max_tilt_deg: PositiveFloat = Field(10.0, description="tilt up to which the new object counts as upright")
+    max_lift: PositiveFloat = Field(
+        0.015, description="height up to which it counts as standing on the base, the paper's tolerance [m]"
+    )
+    max_wall_depth: NonNegativeFloat = Field(
+        0.003, description="how far its outline may reach into a wall, by soft contact and its tilt [m]"
+    )
 
 
 @dataclass(frozen=True)
@@ -38,22 +46,23 @@ class FeasibilityVerdict:
         return f"none of {total} samples: " + ", ".join(f"{fault} in {n}" for n, fault in counts if n)
 
 
-def judge(scene: Scene, settled: Array, penetration: Array) -> FeasibilityVerdict:
+def judge(scene: Scene, settled: Array, penetration: Array, config: FeasibilityConfig) -> FeasibilityVerdict:
     """Decide which settled samples are feasible, and why the others are not.
 
     Args:
         scene: container and objects.
         settled: X_WO `(S, objects, 7)` of all objects, the new one last.
         penetration: lasting penetration K `(S,)` [m].
+        config: limits.
     """
     new, others = settled[:, -1], settled[:, :-1]
     return FeasibilityVerdict(
         {
             "objects still overlap": penetration > 0.0,
             "an object is pushed out of the container": ~np.all(_is_contained(scene, others), axis=1),
-            "the new object tips": rotate(new[:, 3:], UP)[:, 2] < np.cos(TILT_LIMIT),
-            "the new object is lifted off the base": _clearance(scene, new) > BASE_LIMIT,
-            "the new object is not between the walls": ~_is_between_walls(scene, new),
+            "the new object tips": rotate(new[:, 3:], UP)[:, 2] < np.cos(np.deg2rad(config.max_tilt_deg)),
+            "the new object is lifted off the base": _clearance(scene, new) > config.max_lift,
+            "the new object is not between the walls": ~(wall_clearance(scene, new) > -config.max_wall_depth),
         }
     )
 
@@ -69,11 +78,6 @@ def _is_contained(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
 def _clearance(scene: Scene, poses: Array) -> Array:
     """How much higher the new object's centre is than when it stands on the base `(S,)` [m]."""
     return np.asarray(poses[:, 2] - scene.new_object.half_extents[2])
-
-
-def _is_between_walls(scene: Scene, poses: Array) -> npt.NDArray[np.bool_]:
-    """Whether the new object's outline, taken as upright, is between the walls `(S,)`."""
-    return wall_clearance(scene, poses) > -WALL_LIMIT
 
 
 def wall_clearance(scene: Scene, poses: Array) -> Array:

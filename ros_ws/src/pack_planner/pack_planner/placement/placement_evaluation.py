@@ -23,7 +23,7 @@ from pack_core.rotations import Array, Pose, yaw_of
 from pack_core.states import SceneState
 from pack_planner.placement.approach import ApproachConfig
 from pack_planner.placement.batch_physics import BatchPhysics
-from pack_planner.placement.feasibility import judge
+from pack_planner.placement.feasibility import FeasibilityConfig, judge
 from pack_planner.placement.placement_result import PlacementCandidate, PlacementSamples
 
 
@@ -50,6 +50,7 @@ class PlacementConfig(Config):
     near_weight: NonNegativeFloat = Field(
         3.0, description="cost of a distance from the one that is wanted, beside the displacements of others"
     )
+    feasibility: FeasibilityConfig = FeasibilityConfig()
     approach: ApproachConfig = ApproachConfig()
 
 
@@ -159,7 +160,7 @@ class PlacementEvaluation:
         if near is not None:
             aside = settled[:, -1, :2] - near.p[:2]  # the new object is the last
             costs += self._config.near_weight * np.linalg.norm(aside, axis=1)
-        verdict = judge(self.scene, settled, penetration)
+        verdict = judge(self.scene, settled, penetration, self._config.feasibility)
         names = tuple(self._settling.names)
         return PlacementSamples(names, sampled, settled, costs, verdict.is_feasible), verdict.reason()
 
