@@ -10,6 +10,7 @@ from viser import GuiApi, GuiHtmlHandle
 from pack_viewer.fragments import BLUE, GREY, ORANGE, RED, signed_list
 
 KEPT = 60
+"""Entries: more than anybody scrolls through, and sent anew with each that is added."""
 EMPTY = "nothing has happened yet"
 SIGNS = {"info": ("·", GREY), "warning": ("▲", ORANGE), "error": ("✕", RED), "person": ("☞", BLUE)}
 """Sign and colour by kind; `person` marks what somebody at a browser did."""

@@ -13,6 +13,7 @@ from pack_viewer.fragments import GREEN, ORANGE, RED, signed_list
 SILENT = 4.0
 """A node that reports once a second counts as silent after this long [s of wall clock]."""
 OK, WARN = 0, 1
+"""Levels of diagnostic_msgs/DiagnosticStatus; those above are errors."""
 
 
 @dataclass

@@ -19,6 +19,7 @@ KEPT = 600
 SEND_PERIOD = 0.5
 """Least time between two pictures of a plot [s of wall clock]: each carries all of its points."""
 HEIGHT = 150
+"""Of a plot [pixel]."""
 PADDING = (10, 24, 0, 0)
 """Room above and to the right of the curves [pixel], without which the last labels of the axes are cut."""
 

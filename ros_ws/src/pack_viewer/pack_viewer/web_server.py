@@ -27,6 +27,7 @@ from pack_core.errors import ConfigError
 
 LOOPBACK = "127.0.0.1"
 DEFAULT_PORT = 8210
+"""Not viser's own, 8080, which is often taken."""
 LOCAL_NAMES = (LOOPBACK, "localhost")
 LARGEST_MESSAGE = 8 * 1024 * 1024
 """Largest message that a browser may send [bytes]: a picture of the scene, or a piece of an uploaded file."""

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 LAST_LINES = 12
+"""Lines of a node's log that an error shows: they hold the end of a traceback, and fit on a screen."""
 ERROR = "error: "
 """How the line begins in which a node says why it ends (pack_core/ros/run.py)."""
 CRASH, CRASHED_THREAD = "Fatal Python error: ", "Current thread "

@@ -16,6 +16,7 @@ PAGE = os.sysconf("SC_PAGE_SIZE")
 WARM_UP = 600.0
 """Time before which growth is not judged [s of wall clock]: caches fill, libraries load."""
 HOUR = 3600.0
+"""In seconds."""
 QUANTITIES = {"memory_mb": "memory [MB]", "threads": "threads", "descriptors": "descriptors"}
 Samples = Sequence[Mapping[str, Any]]
 """One mapping a goal: `time` and `duration` [s of wall clock], `seed`, `success`, `message`, `segments`,

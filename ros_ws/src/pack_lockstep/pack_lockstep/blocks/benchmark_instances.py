@@ -18,6 +18,7 @@ from pack_planner.rearrangement.instances import make_instance
 WARM_UP_SEED = 10**6
 """Of no instance that is measured."""
 HASH_DIGITS = 6
+"""Of a file's hash in a trial's name: one in 16 million files is taken for another."""
 
 
 class Instance(Hashable, Protocol):

@@ -131,6 +131,7 @@ def expected_count(stamps: Array) -> int:
 
 TOPICS = (DESCRIPTION, JOINT_STATES, MARKERS)
 PERCENT = 95
+"""Percentile of the differences that decides: the rest lies in moments of contact."""
 TRACK_LIMIT_MM = 1.0
 """Limit of the 95th percentile; node and core step at different joint samples, which contact magnifies."""
 

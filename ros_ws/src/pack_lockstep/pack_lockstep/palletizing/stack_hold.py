@@ -20,6 +20,7 @@ RAMP, HOLD, REST = 0.05, 0.3, 0.5
 """Times in which the acceleration rises, for which it is kept, and for which the stack then rests [s]."""
 SIDES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 STANDARD_GRAVITY = 9.81
+"""That of the model, of which accelerations are shares [m/s^2]."""
 
 
 def hold_shift_mm(cell: PalletizingCell, boxes: Mapping[BoxBody, Pose], acceleration: float = 0.2) -> float:

@@ -22,6 +22,7 @@ from pack_viewer.model_scene import ModelScene, scene_name
 from pack_viewer.news import News, Topics
 
 GOAL = (0.0, 0.62, 0.45, 0.45)
+"""Colour of a goal: red, green, blue, opacity. What is behind it stays visible."""
 GOAL_THICKNESS = 0.002
 """Goals lie on the table as thin squares [m]."""
 

@@ -101,6 +101,7 @@ def _pose(message: object) -> Pose:
 
 TARGET = (0.0, 0.62, 0.45, 0.40)
 SAMPLE = (0.34, 0.71, 0.91, 0.14)
+"""Colours of the packing pose and of each sampled placement: red, green, blue, opacity."""
 SHOWN = 8
 """The cheapest samples that are drawn; more would hide the objects."""
 

@@ -18,6 +18,7 @@ from pallet_fsm.states import ENDS, FAULTS, STEPS, State
 CUBE, TEXT = 1, 9
 """Types of visualization_msgs/Marker: a box, and the text over it that names it."""
 COLOUR = (0.34, 0.71, 0.91, 0.22)
+"""Of a place that is to be filled: red, green, blue, opacity."""
 
 
 class OrderPlaces:
