@@ -106,8 +106,12 @@ def _is_touched(target: PlacedBox, other: PlacedBox, config: InsertionConfig) ->
 
 
 def _normal(target: PlacedBox, other: PlacedBox) -> Array:
-    """Unit vector `(2,)` from the target towards a box beside it, along the axis that parts them."""
-    axis = int(np.argmax(target.clearance(other)[:2]))
+    """Unit vector `(2,)` from the target towards a box beside it, along the axis that parts them more.
+
+    At a corner with equal gaps, which differ by rounding alone, that is y.
+    """
+    gaps = target.clearance(other)[:2]
+    axis = 0 if gaps[0] > gaps[1] + TOUCH else 1
     normal = np.zeros(2)
     normal[axis] = np.sign((other.centre - target.centre)[axis])
     return normal
