@@ -18,6 +18,7 @@ from pack_planner.layout.insertion_direction import InsertionConfig, choose_inse
 from pack_planner.layout.pallet_separator import PalletSeparator, Separation, SeparatorConfig
 
 MAX_GAP = 0.05
+"""Largest gap that a request may ask for, the bound of the configured ones as well [m]."""
 
 
 class LayoutConfig(Config):

@@ -3,7 +3,8 @@
 The thesis corrects conflicting pairs one after another, along the axis that needs less, by shares of the
 free margin, and enlarges the pallet virtually where that fails. Here all pairs are corrected at once: a
 search chooses for each pair the axis along which it is parted and which box comes first, and computes the
-least displacement that fulfils all choices; others are tried as long as they could be cheaper.
+least displacement that fulfils all choices; others are tried as long as they could be cheaper. Pairs are all
+boxes that overlap in height, not those of one layer alone.
 """
 
 from __future__ import annotations

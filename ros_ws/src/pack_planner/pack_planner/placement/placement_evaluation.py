@@ -179,7 +179,10 @@ class PlacementEvaluation:
         return np.asarray(np.linalg.norm(displacements, axis=-1).sum(axis=-1))
 
     def _lasting_penetration(self, state: Array) -> float:
-        """K of Eq. 6 [m]: depth beyond that of resting contact, summed over touching pairs."""
+        """K of Eq. 6 [m]: depth summed over touching pairs, each less that of resting contact.
+
+        The paper takes nothing off; here resting objects, which sink in a little, count as parted.
+        """
         depths = np.array(list(self._settling.penetrations(state).values()))
         return float(np.maximum(depths - self._config.resting_penetration, 0.0).sum())
 
