@@ -25,11 +25,6 @@ def test_results_name_the_version_that_made_them() -> None:
     assert installed_versions()["packcell"] == project_version()
 
 
-def test_who_cites_the_project_names_its_version() -> None:
-    lines = (project_root() / "CITATION.cff").read_text().splitlines()
-    assert f"version: {project_version()}" in lines
-
-
 def test_the_citation_names_this_version() -> None:
     lines = (project_root() / "CITATION.cff").read_text().splitlines()
     assert f"version: {project_version()}" in lines

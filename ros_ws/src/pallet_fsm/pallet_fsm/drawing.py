@@ -66,7 +66,7 @@ def _faults(rows: Iterable[Transition]) -> Iterable[str]:
 
 
 def _table() -> Iterable[str]:
-    yield "| state | what | speed | gripper | target within | " + " | ".join(PROFILES) + " |"
+    yield "| state | what | policies | gripper | target within | " + " | ".join(PROFILES) + " |"
     yield "|" + "---|" * (5 + len(PROFILES))
     for row in STEPS:
         stops = ["stops" if profile.stops_at(row.state) else "passed" for profile in PROFILES.values()]
