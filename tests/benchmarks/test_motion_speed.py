@@ -11,7 +11,7 @@ from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.target import MotionTarget
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Pose, from_rpy
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 

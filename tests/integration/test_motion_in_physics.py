@@ -14,9 +14,9 @@ from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array, Pose, angle_between, from_rpy
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
-from pack_motion.rmpflow.box_distance import box_distance
+from pack_motion.rmpflow.spheres import box_distance
 from pack_motion.tracking.config import motion_set
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 

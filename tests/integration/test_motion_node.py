@@ -18,7 +18,7 @@ from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.messages.joints import from_trajectory, to_joint_state
 from pack_core.ros.messages.motion import to_target
 from pack_core.rotations import Array, Pose, from_rpy
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import load_arm
 from pack_motion.motion_node import MotionNode
 
 HOME = load_arm("palletizing").home

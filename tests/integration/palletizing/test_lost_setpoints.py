@@ -16,7 +16,7 @@ from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.joints import to_trajectory
 from pack_core.ros.messages.motion import to_target
 from pack_core.rotations import Pose, from_rpy
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import load_arm
 from pack_motion.motion_node import MotionNode
 from pack_sim.palletizing.pallet_sim_node import PalletSimNode
 

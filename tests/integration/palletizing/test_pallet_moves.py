@@ -4,7 +4,7 @@ import numpy as np
 
 from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.palletizing.cell import palletizing_cell
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner

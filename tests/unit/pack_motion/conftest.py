@@ -2,8 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from pack_motion.arm.arm import MotionArm
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import MotionArm, load_arm
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ from pack_core.motion.target import MotionState, MotionTarget, ReachTolerance
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
-from pack_motion.rmpflow.box_distance import box_distance
+from pack_motion.rmpflow.spheres import box_distance
 from unit.pack_motion.loop import PERIOD, Loop, pose
 
 HOVER, GOAL, AWAY = pose(-2.5, 2.5, 1.1, 0.1), pose(-2.5, 2.5, 0.9, 0.1), pose(-2.5, 2.3, 1.2, 0.1)

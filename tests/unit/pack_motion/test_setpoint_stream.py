@@ -11,8 +11,7 @@ from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
-from pack_motion.controller import MotionController
-from pack_motion.interruption import RISES, rising
+from pack_motion.controller import RISES, MotionController, rising
 from pack_motion.setpoint_stream import REST_SPEED, SetpointStream
 from pack_motion.tracking.config import motion_set
 from unit.pack_motion.loop import pose

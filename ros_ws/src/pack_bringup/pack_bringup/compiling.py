@@ -6,9 +6,9 @@ test's time is spent on it.
 
 from __future__ import annotations
 
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import load_arm
+from pack_motion.controller import warm_up as warm_up_motion
 from pack_motion.tracking.config import motion_set
-from pack_motion.warm_up import warm_up as warm_up_motion
 from pack_planner.rearrangement.planning import warm_up as warm_up_rearrangement
 from pallet_fsm.joint_times import warm_up as warm_up_joint_times
 

@@ -9,23 +9,66 @@ import numpy as np
 
 from pack_core.errors import PackError
 from pack_core.joints import JointSample
-from pack_core.motion.moves import JointMove, Mode, Path
-from pack_core.motion.target import Acceptance, MotionStatus, MotionTarget
-from pack_core.motion.world import Obstacle
-from pack_core.rotations import Array
+from pack_core.motion.moves import UP, JointMove, Line, Mode, Path, PoseMove, Retreat, Transfer
+from pack_core.motion.target import Acceptance, MotionState, MotionStatus, MotionTarget
+from pack_core.motion.world import CarriedBox, Obstacle
+from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
-from pack_motion.interruption import left_of, rising, standing_plan
 from pack_motion.move_monitor import MoveMonitor
 from pack_motion.reference.path_planner import MotionPlan
-from pack_motion.reference.trajectory import JointState
+from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
 from pack_motion.rmpflow.spheres import arm_spheres
 from pack_motion.target_planner import PreparedTarget, TargetPlanner, unwound
 from pack_motion.tracking.config import MotionSet, Reference
-from pack_motion.tracking.governor import Threat
-from pack_motion.tracking.moving_obstacles import MovingObstacles
-from pack_motion.tracking.obstacle_field import ObstacleField
+from pack_motion.tracking.obstacles import MovingObstacles, ObstacleField
 from pack_motion.tracking.pursuit import Pursuit, pursuit_of
+from pack_motion.tracking.speed_separation import Threat
 from pack_motion.tracking.tracker import PolicyInputs, Tracker
+
+UNFINISHED = (MotionState.MOVING, MotionState.SETTLING)
+"""States of a move that is not finished."""
+SHORT = 1e-6
+"""Duration of a reference that stands still [s]; rows need rising times."""
+RISES = (0.1, 0.2, 0.3, 0.5, 0.7)
+"""Heights by which the tool is raised first, where the move cannot continue from its present pose [m]."""
+
+
+def left_of(target: MotionTarget, plan: MotionPlan, segment: int, state: MotionState) -> MotionTarget | None:
+    """A target with the segments of a plan from the running one on; None where the move is finished.
+
+    A line begins at the present tool pose now and is not quite the planned one, so that the corner after it
+    is not rounded.
+    """
+    if state not in UNFINISHED or target.move == Path(()):
+        return None
+    first, *others = plan.segments[segment:]
+    if isinstance(first, Line):
+        first = replace(first, blend=0.0)
+    return replace(target, move=Path((first, *others)))
+
+
+def rising(target: MotionTarget, X_WT: Pose) -> tuple[MotionTarget, ...]:
+    """The rest of a move after a straight rise from X_WT, for each height of `RISES`.
+
+    They are tried where the arm came to rest too low to continue at once; a line needs none.
+    """
+    assert isinstance(target.move, Path)
+    first = target.move.segments[0]
+    if isinstance(first, Line):
+        return ()
+    rises = [Line(Pose(X_WT.p + height * UP, X_WT.q), exit_speed=0.25, label=first.label) for height in RISES]
+    return tuple(replace(target, move=Path((rise, *target.move.segments))) for rise in rises)
+
+
+def standing_plan(q: Array, interrupted: MotionPlan, segment: int) -> MotionPlan:
+    """A plan that stands at `q` `(n,)` [rad], with the goal and the running label of another plan."""
+    rest = np.zeros((2, len(q)))
+    trajectory = ReferenceTrajectory(
+        np.array([0.0, SHORT]), rest + q, rest, rest, np.zeros(2, dtype=np.int64)
+    )
+    label = interrupted.segments[segment].label
+    return MotionPlan(trajectory, (JointMove(q, label=label),), interrupted.X_WT)
+
 
 LONGEST_STEP = 0.1
 """Longest step that is integrated [s]; a longer one is a gap in the measurements and an error."""
@@ -212,6 +255,26 @@ class MotionController:
         )
 
     def _threat(self) -> Threat:
-        """The nearest obstacle that the policies react to, as the governor sees it."""
-        is_blind = self._moving.is_silent(self._time, self._config.governor.blind)
+        """The nearest obstacle that the policies react to, as the monitor of speed and separation sees it."""
+        is_blind = self._moving.is_silent(self._time, self._config.speed_separation.blind)
         return Threat(self._tracker.least_distance, self._tracker.threat_speed, is_blind)
+
+
+def warm_up(arm: MotionArm, config: MotionSet) -> None:
+    """Plan and step once without a robot; takes half a minute if nothing has been compiled yet.
+
+    The moves use all that is compiled: a path and a transfer, with a carried box, a standing obstacle and a
+    moving one.
+    """
+    controller = MotionController(arm, config, 0.0, arm.home)
+    X_WT = arm.chain.forward(arm.home)
+    X_up = Pose(X_WT.p + 0.02 * UP, X_WT.q)
+    box = CarriedBox(Pose(np.array([0.0, 0.0, 0.1])), np.full(3, 0.1))
+    standing = Obstacle("standing", Pose(X_WT.p + 0.6 * UP), np.full(3, 0.05))
+    moving = Obstacle("moving", Pose(X_WT.p + 0.4 * UP), np.full(3, 0.05), is_moving=True)
+    hover = Retreat(UP, (0.02, 0.02))
+    for move in (Path((PoseMove(X_up), Line(X_WT))), Transfer((Line(X_WT),), hover, hover)):
+        controller.command(MotionTarget(0, move, box, (standing, moving)))
+        sample = JointSample(controller.time, arm.home, np.zeros(arm.chain.n), np.zeros(arm.chain.n))
+        controller.step(controller.time + config.substep, sample)
+        controller.status()

@@ -26,13 +26,11 @@ from pack_core.ros.messages.motion import from_obstacles, from_target, to_status
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import Stream, StreamReader
-from pack_motion.arm.arms import load_arm
-from pack_motion.controller import MotionController
-from pack_motion.planning_thread import PlanningThread
+from pack_motion.arm.arm import load_arm
+from pack_motion.controller import MotionController, warm_up
 from pack_motion.setpoint_stream import SetpointStream
-from pack_motion.target_planner import PreparedTarget
+from pack_motion.target_planner import PlanningThread, PreparedTarget
 from pack_motion.tracking.config import motion_set
-from pack_motion.warm_up import warm_up
 
 COMMANDER = "fsm"
 """The node whose moves are given up when its process ends: a new one knows nothing of them."""

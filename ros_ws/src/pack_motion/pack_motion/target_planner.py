@@ -1,8 +1,9 @@
-"""Plans a target: within the arm's reach and limits, and clear of obstacles."""
+"""Plans a target within the arm's reach and limits and clear of obstacles, also in a thread of its own."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import threading
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +15,7 @@ from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
 from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
-from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.trajectory import JointState
+from pack_motion.reference.trajectory import JointState, MoveRefused
 
 TURN = 2.0 * np.pi
 
@@ -92,3 +92,59 @@ def unwound(state: JointState, limits: JointLimits) -> JointState:
     is_beyond = (state.q < limits.lower) | (state.q > limits.upper)
     q = state.q - np.where(is_beyond, TURN * np.round(state.q / TURN), 0.0)
     return JointState(np.clip(q, limits.lower, limits.upper), state.v, state.a)
+
+
+class PlanningThread:
+    """Passes each target to `prepare`, one at a time; the newest replaces one that is still waiting.
+
+    Args:
+        prepare: plans a target.
+        on_error: called with an unexpected exception of `prepare`.
+    """
+
+    def __init__(
+        self, prepare: Callable[[MotionTarget], PreparedTarget], on_error: Callable[[Exception], None]
+    ) -> None:
+        self._prepare, self._on_error = prepare, on_error
+        self._condition = threading.Condition()
+        self._target: MotionTarget | None = None
+        self._prepared: PreparedTarget | None = None
+        self._is_ended = False
+        self._thread = threading.Thread(target=self._run, name="planning", daemon=True)
+        self._thread.start()
+
+    def submit(self, target: MotionTarget) -> None:
+        """Plan this target next; the result of an earlier one is dropped."""
+        with self._condition:
+            self._target, self._prepared = target, None
+            self._condition.notify()
+
+    def result(self) -> PreparedTarget | None:
+        """The target planned since the last call; None while there is none."""
+        with self._condition:
+            prepared, self._prepared = self._prepared, None
+            return prepared
+
+    def end(self) -> None:
+        """Finish the target that is being planned, and end the thread."""
+        with self._condition:
+            self._is_ended = True
+            self._condition.notify()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while True:
+            with self._condition:
+                self._condition.wait_for(lambda: self._target is not None or self._is_ended)
+                if self._is_ended:
+                    return
+                target, self._target = self._target, None
+            assert target is not None
+            try:
+                prepared = self._prepare(target)
+            except Exception as error:
+                self._on_error(error)
+                prepared = PreparedTarget(target, None, str(error))
+            with self._condition:
+                if self._target is None:  # otherwise a newer target waits and this result is dropped
+                    self._prepared = prepared

@@ -11,8 +11,7 @@ from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Pose, from_yaw
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.path_planner import MotionPlan
-from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.trajectory import JointState
+from pack_motion.reference.trajectory import JointState, MoveRefused
 from pack_motion.target_planner import TargetPlanner
 from pack_motion.tracking.config import motion_set
 from unit.pack_motion.loop import pose

@@ -7,13 +7,11 @@ from pack_core.motion.moves import UP, Line, Path, PoseMove, Retreat, Transfer
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
-from pack_motion.clearance.check import ClearanceCheck, Surrounding, with_carried
-from pack_motion.clearance.conflict import Conflict
+from pack_motion.clearance.check import ClearanceCheck, Conflict, Surrounding, with_carried
 from pack_motion.clearance.separation import gaps_along
 from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
-from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.trajectory import JointState
+from pack_motion.reference.trajectory import JointState, MoveRefused
 from pack_motion.tracking.config import motion_set
 from unit.pack_motion.loop import pose
 

@@ -9,8 +9,7 @@ from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
 from pack_core.rotations import Array, angle_between
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
-from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
+from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceTrajectory
 from unit.pack_motion.loop import pose
 
 ABOVE, ON = pose(-2.5, 2.5, 1.0, 0.1), pose(-2.5, 2.5, 0.8, 0.1)

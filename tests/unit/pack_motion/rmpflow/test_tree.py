@@ -10,10 +10,9 @@ from pack_motion.arm.arm import MotionArm
 from pack_motion.rmpflow import policies
 from pack_motion.rmpflow.parameters import Policies
 from pack_motion.rmpflow.spheres import Spheres, arm_spheres
-from pack_motion.rmpflow.tree import arm_arrays, pull_back
-from pack_motion.rmpflow.tree_arrays import JointGoal, JointMotion
+from pack_motion.rmpflow.tree import JointGoal, JointMotion, arm_arrays, pull_back
 from pack_motion.tracking.config import motion_set
-from pack_motion.tracking.obstacle_field import ObstacleField
+from pack_motion.tracking.obstacles import ObstacleField
 
 C = motion_set("table_4_1").fast
 SILENT = C._replace(

@@ -12,11 +12,11 @@ from pack_core.motion.target import MotionState, MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Pose
 from pack_motion.arm.arm import MotionArm
+from pack_motion.move_monitor import StuckDetector
 from pack_motion.reference.trajectory import JointState
-from pack_motion.rmpflow.box_distance import box_distance
-from pack_motion.stuck import StuckDetector
+from pack_motion.rmpflow.spheres import box_distance
 from pack_motion.tracking.config import motion_set
-from pack_motion.tracking.governor import MAY_GO_ON, RateGovernor, Threat
+from pack_motion.tracking.speed_separation import MAY_GO_ON, SpeedSeparationMonitor, Threat
 from unit.pack_motion.loop import PERIOD, Loop, pose
 
 CONFIG = motion_set("shipped")
@@ -31,23 +31,25 @@ def person(y: float, v: float = 0.0, x: float = 0.0) -> Obstacle:
 
 
 @pytest.fixture
-def governor(arm: MotionArm) -> RateGovernor:
-    return RateGovernor(CONFIG.governor, arm.chain, arm.limits.acceleration)
+def monitor(arm: MotionArm) -> SpeedSeparationMonitor:
+    return SpeedSeparationMonitor(CONFIG.speed_separation, arm.chain, arm.limits.acceleration)
 
 
-def settled(governor: RateGovernor, arm: MotionArm, threat: Threat) -> float:
+def settled(monitor: SpeedSeparationMonitor, arm: MotionArm, threat: Threat) -> float:
     """The rate after a second, on a reference that moves the tool at about 1 m/s."""
     planned = JointState(arm.home, np.array([0.6, 0.0, 0.0, 0.0, 0.0, 0.0]), np.zeros(6))
     for _ in range(250):
-        rate = governor.update(planned, 0.0, threat, PERIOD)
+        rate = monitor.update(planned, 0.0, threat, PERIOD)
     return rate
 
 
 def test_the_nearer_and_faster_an_obstacle_the_slower_the_reference(
-    governor: RateGovernor, arm: MotionArm
+    monitor: SpeedSeparationMonitor, arm: MotionArm
 ) -> None:
     far, near, fast, at_hand = (
-        settled(RateGovernor(CONFIG.governor, arm.chain, arm.limits.acceleration), arm, threat)
+        settled(
+            SpeedSeparationMonitor(CONFIG.speed_separation, arm.chain, arm.limits.acceleration), arm, threat
+        )
         for threat in (Threat(5.0, 1.0), Threat(0.7, 0.5), Threat(0.7, 1.0), Threat(0.2, 0.5))
     )
     assert far == 1.0
@@ -56,21 +58,21 @@ def test_the_nearer_and_faster_an_obstacle_the_slower_the_reference(
 
 
 def test_it_stands_while_nothing_is_heard_of_those_who_were_seen(
-    governor: RateGovernor, arm: MotionArm
+    monitor: SpeedSeparationMonitor, arm: MotionArm
 ) -> None:
-    assert settled(governor, arm, Threat(5.0, 0.0, is_blind=True)) == 0.0
-    assert governor.gives_way
-    assert settled(governor, arm, Threat(5.0, 0.0)) == 1.0
+    assert settled(monitor, arm, Threat(5.0, 0.0, is_blind=True)) == 0.0
+    assert monitor.gives_way
+    assert settled(monitor, arm, Threat(5.0, 0.0)) == 1.0
 
 
 def test_an_obstacle_that_has_stopped_long_ago_is_not_given_way_to(
-    governor: RateGovernor, arm: MotionArm
+    monitor: SpeedSeparationMonitor, arm: MotionArm
 ) -> None:
-    settled(governor, arm, Threat(0.3, 1.0))
-    assert governor.gives_way
+    settled(monitor, arm, Threat(0.3, 1.0))
+    assert monitor.gives_way
     for _ in range(int(MAY_GO_ON) + 1):
-        settled(governor, arm, Threat(0.3, 0.0))
-    assert not governor.gives_way
+        settled(monitor, arm, Threat(0.3, 0.0))
+    assert not monitor.gives_way
 
 
 def test_giving_way_has_more_patience_than_being_stuck() -> None:

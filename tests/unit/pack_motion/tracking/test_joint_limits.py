@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
-from pack_motion.tracking.joint_bounds import acceleration_bounds
-from pack_motion.tracking.resolve import resolve_capped, resolve_within
+from pack_motion.tracking.tracker import acceleration_bounds, resolve_capped, resolve_within
 
 H = 0.004
 

@@ -27,7 +27,7 @@ from pack_core.config import Config
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.states import SceneState
 from pack_lockstep.driven_arm import DrivenArm
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig

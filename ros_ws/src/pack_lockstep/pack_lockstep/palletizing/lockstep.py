@@ -38,7 +38,7 @@ from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.driven_arm import DrivenArm
 from pack_lockstep.palletizing.box_finder import BoxFinder, BoxFinderConfig, open_box_finder
 from pack_lockstep.palletizing.run_log import PalletRunLog
-from pack_motion.arm.arms import load_arm
+from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig

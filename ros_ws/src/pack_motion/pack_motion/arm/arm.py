@@ -1,17 +1,24 @@
-"""The facts of an arm that motion planning and tracking need."""
+"""What motion planning and tracking need of an arm, and the arms of the cells."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
+import mujoco
 import numpy as np
 
-from pack_core.kinematics.chain import SerialChain
+from pack_core.blocks.cell import blocks_cell
+from pack_core.errors import ConfigError
+from pack_core.kinematics.chain import SerialChain, chain_from_model
 from pack_core.kinematics.inverse import InverseKinematics
+from pack_core.kinematics.parallel_axes import ParallelAxes
+from pack_core.palletizing.arm import arm_kinematics
+from pack_core.robots import kr210, robotiq_2f85, ur10e
 from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array
-from pack_motion.arm.body_boxes import BodyBoxes
-from pack_motion.arm.fingers import Fingers
+from pack_motion.arm.bodies import BodyBoxes, Fingers, boxes_from_model, fingers_from_model, fixed_boxes
 
 JERK_TIME = 0.1
 """Time in which a joint reaches its full acceleration [s]; arms' jerk limits are not published."""
@@ -47,3 +54,45 @@ class MotionArm:
     def jerk(self) -> Array:
         """Largest jerk of each joint `(n,)` [rad/s^3]."""
         return np.asarray(self.limits.acceleration / JERK_TIME)
+
+
+TOOL = "tool"
+
+
+@cache
+def load_arm(cell: str) -> MotionArm:
+    """The arm of a cell, as configured in `config/cells/<cell>.yaml`.
+
+    Raises:
+        ConfigError: this package moves no arm in a cell of this name.
+    """
+    if cell not in ARMS:
+        raise ConfigError(f"no arm for cell '{cell}'; there are: {', '.join(ARMS)}")
+    return ARMS[cell]()
+
+
+def _palletizing() -> MotionArm:
+    arm = arm_kinematics()
+    bodies = boxes_from_model(arm.model, kr210.JOINTS)
+    return MotionArm(arm.chain, arm.inverse, kr210.LIMITS, arm.home, bodies)
+
+
+def _blocks() -> MotionArm:
+    cell = blocks_cell()
+    spec = mujoco.MjSpec()
+    flange = ur10e.add_ur10e(spec, cell.robot.base.to_pose(), contype=1, conaffinity=1)
+    robotiq_2f85.add_robotiq_2f85(
+        flange, spec, pad_friction=cell.gripper.pad_friction, contype=1, conaffinity=1
+    )
+    model, limits = spec.compile(), ur10e.LIMITS
+    chain = chain_from_model(model, ur10e.JOINTS, TOOL)
+    inverse = ParallelAxes(chain, limits.lower, limits.upper)
+    return MotionArm(
+        chain, inverse, limits, np.array(cell.robot.look),
+        boxes_from_model(model, ur10e.JOINTS, without=robotiq_2f85.FINGERS),
+        fingers_from_model(model, len(ur10e.JOINTS) - 1, robotiq_2f85.FINGER_JOINTS),
+        fixed_boxes(model, ur10e.BASE),
+    )  # fmt: skip
+
+
+ARMS: dict[str, Callable[[], MotionArm]] = {"palletizing": _palletizing, "blocks": _blocks}

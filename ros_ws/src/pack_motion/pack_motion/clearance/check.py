@@ -1,4 +1,4 @@
-"""Checks a planned move against all standing obstacles before it starts."""
+"""Checks a planned move against all standing obstacles, and the arm against itself, before it starts."""
 
 from __future__ import annotations
 
@@ -12,11 +12,89 @@ from pack_core.motion.moves import Line
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, to_matrix
 from pack_motion.arm.arm import MotionArm
-from pack_motion.arm.body_boxes import BodyBoxes
-from pack_motion.clearance.conflict import Conflict, conflict_at
-from pack_motion.clearance.own_body import OwnBodyCheck
-from pack_motion.clearance.separation import gaps_along
+from pack_motion.arm.bodies import BodyBoxes
+from pack_motion.clearance.separation import gaps_along, own_gaps_along
 from pack_motion.reference.path_planner import MotionPlan
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """A violation of the clearance in a plan.
+
+    Attributes:
+        body: name of the arm's body, or of the carried box.
+        obstacle: name of the obstacle.
+        gap: distance between them [m]; negative where they overlap.
+        time: time after the start of the move [s].
+        segment: index of the segment of the path.
+        text: all of this as an error text.
+    """
+
+    body: str
+    obstacle: str
+    gap: float
+    time: float
+    segment: int
+    text: str
+
+
+def conflict_at(
+    arm: MotionArm, plan: MotionPlan, row: int, body: str, obstacle: str, gap: float, needed: float
+) -> Conflict:
+    """Describe the conflict at a row of the plan's trajectory; `gap` and `needed` are in metres."""
+    trajectory = plan.trajectory
+    time, segment = float(trajectory.times[row]), int(trajectory.segment[row])
+    p = arm.chain.forward(trajectory.q[row]).p
+    how = f"{1000 * gap:.0f} mm from" if gap > 0.0 else f"{-1000 * gap:.0f} mm inside"
+    text = (
+        f"'{body}' would be {how} '{obstacle}' in '{plan.segments[segment].label}', {time:.2f} s "
+        f"after the start, the tool at {p.round(3).tolist()} m; needed: {1000 * max(needed, 0.0):.0f} mm"
+    )
+    return Conflict(body, obstacle, gap, time, segment, text)
+
+
+APART = 2
+"""Links at least this many places apart along the arm are checked; neighbours touch at their common joint.
+
+The base counts as the first link, which turns on it and carries the shoulder past it.
+"""
+
+
+class OwnBodyCheck:
+    """Computes the gaps between the arm's own bodies along a plan, with its closed fingers and its base.
+
+    Where two bodies are nearer than the clearance at the start of a move, they may not come still nearer.
+
+    Args:
+        arm: the arm that moves; one without a base is not checked.
+        clearance: smallest allowed gap between two bodies [m].
+    """
+
+    def __init__(self, arm: MotionArm, clearance: float) -> None:
+        self._arm, self._clearance = arm, clearance
+        self._bodies, self._pairs = arm.bodies_at(0.0), np.zeros((0, 2), dtype=np.int64)
+        if arm.base is not None:
+            self._bodies = self._bodies.joined(arm.base)
+            link = np.maximum(self._bodies.link, 0)  # the base has link -1
+            # The upper triangle, so that each pair is listed once.
+            self._pairs = np.argwhere(np.triu(np.abs(link[:, None] - link) >= APART))
+
+    def conflict(self, plan: MotionPlan, rows: npt.NDArray[np.int64]) -> Conflict | None:
+        """The largest violation of the clearance at some rows of a plan's trajectory, or None."""
+        if len(self._pairs) == 0:
+            return None
+        chain, b = self._arm.chain, self._bodies
+        gaps = own_gaps_along(
+            chain.axes, chain.points, np.ascontiguousarray(plan.trajectory.q[rows]), b.link, b.R, b.p, b.half,
+            self._pairs, self._clearance,
+        )  # fmt: skip
+        needed = np.minimum(self._clearance, gaps[0])
+        t, k = (int(i) for i in np.unravel_index(np.argmax(needed - gaps), gaps.shape))
+        if gaps[t, k] >= needed[k]:
+            return None
+        one, other = (b.names[i] for i in self._pairs[k])
+        return conflict_at(self._arm, plan, int(rows[t]), one, other, float(gaps[t, k]), float(needed[k]))
+
 
 PERIOD = 0.02
 """Time between the rows of a plan that are checked [s]."""

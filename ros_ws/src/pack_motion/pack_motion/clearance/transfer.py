@@ -11,8 +11,7 @@ from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
-from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.trajectory import JointState
+from pack_motion.reference.trajectory import JointState, MoveRefused
 
 STEP = 0.08
 """Largest step between two lengths that are tried [m]."""

@@ -1,4 +1,4 @@
-"""Curves of the tool in space: straight lines and rounded corners, by arc length."""
+"""Curves of the tool in space, by arc length: straight lines, and corners that are rounded or stops."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from typing import Protocol
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, to_matrix
+from pack_core.motion.moves import Line
+from pack_core.rotations import Array, Pose, angle_between, conjugate, exp, log, multiply, to_matrix
+from pack_motion.arm.arm import JERK_TIME
+from pack_motion.reference.trajectory import MoveRefused
 
 RADIUS = 0.3
 """A turn by 1 rad counts as a path of this length [m], so that lines that only turn have a length too."""
@@ -128,3 +131,96 @@ def trimmed(X_start: Pose, X_end: Pose, cuts: Sequence[float]) -> StraightCurve:
     direction = step / np.linalg.norm(step)
     ends = X_start.p + cuts[0] * direction, X_end.p - cuts[1] * direction
     return StraightCurve(Pose(ends[0], X_start.q), Pose(ends[1], X_end.q))
+
+
+IN_LINE = 1e-4
+"""Directions that differ by less count as equal [rad]."""
+SHORTEST = 1e-6
+"""Shorter lines are left out [m]."""
+
+
+@dataclass(frozen=True)
+class SegmentLimits:
+    """How fast the tool may move along one segment of its curve.
+
+    Attributes:
+        length: arc length [m].
+        speed: largest speed [m/s].
+        acceleration: largest acceleration [m/s^2]; it is reached within `JERK_TIME`.
+        exit_speed: largest speed at its end [m/s].
+    """
+
+    length: float
+    speed: float
+    acceleration: float
+    exit_speed: float
+
+    @property
+    def jerk(self) -> float:
+        """Largest jerk [m/s^3]."""
+        return self.acceleration / JERK_TIME
+
+
+@dataclass(frozen=True)
+class CurveSegment:
+    """A line or a corner, its limits, and the index of the segment of the path that it belongs to."""
+
+    curve: Curve
+    limits: SegmentLimits
+    index: int
+
+
+def curve_segments(X_start: Pose, lines: Sequence[Line], first: int) -> list[CurveSegment]:
+    """The curves of consecutive lines; `first` is the index of the first line in its path."""
+    poses = [X_start, *(line.X_WT for line in lines)]
+    cuts = [0.0, *(_cut(poses[i : i + 3], line) for i, line in enumerate(lines[:-1])), 0.0]
+    found: list[CurveSegment] = []
+    for i, line in enumerate(lines):
+        curve = _straight(poses[i], poses[i + 1], cuts[i], cuts[i + 1])
+        exit_speed = line.exit_speed
+        if i + 1 < len(lines) and not cuts[i + 1] and not _is_in_line(poses[i : i + 3]):
+            exit_speed = 0.0
+        if curve.length > SHORTEST:
+            limits = SegmentLimits(curve.length, line.speed, line.acceleration, exit_speed)
+            found.append(CurveSegment(curve, limits, first + i))
+        if cuts[i + 1]:
+            found.append(_corner(poses[i : i + 3], cuts[i + 1], line, lines[i + 1], first + i))
+    return found
+
+
+def _straight(X_start: Pose, X_end: Pose, cut_start: float, cut_end: float) -> StraightCurve:
+    if not cut_start and not cut_end:
+        return StraightCurve(X_start, X_end)
+    return trimmed(X_start, X_end, (cut_start, cut_end))
+
+
+def _cut(poses: Sequence[Pose], line: Line) -> float:
+    """Length that the corner cuts off both lines [m]: at most half of the shorter line."""
+    if not line.blend or not line.exit_speed or _is_in_line(poses):
+        return 0.0
+    if max(angle_between(poses[0].q, poses[1].q), angle_between(poses[1].q, poses[2].q)) > IN_LINE:
+        raise MoveRefused(
+            f"'{line.label}' is blended though the tool turns along it or after it; set blend to 0"
+        )
+    lengths = [float(np.linalg.norm(b.p - a.p)) for a, b in ((poses[0], poses[1]), (poses[1], poses[2]))]
+    return min(line.blend, 0.5 * min(lengths))
+
+
+def _corner(poses: Sequence[Pose], cut: float, line: Line, after: Line, segment: int) -> CurveSegment:
+    before, corner, last = (pose.p for pose in poses)
+    start = corner + cut * (before - corner) / np.linalg.norm(before - corner)
+    end = corner + cut * (last - corner) / np.linalg.norm(last - corner)
+    curve = CornerCurve(np.array([start, corner, end]), poses[1].q)
+    acceleration = min(line.acceleration, after.acceleration)
+    # Centripetal acceleration v^2 kappa within the limit: v <= sqrt(a / kappa).
+    speed = min(line.exit_speed, after.speed, float(np.sqrt(acceleration / curve.sharpest)))
+    return CurveSegment(curve, SegmentLimits(curve.length, speed, acceleration, speed), segment)
+
+
+def _is_in_line(poses: Sequence[Pose]) -> bool:
+    """Whether two lines have the same direction and the same turn per length."""
+    first, second = (StraightCurve(poses[i], poses[i + 1]) for i in (0, 1))
+    if min(first.length, second.length) < SHORTEST:
+        return False
+    bend, twist = first.direction - second.direction, first.turn - second.turn
+    return bool(np.linalg.norm(bend) < IN_LINE and np.linalg.norm(twist) < IN_LINE)

@@ -8,9 +8,26 @@ import numpy as np
 import ruckig
 
 from pack_core.rotations import Array
-from pack_motion.reference.fastest import fastest
-from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.trajectory import JointState, ReferenceTrajectory, grid
+from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceTrajectory, grid
+
+SHARES = (1.0, 0.9997, 0.998, 0.99)
+"""Shares of the jerk limit that are tried: ruckig may fail for limits at which a phase just vanishes."""
+
+
+def fastest(request: ruckig.InputParameter) -> ruckig.Trajectory | None:
+    """The fastest trajectory for a request, or None where there is none."""
+    jerk = list(request.max_jerk)
+    for share in SHARES:
+        request.max_jerk = [share * limit for limit in jerk]
+        found = ruckig.Trajectory(len(jerk))
+        try:
+            outcome = ruckig.Ruckig(len(jerk)).calculate(request, found)
+        except ruckig.RuckigError:
+            continue
+        if outcome in (ruckig.Result.Working, ruckig.Result.Finished):
+            return found
+    return None
+
 
 SLACK = 1.001
 """The limits of a move are at least this times the velocity and acceleration at its ends, for rounding."""

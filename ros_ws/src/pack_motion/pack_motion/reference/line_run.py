@@ -1,4 +1,8 @@
-"""Turns consecutive lines of the tool into a joint reference."""
+"""Turns consecutive lines of the tool into a joint reference.
+
+The speed along the lines comes first, jerk-limited and without a stop between them; then inverse kinematics
+row by row; then, where a joint would exceed its limits, less acceleration or a slower run.
+"""
 
 from __future__ import annotations
 
@@ -7,22 +11,92 @@ from dataclasses import fields, replace
 
 import numpy as np
 import numpy.typing as npt
+import ruckig
 
 from pack_core.kinematics.inverse import Branch
 from pack_core.rotations import Array
-from pack_motion.arm.arm import MotionArm
-from pack_motion.reference.curve import CurvePoints
-from pack_motion.reference.joint_move import MoveLimits
-from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.speed_profile import border_speeds, portion_profile
-from pack_motion.reference.stretches import Stretch
-from pack_motion.reference.trajectory import ReferenceTrajectory, grid
+from pack_motion.arm.arm import JERK_TIME, MotionArm
+from pack_motion.reference.curve import CurvePoints, CurveSegment, SegmentLimits
+from pack_motion.reference.joint_move import MoveLimits, fastest
+from pack_motion.reference.trajectory import MoveRefused, ReferenceTrajectory, grid
+
+OVERSHOOT = 1e-6
+"""A profile may overrun the ends of its segment by this, for rounding [m]."""
+BISECTIONS = 40
+"""Number of halvings of the interval in which a speed is searched."""
+
+
+def change_length(limits: SegmentLimits, v_0: float, v_1: float) -> float:
+    """Shortest length [m] for a change of speed from `v_0` to `v_1` [m/s] within a segment's limits."""
+    change, a = abs(v_1 - v_0), limits.acceleration
+    # The acceleration rises and falls within JERK_TIME each. If the change is large enough it stays at its
+    # largest value between, else it turns at a lower peak. By symmetry the mean speed is (v_0 + v_1) / 2.
+    has_plateau = change >= a * JERK_TIME
+    time = change / a + JERK_TIME if has_plateau else 2.0 * np.sqrt(change / limits.jerk)
+    return float(0.5 * (v_0 + v_1) * time)
+
+
+def border_speeds(run: Sequence[SegmentLimits], entry_speed: float) -> list[float]:
+    """The highest feasible speeds at all borders between segments, first and last included [m/s].
+
+    Each starts from its limit. A backward pass lowers speeds from which the segment after cannot brake in
+    time, a forward pass those that cannot be reached from the border before.
+    """
+    speeds = [min(entry_speed, run[0].speed)]
+    following = [*run[1:], None]
+    for limits, after in zip(run, following, strict=True):
+        limit = after.speed if after else limits.speed
+        speeds.append(min(limits.exit_speed, limits.speed, limit))
+    for i in reversed(range(len(run))):
+        speeds[i] = _reachable(run[i], speeds[i + 1], speeds[i])
+    for i, limits in enumerate(run):
+        speeds[i + 1] = _reachable(limits, speeds[i], speeds[i + 1])
+    return speeds
+
+
+def speed_profile(limits: SegmentLimits, v_0: float, v_1: float) -> ruckig.Trajectory:
+    """Arc length over time along one segment, entered at `v_0` and left at `v_1` [m/s].
+
+    Raises:
+        MoveRefused: the speeds do not fit the length, so that the profile would overrun the segment's ends.
+    """
+    request = ruckig.InputParameter(1)
+    request.target_position, request.max_velocity = [limits.length], [max(limits.speed, v_0, v_1)]
+    request.current_velocity, request.target_velocity = [v_0], [v_1]
+    request.max_acceleration, request.max_jerk = [limits.acceleration], [limits.jerk]
+    found = fastest(request)
+    if found is None or not _is_inside(found, limits.length):
+        raise MoveRefused(
+            f"a line of {1000 * limits.length:.0f} mm cannot be entered at {v_0:.3f} m/s "
+            f"and left at {v_1:.3f} m/s"
+        )
+    return found
+
+
+def _is_inside(found: ruckig.Trajectory, length: float) -> bool:
+    extent = found.position_extrema[0]
+    return bool(extent.min >= -OVERSHOOT and extent.max <= length + OVERSHOOT)
+
+
+def _reachable(limits: SegmentLimits, fixed: float, wished: float) -> float:
+    """The highest speed up to `wished` at one end, with `fixed` at the other, that the length allows."""
+    if wished <= fixed or change_length(limits, fixed, wished) <= limits.length:
+        return wished
+    near, far = fixed, wished
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (near + far)
+        if change_length(limits, fixed, middle) <= limits.length:
+            near = middle
+        else:
+            far = middle
+    return near
+
 
 LARGEST_STEP = 0.5
 """Largest step of a joint between rows [rad]; a larger one is a change of branch or a singular wrist."""
 
 SOFTENINGS = 3
-"""How often accelerations are lowered, stretch by stretch, before the run is slowed as a whole."""
+"""How often accelerations are lowered, segment by segment, before the run is slowed as a whole."""
 
 FURTHER = 1.02
 
@@ -32,20 +106,20 @@ LARGEST_SLOWING = 20.0
 
 def line_run(
     arm: MotionArm,
-    run: Sequence[Stretch],
+    run: Sequence[CurveSegment],
     entry_speed: float,
     q_start: Array,
     branch: Branch,
     limits: MoveLimits,
 ) -> ReferenceTrajectory:
-    """The joint reference along stretches, slowed as a whole until every joint keeps its limits.
+    """The joint reference along segments of the curve, slowed as a whole until every joint keeps its limits.
 
     Raises:
         MoveRefused: the lines leave the arm's reach, a joint's range or the branch of the inverse
             kinematics, or pass too near to a singular posture.
     """
     for _ in range(SOFTENINGS + 1):
-        speeds = border_speeds([stretch.portion for stretch in run], entry_speed)
+        speeds = border_speeds([segment.limits for segment in run], entry_speed)
         times, rates, points, owners = _timed(run, speeds)
         q = _joint_positions(arm, points, q_start, branch)
         v, a = _joint_rates(arm, q, points, rates)
@@ -53,7 +127,7 @@ def line_run(
         if excess.max() <= 1.0:
             break
         run = _softened(run, owners, excess)
-    segments = np.array([stretch.segment for stretch in run])[owners]
+    segments = np.array([segment.index for segment in run])[owners]
     slow = _slowing(v, a, limits)
     if not slow < LARGEST_SLOWING:  # written so that nan is refused too
         raise MoveRefused(
@@ -62,30 +136,32 @@ def line_run(
     return ReferenceTrajectory(slow * times, q, v / slow, a / slow**2, segments)
 
 
-def _softened(run: Sequence[Stretch], owners: npt.NDArray[np.int64], excess: Array) -> list[Stretch]:
-    """The same stretches, with lower accelerations where a joint's acceleration is exceeded by a factor."""
+def _softened(
+    run: Sequence[CurveSegment], owners: npt.NDArray[np.int64], excess: Array
+) -> list[CurveSegment]:
+    """The same segments, with lower accelerations where a joint's acceleration is exceeded by a factor."""
     softened = []
-    for i, stretch in enumerate(run):
+    for i, segment in enumerate(run):
         factor = float(excess[owners == i].max(initial=0.0))
         # A little more than the excess, as the part of it that comes from the speed does not shrink.
         factor = FURTHER * factor if factor > 1.0 else 1.0
-        portion = replace(stretch.portion, acceleration=stretch.portion.acceleration / factor)
-        softened.append(replace(stretch, portion=portion))
+        limits = replace(segment.limits, acceleration=segment.limits.acceleration / factor)
+        softened.append(replace(segment, limits=limits))
     return softened
 
 
 def _timed(
-    run: Sequence[Stretch], speeds: Sequence[float]
+    run: Sequence[CurveSegment], speeds: Sequence[float]
 ) -> tuple[Array, Array, CurvePoints, npt.NDArray[np.int64]]:
-    """Of all rows: times, speed and acceleration on the curve `(T, 2)`, curve points, index of stretch."""
+    """Of all rows: times, speed and acceleration on the curve `(T, 2)`, curve points, index of segment."""
     times, rates, points, owners, elapsed = [], [], [], [], 0.0
-    for i, stretch in enumerate(run):
-        profile = portion_profile(stretch.portion, speeds[i], speeds[i + 1])
-        rows = grid(profile.duration)[bool(i) :]  # from the second stretch on, row 0 is the last one's end
+    for i, segment in enumerate(run):
+        profile = speed_profile(segment.limits, speeds[i], speeds[i + 1])
+        rows = grid(profile.duration)[bool(i) :]  # from the second segment on, row 0 is the last one's end
         states = np.array([profile.at_time(float(time)) for time in rows])[:, :, 0]
         times.append(elapsed + rows)
         rates.append(states[:, 1:])
-        points.append(stretch.curve.at(np.clip(states[:, 0], 0.0, stretch.portion.length)))
+        points.append(segment.curve.at(np.clip(states[:, 0], 0.0, segment.limits.length)))
         owners.append(np.full(len(rows), i))
         elapsed += profile.duration
     return np.concatenate(times), np.concatenate(rates), _joined(points), np.concatenate(owners)

@@ -12,11 +12,10 @@ from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
 from pack_core.robots.joint_properties import step_effort
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
+from pack_motion.reference.curve import curve_segments
 from pack_motion.reference.joint_move import MoveLimits, brake, joint_move
 from pack_motion.reference.line_run import line_run
-from pack_motion.reference.refusal import MoveRefused
-from pack_motion.reference.stretches import stretches
-from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
+from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceTrajectory
 
 SHARE = 0.98
 """Share of the joint limits that references use; the rest is left to the tracking."""
@@ -121,7 +120,7 @@ class PathPlanner:
         lines = [line for line in segments[i:j] if isinstance(line, Line)]
         if j == len(segments):
             lines[-1] = _stopping(lines[-1])
-        run = stretches(self._arm.chain.forward(q), lines, i)
+        run = curve_segments(self._arm.chain.forward(q), lines, i)
         if not run:
             return _standing(q, i), j
         branch = self._arm.inverse.branch(q)

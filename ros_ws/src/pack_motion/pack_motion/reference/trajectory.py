@@ -1,4 +1,4 @@
-"""A joint reference over time as rows, with quintic interpolation between them."""
+"""A joint reference over time as rows, with quintic interpolation between them; or why there is none."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pack_core.errors import PackError
 from pack_core.rotations import Array
 
 GRID = 0.004
@@ -110,3 +111,7 @@ def _quintic(s: float, h: float, q: Array, v: Array, a: Array) -> JointState:
     rate = v_0 + s * (a_0 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))
     bend = a_0 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))
     return JointState(at, rate / h, bend / (h * h))
+
+
+class MoveRefused(PackError):
+    """A move must not start; the text names the part of the move and the reason."""

@@ -32,7 +32,7 @@ class Resolve(Enum):
     """The pseudo-inverse, scaled down to a largest norm."""
 
 
-class Governor(Config):
+class SpeedSeparation(Config):
     """When the reference waits for the tool, and when it slows down near moving obstacles."""
 
     near: PositiveFloat = Field(description="distance of the tool up to which it does not wait [m]")
@@ -63,7 +63,7 @@ class MotionSet(Config):
     substep: PositiveFloat = Field(description="longest step of the policies [s]")
     first_sphere_link: int = Field(ge=0, description="links from here on (0: the first) avoid obstacles")
     clearance: PositiveFloat = Field(description="of moves that are checked before they start [m]")
-    governor: Governor
+    speed_separation: SpeedSeparation
     stuck: Stuck
     fast: Policies
     slow: Policies

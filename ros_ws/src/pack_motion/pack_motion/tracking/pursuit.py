@@ -11,7 +11,7 @@ from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import MotionSet, Reference
-from pack_motion.tracking.governor import RateGovernor, Threat
+from pack_motion.tracking.speed_separation import SpeedSeparationMonitor, Threat
 
 
 class Pursuit(ABC):
@@ -57,9 +57,9 @@ class Pursuit(ABC):
 class ShapedPursuit(Pursuit):
     """The reference moves along the plan, and waits for a tool that is held up."""
 
-    def __init__(self, plan: MotionPlan, governor: RateGovernor) -> None:
+    def __init__(self, plan: MotionPlan, monitor: SpeedSeparationMonitor) -> None:
         super().__init__(plan)
-        self._governor = governor
+        self._monitor = monitor
         self._time = 0.0
         self._planned = self._state = plan.trajectory.start
 
@@ -68,7 +68,7 @@ class ShapedPursuit(Pursuit):
     ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
         before, rate = self._state, self.rate
-        self.rate = self._governor.update(self._planned, deviation, threat, h)
+        self.rate = self._monitor.update(self._planned, deviation, threat, h)
         self._time = min(self._time + 0.5 * h * (rate + self.rate), self.plan.trajectory.duration)
         planned, self.segment = self.plan.trajectory.at(self._time)
         # Chain rule for t = r times the clock: v scales with the rate r, a with r^2. The change of the rate
@@ -80,7 +80,7 @@ class ShapedPursuit(Pursuit):
     @property
     def gives_way(self) -> bool:
         """Whether the reference is held up by an obstacle that moves."""
-        return self._governor.gives_way
+        return self._monitor.gives_way
 
     @property
     def remaining(self) -> float:
@@ -125,5 +125,7 @@ class StaticPursuit(Pursuit):
 def pursuit_of(plan: MotionPlan, arm: MotionArm, config: MotionSet) -> Pursuit:
     """The pursuit of a plan with the kind of reference that a motion set asks for."""
     if config.reference is Reference.SHAPED:
-        return ShapedPursuit(plan, RateGovernor(config.governor, arm.chain, arm.limits.acceleration))
+        return ShapedPursuit(
+            plan, SpeedSeparationMonitor(config.speed_separation, arm.chain, arm.limits.acceleration)
+        )
     return StaticPursuit(plan, arm.home)

@@ -1,22 +1,70 @@
-"""The arm's commanded state, moved step by step by the policies."""
+"""The arm's commanded state, moved step by step by the policies, within the limits of its joints."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.parameters import Policies
 from pack_motion.rmpflow.spheres import Spheres
-from pack_motion.rmpflow.tree import arm_arrays, pull_back
-from pack_motion.rmpflow.tree_arrays import JointGoal, JointMotion
+from pack_motion.rmpflow.tree import JointGoal, JointMotion, arm_arrays, pull_back
 from pack_motion.tracking.config import MotionSet, Resolve
-from pack_motion.tracking.joint_bounds import acceleration_bounds
-from pack_motion.tracking.obstacle_field import ObstacleField
-from pack_motion.tracking.resolve import resolve_capped, resolve_within
+from pack_motion.tracking.obstacles import ObstacleField
+
+BRAKING = 0.9
+"""Share of the acceleration limit that is assumed for stopping before the end of a range."""
+MARGIN = 1e-4
+"""A joint is stopped this far before the end of its range [rad], so that a time step cannot overrun it."""
+
+
+def acceleration_bounds(q: Array, v: Array, h: float, limits: JointLimits) -> tuple[Array, Array]:
+    """Lowest and highest accelerations `(n,)` for a step of `h` [s].
+
+    Between them the acceleration and velocity limits are kept, and every joint can still stop in its range.
+    """
+    fastest = np.minimum(limits.velocity, _stoppable(limits.upper - q, v, h, limits))
+    slowest = -np.minimum(limits.velocity, _stoppable(q - limits.lower, -v, h, limits))
+    lowest = np.clip((slowest - v) / h, -limits.acceleration, limits.acceleration)
+    highest = np.clip((fastest - v) / h, -limits.acceleration, limits.acceleration)
+    return np.minimum(lowest, highest), np.maximum(lowest, highest)
+
+
+def _stoppable(room: Array, v: Array, h: float, limits: JointLimits) -> Array:
+    """Highest speed w after the step from which a joint still stops within `room` [rad].
+
+    The step itself covers h (v + w) / 2, stopping covers w^2 / (2 a): the result is the root of
+    w^2 + a h w - 2 a left = 0, where `left` is the room less the part of the step that v covers.
+    """
+    a = BRAKING * limits.acceleration
+    left = np.maximum(room - MARGIN - 0.5 * h * v, 0.0)
+    return np.asarray(-0.5 * a * h + np.sqrt(0.25 * (a * h) ** 2 + 2.0 * a * left))
+
+
+PSEUDO_INVERSE_CUTOFF = 1e-8
+"""Eigenvalues of M below this share of the largest count as zero."""
+
+
+def resolve_within(M: Array, f: Array, lower: Array, upper: Array) -> Array:
+    """Accelerations `(n,)` that minimise `a^T M a / 2 - f^T a` within bounds: a box-constrained QP."""
+    n = len(f)
+    scale = n / float(np.trace(M))  # makes the mean eigenvalue of M 1, and leaves the minimum where it is
+    a = np.clip(np.zeros(n), lower, upper)
+    factor, index = np.zeros((n, n + 7)), np.zeros(n, dtype=np.int32)  # workspace of mju_boxQP, n x (n + 7)
+    mujoco.mju_boxQP(a, factor, index, scale * M, -scale * f, lower, upper)
+    return a
+
+
+def resolve_capped(M: Array, f: Array, norm: float) -> Array:
+    """`M^+ f`, scaled down to a largest norm [rad/s^2]: the resolve of RMPflow, which has no joint limits."""
+    a = np.linalg.pinv(M, rcond=PSEUDO_INVERSE_CUTOFF, hermitian=True) @ f
+    size = float(np.linalg.norm(a))
+    return np.asarray(a if size <= norm else a * (norm / size))
 
 
 @dataclass(frozen=True)

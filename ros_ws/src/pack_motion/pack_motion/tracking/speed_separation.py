@@ -9,7 +9,7 @@ import numpy as np
 from pack_core.kinematics.chain import SerialChain
 from pack_core.rotations import Array
 from pack_motion.reference.trajectory import JointState
-from pack_motion.tracking.config import Governor
+from pack_motion.tracking.config import SpeedSeparation
 
 MOVES = 0.05
 """Obstacles that are faster than this are given way to; slower ones are driven around [m/s]."""
@@ -32,7 +32,7 @@ class Threat:
     is_blind: bool = False
 
 
-class RateGovernor:
+class SpeedSeparationMonitor:
     """Chooses the rate at which the reference advances: 1 is as planned, 0 is standing still.
 
     Args:
@@ -41,7 +41,7 @@ class RateGovernor:
         acceleration: acceleration limits of the joints `(n,)` [rad/s^2].
     """
 
-    def __init__(self, config: Governor, chain: SerialChain, acceleration: Array) -> None:
+    def __init__(self, config: SpeedSeparation, chain: SerialChain, acceleration: Array) -> None:
         self._config, self._chain, self._acceleration = config, chain, acceleration
         self.rate = 1.0
         self.gives_way = False

@@ -5,7 +5,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from pack_core.rotations import Array, exp, to_matrix
-from pack_motion.rmpflow.box_distance import box_distance, distance_curvature
+from pack_motion.rmpflow.spheres import box_distance, distance_curvature
 
 vectors = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array)
 CENTRE, HALF = np.array([0.1, -0.2, 0.3]), np.array([0.3, 0.2, 0.1])

@@ -4,8 +4,7 @@ import threading
 
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionTarget
-from pack_motion.planning_thread import PlanningThread
-from pack_motion.target_planner import PreparedTarget
+from pack_motion.target_planner import PlanningThread, PreparedTarget
 
 
 class Planner:
