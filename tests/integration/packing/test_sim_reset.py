@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pack_interfaces.srv import ResetScene
+from pack_interfaces.srv import PresentObject, ResetScene
 
 from integration.harness import Graph
 from integration.packing.sim_rig import EXAMPLE, newest_joints, ramp, stamps_of, start_sim
@@ -13,8 +13,10 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
+from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.joints import to_trajectory
 from pack_core.ros.messages.scene import from_scene
+from pack_sim.packing import sim_node
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.sim_node import PackingSimNode
 
@@ -80,3 +82,27 @@ def test_a_broken_scene_text_is_refused_by_key_value_and_what_is_allowed(
     for part in parts:
         assert part in response.message
     np.testing.assert_allclose(poses_of(graph, scene), expected_poses(scene), atol=0.002)
+
+
+@pytest.mark.parametrize(
+    ("contract", "part", "request_"),
+    [
+        (contracts.RESET, "generate_scene", ResetScene.Request(seed=3)),
+        (contracts.PRESENT, "parse_object", PresentObject.Request()),
+    ],
+    ids=["reset", "present"],
+)
+def test_an_error_that_nobody_foresaw_is_answered_as_a_failure_and_counted(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch, contract: Contract, part: str, request_: object
+) -> None:
+    graph.failures_allowed = True
+    node = start_sim(graph)
+
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("a bug")
+
+    monkeypatch.setattr(sim_node, part, fail)
+    response = graph.call(contract, request_, timeout=30.0)
+    assert not response.success
+    assert "failed: ZeroDivisionError('a bug')" in response.message
+    assert node.health.counts[f"failed {contract.name}"] == 1

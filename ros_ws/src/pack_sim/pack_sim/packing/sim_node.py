@@ -10,6 +10,7 @@ from pack_interfaces.srv import GripperCommand, PresentObject, ResetScene
 from pydantic import Field
 from std_msgs.msg import String
 
+from pack_core.errors import PackError
 from pack_core.packing.model import describe_robot, fixed_frames
 from pack_core.packing.objects import parse_object
 from pack_core.packing.scene import Scene
@@ -87,10 +88,9 @@ class PackingSimNode(PhysicsNode):
             with self.lock:
                 self._simulator = self._build(scene, request.seed, self._simulator.time)
                 self.release()
-        except Exception as error:
+        except PackError as error:
             response.message = str(error)
-            return response
-        response.success = True
+        response.success = not response.message
         return response
 
     def _present(
@@ -102,7 +102,7 @@ class PackingSimNode(PhysicsNode):
                 response.message = self._simulator.present(item)
                 if not response.message:
                     self._description.publish(String(data=self._simulator.description.to_yaml()))
-        except Exception as error:
+        except PackError as error:
             response.message = str(error)
         response.success = not response.message
         return response
