@@ -1,6 +1,6 @@
 """Dependencies run one way, floor by floor, and package.xml says so.
 
-interfaces <- core <- calibration <- leaves and evaluation <- baselines <- lockstep <- bring-up
+interfaces <- core <- perception and calibration <- leaves and evaluation <- baselines <- lockstep <- bring-up
 """
 
 import ast
@@ -19,9 +19,9 @@ PYTHON_PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/setup.py")
 FLOORS = (
     {"pack_interfaces", "tf2_msgs"},
     {"pack_core"},
-    {"pallet_calibration"},
+    {"pallet_calibration", "pack_perception"},
     {
-        "pack_sim", "pack_perception", "pack_planner", "pack_mpc", "pack_motion", "pallet_fsm", "block_fsm",
+        "pack_sim", "pack_planner", "pack_mpc", "pack_motion", "pallet_fsm", "block_fsm",
         "pack_evaluation",
     },
     {"pack_baselines"},

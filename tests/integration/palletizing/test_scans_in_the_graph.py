@@ -25,7 +25,7 @@ from pack_core.rotations import Pose
 from pack_planner.layout.layout_node import LayoutNode
 from pallet_fsm.fsm_node import PalletFsmNode
 from pallet_fsm.tool_poses import LOOKING_DOWN
-from unit.pallet_fsm.scans.closed_form import box_on, scan_of
+from unit.pack_perception.scans.closed_form import box_on, scan_of
 
 CELL = palletizing_cell()
 ORDER = config_path("orders", "order_03.json")

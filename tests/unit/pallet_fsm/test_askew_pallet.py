@@ -9,13 +9,13 @@ from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Pose, from_yaw
-from pallet_fsm.blended_moves import BlendedConfig, BlendedMoves
+from pallet_fsm.blended_moves import BlendedMoves
 from pallet_fsm.goals import Goals
+from pallet_fsm.order_book import WorkItem
+from pallet_fsm.palletizer_config import BlendedConfig, ThesisConfig, ToolPoseConfig
 from pallet_fsm.states import State
 from pallet_fsm.targets import Situation, targets_of
-from pallet_fsm.thesis_config import ThesisConfig
-from pallet_fsm.tool_poses import LOOKING_DOWN, ToolPoseConfig, grasps
-from pallet_fsm.work_item import WorkItem
+from pallet_fsm.tool_poses import LOOKING_DOWN, grasps
 from unit.pallet_fsm.whole_orders import given_order
 
 ASKEW = Displacement(shift=(0.002, -0.003, 0.004), turn=(-0.0016, -0.0026, -0.0039))

@@ -15,10 +15,10 @@ from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.robots.joint_properties import FLIP, LONG_WAY
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Pose, from_yaw
-from pallet_fsm.goals import Goals
-from pallet_fsm.joint_times import joint_time
-from pallet_fsm.tool_poses import ToolPoseConfig, grasps, placements, stands
-from pallet_fsm.work_item import WorkItem
+from pallet_fsm.goals import Goals, joint_time
+from pallet_fsm.order_book import WorkItem
+from pallet_fsm.palletizer_config import ToolPoseConfig
+from pallet_fsm.tool_poses import grasps, placements, stands
 from unit.pallet_fsm.whole_orders import given_order
 
 CELL, POSES, ARM = palletizing_cell(), ToolPoseConfig(), arm_kinematics()

@@ -7,9 +7,9 @@ from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.rotations import Pose
 from pallet_fsm.goals import Leg
-from pallet_fsm.mover import Mover, MoverConfig
-from pallet_fsm.profile import profile_of
-from pallet_fsm.states import State
+from pallet_fsm.leg_runner import Mover
+from pallet_fsm.palletizer_config import MoverConfig
+from pallet_fsm.states import State, profile_of
 from pallet_fsm.tool_poses import LOOKING_DOWN
 from pallet_fsm.transitions import Event
 
@@ -24,7 +24,8 @@ def approach(
     """Time until a move to `end` counts as done, with a tool that comes down at `speed` [m/s], and how."""
     mover = Mover(profile_of("blended"), config)
     goal = Pose(np.array([1.0, 2.0, 0.5]), LOOKING_DOWN)
-    mover.begin([(Leg(Path(()), goal, end), frozenset())], None, (), 0.0)
+    idle = MotionStatus(0.0, 0, MotionState.IDLE, 0, "", 0.0, 0.0, 0.0, 0.0, 0, "", goal)
+    mover.begin([(Leg(Path(()), goal, end), frozenset())], None, (), idle, 0.0)
     for time in np.arange(PERIOD, duration, PERIOD):
         tool = Pose(goal.p + (0.001 - speed * time) * UP, goal.q)
         status = MotionStatus(time, 1, MotionState.REACHED, 0, "FINAL", 0.0, 0.0, 0.0, 0.0, 3, "", tool)

@@ -16,16 +16,15 @@ from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Pose, from_yaw, multiply
 from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
-from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.place_watch import PlaceWatch
+from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
+from pallet_fsm.place_watch import PlaceLook, PlaceWatch
 from pallet_fsm.report import BoxOutcome, OrderReport
-from pallet_fsm.scans.look import PlaceLook, ScanConfig
 from pallet_fsm.states import State
 from pallet_fsm.tool_poses import LOOKING_DOWN
 from pallet_fsm.transitions import Event
+from unit.pack_perception.scans.closed_form import box_on, scan_of
 from unit.pallet_fsm.fake_cell import FakeCell
 from unit.pallet_fsm.faults import Faults
-from unit.pallet_fsm.scans.closed_form import box_on, scan_of
 from unit.pallet_fsm.whole_orders import given_order, plan_as_given
 
 CELL = palletizing_cell()

@@ -4,8 +4,8 @@ import pytest
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.rotations import Pose, from_yaw, rotate, to_matrix
-from pallet_fsm.orientations import CUBE, box_orientations
-from pallet_fsm.tool_poses import ToolPoseConfig, grasps, placements, stands
+from pallet_fsm.palletizer_config import ToolPoseConfig
+from pallet_fsm.tool_poses import CUBE, box_orientations, grasps, placements, stands
 from unit.pallet_fsm.whole_orders import given_order
 
 CELL, CONFIG = palletizing_cell(), ToolPoseConfig()

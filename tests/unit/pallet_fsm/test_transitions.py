@@ -4,8 +4,7 @@ import pytest
 
 from pack_core.errors import PackError
 from pallet_fsm.machine import Machine
-from pallet_fsm.profile import profile_of
-from pallet_fsm.states import ENDS, FAULTS, HOLDING, MOVING, ROWS, STEPS, State
+from pallet_fsm.states import ENDS, FAULTS, HOLDING, MOVING, ROWS, STEPS, State, profile_of
 from pallet_fsm.targets import TARGETS
 from pallet_fsm.transitions import RESUME, TRANSITIONS, Event, Guard
 

@@ -9,8 +9,7 @@ from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
 from pack_core.rotations import angle_between
 from pallet_fsm.palletizer import Palletizer
-from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.scans.look import ScanConfig
+from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
 from unit.pallet_fsm.fake_cell import FakeCell
 from unit.pallet_fsm.faults import Faults
 

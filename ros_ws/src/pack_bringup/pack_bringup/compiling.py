@@ -10,7 +10,7 @@ from pack_motion.arm.arm import load_arm
 from pack_motion.controller import warm_up as warm_up_motion
 from pack_motion.tracking.config import motion_set
 from pack_planner.rearrangement.planning import warm_up as warm_up_rearrangement
-from pallet_fsm.joint_times import warm_up as warm_up_joint_times
+from pallet_fsm.goals import warm_up as warm_up_joint_times
 
 ARMS = ("palletizing", "blocks")
 """Cells whose arms follow moves."""

@@ -3,51 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.config import Config
 from pack_core.motion.moves import UP, Line, Mode, Path, PoseMove, Retreat, Transfer
 from pack_core.rotations import Array, Pose
 from pallet_fsm.goals import Goals, Leg, raised
+from pallet_fsm.order_book import WorkItem
+from pallet_fsm.palletizer_config import BlendedConfig, Range, ThesisConfig
 from pallet_fsm.states import Part, State
 from pallet_fsm.targets import Situation, targets_of
-from pallet_fsm.thesis_config import ThesisConfig
-from pallet_fsm.work_item import WorkItem
-
-Point = tuple[float, float, float]
-Range = tuple[PositiveFloat, PositiveFloat]
-
-
-class BlendedConfig(Config):
-    """Speeds and distances of blended moves."""
-
-    lift: Range = Field(default=(0.1, 0.7), description="straight up from a stop, shortest and longest [m]")
-    hover: Range = Field(default=(0.1, 1.0), description="straight down to a stop, shortest and longest [m]")
-    step_back: Range = Field(default=(0.13, 0.40), description="from a box on table B [m]")
-    speed: PositiveFloat = Field(default=1.0, description="on these lines, at most [m/s]")
-    acceleration: PositiveFloat = Field(default=2.5, description="on these lines, at most [m/s^2]")
-    slow_length: NonNegativeFloat = Field(
-        default=0.1, description="from where the gripper acts, in which lines are slow [m]"
-    )
-    slow_speed: PositiveFloat = Field(default=0.24, description="of the tool on them there, at most [m/s]")
-    pass_speed: PositiveFloat = Field(
-        default=0.8, description="where lines are left for a joint move, or the other way round [m/s]"
-    )
-    final_height: PositiveFloat = Field(default=0.012, description="last stretch before a box is let go [m]")
-    final_speed: PositiveFloat = Field(default=0.12, description="on it [m/s]")
-    standoff: PositiveFloat = Field(default=0.02, description="beside the place, where an insertion begins")
-    corner: PositiveFloat = Field(default=0.008, description="cut off where lines meet at an angle [m]")
-    safe: Point = Field(
-        default=(-0.4, 1.5, 2.0),
-        description="where to wait for a box, and where the arm ends: beside the pallet, which its scanner "
-        "sees then [m]",
-    )
-    heavy: PositiveFloat = Field(
-        default=2.5, description="mass times height from which a box is turned gently [kg m]"
-    )
-    gentle: PositiveFloat = Field(
-        default=0.6, le=1.0, description="share of the joint accelerations when a heavy box is turned"
-    )
 
 
 class BlendedMoves:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from pallet_fsm.profile import PROFILES
-from pallet_fsm.states import ROWS, STEPS, State
+from pallet_fsm.states import PROFILES, ROWS, STEPS, State
 from pallet_fsm.transitions import CYCLE, RESUME, TRANSITIONS, Transition
 
 PAGE = """# States of the palletizing cell

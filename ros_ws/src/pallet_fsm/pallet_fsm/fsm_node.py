@@ -23,16 +23,19 @@ from pack_core.ros.messages.markers import goal_markers, vertex_markers
 from pack_core.ros.messages.palletizing import from_layout
 from pack_core.ros.run import run_node
 from pallet_calibration.ros.calibration_action import CalibrationAction
-from pallet_fsm.joint_times import warm_up
+from pallet_fsm.goals import warm_up
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.profile import profile_of
-from pallet_fsm.ros.cell_client import CellClient
-from pallet_fsm.ros.observer import Observer
-from pallet_fsm.ros.order_run import OrderRun, StateTeller
-from pallet_fsm.ros.places import places
-from pallet_fsm.ros.requests import requested_config, requested_order
-from pallet_fsm.ros.results import to_result
+from pallet_fsm.ros.cell_ports import CellPorts
+from pallet_fsm.ros.order_goal import (
+    OrderRun,
+    StatePublisher,
+    places,
+    requested_config,
+    requested_order,
+    to_result,
+)
+from pallet_fsm.states import profile_of
 
 
 class PalletFsmNodeConfig(PalletizerConfig):
@@ -58,10 +61,9 @@ class PalletFsmNode(GoalNode):
         warm_up()
         self._run: OrderRun | None = None
         self._stepping = threading.Lock()
-        self._observer = Observer(self, self._step)
-        self._client = CellClient(self, self._on_spawned, self._on_laid, self._on_failure)
-        self._calibration = CalibrationAction(self, lambda: self._observer.newest, self._client.apply)
-        self._teller = StateTeller(self)
+        self._cell = CellPorts(self, self._step, self._on_failure)
+        self._calibration = CalibrationAction(self, self._cell.observe, self._cell.apply)
+        self._states = StatePublisher(self)
         self._result = self.advertise(contracts.RESULT)
         self._goals = self.advertise(motion.GOAL_MARKERS)
         self._layout = self.create_client(contracts.PLAN_LAYOUT.type, contracts.PLAN_LAYOUT.name)
@@ -76,12 +78,12 @@ class PalletFsmNode(GoalNode):
 
     def destroy_node(self) -> None:
         """Step no more, then end."""
-        self._observer.end()
+        self._cell.end()
         super().destroy_node()
 
     @property
     def waits_for(self) -> str:
-        if self._observer.newest is None:
+        if self._cell.observe() is None:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
         if not self._layout.service_is_ready():
             return f"no service {contracts.PLAN_LAYOUT.name}: is layout up?"
@@ -121,30 +123,24 @@ class PalletFsmNode(GoalNode):
     async def _build(
         self, order: Order, plan: LayoutPlan, cell: PalletizingCell, config: PalletizerConfig
     ) -> Palletize.Result:
-        seen = self._observer.newest
+        seen = self._cell.observe()
         assert seen is not None
         goals = places(plan, cell)
         shown = goal_markers(goals)
         shown.markers = [*shown.markers, *vertex_markers(goals).markers]
         self._goals.publish(shown)
         session = Palletizer(order, plan, cell, config, seen.time)
-        self._run = run = OrderRun(self, session, self._client.apply, self._teller)
+        self._run = run = OrderRun(self, session, self._cell.apply, self._states)
         await self.until_goal_ends()
         result = to_result(session.report(), run.elapsed)
         self._result.publish(String(data=result.report))
         return result
 
     def _step(self) -> None:
-        """Step the machine once; called in the observer's thread after every status of the motion."""
+        """Step the machine once; called in a thread of its own after every status of the motion."""
         with self._stepping:
-            if self._run is not None and (seen := self._observer.newest) is not None:
+            if self._run is not None and (seen := self._cell.observe()) is not None:
                 self._run.step(seen)
-
-    def _on_spawned(self, name: str) -> None:
-        self._observer.spawned = name
-
-    def _on_laid(self, name: str) -> None:
-        self._observer.laid = name
 
     def _on_failure(self, reason: str) -> None:
         self.health.count("failed command", reason)
@@ -164,7 +160,7 @@ class PalletFsmNode(GoalNode):
         with self._stepping:  # no step may send a target after the stop
             self._run = None
         self._calibration.forget()
-        self._client.apply(StopArm())
+        self._cell.apply(StopArm())
 
     def _halt(self, reason: str) -> None:
         self._calibration.halt(reason)

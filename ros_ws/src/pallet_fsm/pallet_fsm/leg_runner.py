@@ -1,22 +1,202 @@
-"""Runs the machine's states as legs, one after the other, each with the obstacles that it may touch."""
+"""Runs the machine's states as legs, one after the other, each with the obstacles that it may touch.
+
+The alternatives of a leg are offered to the motion one by one until one is accepted. That one is followed
+until the measured tool has reached its end (section 8.2).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Sequence
 
+import numpy as np
+
+from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, ReachTolerance
+from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.cell import PICKING_TABLE, REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.ports import PalletObservation, PursueTarget
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose, angle_between
+from pack_core.tasks.move import MoveFollower
 from pallet_fsm.blended_moves import BlendedMoves
-from pallet_fsm.goals import Goals
-from pallet_fsm.mover import Mover
-from pallet_fsm.order_book import OrderBook
-from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.profile import Profile
-from pallet_fsm.states import ROWS, Grip, Place, State
+from pallet_fsm.goals import Goals, Leg
+from pallet_fsm.order_book import OrderBook, WorkItem
+from pallet_fsm.palletizer_config import MoverConfig, PalletizerConfig
+from pallet_fsm.states import ROWS, Check, Grip, Part, Place, Profile, State
 from pallet_fsm.thesis_moves import ThesisMoves
 from pallet_fsm.transitions import Event
-from pallet_fsm.work_item import WorkItem
+
+TOLERANCES = {Check.PRECISE: ReachTolerance(0.002, 0.5, 1), Check.TRANSIT: ReachTolerance(0.005, 1.0, 3)}
+
+
+class TargetChecker:
+    """Confirms that one target was reached.
+
+    Orientations are compared by their angle: the norm of a unit error quaternion, which Eq. 5.5
+    tests, is always one.
+
+    Args:
+        X_WT: target pose of the tool.
+        check: which tolerance applies.
+    """
+
+    def __init__(self, X_WT: Pose, check: Check) -> None:
+        self._X_WT, self._tolerance = X_WT, TOLERANCES[check]
+        self._steps = 0
+
+    def note(self, X_WT: Pose) -> bool:
+        """Take a measured tool pose, and return whether the target is reached with it.
+
+        The pose must be within the tolerance in a number of consecutive calls.
+        """
+        position = float(np.linalg.norm(X_WT.p - self._X_WT.p))
+        angle = float(np.degrees(angle_between(X_WT.q, self._X_WT.q)))
+        is_near = position <= self._tolerance.position and angle <= self._tolerance.orientation_deg
+        self._steps = self._steps + 1 if is_near else 0
+        return self._steps >= self._tolerance.steps
+
+
+SPEED_WINDOW = 0.02
+"""Least time between the two measurements that a speed is computed from [s]."""
+
+
+class ToolSpeed:
+    """Speed of the measured tool, over the last `SPEED_WINDOW` or since the last measurement before it.
+
+    Attributes:
+        value: the speed [m/s]; infinite before there are two measurements far enough apart in time.
+    """
+
+    def __init__(self) -> None:
+        self._measured: deque[tuple[float, Array]] = deque()
+        self.value = np.inf
+
+    def note(self, time: float, p_WT: Array) -> None:
+        """Take a measured position `(3,)` [m] at `time` [s]."""
+        self._measured.append((time, p_WT))
+        limit = time - SPEED_WINDOW + 1e-9
+        while len(self._measured) > 1 and self._measured[1][0] <= limit:
+            self._measured.popleft()
+        first, p_first = self._measured[0]
+        if first <= limit:
+            self.value = float(np.linalg.norm(p_WT - p_first)) / (time - first)
+
+
+class Mover:
+    """Executes one leg at a time.
+
+    Attributes:
+        leg: the leg that is being executed; None between legs.
+        reason: why the last leg failed; empty if it did not.
+    """
+
+    def __init__(self, profile: Profile, config: MoverConfig) -> None:
+        self._profile, self._config = profile, config
+        self._follower = MoveFollower(config.answer_time)
+        self._rest: list[tuple[Leg, frozenset[str]]] = []
+        self._refusals: list[str] = []
+        self._ended = 0.0
+        self._checker: TargetChecker | None = None
+        self._speed = ToolSpeed()
+        self._surroundings: tuple[CarriedBox | None, tuple[Obstacle, ...]] = (None, ())
+        self.leg: Leg | None = None
+        self.reason = ""
+
+    def begin(
+        self,
+        legs: Sequence[tuple[Leg, frozenset[str]]],
+        carried: CarriedBox | None,
+        obstacles: tuple[Obstacle, ...],
+        newest: MotionStatus,
+        time: float,
+    ) -> PursueTarget | Event:
+        """Send the first of some alternative legs, each with the names of the obstacles it may touch.
+
+        Args:
+            legs: the alternatives, best first.
+            carried: the box in the hand.
+            obstacles: what must not be touched otherwise.
+            newest: newest status of the motion, maybe of an earlier order.
+            time: now [s].
+        """
+        self._rest, self._refusals, self.reason = list(legs), [], ""
+        self._surroundings = carried, obstacles
+        return self._offer(newest, time) or self._trouble(
+            Event.NOT_CLEAR, "there is no way to hold the box so"
+        )
+
+    def follow(self, status: MotionStatus, state: State) -> Event | PursueTarget | None:
+        """The event or the next target that the status leads to while the machine is in `state`."""
+        move = None if self.leg is None else self._follower.stands(status, status.time)
+        if self.leg is None or move is None:
+            return None
+        if move.state is MotionState.REFUSED:
+            self._refusals.append(move.reason)
+            return self._offer(status, status.time) or self._trouble(
+                Event.NOT_CLEAR, "; ".join(self._refusals)
+            )
+        if move.state is MotionState.STUCK:
+            return self._trouble(Event.MOTION_STUCK, move.reason)
+        if state is self.leg.end:
+            return self._arrive(move)
+        return Event.REACHED if self._has_passed(move, state) else None
+
+    def _offer(self, newest: MotionStatus, time: float) -> PursueTarget | None:
+        if not self._rest:
+            return None
+        (self.leg, contacts), self._rest = self._rest[0], self._rest[1:]
+        self._ended = float("inf")
+        check = ROWS[self.leg.end].check or Check.TRANSIT
+        self._checker, self._speed = TargetChecker(self.leg.X_WT, check), ToolSpeed()
+        carried, obstacles = self._surroundings
+        number = self._follower.begin(newest, time)
+        return PursueTarget(
+            MotionTarget(number, self.leg.move, carried, obstacles, contacts, TOLERANCES[check])
+        )
+
+    def _arrive(self, status: MotionStatus) -> Event | None:
+        assert self._checker is not None
+        is_there = self._checker.note(status.X_WT)
+        self._speed.note(status.time, status.X_WT.p)
+        if status.state is not MotionState.REACHED:
+            return None
+        self._ended = min(self._ended, status.time)
+        if is_there and self._is_at_rest(status):
+            self.leg = None
+            return Event.REACHED
+        if not is_there and status.time > self._ended + self._config.settling_time:
+            error_mm = 1000.0 * status.position_error
+            return self._trouble(Event.MOTION_STUCK, f"stopped {error_mm:.1f} mm from the target")
+        return None
+
+    def _is_at_rest(self, status: MotionStatus) -> bool:
+        """Whether the arm is slow enough for the gripper, if that is to act, or has had its time for it."""
+        assert self.leg is not None
+        if ROWS[self.leg.end].grip not in (Grip.CLOSE, Grip.OPEN):
+            return True
+        is_slow = self._speed.value <= self._config.rest_speed
+        return is_slow or status.time > self._ended + self._config.rest_time
+
+    def _has_passed(self, status: MotionStatus, state: State) -> bool:
+        if status.state is MotionState.HELD:
+            return False
+        if status.state is not MotionState.MOVING:
+            return True
+        running = PARTS.get(status.label, Part.NONE)
+        return running > self._profile.parts.get(state, Part.NONE)
+
+    def _trouble(self, event: Event, reason: str) -> Event:
+        self.leg, self.reason = None, reason
+        return event
+
+
+PARTS = {
+    "depart": Part.DEPART,
+    "rise": Part.CROSS,
+    "transit": Part.CROSS,
+    "descend": Part.CROSS,
+} | {part.name: part for part in Part}
+"""The part of a blended move that each segment label of the motion stands for."""
+
 
 TABLES = {Place.TABLE_A: PICKING_TABLE, Place.TABLE_B: REORIENTATION_TABLE}
 """Name of the obstacle of each table on which boxes are gripped."""
@@ -89,7 +269,7 @@ class LegRunner:
             (leg, self._touched | self._touched_at(leg.end, target))
             for leg in self._moves.legs(state, self._stop_after(state), target, seen.motion.X_WT)
         ]
-        return self._mover.begin(legs, item.carried, self._book.obstacles(), seen.time)
+        return self._mover.begin(legs, item.carried, self._book.obstacles(), seen.motion, seen.time)
 
     def _touched_at(self, end: State, item: WorkItem | None) -> frozenset[str]:
         """Names of the obstacles that the pad or its box touches, or nearly touches, where a leg ends."""

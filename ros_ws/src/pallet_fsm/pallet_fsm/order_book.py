@@ -1,20 +1,89 @@
-"""The boxes of an order: the one in work, the next one, and the poses of those that have been put down."""
+"""The boxes of an order, with all that is known of each: the one in work, the next one, those put down."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from pack_core.motion.world import Obstacle
+from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.cell import PALLET, PalletizingCell
-from pack_core.palletizing.orders.layout_plan import LayoutPlan
+from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.orders.layout_plan import LayoutPlan, PlannedBox
 from pack_core.palletizing.orders.order import Order, OrderBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.rotations import Pose
+from pack_core.rotations import Array, Pose
 from pallet_fsm.report import BoxOutcome, BoxReport
+from pallet_fsm.states import State
 from pallet_fsm.tool_poses import placed_pose
-from pallet_fsm.work_item import WorkItem
+
+
+@dataclass
+class WorkItem:
+    """A box of the order and its state.
+
+    Attributes:
+        box: the box as ordered.
+        plan: its place in the layout and its insertion.
+        X_WB: estimated pose where it stands; None before it was detected and while it is gripped.
+        X_TB: pose in the tool's frame while it is gripped; None otherwise.
+        approach: approach direction of the tool when it stood the box up on table B `(3,)`.
+        outcome: what became of the box.
+        reason: why it was skipped or lost; empty otherwise.
+        tries: number of faults of each kind so far.
+    """
+
+    box: OrderBox
+    plan: PlannedBox
+    X_WB: Pose | None = None
+    X_TB: Pose | None = None
+    approach: Array | None = None
+    outcome: BoxOutcome = BoxOutcome.PENDING
+    reason: str = ""
+    tries: Counter[State] = field(default_factory=Counter)
+
+    @property
+    def name(self) -> str:
+        """Name of the box."""
+        return self.box.id
+
+    @property
+    def dims(self) -> Array:
+        """Edges as it arrives `(3,)` [m]."""
+        return np.array(self.box.dims)
+
+    @property
+    def handling(self) -> Handling:
+        """How the box must be turned on its way."""
+        return self.box.turn.handling
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the box was placed, skipped or lost."""
+        return self.outcome is not BoxOutcome.PENDING
+
+    def finish(self, outcome: BoxOutcome, reason: str = "") -> None:
+        """Note what became of the box; nothing more is done for it."""
+        self.outcome, self.reason = outcome, reason
+
+    @property
+    def carried(self) -> CarriedBox | None:
+        """The gripped box as the motion's collision checks need it; None while it is not gripped."""
+        return None if self.X_TB is None else CarriedBox(self.X_TB, self.dims)
+
+    def take(self, X_WT: Pose) -> None:
+        """Note that the box was gripped: its estimated pose gives X_TB."""
+        assert self.X_WB is not None
+        self.X_TB, self.X_WB = X_WT.inverse() @ self.X_WB, None
+
+    def let_go(self, X_WT: Pose, drop: float) -> None:
+        """Note that the box was released: it stands `drop` [m] below the pose of its release."""
+        assert self.X_TB is not None
+        X_WB = X_WT @ self.X_TB
+        self.X_WB, self.X_TB = Pose(X_WB.p - np.array([0.0, 0.0, drop]), X_WB.q), None
+
 
 BESIDE = 0.02
 """Boxes nearer to a place than this may be touched when a box is put there [m]."""

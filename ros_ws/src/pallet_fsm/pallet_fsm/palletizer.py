@@ -7,23 +7,75 @@ from __future__ import annotations
 
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.grip import ASKED
+from pack_core.palletizing.grip import ASKED, GripState
+from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
 from pack_core.palletizing.orders.order import Order
-from pack_core.palletizing.ports import Command, DiscardBox, PalletObservation, PursueTarget, StopArm
+from pack_core.palletizing.ports import (
+    CloseGripper,
+    Command,
+    DiscardBox,
+    OpenGripper,
+    PalletObservation,
+    PursueTarget,
+    StopArm,
+)
 from pallet_fsm.box_watch import BoxWatch
-from pallet_fsm.guards import holds
-from pallet_fsm.hand import Hand
 from pallet_fsm.leg_runner import LegRunner
 from pallet_fsm.machine import Machine
-from pallet_fsm.order_book import OrderBook
+from pallet_fsm.order_book import OrderBook, WorkItem
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.place_watch import PlaceWatch
-from pallet_fsm.profile import profile_of
 from pallet_fsm.report import BoxOutcome, OrderReport
-from pallet_fsm.states import FAULTS, HOLDING, ROWS, Grip, Place, State
+from pallet_fsm.states import FAULTS, HOLDING, ROWS, Grip, Place, State, profile_of
 from pallet_fsm.transitions import Event, Guard
-from pallet_fsm.work_item import WorkItem
+
+
+class GripCycle:
+    """Runs one closing or opening of the gripper at a time.
+
+    Args:
+        dwell: time for the vacuum to build up or break down [s].
+        timeout: longest time until the gripper has carried out a command [s].
+
+    Attributes:
+        is_busy: whether a closing or opening is under way.
+        reason: why the last one failed; empty if it did not.
+    """
+
+    def __init__(self, dwell: float, timeout: float) -> None:
+        self._dwell, self._timeout = dwell, timeout
+        self._grip = Grip.EMPTY
+        self._start = 0.0
+        self.is_busy = False
+        self.reason = ""
+
+    def begin(self, grip: Grip, time: float) -> Command:
+        """Close or open the gripper; then `note` is to be called until it returns an event."""
+        self._grip, self._start, self.is_busy, self.reason = grip, time, True, ""
+        return CloseGripper() if grip is Grip.CLOSE else OpenGripper()
+
+    def note(self, state: GripState, time: float) -> Event | None:
+        """The event that ends the closing or opening; None while it is under way.
+
+        A gripper that is open with the reason `ASKED` was opened before and has not answered a closing yet.
+        """
+        waited = time - self._start
+        if waited < self._dwell:
+            return None
+        wanted = self._grip is Grip.CLOSE
+        if state.is_closed is wanted:
+            return self._end(Event.GRIPPED if wanted else Event.RELEASED)
+        answer = "" if state.is_closing or state.reason == ASKED else state.reason
+        if not (wanted and answer) and waited < self._timeout:
+            return None
+        self.reason = answer or f"the gripper does not {self._grip.value}"
+        return self._end(Event.GRIP_FAILED if wanted else Event.HALTED)
+
+    def _end(self, event: Event) -> Event:
+        self.is_busy = False
+        return event
+
 
 TOWARDS_BOX = (State.ABOVE_BOX, State.GRASP)
 """States in which the box on table A is looked at a second time."""
@@ -48,7 +100,7 @@ class Palletizer:
         self._book = OrderBook(order, plan, cell)
         self._watch = BoxWatch(config, cell)
         self._places = PlaceWatch(config.scans, cell, self._book)
-        self._hand = Hand(config.dwell, config.grip_patience)
+        self._grip = GripCycle(config.dwell, config.grip_patience)
         self.machine = Machine(time, self._holds, self.item.name)
         self._legs = LegRunner(self._profile, self._book, cell, config, self._stop_after)
         self._commands: list[Command] = []
@@ -106,9 +158,9 @@ class Palletizer:
         return self._motion(state, seen)
 
     def _motion(self, state: State, seen: PalletObservation) -> tuple[Event, str] | None:
-        if self._hand.is_busy:
-            event = self._hand.look(seen.grip, seen.time)
-            return (event, self._hand.reason) if event is not None else None
+        if self._grip.is_busy:
+            event = self._grip.note(seen.grip, seen.time)
+            return (event, self._grip.reason) if event is not None else None
         if state in HOLDING and not seen.grip.is_closed:
             has_let_go = seen.grip.reason not in ("", ASKED)
             return (
@@ -124,7 +176,7 @@ class Palletizer:
             self._commands.append(outcome)
             return None
         if outcome is Event.REACHED and ROWS[state].grip in (Grip.CLOSE, Grip.OPEN):
-            self._commands.append(self._hand.begin(ROWS[state].grip, seen.time))
+            self._commands.append(self._grip.begin(ROWS[state].grip, seen.time))
             return None
         return None if outcome is None else (outcome, self._legs.reason)
 
@@ -191,7 +243,21 @@ class Palletizer:
         return self.machine.stop_after(state, self._profile.stops_at)
 
     def _holds(self, guard: Guard) -> bool:
-        return holds(guard, self.machine.state, self._book, self._config.tries)
+        """Whether a condition of the table of transitions holds for the box in work."""
+        item, book = self.item, self._book
+        # In a state of a fault, its tries are counted.
+        has_tries = item.tries[self.machine.state] < self._config.tries
+        return {
+            Guard.IS_UPRIGHT: item.handling is Handling.NONE,
+            Guard.IS_FLIP: item.handling is Handling.FLIP,
+            Guard.HAS_TRIES: has_tries,
+            Guard.HAS_NO_TRIES: not has_tries,
+            Guard.HAS_BOXES: book.has_boxes,
+            Guard.IS_HOLDING: item.X_TB is not None,
+            Guard.IS_FINISHED: item.is_finished,
+            Guard.IS_ON_TABLE: item.approach is not None,
+            Guard.IS_UNSEEN: item.X_WB is None and item.X_TB is None,
+        }[guard]
 
 
 def _is_standing(motion: MotionStatus) -> bool:

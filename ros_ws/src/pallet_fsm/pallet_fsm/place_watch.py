@@ -1,16 +1,157 @@
-"""What the machine watches on the pallet and on table B: that all stands as it was put there."""
+"""What the machine watches on the pallet and on table B: that all stands as it was put there.
+
+Each place is scanned again and again while the arm is near it and hides nothing of it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.orders.handling import Handling
-from pack_core.palletizing.ports import Command, PalletObservation
-from pallet_fsm.box_watch import Happening
+from pack_core.palletizing.ports import Command, PalletObservation, ScanPlace
+from pack_core.palletizing.scanner import ScannerMount
+from pack_core.robots.kr210 import WRIST_LENGTH
+from pack_core.rotations import Array, Pose
+from pack_perception.scans.comparison import Finding, ScannedScene, compare
+from pack_perception.scans.rays import Rays
 from pallet_fsm.order_book import OrderBook
-from pallet_fsm.scans.findings import Finding
-from pallet_fsm.scans.look import PlaceLook, ScanConfig
+from pallet_fsm.palletizer_config import ScanConfig
 from pallet_fsm.states import BEFORE_REGRASP, State
-from pallet_fsm.transitions import Event
+from pallet_fsm.transitions import Event, Happening
+
+_CORNERS = 0.5 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+_ALONG = np.linspace(0.0, 1.0, 65)[:, None]
+"""Points of a line that are looked at: at 3 m of length they are 5 cm apart."""
+
+
+class ArmShadow:
+    """How far arm and carried box are from being over a place.
+
+    A scanner hangs over the middle of its place, so that only what is over the place can hide any of it. Seen
+    from above the arm is a line from its base to its wrist, as its shoulder and elbow turn in one vertical
+    plane, and one from there to the pad; a carried box is a circle about the pad.
+
+    Args:
+        place: table or pallet.
+        cell: the cell's physical facts.
+    """
+
+    def __init__(self, place: Obstacle, cell: PalletizingCell) -> None:
+        self._X_PW, self._half = place.X_WO.inverse(), 0.5 * place.size[:2]
+        self._p_WB, self._p_TH = cell.arm.X_WB.p, np.array([0.0, 0.0, -cell.tool.length - WRIST_LENGTH])
+
+    def clearance(self, X_WT: Pose, carried: CarriedBox | None) -> float:
+        """Distance of both from the place, seen from above [m]; negative where the box is over it.
+
+        Args:
+            X_WT: the measured tool.
+            carried: the box in the hand, if there is one.
+        """
+        base, wrist, pad = self._X_PW.apply(np.array([self._p_WB, X_WT.apply(self._p_TH), X_WT.p]))[:, :2]
+        arm, hand = self._distance(base, wrist), self._distance(wrist, pad)
+        return min(arm, hand, self._distance(pad, pad) - _radius(X_WT, carried))
+
+    def _distance(self, start: Array, end: Array) -> float:
+        """Of a line from the place, in its own frame [m]."""
+        beyond = np.maximum(np.abs(start + _ALONG * (end - start)) - self._half, 0.0)
+        return float(np.linalg.norm(beyond, axis=1).min())
+
+
+def _radius(X_WT: Pose, carried: CarriedBox | None) -> float:
+    """Of the circle about the pad, seen from above, in which the carried box is [m]."""
+    if carried is None:
+        return 0.0
+    corners = (X_WT @ carried.X_TB).apply(_CORNERS * carried.size)
+    return float(np.linalg.norm((corners - X_WT.p)[:, :2], axis=1).max())
+
+
+GAP = 0.1
+"""Time between two measurements of the arm in which it cannot come over a place and be gone again [s]."""
+
+
+@dataclass(frozen=True)
+class ArmDistance:
+    """How far arm and carried box were from a place when they were measured: time [s] and clearance [m]."""
+
+    time: float
+    clearance: float
+
+
+class PlaceLook:
+    """Looks at one place, again and again while the arm is near it and hides nothing.
+
+    Args:
+        name: of the place, one of `SCANNED`.
+        place: the place, down to the floor.
+        cell: the cell's physical facts.
+        config: when it looks, and what counts.
+    """
+
+    def __init__(self, name: str, place: Obstacle, cell: PalletizingCell, config: ScanConfig) -> None:
+        self._name, self._place, self._config = name, place, config
+        self._shadow, self._X_WS = ArmShadow(place, cell), cell.scanner_pose(name)
+        mount: ScannerMount = getattr(cell.scanners, name)
+        # On what is higher than the place rays are denser: less of it is enough to count.
+        self._least = config.tolerances.area / mount.spacing**2
+        self._asked = -float("inf")
+        self._expected: tuple[Obstacle, ...] | None = None
+        self._distances: list[ArmDistance] = []
+
+    @property
+    def is_awaited(self) -> bool:
+        """Whether a scan was asked for and has not come."""
+        return self._expected is not None
+
+    def is_late(self, time: float) -> bool:
+        """Whether the scanner has not answered in time."""
+        return self.is_awaited and time > self._asked + self._config.patience
+
+    def ask(
+        self, seen: PalletObservation, boxes: Callable[[], tuple[Obstacle, ...]], carried: CarriedBox | None
+    ) -> ScanPlace | None:
+        """A scan, if it is time for one; `boxes` gives those that must stand there now."""
+        config = self._config
+        if self.is_awaited or not config.period or seen.time < self._asked + config.period:
+            return None
+        distance = self._distance(seen, carried)
+        if not config.clear <= distance.clearance <= config.near:
+            return None
+        self._asked, self._expected, self._distances = seen.time, boxes(), [distance]
+        return ScanPlace(self._name)
+
+    def answer(self, seen: PalletObservation, carried: CarriedBox | None) -> tuple[Finding, ...]:
+        """What is not as it was to be when the scan was asked for.
+
+        There is nothing to tell before the scan has come, and the arm was measured at its time or later: a
+        scan tells something only if the arm is known to have hidden nothing then.
+        """
+        if self._expected is None:
+            return ()
+        self._distances.append(self._distance(seen, carried))
+        for scan in seen.scans:
+            if scan.place == self._name and self._asked <= scan.time <= seen.motion.time:
+                scene = ScannedScene(Rays.of(scan, self._X_WS), self._place, self._expected, self._least)
+                self._expected = None
+                return compare(scene, self._config.tolerances) if self._is_free(scan.time) else ()
+        return ()
+
+    def _distance(self, seen: PalletObservation, carried: CarriedBox | None) -> ArmDistance:
+        return ArmDistance(seen.motion.time, self._shadow.clearance(seen.motion.X_WT, carried))
+
+    def _is_free(self, time: float) -> bool:
+        """Whether the arm hid nothing at `time` [s], by what was measured since the scan was asked for.
+
+        Between two measurements that are far apart in time the arm may have come and gone.
+        """
+        after = next(i for i, distance in enumerate(self._distances) if distance.time >= time)
+        until = self._distances[: after + 1]
+        is_gapless = after == 0 or until[-1].time - until[-2].time <= GAP
+        return is_gapless and all(distance.clearance > self._config.hides for distance in until)
 
 
 class PlaceWatch:

@@ -13,9 +13,9 @@ import numpy as np
 from pack_core.motion.moves import UP
 from pack_core.rotations import Array, Pose
 from pallet_fsm.goals import Goals, raised
+from pallet_fsm.order_book import WorkItem
+from pallet_fsm.palletizer_config import ThesisConfig
 from pallet_fsm.states import State
-from pallet_fsm.thesis_config import ThesisConfig
-from pallet_fsm.work_item import WorkItem
 
 
 @dataclass(frozen=True)

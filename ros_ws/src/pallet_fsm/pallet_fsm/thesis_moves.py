@@ -5,10 +5,10 @@ from __future__ import annotations
 from pack_core.motion.moves import Line, Mode, Path, PoseMove
 from pack_core.rotations import Pose
 from pallet_fsm.goals import Goals, Leg
+from pallet_fsm.order_book import WorkItem
+from pallet_fsm.palletizer_config import ThesisConfig
 from pallet_fsm.states import ROWS, Shape, State
 from pallet_fsm.targets import Situation, ToolTarget, targets_of
-from pallet_fsm.thesis_config import ThesisConfig
-from pallet_fsm.work_item import WorkItem
 
 
 class ThesisMoves:

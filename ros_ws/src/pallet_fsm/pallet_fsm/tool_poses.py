@@ -5,35 +5,60 @@ Every function gives alternatives, since box and tool are symmetric under half o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import permutations, product
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.config import Config
 from pack_core.motion.moves import DOWN
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.order import OrderBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
-from pack_core.rotations import Array, Pose, angle_between, from_yaw, multiply, to_matrix
-from pallet_fsm.orientations import box_orientations, points_along
+from pack_core.rotations import Array, Pose, angle_between, from_matrix, from_yaw, multiply, rotate, to_matrix
+from pallet_fsm.palletizer_config import ToolPoseConfig
+
+EQUAL = 1e-6
+"""Edges that differ by less count as equal [m]."""
+ALONG = 0.9
+"""Cosine from which two directions count as the same; those compared are quarter turns apart."""
+
+
+def _signed_permutations() -> tuple[Array, ...]:
+    """The 24 proper rotations of a cube, each `(3, 3)`."""
+    matrices = (
+        np.eye(3)[list(order)] * np.array(signs)[:, None]
+        for order in permutations(range(3))
+        for signs in product((1.0, -1.0), repeat=3)
+    )
+    return tuple(matrix for matrix in matrices if np.linalg.det(matrix) > 0.0)  # -1: with a reflection
+
+
+CUBE = _signed_permutations()
+
+
+def box_orientations(dims: Sequence[float], extents: Sequence[float | None]) -> list[Array]:
+    """Orientations q_WB, wxyz, in which a box with edges `dims` [m] has given extents along the world's axes.
+
+    Args:
+        dims: edges of the box along its own axes [m].
+        extents: wanted extent along each axis of the world [m]; None: any.
+    """
+    found = []
+    for R_WB in CUBE:
+        edges = np.abs(R_WB) @ np.asarray(dims)
+        if all(want is None or abs(edge - want) < EQUAL for edge, want in zip(edges, extents, strict=True)):
+            found.append(from_matrix(R_WB))
+    return found
+
+
+def points_along(X_WT: Pose, direction: Array) -> bool:
+    """Whether the tool's approach axis z points along a unit vector of the world."""
+    return float(rotate(X_WT.q, np.array([0.0, 0.0, 1.0])) @ direction) > ALONG
+
 
 LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """q_WT, wxyz, of a tool that points down with its x axis along the world's: half a turn about x."""
-
-
-class ToolPoseConfig(Config):
-    """Distances between boxes, pad and tables."""
-
-    pad_gap: NonNegativeFloat = Field(default=0.001, description="pad over the face when it grips [m]")
-    drop: NonNegativeFloat = Field(default=0.002, description="box over what it is put on when let go [m]")
-    overhang: NonNegativeFloat = Field(
-        default=0.02, description="gripped face before the table's edge when a box is stood up [m]"
-    )
-    overhang_margin: NonNegativeFloat = Field(
-        default=0.02, description="of the box's middle behind the edge then, at least [m]"
-    )
-    inset: PositiveFloat = Field(default=0.08, description="box from the table's corner along the edge [m]")
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,10 @@ class Event(Enum):
     NOT_CLEAR = "move not clear"
 
 
+Happening = tuple[Event, str]
+"""An event, and its reason in words; empty where it needs none."""
+
+
 class Guard(Enum):
     """A condition on which a row of the table may depend besides the event."""
 

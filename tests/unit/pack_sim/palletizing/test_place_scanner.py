@@ -10,10 +10,10 @@ from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.scanner import SCANNED
 from pack_core.rotations import Pose, from_yaw
+from pack_perception.scans.rays import Rays
 from pack_sim.palletizing.place_scanner import PlaceScanner, PlaceScannerConfig
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.palletizing.true_cell import true_cell
-from pallet_fsm.scans.rays import Rays
 
 CELL = palletizing_cell()
 TABLE = "reorientation_table"

@@ -113,7 +113,7 @@ def checked_order(order: Path | None, profile: str) -> Path:
     """The order's file, once it and the profile were found to be possible; raises PackError."""
     from pack_core.palletizing.cell import palletizing_cell
     from pack_core.palletizing.orders.order_file import load_order
-    from pallet_fsm.profile import profile_of
+    from pallet_fsm.states import profile_of
 
     file = order or config_path("orders", "order_03.json")
     load_order(file, palletizing_cell())

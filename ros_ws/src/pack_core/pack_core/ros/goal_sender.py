@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.action import ActionClient
@@ -13,6 +13,7 @@ from pack_core.errors import PackError
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.goal_node import REFUSED
 from pack_core.ros.node import CellNode
+from pack_core.tasks.steps import Steps, TaskRun, ask, wait
 
 SETTLE = 1.0
 """Wait before a goal is sent [s of wall clock], so that all nodes have heard each other, and of what a reset
@@ -21,9 +22,6 @@ ANSWER = 60.0
 """Longest wait for an answer [s of wall clock]; a reset builds a model, on a machine that may be busy."""
 PERIOD = 0.05
 """Between two looks whether there is an answer [s of wall clock]."""
-
-Steps = Generator[None, None, Any]
-"""Goes on with each look, and returns what it has waited for."""
 
 
 class GoalSender:
@@ -70,58 +68,52 @@ class GoalSender:
         self._end_timer()
         self.is_accepted, self._is_cancel_wanted, self.failure = False, False, ""
         self.feedback = self.result = None
-        steps = self._steps(goal, reset)
-        self._timer = self._node.create_timer(PERIOD, lambda: self._go_on(steps), clock=self._node.wall)
+        run = TaskRun(self._steps(goal, reset))
+        self._timer = self._node.create_timer(PERIOD, lambda: self._go_on(run), clock=self._node.wall)
 
     def cancel(self) -> None:
         """Have the goal ended as soon as it has been taken; its result comes as of any goal."""
         self._is_cancel_wanted = True
 
-    def _go_on(self, steps: Steps) -> None:
-        try:
-            next(steps)
-        except StopIteration:
-            self._end()
-        except PackError as error:
-            self.failure = str(error)
-            self._end()
-
-    def _end(self) -> None:
-        self._end_timer()
-        self._on_change()
+    def _go_on(self, run: TaskRun[None]) -> None:
+        run.go_on()
+        if run.is_over:
+            self.failure = run.failure
+            self._end_timer()
+            self._on_change()
 
     def _end_timer(self) -> None:
         if self._timer is not None:
             self._node.destroy_timer(self._timer)
             self._timer = None
 
-    def _steps(self, goal: Any, reset: Any) -> Steps:
+    def _steps(self, goal: Any, reset: Any) -> Steps[None]:
         """All that is done for a goal; raises PackError where it does not come to its result."""
         if self._reset is not None:
             yield from self._put_into_scene(reset)
-        yield from _wait(lambda: False, SETTLE)
-        if not (yield from _wait(self._action.server_is_ready, ANSWER)):
+        yield from wait(lambda: False, SETTLE, time.monotonic)
+        if not (yield from wait(self._action.server_is_ready, ANSWER, time.monotonic)):
             raise PackError(f"nobody takes goals of {self._name}")
         sent = self._action.send_goal_async(goal, feedback_callback=self._take_feedback)
-        self._handle = yield from _answer(sent)
+        self._handle = yield from ask(sent, ANSWER, time.monotonic)
         if not self._handle.accepted:
             raise PackError("the goal was rejected; the log of the node that takes it says why")
         self.is_accepted = True
         self._on_change()
         yield from self._reach_end(self._handle.get_result_async())
 
-    def _put_into_scene(self, request: Any) -> Steps:
+    def _put_into_scene(self, request: Any) -> Steps[None]:
         assert self._reset is not None
-        if not (yield from _wait(self._reset.service_is_ready, SETTLE)):
+        if not (yield from wait(self._reset.service_is_ready, SETTLE, time.monotonic)):
             raise PackError(
                 f"no service {self._reset.srv_name}, which puts the cell into the goal's scene: "
                 "no simulator? `pack goal --no-reset` takes the scene as it stands"
             )
-        answer = yield from _answer(self._reset.call_async(request))
+        answer = yield from ask(self._reset.call_async(request), ANSWER, time.monotonic)
         if not answer.success:
             raise PackError(f"the cell cannot be put into the goal's scene: {answer.message}")
 
-    def _reach_end(self, ending: Future) -> Steps:
+    def _reach_end(self, ending: Future) -> Steps[None]:
         while not ending.done():
             if self._is_cancel_wanted:
                 self._is_cancel_wanted = False
@@ -134,20 +126,3 @@ class GoalSender:
     def _take_feedback(self, message: Any) -> None:
         self.feedback = message.feedback
         self._on_feedback(message.feedback)
-
-
-def _wait(condition: Callable[[], object], limit: float) -> Steps:
-    """Until a condition holds, and whether it came to hold within `limit` [s of wall clock]."""
-    end = time.monotonic() + limit
-    while not condition():
-        if time.monotonic() >= end:
-            return False
-        yield
-    return True
-
-
-def _answer(future: Future) -> Steps:
-    """What a request is answered; raises PackError where nobody answers."""
-    if not (yield from _wait(future.done, ANSWER)):
-        raise PackError(f"no answer within {ANSWER:.0f} s")
-    return future.result()

@@ -36,7 +36,7 @@ class MoveFollower:
         self._sent, self._is_taken_up = time, False
         return self.number
 
-    def look(self, newest: MotionStatus, time: float) -> MotionStatus | None:
+    def stands(self, newest: MotionStatus, time: float) -> MotionStatus | None:
         """Where the target stands at `time` [s]; None before the motion has taken it up.
 
         It is stuck also where it was interrupted and there is no way on, and where it takes too long.
@@ -66,9 +66,9 @@ def follow(
     """
     while True:
         status = newest()
-        stands = None if status is None else follower.look(status, clock())
-        if stands is not None and stands.state in ENDED:
-            return stands
+        move = None if status is None else follower.stands(status, clock())
+        if move is not None and move.state in ENDED:
+            return move
         yield
 
 

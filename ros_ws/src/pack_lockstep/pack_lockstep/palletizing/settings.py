@@ -16,7 +16,7 @@ from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig
 from pack_sim.palletizing.simulator import PalletSimulatorConfig
 from pallet_fsm.palletizer_config import PalletizerConfig
-from pallet_fsm.profile import profile_of
+from pallet_fsm.states import profile_of
 
 
 class PalletSensorParameters(Config):

@@ -13,7 +13,7 @@ from pack_core.paths import config_path
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_viewer.ros.run_form import FileChoice, FileKind, RunForm
-from pallet_fsm.profile import PROFILES
+from pallet_fsm.states import PROFILES
 
 CONFIGURED = "as configured"
 FIRST = "order_03"

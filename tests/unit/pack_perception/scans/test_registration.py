@@ -11,10 +11,10 @@ from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.palletizing.scanner import SCANNED
 from pack_core.rotations import Array
+from pack_perception.scans.comparison import registered
+from pack_perception.scans.rays import Rays
 from pack_sim.palletizing.true_cell import true_cell
-from pallet_fsm.scans.rays import Rays
-from pallet_fsm.scans.registration import registered
-from unit.pallet_fsm.scans.closed_form import box_on, moved, scan_of
+from unit.pack_perception.scans.closed_form import box_on, moved, scan_of
 
 KNOWN = palletizing_cell("real")
 PLACES = {block.name: block for block in KNOWN.furniture}

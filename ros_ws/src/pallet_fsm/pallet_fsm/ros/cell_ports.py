@@ -1,13 +1,15 @@
-"""Carries the machine's commands to the nodes that do them."""
+"""The machine's ports in the running cell: observations from topics, commands to topics and services."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from pack_interfaces.msg import MotionTarget
-from pack_interfaces.srv import GripperCommand, RemoveBox, SpawnBox
+from pack_interfaces.srv import GripperCommand, RemoveBox
 from pack_interfaces.srv import LayOnTable as LayOnTableSrv
+from pack_interfaces.srv import SpawnBox as SpawnBoxSrv
 from rclpy.client import Client
 from rclpy.task import Future
 from std_srvs.srv import Trigger
@@ -19,39 +21,42 @@ from pack_core.palletizing.ports import (
     DiscardBox,
     LayOnTable,
     OpenGripper,
+    PalletObservation,
     PursueTarget,
     ScanPlace,
+    SpawnBox,
     StopArm,
     TakePicture,
-)
-from pack_core.palletizing.ports import (
-    SpawnBox as SpawnCommand,
 )
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.conversions import from_stamp, to_pose
-from pack_core.ros.messages.motion import to_target
-from pack_core.ros.messages.palletizing import to_expected_box
+from pack_core.ros.messages.motion import from_status, to_target
+from pack_core.ros.messages.palletizing import (
+    from_cloud,
+    from_detection,
+    from_gripper_state,
+    to_expected_box,
+)
+from pack_core.ros.newest_messages import Kept, NewestMessages
 from pack_core.ros.node import CellNode
 
 
-class CellClient:
-    """Sends commands and hears their answers.
+class CellPorts:
+    """Hears of the cell, and sends it commands.
 
     Args:
-        node: that sends.
-        on_spawned: is told the name of a box that has come.
-        on_laid: is told the name of what the operator has laid on table A.
+        node: that listens and sends.
+        on_motion: called in a thread of its own after every status of the motion.
         on_failure: is told why a command was not done.
     """
 
     def __init__(
-        self, node: CellNode, on_spawned: Callable[[str], None], on_laid: Callable[[str], None],
-        on_failure: Callable[[str], None],
-    ) -> None:  # fmt: skip
+        self, node: CellNode, on_motion: Callable[[], None], on_failure: Callable[[str], None]
+    ) -> None:
         self._node, self._on_failure = node, on_failure
-        self._on_spawned, self._on_laid = on_spawned, on_laid
+        self._spawned = self._laid = ""
         self._target = node.advertise(motion.MOTION_TARGET)
         self._expected = node.advertise(contracts.EXPECTED_BOX)
         self._spawn, self._lay, self._remove, self._gripper, self._trigger = (
@@ -65,6 +70,37 @@ class CellClient:
             PALLET: self._client(contracts.SCAN_PALLET),
             REORIENTATION_TABLE: self._client(contracts.SCAN_TABLE),
         }
+        self._heard = NewestMessages(
+            node,
+            (
+                Kept(contracts.BOX_DETECTION, from_detection),
+                Kept(contracts.PALLET_SCAN, partial(from_cloud, place=PALLET)),
+                Kept(contracts.TABLE_SCAN, partial(from_cloud, place=REORIENTATION_TABLE)),
+                Kept(contracts.GRIPPER_STATE, from_gripper_state),
+                Kept(motion.MOTION_STATUS, from_status),
+            ),
+        )
+        self._heard.follow(on_motion)
+
+    def end(self) -> None:
+        """Listen no more."""
+        self._heard.end()
+
+    def observe(self) -> PalletObservation | None:
+        """What is known now; None before the first messages of motion and gripper.
+
+        Its time is the node's clock; the motion's status has the time of the measurement, which is earlier.
+        """
+        status, grip = self._heard[motion.MOTION_STATUS], self._heard[contracts.GRIPPER_STATE]
+        if status is None or grip is None:
+            return None
+        now = self._now()
+        detection = self._heard.until(contracts.BOX_DETECTION, now)
+        scans = (self._heard.until(topic, now) for topic in (contracts.PALLET_SCAN, contracts.TABLE_SCAN))
+        return PalletObservation(
+            now, status, grip, self._spawned, detection, tuple(scan for scan in scans if scan is not None),
+            self._laid,
+        )  # fmt: skip
 
     def apply(self, command: Command) -> None:
         """Send a command.
@@ -82,15 +118,16 @@ class CellClient:
                 self._trigger.call_async(Trigger.Request())
             case ScanPlace(place):
                 self._scans[place].call_async(Trigger.Request())
-            case SpawnCommand(name, dims, mass):
-                self._on_spawned("")  # an earlier box may have had this name
-                request = SpawnBox.Request(name=name, size=list(dims), mass=mass)
-                self._call(self._spawn, request, f"box {name} cannot come", lambda: self._on_spawned(name))
+            case SpawnBox(name, dims, mass):
+                self._spawned = ""  # an earlier box may have had this name
+                request = SpawnBoxSrv.Request(name=name, size=list(dims), mass=mass)
+                self._call(self._spawn, request, f"box {name} cannot come", partial(self._note_spawned, name))
             case LayOnTable(body, X_NB):
-                self._on_laid("")  # as an earlier goal may have had the same laid
+                self._laid = ""  # an earlier goal may have had the same laid
                 lay = LayOnTableSrv.Request(name=body.name, size=list(body.size), mass=body.mass)
                 lay.pose = to_pose(X_NB)
-                self._call(self._lay, lay, f"{body.name} is not on table A", lambda: self._on_laid(body.name))
+                what = f"{body.name} is not on table A"
+                self._call(self._lay, lay, what, partial(self._note_laid, body.name))
             case DiscardBox(name):
                 # Somebody may have taken it already: it is out of the way either way.
                 warn = self._node.get_logger().warning
@@ -101,6 +138,12 @@ class CellClient:
                 self._call(
                     self._gripper, GripperCommand.Request(close=close), "the gripper refused the command"
                 )
+
+    def _note_spawned(self, name: str) -> None:
+        self._spawned = name
+
+    def _note_laid(self, name: str) -> None:
+        self._laid = name
 
     def _now(self) -> float:
         return from_stamp(self._node.get_clock().now().to_msg())

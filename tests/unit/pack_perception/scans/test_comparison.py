@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PALLET, palletizing_cell
 from pack_core.palletizing.scanner import PlaceScan
-from pallet_fsm.scans.comparison import ScannedScene, ScanTolerances, compare
-from pallet_fsm.scans.findings import Finding, Oddity
-from pallet_fsm.scans.rays import Rays
-from unit.pallet_fsm.scans.closed_form import box_on, moved, scan_of
+from pack_perception.scans.comparison import Finding, Oddity, ScannedScene, ScanTolerances, compare
+from pack_perception.scans.rays import Rays
+from unit.pack_perception.scans.closed_form import box_on, moved, scan_of
 
 CELL = palletizing_cell()
 DECK = next(block for block in CELL.furniture if block.name == PALLET)

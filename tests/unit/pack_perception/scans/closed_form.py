@@ -10,7 +10,7 @@ from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Array, Pose, from_yaw, multiply, rotate
-from pallet_fsm.scans.rays import Rays
+from pack_perception.scans.rays import Rays
 
 
 def scan_of(

@@ -1,25 +1,105 @@
 """Compares a scan with the boxes that must stand at its place.
 
-Each box is judged by its top face: is it there, and where do its edges lie by the testimony of the rays on
-both sides of them? Then everything counts that is nearer to the scanner than what is known to stand there.
+The edges of the place say where the scanner really hangs. Each box is judged by its top face: is it there,
+and where do its edges lie by the testimony of the rays on both sides of them? Then everything counts that is
+nearer to the scanner than what is known to stand there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from enum import Enum
 
 import numpy as np
 from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.motion.world import Obstacle
-from pack_core.rotations import Array, Pose, from_yaw, multiply, rotate
-from pallet_fsm.scans.box_top import BoxTop
-from pallet_fsm.scans.face_fit import FaceFit, depths, fit_face
-from pallet_fsm.scans.findings import Finding, Oddity
-from pallet_fsm.scans.rays import Rays
-from pallet_fsm.scans.registration import registered
+from pack_core.rotations import Array, Pose, from_matrix, from_yaw, multiply, rotate
+from pack_perception.scans.face_fit import BoxTop, FaceFit, depths, fit_face
+from pack_perception.scans.rays import Rays
+
+
+class Oddity(Enum):
+    """What can be wrong with what stands at a place."""
+
+    MISSING = "missing"
+    MOVED = "moved"
+    OTHER = "other"
+    FOREIGN = "foreign"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is not as it should be.
+
+    Attributes:
+        oddity: what is wrong.
+        box: name of the box that it is wrong with; empty for what belongs to no box.
+        shift_W: how far a box was moved, in x and y `(2,)` [m].
+        turn_deg: by how much a box was turned, seen from above.
+        middle_W: where the middle of a foreign thing is, in x and y `(2,)` [m].
+        size: of a foreign thing along x and y of the world, and its height over the place `(3,)` [m].
+    """
+
+    oddity: Oddity
+    box: str = ""
+    shift_W: Array = field(default_factory=lambda: np.zeros(2))
+    turn_deg: float = 0.0
+    middle_W: Array = field(default_factory=lambda: np.zeros(2))
+    size: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __str__(self) -> str:
+        """In words."""
+        if self.oddity is Oddity.MISSING:
+            return f"box {self.box} is gone"
+        if self.oddity is Oddity.OTHER:
+            return f"what stands in the place of box {self.box} is not of its size"
+        if self.oddity is Oddity.MOVED:
+            way, turn = 1e3 * float(np.linalg.norm(self.shift_W)), abs(self.turn_deg)
+            return f"box {self.box} stands {way:.0f} mm and {turn:.1f} degrees from its place"
+        (x, y), (length, width, height) = self.middle_W, self.size
+        return (
+            f"something of {length:.2f} x {width:.2f} x {height:.2f} m that should not be there, "
+            f"at x = {x:.2f}, y = {y:.2f} m"
+        )
+
+
+LARGEST = np.array([0.012, 0.012, np.deg2rad(0.5)])
+"""What a scanner may hang askew by, as its place appears [m, m, rad]; more: the place itself was moved."""
+SURE = np.array([0.001, 0.001, np.deg2rad(0.1)])
+"""What the edges that are seen must leave open at most [m, m, rad]."""
+
+
+def registered(rays: Rays, place: Obstacle, boxes: Sequence[Obstacle], height: float, slack: float) -> Rays:
+    """The rays as they would be if the scanner hung where it is taken to hang.
+
+    The place is known by the arm, which touched it in a calibration; its edges in the scan say how far the
+    scanner is from where it should be, seen from above. Rays are left as they are where they do not say it.
+
+    Args:
+        rays: as measured.
+        place: table or pallet, down to the floor.
+        boxes: those that must stand on it, and hide some of its edges.
+        height: by which a ray meets something else if by more [m].
+        slack: beside an edge, in which rays may meet either side of it [m].
+    """
+    face = BoxTop.of(place)
+    points, distances = face.crossings(rays)
+    others = np.column_stack([rays.up_to(boxes, slack), np.full(len(points), np.inf)]).min(axis=1)
+    is_valid = (others > distances + 2.0 * height) & (rays.distances > distances - height)
+    points, is_on = points[is_valid], (rays.distances < distances + height)[is_valid]
+    tells = face.shows_edge(points)
+    found = fit_face(points[tells], is_on[tells], face.half, slack)
+    if np.any(np.abs(found.shift) > LARGEST) or np.any(found.sigma > SURE):
+        return rays
+    # The place appears at X_WF @ X_FG: the scan is moved back by that.
+    X_WF = Pose(face.p_WF, from_matrix(face.R_WF))
+    X_FG = Pose(np.array([*found.shift[:2], 0.0]), from_yaw(found.shift[2]))
+    back = X_WF @ X_FG.inverse() @ X_WF.inverse()
+    return replace(rays, p_W=back.apply(rays.p_W), directions_W=rotate(back.q, rays.directions_W))
+
 
 TRACE = 0.3
 """Share of the rays to a box that must meet something at the height of its top, or it is not there."""
@@ -108,15 +188,15 @@ def _judged(scene: ScannedScene, box: Obstacle, others: Array, limits: ScanToler
     is_near = np.all(np.abs(points) < face.half + limits.reach, axis=1)
     # What covers the face, and neighbours of nearly its height, hide where it ends.
     is_clear = others > distances + 2.0 * limits.height
-    is_told = is_near & is_clear & (measured > distances - limits.height)
-    points, is_on = points[is_told], (measured < distances + limits.height)[is_told]
+    is_valid = is_near & is_clear & (measured > distances - limits.height)
+    points, is_on = points[is_valid], (measured < distances + limits.height)[is_valid]
     is_inside = depths(points, face.half, np.zeros(3)) > limits.slack
     if is_inside.sum() < scene.least:
         return Judgement(None, box)
     if is_on.sum() < TRACE * is_inside.sum():
-        is_bare = np.median((others - measured)[is_told][is_inside]) < limits.height
+        is_bare = np.median((others - measured)[is_valid][is_inside]) < limits.height
         return Judgement(Finding(Oddity.MISSING if is_bare else Oddity.OTHER, box.name), None)
-    tells = face.is_told(points)
+    tells = face.shows_edge(points)
     found = fit_face(points[tells], is_on[tells], face.half, limits.slack)
     is_inside = depths(points, face.half, found.shift) > limits.slack
     if is_on[is_inside].sum() < limits.share * max(1, is_inside.sum()):

@@ -9,7 +9,7 @@ from pack_core.motion.world import CarriedBox
 from pack_core.palletizing.cell import PALLET, palletizing_cell
 from pack_core.robots.kr210 import WRIST_LENGTH
 from pack_core.rotations import Pose, exp
-from pallet_fsm.scans.shadow import ArmShadow
+from pallet_fsm.place_watch import ArmShadow
 from pallet_fsm.tool_poses import LOOKING_DOWN
 
 CELL = palletizing_cell()
