@@ -7,10 +7,9 @@ import numpy as np
 
 from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
-from block_fsm.motions import Motions
+from block_fsm.motions import Motions, TableObstacles
 from block_fsm.outcome import Outcome
 from block_fsm.requests import Answer, ExecutorRequest, Look, MoveArm, MoveFingers, NoPicture, PlanFor
-from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.cell import blocks_cell
@@ -75,7 +74,7 @@ class Table:
     def run(self, goals: Mapping[str, PlanarPose], config: ExecutorConfig | None = None) -> Outcome:
         task, config = RearrangeTask(goals, SQUARE, SIDE), config or ExecutorConfig()
         motions = Motions(config, SIDE, task.gripper, np.zeros(6), TOOL_AT_LOOK)
-        executor = Executor(task, config, motions, Surroundings(blocks_cell(), SIDE), 60.0)
+        executor = Executor(task, config, motions, TableObstacles(blocks_cell(), SIDE), 60.0)
         request: ExecutorRequest | None = executor.start()
         while request is not None:
             self.asked.append(request)

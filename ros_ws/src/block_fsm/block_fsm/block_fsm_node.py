@@ -8,19 +8,16 @@ from typing import Any
 
 import numpy as np
 from pack_interfaces.action import Rearrange
+from pack_interfaces.msg import RearrangeStatus
 from pydantic import Field
 from std_msgs.msg import String
 
 from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig, RequestTimeouts
-from block_fsm.motions import Motions
-from block_fsm.outcome import ExitReason
-from block_fsm.requests import ExecutorRequest
-from block_fsm.ros.cell_state import CellState
-from block_fsm.ros.messages import to_feedback, to_result, to_status
-from block_fsm.ros.pending_requests import PendingRequest
+from block_fsm.motions import Motions, TableObstacles
+from block_fsm.outcome import ExitReason, Outcome
+from block_fsm.requests import Answer, ExecutorRequest
 from block_fsm.ros.request_runner import RequestRunner
-from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import TOOL, arm_model
@@ -30,8 +27,11 @@ from pack_core.robots.ur10e import JOINTS
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
 from pack_core.ros.goal_node import GoalNode
+from pack_core.ros.messages.blocks import to_action
+from pack_core.ros.messages.conversions import to_stamp
 from pack_core.ros.messages.markers import goal_markers
 from pack_core.ros.run import run_node
+from pack_core.tasks.steps import TaskRun
 
 
 class BlockFsmNodeConfig(ExecutorConfig):
@@ -54,12 +54,11 @@ class BlockFsmNode(GoalNode):
         self._cell = blocks_cell()
         self._chain = chain_from_model(arm_model(self._cell), JOINTS, TOOL)
         self._executor: Executor | None = None
-        self._pending: PendingRequest | None = None
+        self._pending: TaskRun[Answer] | None = None
         self._request: Rearrange.Goal | None = None
         self._start = 0.0
         self._stepping = threading.Lock()
-        self._state = CellState(self, self._step)
-        self._runner = RequestRunner(self, self._state, self._config.patience, self._on_refusal)
+        self._runner = RequestRunner(self, self._config.patience, self._step, self._on_refusal)
         self._status = self.advertise(contracts.STATUS)
         self._result = self.advertise(contracts.RESULT)
         self._goals = self.advertise(motion.GOAL_MARKERS)
@@ -71,12 +70,12 @@ class BlockFsmNode(GoalNode):
 
     def destroy_node(self) -> None:
         """Step no more, then end."""
-        self._state.end()
+        self._runner.end()
         super().destroy_node()
 
     @property
     def waits_for(self) -> str:
-        if self._state.motion is None or self._state.fingers is None:
+        if self._runner.motion is None or self._runner.fingers is None:
             return "nothing heard of arm and gripper yet: are sim and motion up?"
         return ""
 
@@ -90,7 +89,7 @@ class BlockFsmNode(GoalNode):
 
     async def pursue(self, request: Rearrange.Goal) -> Rearrange.Result:
         """Follow the executor from request to request until it has an outcome."""
-        self._request, self._start = request, self._state.time
+        self._request, self._start = request, self._runner.time
         try:
             executor = self._make(request)
             with self._stepping:
@@ -100,7 +99,7 @@ class BlockFsmNode(GoalNode):
         finally:
             self._executor = None
         assert executor.outcome is not None
-        result = to_result(executor.outcome, self._state.time - self._start)
+        result = _to_result(executor.outcome, self._runner.time - self._start)
         # With the problem, a recording of the goal can be evaluated without any file beside it.
         self._result.publish(String(data=json.dumps({**_plain(result), "problem": request.problem})))
         return result
@@ -118,10 +117,10 @@ class BlockFsmNode(GoalNode):
         task = RearrangeTask(
             problem.goals, problem.workspace, self._cell.block.edge, problem.symmetry, problem.gripper
         )
-        look = np.array(self._cell.robot.look)
-        motions = Motions(self._config, task.side, task.gripper, look, self._chain.forward(look))
-        surroundings = Surroundings(self._cell, task.side)
-        return Executor(task, self._config, motions, surroundings, self._cell.gripper.force)
+        view = np.array(self._cell.robot.look)
+        motions = Motions(self._config, task.side, task.gripper, view, self._chain.forward(view))
+        obstacles = TableObstacles(self._cell, task.side)
+        return Executor(task, self._config, motions, obstacles, self._cell.gripper.force)
 
     def _step(self) -> None:
         """With every status of the motion, in its thread: look whether what was asked for is done."""
@@ -132,21 +131,24 @@ class BlockFsmNode(GoalNode):
             if self.is_cancel_requested:
                 self._end(ExitReason.CANCELLED, "on request")
                 return
-            answer = self._pending.poll(self._state)
-            if answer is not None:
-                self._next(executor.answer(answer))
+            self._pending.go_on()
+            if self._pending.failure:
+                self._end(ExitReason.MOTION_FAILED, self._pending.failure)
+            elif self._pending.is_over:
+                self._next(executor.answer(self._pending.outcome))
 
     def _next(self, request: ExecutorRequest | None) -> None:
         executor, given = self._executor, self._request
         assert executor is not None
         assert given is not None
-        self._status.publish(to_status(executor, self._state.time))
-        self.publish_feedback(to_feedback(executor, self._state.time - self._start))
+        self._status.publish(_to_status(executor, self._runner.time))
+        self.publish_feedback(_to_feedback(executor, self._runner.time - self._start))
         if request is None:
             self._pending = None
             self.end_goal()
             return
-        self._pending = self._runner.begin(request, given.method, given.seed)
+        self._pending = TaskRun(self._runner.steps(request, given.method, given.seed))
+        self._pending.go_on()
 
     def _cancel(self, reason: ExitReason, message: str) -> None:
         with self._stepping:
@@ -173,6 +175,40 @@ class BlockFsmNode(GoalNode):
         with self._stepping:  # no step may send a target after the stop
             self._executor = None
             self._runner.stop()
+
+
+def _to_status(executor: Executor, time: float) -> RearrangeStatus:
+    """Where a rearrangement stands at `time` [s]."""
+    plan, tally, action = executor.plan, executor.tally, executor.action
+    message = RearrangeStatus(
+        phase=executor.phase.value, block=action.block if action else "", done=executor.done,
+        plan=[to_action(step) for step in plan.actions] if plan else [],
+        lower_bound=plan.lower_bound if plan else 0, picks=tally.picks, pushes=tally.pushes,
+        plans=tally.plans, failed_grasps=tally.failed_grasps, deviations=tally.deviations,
+        disturbances=tally.disturbances, refusals=tally.refusals,
+    )  # fmt: skip
+    message.header.stamp = to_stamp(time)
+    return message
+
+
+def _to_feedback(executor: Executor, elapsed: float) -> Rearrange.Feedback:
+    """Where a rearrangement stands, for the client of the action."""
+    return Rearrange.Feedback(
+        phase=executor.phase.value, block=executor.action.block if executor.action else "",
+        done=executor.done, actions=len(executor.plan.actions) if executor.plan else 0, elapsed=elapsed,
+    )  # fmt: skip
+
+
+def _to_result(outcome: Outcome, elapsed: float) -> Rearrange.Result:
+    """The result of the action, from how the rearrangement ended."""
+    tally = outcome.tally
+    return Rearrange.Result(
+        success=outcome.success, exit_reason=outcome.exit_reason.value, message=outcome.message,
+        picks=tally.picks, pushes=tally.pushes, plans=tally.plans, failed_grasps=tally.failed_grasps,
+        deviations=tally.deviations, disturbances=tally.disturbances, refusals=tally.refusals,
+        position_error=float(outcome.position_error), yaw_error=float(outcome.yaw_error),
+        execution_time=elapsed,
+    )  # fmt: skip
 
 
 def _plain(result: Rearrange.Result) -> dict[str, Any]:

@@ -12,12 +12,10 @@ from typing import Any
 
 from block_fsm.deviation import Poses, as_seen, displaced, disturbed, is_on_line, is_pushed_home
 from block_fsm.executor_config import ExecutorConfig
-from block_fsm.motions import Motions
-from block_fsm.outcome import Ended, ExitReason, Outcome, Refused, Tally
-from block_fsm.phase import Phase
+from block_fsm.motions import Motions, TableObstacles
+from block_fsm.outcome import Ended, ExitReason, Outcome, Phase, Refused, Tally
 from block_fsm.requests import Answer, ExecutorRequest, PlanFor
 from block_fsm.skills import Asking, Skills
-from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.plan import Action, PickPlace, Plan, Push
 from pack_core.errors import PackError
@@ -30,7 +28,7 @@ class Executor:
         task: the goals.
         config: tolerances, heights and speeds.
         motions: makes the arm's paths.
-        surroundings: makes what they are checked against.
+        obstacles: makes what they are checked against.
         grip_force: that blocks are held with [N].
 
     Attributes:
@@ -45,11 +43,11 @@ class Executor:
         task: RearrangeTask,
         config: ExecutorConfig,
         motions: Motions,
-        surroundings: Surroundings,
+        obstacles: TableObstacles,
         grip_force: float,
     ) -> None:
         self._task, self._config = task, config
-        self._skills = Skills(task, config, motions, surroundings, grip_force)
+        self._skills = Skills(task, config, motions, obstacles, grip_force)
         self.plan: Plan | None = None
         self.done = 0
         self.action: Action | None = None

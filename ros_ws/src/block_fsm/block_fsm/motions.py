@@ -1,4 +1,4 @@
-"""Paths of the tool that pick, place and push blocks.
+"""Moves that pick, place and push blocks: paths of the tool, and the obstacles that they are checked against.
 
 The tool frame T is between the finger tips, z out of the gripper, and the fingers close along its x. It
 points down at a heading, that of its x axis.
@@ -6,14 +6,71 @@ points down at a heading, that of its x axis.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from block_fsm.executor_config import ExecutorConfig
+from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.plan import PickPlace, Push
 from pack_core.blocks.planar import QUARTER, PlanarPose, wrapped
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove
+from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
+
+TABLE = "table"
+THICKNESS = 0.04
+"""Of the table's top [m]."""
+TOUCHING = 0.001
+"""Blocks that are seen this near to each other may touch [m]."""
+CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+
+
+class TableObstacles:
+    """Makes the obstacles that a move is checked against.
+
+    Args:
+        cell: whose table it is.
+        side: of a block [m].
+    """
+
+    def __init__(self, cell: BlocksCell, side: float) -> None:
+        (x, y), size = cell.table.centre, cell.table.size
+        self._table = Obstacle(TABLE, Pose(np.array([x, y, -0.5 * THICKNESS])), np.array([*size, THICKNESS]))
+        self._side = side
+
+    def among(self, poses: Mapping[str, PlanarPose], without: str = "") -> tuple[Obstacle, ...]:
+        """The table and the blocks at these poses but for one."""
+        size, z = np.full(3, self._side), 0.5 * self._side
+        blocks = (Obstacle(name, pose.pose(z), size) for name, pose in poses.items() if name != without)
+        return (self._table, *blocks)
+
+    def carried(self, X_WT: Pose, block: PlanarPose) -> CarriedBox:
+        """A block that goes with the tool from where both are now."""
+        return CarriedBox(X_WT.inverse() @ block.pose(0.5 * self._side), np.full(3, self._side))
+
+    def beside(self, block: str, poses: Mapping[str, PlanarPose]) -> frozenset[str]:
+        """The table and the other blocks that a block may touch where it stands."""
+        others = [name for name in poses if name != block]
+        near = {name for name in others if self._gap(poses[block], poses[name]) < TOUCHING}
+        return frozenset({TABLE, *near})
+
+    def _gap(self, a: PlanarPose, b: PlanarPose) -> float:
+        """Between two blocks on the table [m]: from the corners of one to the sides of the other."""
+        return min(self._reach(a, b), self._reach(b, a))
+
+    def _reach(self, a: PlanarPose, b: PlanarPose) -> float:
+        half = 0.5 * self._side
+        corners = a.p + half * CORNERS @ _turn(a.yaw).T
+        beyond = np.maximum(np.abs((corners - b.p) @ _turn(b.yaw)) - half, 0.0)
+        return float(np.linalg.norm(beyond, axis=1).min())
+
+
+def _turn(yaw: float) -> Array:
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s], [s, c]])
+
 
 POINTING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 TOUCH_DISTANCE = 0.01
@@ -29,16 +86,16 @@ class Motions:
         config: heights and speeds.
         side: of a block [m].
         gripper: how deep it reaches, and how it pushes.
-        look: joint positions at which the camera sees past the arm `(6,)` [rad].
+        view: joint positions at which the camera sees past the arm `(6,)` [rad].
         X_WL: where the tool is there; the wrist turns from its heading as little as it can.
     """
 
     def __init__(
-        self, config: ExecutorConfig, side: float, gripper: GripperFootprint, look: Array, X_WL: Pose
+        self, config: ExecutorConfig, side: float, gripper: GripperFootprint, view: Array, X_WL: Pose
     ) -> None:
         self._config, self._gripper = config, gripper
         self._half, self._depth = 0.5 * side, side - gripper.insertion
-        self._look, self._neutral = look, yaw_of(X_WL.q)
+        self._view, self._neutral = view, yaw_of(X_WL.q)
 
     def grasps(self, action: PickPlace) -> tuple[Pose, Pose]:
         """X_WT at which a block is gripped, and at which it is let go."""
@@ -63,7 +120,7 @@ class Motions:
             self._tool(action.end.moved(-behind, action.direction), across, self._depth),
         )
 
-    def look(self) -> Path:
+    def clear_view(self) -> Path:
         """The path to where the camera sees past the arm."""
         return Path((self._home(),))
 
@@ -103,7 +160,7 @@ class Motions:
 
     def _home(self) -> JointMove:
         speed = self._config.speed
-        return JointMove(self._look, speed.travel, speed.travel_acceleration, label="look")
+        return JointMove(self._view, speed.travel, speed.travel_acceleration, label="look")
 
     def _up(self, X_WT: Pose) -> Line:
         speed = self._config.speed.descend

@@ -1,4 +1,4 @@
-"""How a rearrangement ended."""
+"""What the executor is doing, what it has done, and how a rearrangement ended."""
 
 from __future__ import annotations
 
@@ -6,6 +6,19 @@ from dataclasses import dataclass
 from enum import Enum
 
 from pack_core.blocks.primitive_action import PrimitiveAction
+
+
+class Phase(Enum):
+    """What the executor is doing, in the order in which an action goes through them."""
+
+    IDLE = "IDLE"
+    PERCEIVE = "PERCEIVE"
+    PLAN = "PLAN"
+    PICK = "PICK"
+    PLACE = "PLACE"
+    PUSH = "PUSH"
+    RETREAT = "RETREAT"
+    DONE = "DONE"
 
 
 class ExitReason(Enum):

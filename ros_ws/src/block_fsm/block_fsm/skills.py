@@ -11,11 +11,9 @@ from typing import Any
 
 from block_fsm.deviation import Poses
 from block_fsm.executor_config import ExecutorConfig
-from block_fsm.motions import Motions
-from block_fsm.outcome import Blocked, Ended, ExitReason, Refused
-from block_fsm.phase import Phase
+from block_fsm.motions import Motions, TableObstacles
+from block_fsm.outcome import Blocked, Ended, ExitReason, Phase, Refused
 from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers, NoPicture
-from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.gripper import FingerCommand, FingerState, FingerStatus
@@ -37,7 +35,7 @@ class Skills:
         task: sizes of blocks and gripper.
         config: patience.
         motions: makes the arm's paths.
-        surroundings: makes what they are checked against.
+        obstacles: makes what they are checked against.
         force: that blocks are held with [N].
 
     Attributes:
@@ -51,10 +49,10 @@ class Skills:
         task: RearrangeTask,
         config: ExecutorConfig,
         motions: Motions,
-        surroundings: Surroundings,
+        obstacles: TableObstacles,
         force: float,
     ) -> None:
-        self._config, self._motions, self._surroundings = config, motions, surroundings
+        self._config, self._motions, self._obstacles = config, motions, obstacles
         self._gripper, self._side, self._force = task.gripper, task.side, force
         self._opening, self._failed_in_a_row = task.gripper.max_opening, 0
         self.phase = Phase.IDLE
@@ -63,7 +61,7 @@ class Skills:
 
     def clear_view(self) -> Asking:
         """Go where the camera sees past the arm."""
-        yield from self._move(self._motions.look())
+        yield from self._move(self._motions.clear_view())
 
     def look(self) -> Asking:
         """Have a picture taken in which all blocks are seen.
@@ -105,7 +103,7 @@ class Skills:
             yield from self._let_go(grip, wide, action.block, action.start)
             return
         self.phase = Phase.PLACE
-        carried = self._surroundings.carried(grip, action.start)
+        carried = self._obstacles.carried(grip, action.start)
         try:
             yield from self._move(self._motions.carry(grip, release), action.block, carried, primitive=place)
         except Refused:
@@ -131,7 +129,7 @@ class Skills:
         (push,) = primitives_of(action)
         self.phase = Phase.PUSH
         yield from self._fingers(self._gripper.push_gap)
-        at, carried = start, self._surroundings.carried(end, action.end)
+        at, carried = start, self._obstacles.carried(end, action.end)
         try:
             yield from self._move(self._motions.approach(start), primitive=push)
             at = end
@@ -180,10 +178,10 @@ class Skills:
             Blocked: the arm got stuck in a move for a `primitive`.
             Ended: it failed.
         """
-        obstacles = self._surroundings.among(self.seen, without=moved)
+        obstacles = self._obstacles.among(self.seen, without=moved)
         contacts = frozenset({touched}) if touched else frozenset()
         if carried is not None:
-            contacts = self._surroundings.beside(moved, self.seen)
+            contacts = self._obstacles.beside(moved, self.seen)
         status: MotionStatus = yield MoveArm(path, self._opening, obstacles, carried, contacts)
         if status.state is MotionState.REFUSED and primitive is not None:
             raise Refused(primitive, status.reason)

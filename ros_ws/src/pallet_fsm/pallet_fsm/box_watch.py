@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pack_core.palletizing.box_detection import BoxDetection, DetectionStatus, ExpectedBox
+from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.ports import Command, PalletObservation, SpawnBox, TakePicture
 from pack_core.rotations import Array, Pose, angle_between, from_yaw, multiply

@@ -13,10 +13,10 @@ from typing import TypeVar
 import numpy as np
 
 from pack_core.motion.moves import Move
-from pack_core.palletizing.arm_kinematics import arm_kinematics
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.handling import Handling
-from pack_core.robots.joint_limits import step_effort
+from pack_core.robots.joint_properties import step_effort
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Array, Pose, to_matrix
 from pallet_fsm.order_book import WorkItem

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from block_fsm.outcome import Outcome
-from block_fsm.phase import Phase
+from block_fsm.outcome import Outcome, Phase
 from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers, PlanFor
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import blocks_cell

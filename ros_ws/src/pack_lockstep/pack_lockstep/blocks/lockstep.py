@@ -13,10 +13,9 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from block_fsm.executor import Executor
 from block_fsm.executor_config import ExecutorConfig
-from block_fsm.motions import Motions
+from block_fsm.motions import Motions, TableObstacles
 from block_fsm.outcome import ExitReason, Outcome
 from block_fsm.requests import Answer, ExecutorRequest, Look, MoveArm, MoveFingers, NoPicture, PlanFor
-from block_fsm.surroundings import Surroundings
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.gripper import FingerState, FingerStatus
@@ -136,8 +135,8 @@ class BlocksLockstep:
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
         self._arm = DrivenArm(self.motion, self.simulator, q, config.period, self._fail)
         motions = Motions(config.executor, task.side, task.gripper, q, arm.chain.forward(q))
-        surroundings = Surroundings(cell, task.side)
-        self.executor = Executor(task, config.executor, motions, surroundings, cell.gripper.force)
+        obstacles = TableObstacles(cell, task.side)
+        self.executor = Executor(task, config.executor, motions, obstacles, cell.gripper.force)
         self._targets = 0
         self._on_step: Callable[[], None] | None = None
 

@@ -3,12 +3,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import Polygon, affinity, box
 
-from block_fsm.surroundings import TOUCHING, Surroundings
+from block_fsm.motions import TOUCHING, TableObstacles
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.planar import PlanarPose
 
 SIDE = 0.0508
-SURROUNDINGS = Surroundings(blocks_cell(), SIDE)
+SURROUNDINGS = TableObstacles(blocks_cell(), SIDE)
 yaws = st.floats(-np.pi, np.pi)
 
 
