@@ -21,8 +21,7 @@ from pack_core.ros.run import run_node
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.optimizers import OPTIMIZERS
-from pack_mpc.ros.fill_action import FillAction
-from pack_mpc.ros.fill_goal import FillGoal
+from pack_mpc.ros.fill_goal import FillAction, FillGoal
 from pack_mpc.ros.mailbox import Mailbox
 from pack_mpc.ros.pack_goal import PackGoal, PlacementClient, method_of, refusal_of
 from pack_mpc.ros.status import to_outcome, to_result, to_status
@@ -132,7 +131,7 @@ class MpcNode(GoalNode):
         turn = goal.turn(seen, self._mailbox.force, latency)
         self._worker.is_waiting = self._placements.is_pending
         if isinstance(goal, FillGoal):
-            self._fills.tell(goal, seen.joints.time)
+            self._fills.publish_progress(goal, seen.joints.time)
         if goal.is_ended:
             self._end(goal)
             return None

@@ -17,8 +17,16 @@ from pack_core.rotations import Array, Pose, exp
 from pack_core.states import ObjectState, SceneState
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.fill_job import FillJob
-from pack_mpc.filling.requests import Arrange, FillRequest, Pack, Packed, Present, Presented, UsePump
-from pack_mpc.filling.steps import FillObservation
+from pack_mpc.filling.requests import (
+    Arrange,
+    FillObservation,
+    FillRequest,
+    Pack,
+    Packed,
+    Present,
+    Presented,
+    UsePump,
+)
 from pack_mpc.filling.tool_motion import PathLeg, ToolArm
 from pack_mpc.task.task import PackingOutcome
 

@@ -13,10 +13,11 @@ from pack_core.packing.objects import Box
 from pack_core.packing.packing_list import PackingList
 from pack_core.rotations import Pose, angle_between, exp, from_yaw, multiply, rotate
 from pack_core.states import ObjectState, SceneState
+from pack_core.tasks.steps import TaskRun
 from pack_mpc.filling.cup_moves import CupMoves
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.object_handling import ObjectHandling
-from pack_mpc.filling.steps import FillObservation
+from pack_mpc.filling.requests import FillCommand, FillObservation, FillPort
 from pack_mpc.filling.tool_motion import legs
 
 CELL, CONFIG = packing_cell(), FillConfig()
@@ -38,26 +39,25 @@ def follow(handling: ObjectHandling, moves: CupMoves, q: np.ndarray) -> tuple[li
         return FillObservation(joints, scene, np.zeros(3), not is_released, answer)
 
     time, is_released, poses = 0.0, False, []
-    steps, answer = handling.put_aside(seen(None)), None
-    command = next(steps)
+    run, answer = TaskRun(handling.put_aside()), None
     while True:
+        moves.port.seen, moves.port.command = seen(answer), FillCommand()
+        run.go_on()
+        if run.is_over:
+            return poses, is_released
+        command, answer = moves.port.command, None
         if command.request is not None:
             answer, is_released = "", True
         elif command.setpoints is not None:
             rows = command.setpoints
             q = rows.q[min(np.searchsorted(rows.time + rows.offsets, time + 0.02), len(rows.q) - 1)]
         time += 0.02
-        try:
-            command = steps.send(seen(answer))
-        except StopIteration:
-            return poses, is_released
-        answer = None
 
 
 @pytest.mark.parametrize("tilt_deg", [0.0, 30.0, 50.0])
 @pytest.mark.parametrize("heading", [-1.0, 0.5, 2.0])
 def test_a_tilted_object_is_stood_upright_at_the_hand_over_place(tilt_deg: float, heading: float) -> None:
-    moves = CupMoves(CELL, CONFIG, SCENE, 0.21)
+    moves = CupMoves(FillPort(), CELL, CONFIG, SCENE, 0.21)
     axis = np.array([np.cos(heading), np.sin(heading), 0.0])
     q_WT = multiply(exp(np.deg2rad(tilt_deg) * axis), multiply(from_yaw(0.0), np.array(UPSIDE_DOWN)))
     there = np.array([0.5, 0.0, 0.25]) - moves.arm.cup(HOME).p

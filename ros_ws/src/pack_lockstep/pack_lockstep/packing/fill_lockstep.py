@@ -17,10 +17,18 @@ from pack_core.packing.goals import Arrangement, FillMethod, PackingMethod
 from pack_core.packing.packing_list import PackingList
 from pack_lockstep.packing.lockstep import LockstepCell, LockstepPlacements, Sense
 from pack_lockstep.packing.lockstep_config import LockstepConfig
-from pack_mpc.filling.fill_job import FillJob
-from pack_mpc.filling.fill_report import FillReport
-from pack_mpc.filling.requests import Arrange, FillRequest, Judge, Pack, Packed, Present, Presented, UsePump
-from pack_mpc.filling.steps import FillObservation
+from pack_mpc.filling.fill_job import FillJob, FillReport
+from pack_mpc.filling.requests import (
+    Arrange,
+    FillObservation,
+    FillRequest,
+    Judge,
+    Pack,
+    Packed,
+    Present,
+    Presented,
+    UsePump,
+)
 from pack_mpc.observation import PackingObservation, unseen_of
 from pack_mpc.session import PackingSession
 from pack_mpc.task.force_record import ForceRecord

@@ -9,8 +9,9 @@ from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
+from pack_core.tasks.steps import Steps
 from pack_mpc.filling.fill_config import FillConfig
-from pack_mpc.filling.steps import FillCommand, FillObservation, Steps, Until
+from pack_mpc.filling.requests import FillCommand, FillPort, Until
 from pack_mpc.filling.tool_motion import PEAK, PathLeg, ToolArm, legs
 from pack_mpc.task.stages import nearest_heading
 
@@ -24,23 +25,27 @@ class CupMoves:
     """Motions of the cup through free space, and straight up and down, with or without an object.
 
     Args:
+        port: the cell as the job has it.
         cell: the cell's physical facts.
         config: speeds and heights.
         scene: the cell as described.
         tallest: height of the tallest object that will be handed over [m].
 
     Attributes:
+        port: the cell as the job has it.
         arm: the arm's kinematics.
         scene: to be replaced whenever the cell's description changes.
     """
 
-    def __init__(self, cell: PackingCell, config: FillConfig, scene: Scene, tallest: float) -> None:
-        self.arm, self.scene = ToolArm(cell), scene
+    def __init__(
+        self, port: FillPort, cell: PackingCell, config: FillConfig, scene: Scene, tallest: float
+    ) -> None:
+        self.port, self.arm, self.scene = port, ToolArm(cell), scene
         self._cell, self._config, self._tallest = cell, config, tallest
 
-    def go_over(self, seen: FillObservation, item: SceneItem, X_WN: Pose) -> Steps[FillObservation]:
+    def go_over(self, item: SceneItem, X_WN: Pose) -> Steps[None]:
         """Bring the empty cup over an object at X_WN, upright above everything on the way."""
-        X_WT, config = self.arm.cup(seen.joints.q), self._config
+        X_WT, config = self.cup, self._config
         # near the home heading, so that the last joint can turn either way afterwards
         yaw = nearest_heading(item, yaw_of(X_WN.q), self.arm.home_heading)
         q_WT = multiply(from_yaw(yaw), np.array(UPSIDE_DOWN))
@@ -54,53 +59,56 @@ class CupMoves:
             up, down = travel - float(X_WT.p[2]), float(goal[2]) - travel
             ways = [np.array([0.0, 0.0, up]), across, np.array([0.0, 0.0, down])]
         ways = [way for way in ways if np.linalg.norm(way) > 1e-4] or [np.zeros(3)]
-        return (yield from self.move(seen, legs(ways, config.speed, OVERLAP), q_WT))
+        yield from self.move(legs(ways, config.speed, OVERLAP), q_WT)
 
-    def is_over(self, seen: FillObservation, X_WN: Pose) -> bool:
+    def is_over(self, X_WN: Pose) -> bool:
         """Whether the cup is so nearly over an object at X_WN that it seals when it comes down."""
-        aside = self.arm.cup(seen.joints.q).p[:2] - X_WN.p[:2]
+        aside = self.cup.p[:2] - X_WN.p[:2]
         return float(np.linalg.norm(aside)) < self._config.centring
 
-    def make_way(self, seen: FillObservation) -> Steps[FillObservation]:
+    def make_way(self) -> Steps[None]:
         """Raise the empty cup where it stands in the way of what is handed over next."""
-        p_WT = self.arm.cup(seen.joints.q).p
+        p_WT = self.cup.p
         aside = float(np.linalg.norm(p_WT[:2] - np.array(self._cell.hand_over.centre)))
         missing = self._tallest + self._config.clearance - float(p_WT[2])
-        if aside > self._config.hand_over_reach or missing <= 0.0:
-            return seen
-        return (yield from self.rise(seen, missing))
+        if aside <= self._config.hand_over_reach and missing > 0.0:
+            yield from self.rise(missing)
 
-    def down(self, seen: FillObservation, way: float, until: Until) -> Steps[FillObservation]:
+    def down(self, way: float, until: Until) -> Steps[None]:
+        """Come down slowly, until a condition holds."""
         path = [PathLeg(np.array([0.0, 0.0, -way]), 0.0, PEAK * way / self._config.touch_speed)]
-        return (yield from self.move(seen, path, until=until))
+        yield from self.move(path, until=until)
 
-    def rise(
-        self, seen: FillObservation, way: float, until: Until | None = None, speed: float | None = None
-    ) -> Steps[FillObservation]:
+    def rise(self, way: float, until: Until | None = None, speed: float | None = None) -> Steps[None]:
         """Rise straight up; what comes next need not wait for the arm to come to rest."""
         path = legs([np.array([0.0, 0.0, way])], speed or self._config.speed)
-        return (yield from self.move(seen, path, until=until, pause=0.0))
+        yield from self.move(path, until=until, pause=0.0)
 
     def move(
         self,
-        seen: FillObservation,
         path: list[PathLeg],
         q_WT: Array | None = None,
         until: Until | None = None,
         pause: float = PAUSE,
-    ) -> Steps[FillObservation]:
+    ) -> Steps[None]:
         """Follow a path to its end and for `pause` [s] beyond, or until a condition holds."""
-        motion = self.arm.plan(seen.joints.q, seen.joints.time, path, q_WT)
-        while seen.joints.time < motion.end + pause:
-            if until is not None and until(seen):
-                return seen
-            seen = yield FillCommand(motion.setpoints(seen.joints.time))
-        return seen
+        port = self.port
+        motion = self.arm.plan(port.q, port.time, path, q_WT)
+        while port.time < motion.end + pause:
+            if until is not None and until():
+                return
+            port.command = FillCommand(motion.setpoints(port.time))
+            yield
 
-    def contact(self, seen: FillObservation, force: float | None = None) -> Until:
+    @property
+    def cup(self) -> Pose:
+        """X_WT of the cup where the arm is."""
+        return self.arm.cup(self.port.q)
+
+    def contact(self, force: float | None = None) -> Until:
         """A condition: the external force has changed by more than `force` [N] from what it is now."""
-        tare, limit = seen.force, force or self._config.touch_force
-        return lambda s: float(np.linalg.norm(s.force - tare)) > limit
+        port, tare, limit = self.port, self.port.seen.force, force or self._config.touch_force
+        return lambda: float(np.linalg.norm(port.seen.force - tare)) > limit
 
     @property
     def _highest(self) -> float:

@@ -1,4 +1,4 @@
-"""Requests of a fill job that other nodes answer; each is looked at again until there is an answer."""
+"""Requests of a fill job that other nodes answer: each by the steps that lead to its answer."""
 
 from __future__ import annotations
 
@@ -9,20 +9,58 @@ import yaml
 from pack_interfaces.srv import GripperCommand, PlanFilling, PlanPlacement, PresentObject
 from rclpy.task import Future
 
-from pack_core.packing.goals import FillMethod
+from pack_core.errors import MessageError
+from pack_core.packing.goals import Arrangement, FillMethod
 from pack_core.packing.objects import ObjectModel
 from pack_core.packing.packing_list import PackingList
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.messages.conversions import to_pose
+from pack_core.ros.messages.conversions import from_pose, to_pose
 from pack_core.ros.messages.scene import to_scene
+from pack_core.ros.node import CellNode
+from pack_core.tasks.steps import Steps, ask, wait
 from pack_mpc.filling.requests import Arrange, Judge, Present, Presented, UsePump
 from pack_mpc.observation import PackingObservation
-from pack_mpc.ros.fill_clients import FillClients, arrangement_in, reason_in
 
-Poll = Callable[[], object | None]
-"""Returns the answer to a request, once there is one."""
+
+class FillClients:
+    """Clients of the services that a fill job uses."""
+
+    def __init__(self, node: CellNode) -> None:
+        self._clients = {
+            contract.name: node.create_client(contract.type, contract.name)
+            for contract in (
+                contracts.PLAN_FILLING, contracts.PRESENT, contracts.PLAN_PLACEMENT,
+                contracts.GRIPPER_COMMAND,
+            )
+        }  # fmt: skip
+
+    def call(self, contract: Contract, request: Any) -> Future:
+        """Send a request."""
+        return self._clients[contract.name].call_async(request)
+
+
+def reason_in(response: Any) -> str:
+    """Why a request was refused; empty if it was not."""
+    return "" if response.success else (response.message or "refused without a reason")
+
+
+def arrangement_in(response: PlanFilling.Response) -> Arrangement:
+    """The arrangement in a response.
+
+    Raises:
+        MessageError: the planner refused the request, or a pose cannot be used.
+    """
+    if not response.success:
+        raise MessageError(f"{contracts.PLAN_FILLING.name}: {response.message}")
+    if len(response.placed) != len(response.poses) or len(response.refused) != len(response.reasons):
+        raise MessageError(f"{contracts.PLAN_FILLING.name}: names and poses, or reasons, differ in number")
+    placed = dict(zip(response.placed, map(from_pose, response.poses), strict=True))
+    refused = dict(zip(response.refused, response.reasons, strict=True))
+    return Arrangement(tuple(response.order), placed, refused)
+
+
 JUDGED_BY = "algorithm_1"
 """Variant of the placement planner that says whether an object fits at all: it rehearses nothing."""
 SIGHT_TIME = 1.0
@@ -40,7 +78,7 @@ class FillRequests:
         scene: returns the newest description of the cell.
 
     Attributes:
-        seen: the newest observation; set before `begin`, and in every turn.
+        seen: the newest observation; set before the first step, and in every turn.
     """
 
     seen: PackingObservation
@@ -57,8 +95,8 @@ class FillRequests:
         self._seed += 1
         return self._seed
 
-    def begin(self, request: Arrange | Present | Judge | UsePump) -> Poll:
-        """Send a request; what is returned gives the answer once there is one."""
+    def steps(self, request: Arrange | Present | Judge | UsePump) -> Steps[object]:
+        """What leads to the answer of a request; raises PackError where it is none that can be used."""
         match request:
             case Arrange():
                 return self._arrange(request)
@@ -67,56 +105,56 @@ class FillRequests:
             case Judge():
                 return self._judge()
             case UsePump(close):
-                future = self._call(contracts.GRIPPER_COMMAND, GripperCommand.Request(close=close))
-                return lambda: reason_in(future.result()) if future.done() else None
+                return self._use_pump(close=close)
 
-    def _call(self, contract: Contract, request: Any) -> Future:
-        return self._clients.call(contract, request)
+    def _time(self) -> float:
+        return self.seen.joints.time
 
-    def _arrange(self, request: Arrange) -> Poll:
+    def _call(self, contract: Contract, request: Any) -> Steps[Any]:
+        """Send a request and wait for its answer; watched peers tell of a node that never answers."""
+        return (yield from ask(self._clients.call(contract, request), float("inf"), self._time))
+
+    def _arrange(self, request: Arrange) -> Steps[object]:
         remaining = self._given.model_copy(update={"objects": list(request.items)})
         text = yaml.safe_dump(remaining.model_dump(mode="json", exclude_none=True), sort_keys=False)
         planned = request.planned
-        future = self._call(
+        response = yield from self._call(
             contracts.PLAN_FILLING,
             PlanFilling.Request(
                 scene=to_scene(self.seen.scene), list=text, method=self._method.value, seed=self.next_seed(),
                 planned=list(planned), planned_poses=[to_pose(X_WO) for X_WO in planned.values()],
             ),
         )  # fmt: skip
-        return lambda: arrangement_in(future.result()) if future.done() else None
+        return arrangement_in(response)
 
-    def _present(self, item: ObjectModel) -> Poll:
+    def _present(self, item: ObjectModel) -> Steps[object]:
         text = yaml.safe_dump(item.model_dump(mode="json", exclude_none=True), sort_keys=False)
-        future = self._call(contracts.PRESENT, PresentObject.Request(object=text))
+        response = yield from self._call(contracts.PRESENT, PresentObject.Request(object=text))
+        if reason := reason_in(response):
+            return Presented(None, reason)
 
-        def poll() -> Presented | None:
-            if not future.done():
-                return None
-            if reason := reason_in(future.result()):
-                return Presented(None, reason)
-            # the description comes by a topic of its own, and maybe later than the answer
+        def is_described() -> bool:
             scene = self._scene()
-            is_new = scene.new_object.name == item.name and scene.is_handed_over
-            return Presented(scene) if is_new else None
+            return scene.new_object.name == item.name and scene.is_handed_over
 
-        return poll
+        # The description comes by a topic of its own, and maybe later than the answer.
+        yield from wait(is_described, float("inf"), self._time)
+        return Presented(self._scene())
 
-    def _judge(self) -> Poll:
+    def _judge(self) -> Steps[object]:
         """Ask once the object has been seen; one that is not will be looked for."""
-        deadline = self.seen.joints.time + SIGHT_TIME
-        future: Future | None = None
 
-        def poll() -> str | None:
-            nonlocal future
-            if future is not None:
-                return future.result().message if future.done() else None
-            scene, described = self.seen.scene, self._scene()
-            if {*described.names, described.new_object.name} == set(scene.objects):
-                request = PlanPlacement.Request(
-                    scene=to_scene(scene), variant=JUDGED_BY, seed=self.next_seed()
-                )
-                future = self._call(contracts.PLAN_PLACEMENT, request)
-            return "" if future is None and self.seen.joints.time > deadline else None
+        def is_seen() -> bool:
+            described = self._scene()
+            return {*described.names, described.new_object.name} == set(self.seen.scene.objects)
 
-        return poll
+        if not (yield from wait(is_seen, SIGHT_TIME, self._time)):
+            return ""
+        scene = to_scene(self.seen.scene)
+        request = PlanPlacement.Request(scene=scene, variant=JUDGED_BY, seed=self.next_seed())
+        return (yield from self._call(contracts.PLAN_PLACEMENT, request)).message
+
+    def _use_pump(self, *, close: bool) -> Steps[object]:
+        return reason_in(
+            (yield from self._call(contracts.GRIPPER_COMMAND, GripperCommand.Request(close=close)))
+        )

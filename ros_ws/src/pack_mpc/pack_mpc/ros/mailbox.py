@@ -1,15 +1,12 @@
-"""Keeps the newest message of every kind; one that cannot be used never replaces a good one."""
+"""What the controller plans from: the newest of every message, with all forces in between."""
 
 from __future__ import annotations
 
-import threading
 from collections import deque
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from geometry_msgs.msg import WrenchStamped
-from pack_interfaces.msg import GripperState
 from pack_interfaces.msg import SceneState as SceneMessage
 from sensor_msgs.msg import JointState
 
@@ -21,8 +18,9 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import finite
 from pack_core.ros.messages.joints import from_joint_state
 from pack_core.ros.messages.scene import from_scene
+from pack_core.ros.newest_messages import Kept, NewestMessages
 from pack_core.ros.node import CellNode
-from pack_core.ros.stream import Stream, StreamWait
+from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_mpc.observation import PackingObservation, blind_for
 
@@ -39,7 +37,7 @@ WRENCHES = 500
 """Wrenches that may wait: those of 2 s, as each counts for the force of a goal."""
 
 
-class Mailbox:
+class Mailbox(NewestMessages):
     """Keeps what the worker plans from. Messages are looked at when somebody asks, not as they come.
 
     Every message that still waits is judged then. The oldest are dropped unseen where more came than may
@@ -48,29 +46,22 @@ class Mailbox:
     Args:
         node: whose messages are kept.
         joints: names of the arm's joints, in the order that joint states must have.
-
-    Attributes:
-        force: newest external force on cup or held object `(3,)` [N], in the axes of `/wrench`.
     """
 
     def __init__(self, node: CellNode, joints: Sequence[str]) -> None:
-        self._node, self._joint_names = node, joints
-        self._lock = threading.Lock()
+        self._joint_names = joints
         self._joint_stamps, self._scene_stamps = StampCheck(node), StampCheck(node)
-        self._joints: JointSample | None = None
         self._observed: JointSample | None = None
-        self._scene: SceneState | None = None
-        self._is_held = True
-        self.force = np.zeros(3)
         # bounded, as nobody fetches them while no goal is pursued
         self._forces: deque[float] = deque(maxlen=WRENCHES)
-        joint_states = Stream(node, contracts.JOINT_STATES)
-        self._new_joints = StreamWait(node, (joint_states,))
-        self._streams: tuple[tuple[Stream, Callable[[Any], None]], ...] = (
-            (joint_states, self._on_joints),
-            (Stream(node, contracts.SCENE, depth=SCENES), self._on_scene),
-            (Stream(node, contracts.WRENCH, depth=WRENCHES), self._on_wrench),
-            (Stream(node, contracts.GRIPPER_STATE), self._on_gripper),
+        super().__init__(
+            node,
+            (
+                Kept(contracts.SCENE, self._to_scene, SCENES),
+                Kept(contracts.WRENCH, self._to_force, WRENCHES),
+                Kept(contracts.GRIPPER_STATE, lambda message: message.is_closed),
+                Kept(contracts.JOINT_STATES, self._to_joints),
+            ),
         )
         node.create_timer(REPORT_PERIOD, self.refresh, clock=node.wall)
 
@@ -79,6 +70,12 @@ class Mailbox:
         """The newest joint state, if there is one."""
         self.refresh()
         return self._joints
+
+    @property
+    def force(self) -> Array:
+        """Newest external force on cup or held object `(3,)` [N], in the axes of `/wrench`."""
+        force: Array | None = self[contracts.WRENCH]
+        return np.zeros(3) if force is None else force
 
     @property
     def is_held(self) -> bool:
@@ -95,17 +92,10 @@ class Mailbox:
     def wait_for_joints(self) -> bool:
         """Whether there is, within `JOINTS_WAIT`, a joint state that was not observed yet."""
         if self._joints is self._observed:
-            self._new_joints.wait(JOINTS_WAIT)
+            self.wait(JOINTS_WAIT)
             self.refresh()
         # A joint state that cannot be used is none: the driver stops an arm that nobody plans for.
         return self._joints is not self._observed
-
-    def refresh(self) -> None:
-        """Take all that has come; what cannot be used is counted and reported."""
-        with self._lock:
-            for stream, keep in self._streams:
-                for message in stream.take_all():
-                    self._node.guard(stream.contract, keep, message)
 
     def missing(self, scene: Scene) -> str:
         """What a goal cannot begin without and is still missing, in words; empty if nothing is.
@@ -115,10 +105,10 @@ class Mailbox:
         self.refresh()
         if self._joints is None:
             return f"no {contracts.JOINT_STATES.name} yet: is sim up?"
-        if self._scene is None:
+        if (seen := self._scene) is None:
             return f"no {contracts.SCENE.name} yet: is perception up?"
         held = scene.new_object.name
-        return "" if held in self._scene.objects else f"the cameras have not seen {held} yet"
+        return "" if held in seen.objects else f"the cameras have not seen {held} yet"
 
     def clear_forces(self) -> None:
         """Forget the forces noted so far, which belong to no goal."""
@@ -153,20 +143,33 @@ class Mailbox:
             self._forces.clear()
         return PackingObservation(joints, scene, forces, self._is_held)
 
-    def _on_joints(self, message: JointState) -> None:
+    @property
+    def _joints(self) -> JointSample | None:
+        joints: JointSample | None = self[contracts.JOINT_STATES]
+        return joints
+
+    @property
+    def _scene(self) -> SceneState | None:
+        scene: SceneState | None = self[contracts.SCENE]
+        return scene
+
+    @property
+    def _is_held(self) -> bool:
+        is_closed: bool | None = self[contracts.GRIPPER_STATE]
+        return is_closed is not False  # held until the gripper says otherwise
+
+    def _to_joints(self, message: JointState) -> JointSample:
         sample = from_joint_state(message, self._joint_names)
         self._joint_stamps.check(sample.time)
-        self._joints = sample
+        return sample
 
-    def _on_scene(self, message: SceneMessage) -> None:
+    def _to_scene(self, message: SceneMessage) -> SceneState:
         scene = from_scene(message)
         self._scene_stamps.check(scene.time)
-        self._scene = scene
+        return scene
 
-    def _on_wrench(self, message: WrenchStamped) -> None:
-        force = message.wrench.force
-        self.force = finite([force.x, force.y, force.z], "force")
-        self._forces.append(float(np.linalg.norm(self.force)))
-
-    def _on_gripper(self, message: GripperState) -> None:
-        self._is_held = message.is_closed
+    def _to_force(self, message: WrenchStamped) -> Array:
+        vector = message.wrench.force
+        force = finite([vector.x, vector.y, vector.z], "force")
+        self._forces.append(float(np.linalg.norm(force)))
+        return force
