@@ -19,10 +19,7 @@ setup(
             "ilqr = pack_baselines.ilqr.ilqr_optimizer:IlqrOptimizer",
             "judo = pack_baselines.judo_optimizer:JudoOptimizer",
         ],
-        "pack_planner.placement_planners": [
-            "algorithm_1 = pack_baselines.placement_planners:Algorithm1Planner",
-            "random = pack_baselines.placement_planners:RandomPosePlanner",
-        ],
+        "pack_planner.placement_planners": ["random = pack_baselines.random_pose_planner:RandomPosePlanner"],
         "pack_planner.rearrangement_planners": ["pirs = pack_baselines.pirs.pirs_planner:PirsPlanner"],
     },
 )

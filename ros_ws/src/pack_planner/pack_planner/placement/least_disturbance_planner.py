@@ -123,3 +123,33 @@ def _layer(ranked: Sequence[int], points: Array, spacing: float) -> tuple[list[i
         is_near = len(layer) and np.linalg.norm(points[layer] - points[k], axis=1).min() <= spacing
         (rest if is_near else layer).append(k)
     return layer, rest
+
+
+class Algorithm1Planner:
+    """Algorithm 1 alone: the cheapest feasible sample (Eq. 6), entered straight from above.
+
+    A fill job judges by it whether an object fits at all. The paper's baseline Uninformed Physics has it,
+    too: that one "still receives an informative packing pose from Alg. 1", and nothing else about the
+    objects, so it looks neither for a side to lean to nor for a way down.
+    """
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: PlacementConfig) -> None:
+        self._evaluation = PlacementEvaluation(scene, cell, config)
+
+    def plan(
+        self, state: SceneState, rng: np.random.Generator, *, lean: float = 0.0,
+        avoid: Sequence[npt.ArrayLike] = (), avoid_radius: float = 0.02, near: Pose | None = None,
+    ) -> PlannedPlacement:  # fmt: skip
+        """The cheapest feasible sample away from `avoid`; `lean` has no influence here.
+
+        The pose `near` is wanted at first, and no more once a placement has failed.
+        """
+        poses, now = self._evaluation.start(state)
+        near = None if len(avoid) else near
+        samples, reason = self._evaluation.evaluate(now, self._evaluation.sample(poses, rng, near), near)
+        ranked = ranked_feasible(samples, avoid, avoid_radius)
+        if not len(ranked):
+            return PlannedPlacement.failure(reason, samples)
+        best = int(ranked[0])
+        candidate = self._evaluation.candidate(now, samples.settled[best], samples.costs[best])
+        return PlannedPlacement.success(candidate, 0, samples)

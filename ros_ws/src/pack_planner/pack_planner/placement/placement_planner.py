@@ -55,7 +55,10 @@ MakePlanner = Callable[[Scene, PackingCell, PlacementConfig], PlacementPlanner]
 PLACEMENT_PLANNERS: Register[MakePlanner] = Register(
     "placement planner",
     "pack_planner.placement_planners",
-    {"physics": "pack_planner.placement.least_disturbance_planner:LeastDisturbancePlanner"},
+    {
+        "physics": "pack_planner.placement.least_disturbance_planner:LeastDisturbancePlanner",
+        "algorithm_1": "pack_planner.placement.least_disturbance_planner:Algorithm1Planner",
+    },
 )
 """All placement planners, by their value of the parameter `variant`."""
 
