@@ -8,8 +8,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from pack_core.packing.cell import packing_cell
 from pack_perception.mocap.physics_estimator import EstimatorConfig, PhysicsEstimator
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 from unit.pack_perception.mocap.pushing import CONTACT, Moment, pushing_run, standing_scene
 
 pytestmark = pytest.mark.benchmark

@@ -17,9 +17,8 @@ from pack_core.rotations import Array, Pose
 from pack_lockstep.node_parameters import load_parameters
 from pack_perception.boxes.box_vision import BoxVision, VisionConfig
 from pack_perception.boxes.table_camera import TableCamera
-from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, Snapshot
 from pack_sim.palletizing.real_arm import true_base
-from pack_sim.palletizing.snapshot import Snapshot
 from pack_sim.palletizing.true_cell import true_cell
 from unit.pack_perception.boxes.spawns import LIGHTS, NOMINAL, Dims, Light, Stage, errors, order_boxes, spawns
 

@@ -10,8 +10,7 @@ from pack_mpc.cost.weights import load_weights
 from pack_mpc.optimizers.sgn import SgnConfig, SgnOptimizer
 from pack_mpc.target import PackingTarget, Stage
 from pack_sim.packing.scene_generator import generate_scene
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 PERIOD = 0.048
 

@@ -25,8 +25,7 @@ from pack_core.ros.messages.scene import from_scene
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.perception_node import PerceptionNode, PerceptionNodeConfig
 from pack_sim.packing.scene_generator import generate_scene
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 
 def test_the_parameter_file_says_what_the_defaults_are() -> None:

@@ -19,8 +19,7 @@ from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.messages.conversions import from_stamp, to_pose
 from pack_core.ros.messages.scene import from_scene
 from pack_core.rotations import Pose
-from pack_sim.palletizing.overhead_camera import PalletCamera
-from pack_sim.palletizing.snapshot import Snapshot
+from pack_sim.palletizing.overhead_camera import PalletCamera, Snapshot
 
 
 def boxes_of(graph: Graph) -> dict[str, Pose]:

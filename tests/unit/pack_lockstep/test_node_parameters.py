@@ -9,7 +9,7 @@ from pack_lockstep import node_parameters
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.packing.lockstep_config import lockstep_config
 from pack_mpc.session import SessionConfig
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import SimulatorConfig
 
 
 def test_lockstep_runs_with_what_the_nodes_are_given() -> None:

@@ -10,8 +10,7 @@ from pack_core.packing.cell import packing_cell
 from pack_core.packing.scene import Scene
 from pack_mpc.controller import Predictor
 from pack_mpc.plant import PackingPlant
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from pack_core.packing.cell import packing_cell
 from pack_core.paths import config_path
 from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset, lockstep_config
 from pack_mpc.session import SessionConfig
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import SimulatorConfig
 
 PRESETS = sorted(path.stem for path in config_path("presets").glob("*.yaml"))
 

@@ -9,8 +9,7 @@ from pack_core.palletizing.imperfections import Displacement
 from pack_core.rotations import Pose, angle_between, from_yaw
 from pack_perception.boxes.box_vision import BoxVision, VisionConfig
 from pack_perception.boxes.table_camera import TableCamera
-from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
-from pack_sim.palletizing.snapshot import Snapshot
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, Snapshot
 from pack_sim.palletizing.true_cell import true_cell
 
 BOX = BoxBody("a", (0.40, 0.30, 0.20), 5.0)

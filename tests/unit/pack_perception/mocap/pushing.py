@@ -17,8 +17,7 @@ from pack_core.packing.scene import Scene
 from pack_core.robots.panda import PANDA
 from pack_core.rotations import Array, Pose, conjugate, from_yaw, log, multiply
 from pack_core.states import SceneState
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 POSITIONS = {
     "soup_can": (0.59, -0.06),

@@ -13,8 +13,7 @@ from pack_core.packing.packing_list import PackingList, handed_over
 from pack_core.rotations import Pose
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_perception.mocap.physics_estimator import EstimatorConfig
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 CELL = packing_cell()
 CAN = Cylinder(name="can", shape="cylinder", radius=0.034, height=0.08, mass=0.3)

@@ -15,8 +15,7 @@ from pack_core.rotations import angle_between
 from pack_core.states import SceneState, Source
 from pack_perception.mocap.physics_estimator import Correction, EstimatorConfig, PhysicsEstimator
 from pack_perception.mocap.rigid_body_fit import FitRefusal
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 from unit.pack_perception.mocap.pushing import (
     CONTACT,
     Moment,

@@ -11,8 +11,7 @@ from pack_core.packing.model import TIP_JOINTS, HeldRole
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, angle_between
 from pack_sim.packing.mismatch import MismatchConfig
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 TIP = Tip(lateral=6000.0, axial=8000.0, bending=15.0, twist=20.0, damping_time=0.006)
 CELL = packing_cell().model_copy(update={"tip": TIP})

@@ -5,7 +5,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pack_sim.packing.contacts import soften_contacts
+from pack_sim.packing.scene_physics import soften_contacts
 
 BALL = """
 <mujoco>

@@ -12,8 +12,7 @@ from pack_core.packing.objects import Box, Cylinder
 from pack_core.packing.packing_list import PackingList, handed_over
 from pack_core.rotations import Pose, angle_between, exp, from_yaw
 from pack_sim.packing.hand_over import HandOverConfig, presented_pose, seal_fault
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 CELL = packing_cell()
 CARTON = Box(name="carton", shape="box", size=(0.09, 0.06, 0.1), mass=0.3)

@@ -7,8 +7,7 @@ from pack_core.joints import Setpoints
 from pack_core.packing.cell import PackingCell, Suction, packing_cell
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, angle_between
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 
 SPOTS = {
     "soup_can": (0.42, 0.05), "coffee_tin": (0.58, 0.05), "tea_box": (0.50, 0.05),

@@ -8,7 +8,7 @@ from pack_core.palletizing.imperfections import CameraErrors
 from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array
 from pack_perception.boxes.table_camera import Rectifier
-from pack_sim.palletizing.lens import RealLens
+from pack_sim.palletizing.overhead_camera import RealLens
 
 CAMERA = PinholeCamera.looking_down([0.0, 0.0, 3.0], 700.0, 960, 540)
 LENS = LensDistortion(k1=-0.08, k2=0.02, p1=0.0004, p2=-0.0004)

@@ -13,8 +13,7 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_sim.camera_thread import CameraThread
-from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, camera_of
-from pack_sim.palletizing.snapshot import Snapshot
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, Snapshot, camera_of
 
 CONFIG = PalletCameraConfig(width=960)
 BOX = BoxBody("box", (0.5, 0.35, 0.3), 8.0)

@@ -10,8 +10,8 @@ from pack_core.palletizing.cell import palletizing_cell
 from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Pose, yaw_of
 from pack_sim.brakes import RAMP
-from pack_sim.palletizing.arrivals import arrival_pose
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
+from pack_sim.palletizing.true_cell import arrival_pose
 from unit.pack_sim.palletizing.rig import OVER_TABLE, Rig
 
 ACCELERATION = 1.5

@@ -16,7 +16,7 @@ from pack_lockstep.node_parameters import parameters_of
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_planner.placement.placement_planner import PlacementPlannerConfig
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import SimulatorConfig
 
 C = TypeVar("C", bound=BaseModel)
 Section = dict[str, Any]

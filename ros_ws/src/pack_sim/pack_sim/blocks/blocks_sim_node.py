@@ -20,8 +20,7 @@ from pack_core.robots.ur10e import LIMITS
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
 from pack_core.ros.messages.blocks import to_tags
-from pack_sim.blocks.ros.blocks_publisher import BlocksPublisher
-from pack_sim.blocks.ros.camera_publisher import CameraPublisher
+from pack_sim.blocks.ros.publishers import BlocksPublisher, CameraPublisher
 from pack_sim.blocks.simulator import BlocksSimulator, BlocksSimulatorConfig
 from pack_sim.ros.physics_node import Pacing, PhysicsNode, run_sim_with_camera
 

@@ -23,7 +23,25 @@ from pack_core.packing.model import (
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, conjugate, rotate
 from pack_core.states import ObjectState, SceneState
-from pack_sim.packing.contacts import soften_contacts
+
+
+def soften_contacts(model: mujoco.MjModel, width: float) -> None:
+    """Have the firmness of every contact grow from nothing, so that its force is continuous.
+
+    MuJoCo's default impedance is 0.9 at first touch: a contact takes nearly its whole load at once. What
+    the held object pushes then leaves it and meets it again about a hundred times a second, and the force
+    on the cup jumps between 2 and 12 N although the torques of the arm are smooth. From an impedance of 0
+    on, the force grows with the penetration instead, as where cartons and shrink film give way. Under
+    load the contact is no softer: 15 N press 0.5 kg in by 0.6 mm, and by 0.7 mm with the default.
+
+    Args:
+        model: changed in place.
+        width: penetration at which a contact has MuJoCo's largest impedance, 0.95 [m]; 0 leaves the default.
+    """
+    if width > 0.0:
+        # solimp: impedance at first touch, largest impedance, width, and the shape of the curve between
+        model.geom_solimp[:, 0], model.geom_solimp[:, 2] = 0.0, width
+
 
 STICTION = 0.999
 """Impedance of the joints' friction constraint; a softer one lets joints creep under static friction."""

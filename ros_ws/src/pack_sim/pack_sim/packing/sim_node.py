@@ -20,8 +20,7 @@ from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_sim.packing.ros.sensor_publisher import SensorPublisher
 from pack_sim.packing.scene_generator import generate_scene
-from pack_sim.packing.simulator import Simulator
-from pack_sim.packing.simulator_config import SimulatorConfig
+from pack_sim.packing.simulator import Simulator, SimulatorConfig
 from pack_sim.ros.physics_node import Pacing, PhysicsNode
 
 

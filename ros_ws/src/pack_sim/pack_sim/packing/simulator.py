@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from typing import Annotated
 
 import mujoco
 import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.bodies import body_pose
+from pack_core.config import AT_ONCE, Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.free_space import is_packed
@@ -17,17 +21,44 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
 from pack_sim.brakes import TorqueBrake
-from pack_sim.packing.contact_governor import ContactGovernor
-from pack_sim.packing.hand_over import hang_fault, present_fault, presented_pose, seal_fault
-from pack_sim.packing.joint_controller import JointController
-from pack_sim.packing.mismatch import actual, actual_object, believed, believed_object, joint_friction
-from pack_sim.packing.mocap import MocapSystem
-from pack_sim.packing.payload import PayloadCompensation
+from pack_sim.packing.contact_governor import ContactGovernor, ContactGovernorConfig
+from pack_sim.packing.hand_over import HandOverConfig, hang_fault, present_fault, presented_pose, seal_fault
+from pack_sim.packing.joint_controller import JointController, PayloadCompensation
+from pack_sim.packing.mismatch import (
+    MismatchConfig,
+    actual,
+    actual_object,
+    believed,
+    believed_object,
+    joint_friction,
+)
+from pack_sim.packing.mocap import MocapConfig, MocapSystem
 from pack_sim.packing.pump import PumpModel
 from pack_sim.packing.scene_physics import PhysicsOptions, ScenePhysics
-from pack_sim.packing.simulator_config import SimulatorConfig
-from pack_sim.packing.wrench_sensor import WrenchSensor
+from pack_sim.packing.wrench_sensor import WrenchSensor, WrenchSensorConfig
 from pack_sim.setpoint_follower import SetpointFollower
+
+
+class SimulatorConfig(Config):
+    """Parameters of the simulated driver, its sensors and its errors."""
+
+    timestep: float = Field(default=0.001, gt=0, le=0.001, description="physics and joint controller [s]")
+    watchdog: PositiveFloat = Field(default=0.1, description="age at which setpoints are stale [s]")
+    governor: ContactGovernorConfig = ContactGovernorConfig()
+    friction_compensation: NonNegativeFloat = Field(
+        default=0.0, description="compensated friction of each joint, along its desired velocity [N m]"
+    )
+    torque_rate: PositiveFloat = Field(
+        default=math.inf, description="fastest change of a joint's torque while setpoints are tracked [N m/s]"
+    )
+    contact_width: NonNegativeFloat = Field(
+        default=0.0005,
+        description="penetration over which a contact becomes firm [m]; 0: at first touch, as MuJoCo has it",
+    )
+    mocap: MocapConfig = MocapConfig()
+    wrench_sensor: Annotated[WrenchSensorConfig, AT_ONCE] = WrenchSensorConfig()
+    mismatch: MismatchConfig = MismatchConfig()
+    hand_over: HandOverConfig = HandOverConfig()
 
 
 class Simulator:

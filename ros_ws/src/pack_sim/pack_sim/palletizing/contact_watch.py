@@ -1,7 +1,11 @@
-"""Unwanted contacts: the arm or its tool against anything, or a side of the carried box against anything."""
+"""What whoever looks on is told: unwanted contacts, and how near visitors truly came to the arm.
+
+Unwanted are contacts of the arm or its tool with anything, and of a side of the carried box with anything.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -106,3 +110,30 @@ class ContactWatch:
 
     def _end(self, index: int) -> float:
         return self.events[index].time + self.events[index].duration
+
+
+FARTHEST = 5.0
+"""Distances are computed up to this [m]; beyond it, this is the result."""
+
+
+def visitor_distances(
+    model: mujoco.MjModel, data: mujoco.MjData, visitors: Sequence[str], held: str
+) -> dict[str, float]:
+    """Least distance [m] of each visitor from the moving parts of the arm; negative where they overlap.
+
+    Args:
+        model: the cell.
+        data: its state, with body poses.
+        visitors: names of the visitors.
+        held: name of the carried box; empty when none is carried.
+    """
+    arm = [int(i) for i in np.flatnonzero((model.geom_contype & ARM_BITS) != 0)]
+    if held:
+        arm.append(model.geom(held).id)
+    ends = np.zeros(6)  # the two nearest points, which nobody asks for
+    return {
+        name: min(
+            mujoco.mj_geomDistance(model, data, geom, model.geom(name).id, FARTHEST, ends) for geom in arm
+        )
+        for name in visitors
+    }

@@ -21,9 +21,7 @@ from pack_core.ros.messages.conversions import from_pose
 from pack_sim.palletizing.crossings import visitors_of
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig
-from pack_sim.palletizing.ros.camera_publisher import PalletCameraPublisher
-from pack_sim.palletizing.ros.cell_publisher import CellPublisher
-from pack_sim.palletizing.ros.scan_publisher import ScanPublisher
+from pack_sim.palletizing.ros.publishers import CellPublisher, PalletCameraPublisher, ScanPublisher
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pack_sim.palletizing.visitor_sensor import VisitorSensor, VisitorSensorConfig
 from pack_sim.ros.physics_node import Pacing, PhysicsNode, run_sim_with_camera

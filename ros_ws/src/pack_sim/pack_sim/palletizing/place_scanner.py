@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from dataclasses import dataclass
 from typing import Annotated
 
 import mujoco
@@ -13,10 +14,18 @@ from pack_core.config import Config
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.scanner import SCANNED, PlaceScan
 from pack_core.rotations import Array, rotate
-from pack_sim.palletizing.snapshot import PhysicsSnapshot
 
 REACH = 6.0
 """Nothing farther away is measured [m]."""
+
+
+@dataclass(frozen=True)
+class PhysicsSnapshot:
+    """The state of the physics at `time` [s], with body poses, for whoever looks at it in another thread."""
+
+    time: float
+    model: mujoco.MjModel
+    data: mujoco.MjData
 
 
 class PlaceScannerConfig(Config):

@@ -23,16 +23,13 @@ from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
 from pack_sim.brakes import GentleBrake
 from pack_sim.joint_servo import JointServo
-from pack_sim.palletizing.arrivals import arrival_pose
-from pack_sim.palletizing.contact_watch import ContactWatch
-from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig
+from pack_sim.palletizing.contact_watch import ContactWatch, visitor_distances
+from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, Snapshot
 from pack_sim.palletizing.physics import Physics
-from pack_sim.palletizing.place_scanner import PlaceScanner, PlaceScannerConfig
+from pack_sim.palletizing.place_scanner import PhysicsSnapshot, PlaceScanner, PlaceScannerConfig
 from pack_sim.palletizing.real_arm import GearTrain, true_base
-from pack_sim.palletizing.snapshot import PhysicsSnapshot, Snapshot
 from pack_sim.palletizing.surface_gripper import SurfaceGripper
-from pack_sim.palletizing.true_cell import true_cell
-from pack_sim.palletizing.visitor_watch import visitor_distances
+from pack_sim.palletizing.true_cell import arrival_pose, true_cell
 from pack_sim.setpoint_follower import SetpointFollower
 
 UNEVEN = np.array([0.004, -0.003, 0.0])

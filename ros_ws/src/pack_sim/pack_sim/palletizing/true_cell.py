@@ -1,13 +1,15 @@
-"""Where things of a real cell truly are, and what its camera truly is: drawn from the seed."""
+"""Where things of a real cell truly are, what its camera truly is, and where boxes arrive: from the seed."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from pack_core.camera import LensDistortion
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import OverheadCameraMount, PalletizingCell
 from pack_core.palletizing.imperfections import CameraErrors, Displacement, PoseError
 from pack_core.palletizing.scanner import SCANNED
+from pack_core.rotations import Pose, from_yaw
 
 FURNITURE, CAMERA, SCANNERS = 2, 3, 9
 """Streams of random numbers beside that of the arm's base: each error is the same whatever else is off."""
@@ -60,3 +62,16 @@ def _drawn(error: PoseError, rng: np.random.Generator) -> Displacement:
     shift, axis = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
     turn = np.deg2rad(error.orientation_deg) * axis
     return Displacement.of([*(error.position * shift), *turn])
+
+
+def arrival_pose(cell: PalletizingCell, box: BoxBody, seed: int) -> Pose:
+    """X_WB of a box that arrives near the middle of the picking table, displaced and turned at random.
+
+    The same seed and box give the same pose, whichever boxes arrived before: each box has its own generator.
+    """
+    rng = np.random.default_rng([seed, box.look])
+    offset = rng.uniform(-cell.spawn.offset, cell.spawn.offset, 2)
+    yaw = np.deg2rad(rng.uniform(-cell.spawn.yaw_deg, cell.spawn.yaw_deg))
+    x, y = np.array(cell.picking_table.centre) + offset
+    level = Pose(np.array([x, y, cell.picking_table.height + box.half_extents[2]]), from_yaw(yaw))
+    return cell.picking_table.displaced(level)
