@@ -26,6 +26,11 @@ def test_a_preset_that_changes_the_planner_gives_another_placement() -> None:
     assert not replay_planner(sample(), seed=SEED, preset=PackingPreset(planner={"samples": 20})).agrees
 
 
+def test_a_preset_may_say_how_containers_are_filled() -> None:
+    preset = PackingPreset(mpc={"fill": {}})
+    assert replay_planner(sample(), seed=SEED, preset=preset).agrees
+
+
 def test_what_is_done_before_the_first_answer_is_no_placement() -> None:
     run = sample_run()
     waiting = run.iterations.placements.copy()

@@ -36,6 +36,7 @@ from pack_evaluation.track import Track, to_tracks
 from pack_lockstep.node_parameters import parameters_of
 from pack_lockstep.packing.lockstep_config import PackingPreset
 from pack_mpc.cost.weights import load_weights
+from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.session import SessionConfig
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_perception.mocap.physics_estimator import EstimatorConfig
@@ -275,7 +276,7 @@ def replay_planner(
     given = preset or PackingPreset()
     config = given.parameters("planner", PlacementPlannerConfig)
     planner = PlacementPlanners(scene, given.packing_cell(), config).of(method.placement_variant)
-    session = given.parameters("mpc", SessionConfig)
+    session = given.parameters("mpc", FillSessionConfig)
     times = [from_stamp(message.header.stamp) for message in bag.of(SETTLED_SAMPLES)]
     rows = tuple(
         _compare_placement(planner, session, request, scenes, seed) for request in requests(run, times)
