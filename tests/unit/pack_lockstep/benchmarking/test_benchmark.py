@@ -1,5 +1,6 @@
 """The engine of all benchmarks, with a benchmark that takes no time."""
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +10,7 @@ import pytest
 
 from pack_core.errors import ConfigError
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict, run_benchmark
-from pack_lockstep.benchmarking.results_folder import ResultsFolder
+from pack_lockstep.benchmarking.results_folder import SOURCES, ResultsFolder
 
 ORIGIN = {"command": "pack benchmark squares", "commit": "1a2b", "versions": {"numpy": "2"}}
 
@@ -69,7 +70,6 @@ def squares(*values: int, factor: int = 1) -> Squares:
 
 def test_trials_are_shown_as_they_end_and_kept_in_the_order_of_the_jobs(tmp_path: Path) -> None:
     folder = ResultsFolder(tmp_path / "new")
-    assert folder.commit == ""
     shown = list(run_benchmark(squares(1, 2, 4), folder, Backwards(), ORIGIN))
     assert [trial.name for trial in shown] == ["number_4", "number_2", "number_1"]
     assert [trial.success for trial in shown] == [False, True, True]
@@ -77,7 +77,7 @@ def test_trials_are_shown_as_they_end_and_kept_in_the_order_of_the_jobs(tmp_path
     assert [trial["square"] for trial in kept.trials] == [1, 4, 16]
     assert kept.settings == {"factor": 1}
     assert kept.origin == {**ORIGIN, "results": str(tmp_path / "new")}
-    assert (folder.cell, folder.commit) == ("packing", "1a2b")
+    assert folder.cell == "packing"
 
 
 def test_only_what_is_missing_is_run(tmp_path: Path) -> None:
@@ -94,6 +94,25 @@ def test_what_was_done_before_an_interruption_is_kept(tmp_path: Path) -> None:
     next(running)
     running.close()
     assert folder.count(["number_1", "number_2", "number_3"]) == 1
+
+
+def test_what_the_trials_were_made_with_is_kept_until_all_is_measured_anew(tmp_path: Path) -> None:
+    folder = ResultsFolder(tmp_path)
+    assert folder.sources == {}
+    list(run_benchmark(squares(1), folder, Backwards(), ORIGIN, ["config/cells/blocks.yaml"]))
+    assert {
+        "config/cells/blocks.yaml",
+        "ros_ws/src/pack_evaluation/pack_evaluation/packing/studies.py",
+    } <= set(folder.sources)
+    assert folder.changed_sources() == []
+
+    kept = folder.sources
+    (tmp_path / SOURCES).write_text(json.dumps({**kept, "config/cells/blocks.yaml": "of another day"}))
+    list(run_benchmark(squares(1, 2), folder, Backwards(), ORIGIN, ["config/cells/blocks.yaml"]))
+    assert folder.changed_sources() == ["config/cells/blocks.yaml"]
+
+    folder.clear(Squares.files)
+    assert folder.sources == {}
 
 
 def test_results_of_other_settings_or_of_another_cell_are_refused(tmp_path: Path) -> None:

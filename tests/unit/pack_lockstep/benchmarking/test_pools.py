@@ -14,18 +14,22 @@ from pack_lockstep.benchmarking.pools import SINGLE_THREADED, LocalPool, open_po
 MISSING = Path("no_such_scene.yaml")
 """`load_scene` of it raises ConfigError."""
 ENDLESS = """
-import os, signal, sys
+import os, signal
 from pathlib import Path
-from pack_lockstep.benchmarking.pools import LocalPool
 
 def work(pipe):
     Path(pipe).write_text(str(os.getpid()))
     signal.pause()
-
-if __name__ == "__main__":
-    list(LocalPool(1).run(work, sys.argv[1:]))
 """
 """Says the number of the process that a job runs in."""
+SCRIPT = """
+import sys
+from endless import work
+from pack_lockstep.benchmarking.pools import LocalPool
+
+list(LocalPool(1).run(work, sys.argv[1:]))
+"""
+"""Has no guard against being imported: processes that it starts must not."""
 
 
 def test_every_job_comes_back_once_whatever_the_order() -> None:
@@ -53,7 +57,8 @@ def test_the_death_of_a_process_is_an_error_not_a_wait() -> None:
 
 def test_processes_end_when_the_one_that_started_them_is_killed(tmp_path: Path) -> None:
     script, pipe = tmp_path / "script.py", tmp_path / "pipe"
-    script.write_text(ENDLESS)
+    (tmp_path / "endless.py").write_text(ENDLESS)
+    script.write_text(SCRIPT)
     os.mkfifo(pipe)
     with subprocess.Popen([sys.executable, str(script), str(pipe)]) as parent:
         worker = os.pidfd_open(int(pipe.read_text()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -52,19 +53,21 @@ def run(benchmark: Benchmark[Any, Any], options: RunOptions) -> None:
     from pack_lockstep.benchmarking.pools import open_pool
     from pack_lockstep.benchmarking.results_folder import SUMMARY, ResultsFolder
     from pack_lockstep.benchmarking.side_by_side import CellStudies
+    from pack_lockstep.benchmarking.sources import used_since_watch
 
+    set_up_with = used_since_watch()
     folder = ResultsFolder(options.output or bags_path() / "benchmarks" / benchmark.folder_name)
     make_output_folder(folder.path)
     if options.fresh:
         folder.clear(benchmark.files)
+    if changed := folder.changed_sources():
+        _warn_of_other_code(folder.path, changed)
     names, origin = [job.name for job in benchmark.jobs], provenance(command_line())
-    if begun := folder.commit:
-        _warn_of_other_code(begun, origin["commit"])
     with (
         open_pool(options.jobs, options.ray, benchmark.threads) as pool,
         TrialProgress(len(names), folder.count(names)) as bar,
     ):
-        for trial in run_benchmark(benchmark, folder, pool, origin):
+        for trial in run_benchmark(benchmark, folder, pool, origin, set_up_with):
             bar.add(trial)
     evaluator = cell_part(benchmark.cell, benchmark.studies)
     studies = evaluator.of_benchmark(folder.kept(names))
@@ -80,8 +83,11 @@ def run(benchmark: Benchmark[Any, Any], options: RunOptions) -> None:
         write_json(path, summary)
 
 
-def _warn_of_other_code(begun: str, now: str) -> None:
-    """Settings are compared, code is not: whoever goes on with other code should know."""
-    if begun != now:
-        text = f"the folder's first trials are of commit {begun}, this is {now}; --fresh measures all anew"
-        notice(text, typer.colors.YELLOW, is_error=True)
+def _warn_of_other_code(folder: Path, changed: Sequence[str]) -> None:
+    """Settings are compared and refused; whoever goes on with other code should know."""
+    text = (
+        f"the trials in {folder} were made before {changed[0]}"
+        + (f" and {len(changed) - 1} other files" if len(changed) > 1 else "")
+        + " changed, on which they depend; --fresh measures all anew"
+    )
+    notice(text, typer.colors.YELLOW, is_error=True)

@@ -25,5 +25,15 @@ for group, name in ((demos, "demo"), (goals, "goal"), (benchmarks, "benchmark"))
     app.add_typer(group, name=name)
     for cell in CELLS:
         group.command(cell)(cell_part(cell, name))
+
+
+@benchmarks.callback()
+def _watch() -> None:
+    """Note what the command uses of the project from here on: its results depend on it."""
+    from pack_lockstep.benchmarking.sources import watch
+
+    watch()
+
+
 benchmarks.command("faults")(faults)
 benchmarks.command("hands")(hands)

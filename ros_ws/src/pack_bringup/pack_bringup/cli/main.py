@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.cli import bag, cells, evaluate, play, run, status, up, wiring
+from pack_bringup.cli import bag, cells, evaluate, play, results, run, status, up, wiring
 from pack_bringup.cli.terminal import no_colours, notice
 from pack_bringup.robustness import commands as robustness
 from pack_core.cells import CELLS, optional_cell_part
@@ -24,6 +24,7 @@ app = typer.Typer(
     - `pack demo packing` packs one object and reports; `pack demo palletizing`, `pack demo blocks` likewise
     - `pack evaluate BAG` measures a recorded run
     - `pack benchmark packing` measures many scenes, without ROS, on simulated time
+    - `pack results` says which published figures are of this code
     - `pack order import items.csv --unit mm` makes orders for the palletizing cell
     - `pack replay BAG --node perception` feeds an algorithm what its node received, and compares
     - `pack play BAG` publishes a recording into the live graph
@@ -35,7 +36,7 @@ app = typer.Typer(
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (cells, evaluate, bag, play, up, status, run, robustness, wiring):
+for command in (cells, evaluate, results, bag, play, up, status, run, robustness, wiring):
     app.add_typer(command.app)
 for cell in CELLS:
     for cells_own in optional_cell_part(cell, "commands") or ():

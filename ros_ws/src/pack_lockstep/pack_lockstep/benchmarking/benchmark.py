@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from pack_lockstep.benchmarking.pools import Pool
 from pack_lockstep.benchmarking.results_folder import ResultsFolder
+from pack_lockstep.benchmarking.sources import Traced
 
 
 class NamedJob(Protocol):
@@ -77,7 +78,11 @@ class Benchmark(ABC, Generic[JobT, ResultT]):
 
 
 def run_benchmark(
-    benchmark: Benchmark[JobT, ResultT], folder: ResultsFolder, pool: Pool, origin: Mapping[str, Any]
+    benchmark: Benchmark[JobT, ResultT],
+    folder: ResultsFolder,
+    pool: Pool,
+    origin: Mapping[str, Any],
+    sources: Iterable[str] = (),
 ) -> Iterator[Verdict]:
     """Run the jobs that the folder does not have yet.
 
@@ -86,6 +91,7 @@ def run_benchmark(
         folder: keeps each trial as soon as it has ended.
         pool: where to run it.
         origin: command, commit and versions, kept in a new folder.
+        sources: files of the project that were used to set the benchmark up; those of its trials are added.
 
     Yields:
         Trials in the order in which they end.
@@ -94,8 +100,10 @@ def run_benchmark(
         PackError: the folder is of other settings or another cell, or a job cannot be run.
     """
     file = folder.open(benchmark.cell, benchmark.settings(), origin)
+    folder.add_sources(sources)
     missing = [job for job in benchmark.jobs if job.name not in file.trials]
-    for result in pool.run(benchmark.work, missing):
+    for result, sources in pool.run(Traced(benchmark.work, benchmark.cell, benchmark.studies), missing):
         trial = benchmark.keep(result, folder.path)
+        folder.add_sources(sources)
         file.add(trial)
         yield benchmark.verdict(trial)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -55,7 +56,10 @@ def open_pool(jobs: int, ray_address: str | None, threads: int) -> Iterator[Pool
 
 
 class LocalPool:
-    """Fresh processes, so that a trial cannot tell what ran before it."""
+    """Fresh processes, so that a trial cannot tell what ran before it.
+
+    Work comes from a module that can be imported, not from the script that runs.
+    """
 
     def __init__(self, jobs: int) -> None:
         self._jobs = jobs
@@ -68,7 +72,8 @@ class LocalPool:
         """
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(self._jobs, context, _follow_the_parent) as executor:
-            futures = [executor.submit(work, job) for job in jobs]
+            with _without_main_file():
+                futures = [executor.submit(work, job) for job in jobs]
             try:
                 for future in as_completed(futures):
                     yield future.result()
@@ -90,6 +95,22 @@ def _end_with_the_parent() -> None:
     if parent := multiprocessing.parent_process():
         parent.join()
         os._exit(1)
+
+
+@contextmanager
+def _without_main_file() -> Iterator[None]:
+    """Keep processes that start meanwhile from importing the script that runs here.
+
+    multiprocessing has each of them import it by its file. That is the `pack` command with the commands of
+    all cells, which no trial uses and no result depends on.
+    """
+    main = sys.modules["__main__"]
+    file = main.__dict__.pop("__file__", None)
+    try:
+        yield
+    finally:
+        if file is not None:
+            main.__file__ = file
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from pack_core.cells import CELLS
 from pack_core.errors import ConfigError
 from pack_core.text.json_text import parse_json
 from pack_evaluation.study import KeptTrials
+from pack_lockstep.benchmarking.sources import digests
 
 SHOWN = 6
 """Differences that an error names."""
@@ -135,11 +136,11 @@ def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-TRIALS, SUMMARY = "trials.jsonl", "summary.json"
+TRIALS, SUMMARY, SOURCES = "trials.jsonl", "summary.json", "sources.json"
 
 
 class ResultsFolder:
-    """trials.jsonl, summary.json, report.html, and whatever files a cell keeps beside its trials.
+    """trials.jsonl, sources.json, summary.json, report.html, and what a cell keeps beside its trials.
 
     Args:
         path: the folder; made when the first trial is kept.
@@ -172,8 +173,9 @@ class ResultsFolder:
         return len(set(names) & read_trials(self.path / TRIALS).trials.keys())
 
     def clear(self, files: Iterable[str]) -> None:
-        """Remove the results and nothing else: the trials, and files by their patterns."""
-        (self.path / TRIALS).unlink(missing_ok=True)
+        """Remove the results and nothing else: the trials, their sources, and files by their patterns."""
+        for name in (TRIALS, SOURCES):
+            (self.path / name).unlink(missing_ok=True)
         for file in (found for pattern in files for found in self.path.glob(pattern)):
             file.unlink()
 
@@ -188,11 +190,22 @@ class ResultsFolder:
         return str(read_trials(self.path / TRIALS).settings.get("studies", "studies"))
 
     @property
-    def commit(self) -> str:
-        """The commit that the results were begun with; empty where there are none, or it was not kept."""
-        if not self.is_at(self.path):
-            return ""
-        return str(read_trials(self.path / TRIALS).origin.get("commit", ""))
+    def sources(self) -> dict[str, str]:
+        """Files of the project that the trials depend on, with the digest of each when it was first used."""
+        path = self.path / SOURCES
+        return dict(parse_json(path.read_text(), str(path))) if path.is_file() else {}
+
+    def add_sources(self, paths: Iterable[str]) -> None:
+        """Keep which files of the project were used, and their digests where a file was not used before."""
+        before = self.sources
+        if new := set(paths) - before.keys():
+            (self.path / SOURCES).write_text(json.dumps({**before, **digests(new)}, indent=1, sort_keys=True))
+
+    def changed_sources(self) -> list[str]:
+        """Files of the project that the trials depend on and that are different now."""
+        before = self.sources
+        now = digests(before)
+        return [path for path in before if before[path] != now[path]]
 
     def kept(self, names: Sequence[str] | None = None) -> KeptTrials:
         """The trials that are named, in that order, as far as there are; all of them if None.

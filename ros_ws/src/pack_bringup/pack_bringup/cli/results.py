@@ -1,0 +1,215 @@
+"""`pack results`: the published figures, which of them are of this code, and how to measure the others."""
+
+from __future__ import annotations
+
+import subprocess
+from collections import Counter, defaultdict
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.text import Text
+
+from pack_bringup.cli.options import Jobs, Ray
+from pack_bringup.cli.terminal import notice, show_table
+
+if TYPE_CHECKING:
+    from pack_lockstep.results.definitions import BenchmarkDefinition, Definitions
+    from pack_lockstep.results.published import PublishedResult, Standing
+
+app = typer.Typer()
+results = typer.Typer(
+    help="List the published figures, and measure again what is not of this code.\n\n"
+    "Every figure of README and of the pages of results comes from a file results/CELL/NAME.json, which "
+    "names the sources, the configuration and the packages that its run used. It is valid as long as these "
+    "are what they were; comments and docstrings do not count.\n\n"
+    "- `pack results` lists all with valid, stale or missing, and the reason\n"
+    "- `pack results run` measures what is not valid, those that take longest first\n"
+    "- `pack results run packing/ideal blocks --jobs 2`\n"
+    "- `pack results tables` writes the tables of the pages from the files",
+)
+app.add_typer(results, name="results")
+
+Names = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[NAME]...", help="Names of results/benchmarks.yaml, or cells. Default: all."),
+]
+COLOURS = {"valid": "green", "stale": "yellow", "missing": "red"}
+
+
+@results.callback(invoke_without_command=True)
+def _list(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        show([])
+
+
+@results.command("list")
+def show(names: Names = None) -> None:
+    """List results with their state, version and date.
+
+    - `pack results list packing`
+    """
+    from pack_lockstep.results.definitions import load_definitions
+    from pack_lockstep.results.published import ResultState
+
+    rows, reasons = [], defaultdict[str, list[str]](list)
+    counts, left = Counter[str](), 0.0
+    for name, definition in load_definitions().chosen(names or ()).items():
+        found, standing = _standing(name, definition)
+        state = standing.state.value
+        counts[state] += 1
+        left += 0.0 if state == ResultState.VALID.value else definition.minutes
+        if standing.reason:
+            reasons[standing.reason].append(name)
+        origin = (found.version, found.date) if found else ("", "")
+        rows.append((name, Text(state, COLOURS[state]), *origin, f"{definition.minutes:g}"))
+    show_table(("name", "state", "version", "date", "minutes"), rows)
+    for reason, whose in reasons.items():
+        typer.echo(f"stale because {reason}: {', '.join(whose)}")
+    said = ", ".join(f"{counts[state.value]} {state.value}" for state in ResultState if counts[state.value])
+    typer.echo(f"{said}; what is not valid takes about {left:.0f} minutes of one core")
+
+
+@results.command()
+def run(
+    names: Names = None,
+    jobs: Jobs = 1,
+    ray: Ray = None,
+    everything: Annotated[bool, typer.Option("--all", help="Also what is valid.")] = False,
+) -> None:
+    """Measure what is stale or missing, and publish each result as soon as it is there.
+
+    Trials are kept below bags/results: after Ctrl-C the same command goes on where it was, unless sources
+    changed that the trials depend on. A benchmark that fails does not keep the others from being run; the
+    exit code is then 1.
+
+    - `pack results run --jobs 2`
+    - `pack results run packing/ideal`
+    """
+    from pack_lockstep.results.definitions import load_definitions
+    from pack_lockstep.results.published import ResultState
+
+    definitions = load_definitions()
+    wanted = {
+        name: definition
+        for name, definition in definitions.chosen(names or ()).items()
+        if everything or _standing(name, definition)[1].state is not ResultState.VALID
+    }
+    if not wanted:
+        typer.echo("all of these results are valid; --all measures them anew")
+        return
+    failed = []
+    for number, (name, definition) in enumerate(wanted.items(), 1):
+        minutes = definition.minutes / (definition.jobs or jobs)
+        notice(f"[{number} of {len(wanted)}] {name}, about {minutes:.0f} minutes", typer.colors.CYAN)
+        if not _measure(name, definition, definitions, jobs=jobs, ray=ray):
+            failed.append(name)
+    if failed:
+        notice(f"could not be measured: {', '.join(failed)}", typer.colors.RED, is_error=True)
+        raise typer.Exit(1)
+    typer.echo("now: pack results tables")
+
+
+def _measure(
+    name: str, definition: BenchmarkDefinition, definitions: Definitions, *, jobs: int, ray: str | None
+) -> bool:
+    """Run a benchmark in a process of its own and publish its summary; whether it came to its end."""
+    from pack_core.paths import bags_path
+    from pack_lockstep.benchmarking.results_folder import ResultsFolder
+
+    folder = ResultsFolder(bags_path() / "results" / name)
+    command = ["pack", "benchmark", *definition.arguments, "--output", str(folder.path)]
+    command += ["--jobs", str(definition.jobs or jobs)]
+    if ray is not None:
+        command += ["--ray", ray]
+    if ResultsFolder.is_at(folder.path) and (not folder.sources or folder.changed_sources()):
+        command.append("--fresh")
+    if subprocess.run(command, check=False).returncode != 0:
+        return False
+    _publish(name, definition, definitions, folder.path)
+    return True
+
+
+def _publish(name: str, definition: BenchmarkDefinition, definitions: Definitions, folder: Path) -> None:
+    """Write the file of a result, and a line of the history."""
+    from pack_core.text.json_text import parse_json
+    from pack_evaluation.provenance import checked_out_commit, installed_versions, machine, project_version
+    from pack_lockstep.benchmarking.results_folder import SUMMARY, ResultsFolder
+    from pack_lockstep.results import history
+    from pack_lockstep.results.definitions import results_path
+    from pack_lockstep.results.published import PublishedResult, file_of
+
+    summary = parse_json((folder / SUMMARY).read_text(), str(folder / SUMMARY))
+    result = PublishedResult(
+        command=f"pack benchmark {definition.command}", date=date.today().isoformat(),
+        version=project_version(), commit=checked_out_commit(), machine=machine(),
+        packages=installed_versions(), summary=summary, sources=ResultsFolder(folder).sources,
+    )  # fmt: skip
+    result.save(file_of(name, results_path()))
+    row = {"date": result.date, "version": result.version, "commit": result.commit[:8], "name": name}
+    history.append(results_path(), {**row, **definitions.trend_of(name, summary)})
+
+
+@results.command()
+def tables(
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; exit code 1 if a page differs from the files.")
+    ] = False,
+) -> None:
+    """Write the tables of README and of the pages of results from the files.
+
+    - `pack results tables`
+    """
+    from pack_core.paths import project_root
+    from pack_evaluation.provenance import project_version
+    from pack_lockstep.results.definitions import load_definitions
+    from pack_lockstep.results.pages import pages, with_tables
+
+    found = {name: _load(name) for name in load_definitions().benchmarks}
+    there = {name: result for name, result in found.items() if result is not None}
+    differing = 0
+    for page in pages(project_root()):
+        before = page.read_text()
+        after = with_tables(before, there, project_version())
+        if after != before:
+            differing += 1
+            typer.echo(f"{page.relative_to(project_root())} {'differs' if check else 'is written'}")
+            if not check:
+                page.write_text(after)
+    if check and differing:
+        raise typer.Exit(1)
+
+
+@results.command()
+def plot(
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Default: docs/images/results_history.png."),
+    ] = None,
+) -> None:
+    """Draw success, time, force and error of all results over the versions, from results/history.csv."""
+    from pack_core.paths import project_root
+    from pack_lockstep.results.definitions import results_path
+    from pack_lockstep.results.history import PLOT, write_plot
+
+    path = output or project_root() / "docs" / "images" / PLOT
+    write_plot(results_path(), path)
+    typer.echo(str(path))
+
+
+def _load(name: str) -> PublishedResult | None:
+    from pack_lockstep.results.definitions import results_path
+    from pack_lockstep.results.published import file_of, load_result
+
+    return load_result(file_of(name, results_path()))
+
+
+def _standing(name: str, definition: BenchmarkDefinition) -> tuple[PublishedResult | None, Standing]:
+    from pack_evaluation.provenance import installed_versions
+    from pack_lockstep.results.published import ResultState, Standing
+
+    result = _load(name)
+    if result is None:
+        return None, Standing(ResultState.MISSING)
+    return result, result.standing(f"pack benchmark {definition.command}", installed_versions())
