@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 import subprocess
 from collections import Counter, defaultdict
 from datetime import date
@@ -115,20 +117,36 @@ def _measure(
     name: str, definition: BenchmarkDefinition, definitions: Definitions, *, jobs: int, ray: str | None
 ) -> bool:
     """Run a benchmark in a process of its own and publish its summary; whether it came to its end."""
-    from pack_core.paths import bags_path
+    from pack_core.paths import bags_path, project_root
+    from pack_lockstep.benchmarking.pools import LocalPool
     from pack_lockstep.benchmarking.results_folder import ResultsFolder
+    from pack_lockstep.benchmarking.sources import Traced
 
     folder = ResultsFolder(bags_path() / "results" / name)
+    sources = frozenset[str]()
+    if definition.before:
+        prepare = Traced(_pack, name.partition("/")[0], "studies")
+        ((_, sources),) = LocalPool(1).run(prepare, [shlex.split(definition.before)])
     command = ["pack", "benchmark", *definition.arguments, "--output", str(folder.path)]
     command += ["--jobs", str(definition.jobs or jobs)]
     if ray is not None:
         command += ["--ray", ray]
     if ResultsFolder.is_at(folder.path) and (not folder.sources or folder.changed_sources()):
         command.append("--fresh")
-    if subprocess.run(command, check=False).returncode != 0:
+    if subprocess.run(command, check=False, cwd=project_root()).returncode != 0:
         return False
+    folder.add_sources(sources)
     _publish(name, definition, definitions, folder.path)
     return True
+
+
+def _pack(words: list[str]) -> None:
+    """Run a command of `pack` in this process."""
+    from pack_bringup.cli.main import app as commands
+    from pack_core.paths import project_root
+
+    os.chdir(project_root())
+    commands(words, standalone_mode=False)
 
 
 def _publish(name: str, definition: BenchmarkDefinition, definitions: Definitions, folder: Path) -> None:
@@ -142,7 +160,7 @@ def _publish(name: str, definition: BenchmarkDefinition, definitions: Definition
 
     summary = parse_json((folder / SUMMARY).read_text(), str(folder / SUMMARY))
     result = PublishedResult(
-        command=f"pack benchmark {definition.command}", date=date.today().isoformat(),
+        command=definition.line, date=date.today().isoformat(),
         version=project_version(), commit=checked_out_commit(), machine=machine(),
         packages=installed_versions(), summary=summary, sources=ResultsFolder(folder).sources,
     )  # fmt: skip
@@ -212,4 +230,4 @@ def _standing(name: str, definition: BenchmarkDefinition) -> tuple[PublishedResu
     result = _load(name)
     if result is None:
         return None, Standing(ResultState.MISSING)
-    return result, result.standing(f"pack benchmark {definition.command}", installed_versions())
+    return result, result.standing(definition.line, installed_versions())

@@ -19,7 +19,9 @@ class BenchmarkDefinition(Config):
     """A benchmark whose summary is published."""
 
     command: str
-    """What stands behind `pack benchmark`."""
+    """What stands behind `pack benchmark`; paths are relative to the project."""
+    before: str = ""
+    """What stands behind `pack` in a command that is run first; what it uses counts as well."""
     trend: str
     """Which figures of its summary the history keeps, a name of `trends`."""
     minutes: float = Field(gt=0.0)
@@ -31,6 +33,12 @@ class BenchmarkDefinition(Config):
     def arguments(self) -> list[str]:
         """The words of the command."""
         return shlex.split(self.command)
+
+    @property
+    def line(self) -> str:
+        """All that is run, as one types it."""
+        before = f"pack {self.before}; " if self.before else ""
+        return f"{before}pack benchmark {self.command}"
 
 
 class SeedRange(Config):
