@@ -75,7 +75,7 @@ class Job(CellGoal, Protocol):
 
 
 def recorder_parameters(job: Job, seed: int, command: str) -> dict[str, str]:
-    """What the recorder is told of a job, as YAML text."""
+    """The recorder's parameters for a job, as YAML text."""
     # Always: the folder then shows the start, too, and the demo ends shortly after its goal anyhow.
     text = {"path": str(job.folder.resolve()), "cell": job.cell, "command": command, "record": "always"}
     return {"seed": str(seed), **{name: json.dumps(value) for name, value in text.items()}}
@@ -90,7 +90,7 @@ def run_demo(
     """Start the nodes, pursue the goal, stop the nodes; the recording is then complete.
 
     Args:
-        job: the goal, and what the nodes are told.
+        job: the goal, with the nodes' parameters.
         on_progress: is shown where the goal stands, about ten times a second of wall clock.
         domain: ROS domain id; None: the environment's, else a free one.
         page: a page that shows the run while it goes on; None: none.

@@ -19,7 +19,7 @@ by everybody on the machine."""
 
 @dataclass(frozen=True)
 class PageProcess:
-    """The node `live` and how it is told what to serve.
+    """The node `live` and what it serves.
 
     Attributes:
         cell: the cell that is shown.

@@ -50,7 +50,7 @@ class RecordedNews:
         for message in raw.messages:
             self._tracks[message.topic].append(message)
         self._times = {name: [m.time_ns for m in track] for name, track in self._tracks.items()}
-        self._read, self._told = dict.fromkeys(self._tracks, 0), raw.messages[0].time_ns
+        self._read, self._handed_out = dict.fromkeys(self._tracks, 0), raw.messages[0].time_ns
         self.rate, self.is_paused = 1.0, False
         self._lock = threading.Lock()
         self._time = self.start if start is None else self._within(start)
@@ -92,17 +92,17 @@ class RecordedNews:
             self._seen_at = now
             restarted, self._went_back = self._went_back, False
             if restarted:
-                self._read, self._told = dict.fromkeys(self._tracks, 0), self._raw.messages[0].time_ns
+                self._read, self._handed_out = dict.fromkeys(self._tracks, 0), self._raw.messages[0].time_ns
             until = stamps.to_ns(self._time)
             pieces = list(self._on_the_way(until, restarted))
-            self._told = until
+            self._handed_out = until
             newest = {name: self._until(name, until) for name in self._tracks}
             return [*pieces, News(newest, self._time, restarted and not pieces)]
 
     def _on_the_way(self, until_ns: int, restarted: bool) -> Iterator[News]:
-        """Events and what is followed, from the time told last to shortly before another [ns]."""
+        """Events and what is followed, from the time handed out last to shortly before another [ns]."""
         names = [name for name in (*self._topics.events, *self._topics.followed) if name in self._tracks]
-        for end in range(max(self._told + PIECE, until_ns - WAY), until_ns, PIECE):
+        for end in range(max(self._handed_out + PIECE, until_ns - WAY), until_ns, PIECE):
             messages = {name: self._until(name, end) for name in names}
             if any(messages.values()):
                 yield News(messages, stamps.to_seconds(end), restarted)

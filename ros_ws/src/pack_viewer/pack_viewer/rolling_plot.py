@@ -1,4 +1,4 @@
-"""Curves over the last stretch of simulated time."""
+"""Curves over the last seconds of simulated time."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def copy(
         list[str] | None, typer.Option("--topic", help="Copy only this topic; may be repeated.")
     ] = None,
 ) -> None:
-    """Copy a bag or a stretch of it, compressed; a bag that was cut off becomes a finished one.
+    """Copy a bag or a part of it, compressed; a bag that was cut off becomes a whole one.
 
     - `pack bag copy bags/packing_20260101_120000_seed0 short --from 2 --to 5`
     """

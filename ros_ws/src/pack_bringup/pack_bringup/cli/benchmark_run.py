@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What every benchmark command is told, apart from what it measures.
+    """The options that every benchmark command has, apart from those of what it measures.
 
     Attributes:
         jobs: trials at a time on this machine.

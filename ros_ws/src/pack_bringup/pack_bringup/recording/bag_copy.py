@@ -1,4 +1,4 @@
-"""Copies bags: a stretch of one, compressed, or a finished one of one that was cut off."""
+"""Copies bags: a part of one, compressed, or a whole one of one that was cut off."""
 
 from __future__ import annotations
 

@@ -113,8 +113,8 @@ class BagWriter:
         self._writer.close()
         self._finished_size += numbered.stat().st_size
         # It names this file alone. While it stood there, readers would leave out the files that follow.
-        told = yaml.safe_load(self._writer.metapath.read_text())[INFORMATION]
-        self._finished = merged_metadata(self._finished, told) if self._finished else told
+        metadata = yaml.safe_load(self._writer.metapath.read_text())[INFORMATION]
+        self._finished = merged_metadata(self._finished, metadata) if self._finished else metadata
         self._writer.metapath.unlink()
 
     def _begin_next_file(self) -> None:

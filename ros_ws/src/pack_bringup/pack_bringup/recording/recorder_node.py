@@ -177,7 +177,7 @@ class RecorderNode(CellNode):
 
     @property
     def _has_failed(self) -> bool:
-        """Whether the recorder has a fault that was not told yet."""
+        """Whether the recorder has a fault that was not reported yet."""
         return self.recorder is not None and bool(self.recorder.fault) and "bag" not in self.health.faults
 
     def _say_fault(self, fault: str) -> None:

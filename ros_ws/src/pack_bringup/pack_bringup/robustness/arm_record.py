@@ -102,7 +102,7 @@ def stop_of(stamps: Array, speeds: Array, time: float) -> Stop:
     Args:
         stamps: from `time` on `(T,)` [s].
         speeds: of the fastest joint `(T,)` [rad/s].
-        time: from which it is told [s].
+        time: of the fault, from which the stop is measured [s].
     """
     if speeds[0] < STILL and speeds.max() < STILL:
         return Stop()

@@ -64,7 +64,9 @@ def faults(
 
 def hands(
     cell: Annotated[str, typer.Argument(help="Cell to reach into, e.g. `palletizing`.")],
-    deed: Annotated[list[str] | None, typer.Option(help="Only this deed; may be repeated.")] = None,
+    disturbance: Annotated[
+        list[str] | None, typer.Option(help="Only this disturbance; may be repeated.")
+    ] = None,
     state: Annotated[list[str] | None, typer.Option(help="Only in this state; may be repeated.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of where boxes arrive and of noise.")] = 0,
     output: BenchmarkFolder = None,
@@ -80,13 +82,13 @@ def hands(
     A case takes a quarter of a minute; interrupted, the table goes on where it was.
 
     - `pack benchmark hands palletizing`
-    - `pack benchmark hands blocks --deed "block removed"`
+    - `pack benchmark hands blocks --disturbance "block removed"`
     """
     from pack_core.cells import cell_part
     from pack_lockstep.disturbances import DISTURBANCE_COLUMNS, chosen, disturbance_row
 
     table = cell_part(cell, "disturbances")
-    cases = chosen(table.cases, what=("deed", deed or ()), when=("state", state or ()))
+    cases = chosen(table.cases, what=("disturbance", disturbance or ()), when=("state", state or ()))
     campaign = Campaign(
         "hands", cell, seed, cases, DISTURBANCE_COLUMNS, disturbance_row, f"By hand in the cell {cell}",
         table.note,
