@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -6,7 +7,7 @@ import pytest
 from pack_core import rotations
 from pack_core.packing.goals import PackingExitReason
 from pack_core.states import Source
-from pack_evaluation.packing.measures import measure, object_displacements
+from pack_evaluation.packing.measures import measure, object_displacements, predicted_objects
 from pack_evaluation.packing.run import Run
 from pack_evaluation.track import Track
 from unit.pack_evaluation.packing.runs import END, START, TARGET, iterations, make_run, still
@@ -61,6 +62,24 @@ def test_an_object_hidden_for_half_of_the_goal_counts_one_half() -> None:
     sources = np.where(track.times < middle, Source.PHYSICS, Source.MOCAP).astype(np.uint8)
     hidden = replace(run, estimate={**run.estimate, name: replace(track, sources=sources)})
     assert measure(hidden).m_per == pytest.approx(0.5, abs=0.01)
+
+
+def test_an_object_never_seen_counts_all_the_time() -> None:
+    run = make_run()
+    unseen = run.scene.names[1]
+    estimate = {name: track for name, track in run.estimate.items() if name != unseen}
+    assert measure(replace(run, estimate=estimate)).m_per == pytest.approx(1.0)
+
+
+def test_an_object_counts_until_it_is_first_seen() -> None:
+    run = make_run()
+    name = run.scene.names[1]
+    late = run.estimate[name].between(START + 0.25 * (END - START), np.inf)
+    assert measure(replace(run, estimate={**run.estimate, name: late})).m_per == pytest.approx(0.25, abs=0.01)
+
+
+def test_without_an_estimate_there_is_no_number_of_objects_not_seen() -> None:
+    assert math.isnan(predicted_objects(replace(make_run(), estimate={})))
 
 
 def test_a_hidden_held_object_does_not_count_among_those_in_the_container() -> None:

@@ -173,11 +173,17 @@ def final_distance(run: Run) -> float:
 
 
 def predicted_objects(run: Run) -> float:
-    """M_per (Eq. 9): mean number over time of objects in the container that were not seen."""
-    # an object that no camera has ever seen has no estimate at all
-    names = [name for name in run.scene.names if name in run.estimate]
-    windows = [run.estimate[name].between(run.start, run.end) for name in names]
-    return float(sum(_mean(window.is_predicted.astype(float)) for window in windows))
+    """M_per (Eq. 9): mean number over time of objects in the container that were not seen.
+
+    An estimate without an object says that nothing has seen it so far; it counts as an object not seen.
+    """
+    windows = {name: track.between(run.start, run.end) for name, track in run.estimate.items()}
+    estimates = {time for window in windows.values() for time in window.times}
+    if not estimates:
+        return NAN
+    names = run.scene.names
+    seen = sum(np.count_nonzero(~windows[name].is_predicted) for name in names if name in windows)
+    return len(names) - float(seen) / len(estimates)
 
 
 def object_displacements(run: Run) -> dict[str, float]:
