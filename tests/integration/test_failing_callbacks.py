@@ -16,7 +16,7 @@ from pack_core.ros.node import CellNode
 
 
 class ClumsyNode(CellNode):
-    """Refuses numbers below zero, fails at 13, and fails in its service."""
+    """Refuses numbers below zero, fails at 13, and fails in its service unless a reason is given."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("clumsy", **kwargs)
@@ -35,8 +35,10 @@ class ClumsyNode(CellNode):
             raise KeyError("thirteen")
         self.taken.append(message.data)
 
-    def _on_stop(self, _request: StopArm.Request, _response: StopArm.Response) -> StopArm.Response:
-        raise ZeroDivisionError
+    def _on_stop(self, request: StopArm.Request, response: StopArm.Response) -> StopArm.Response:
+        if not request.reason:
+            raise ZeroDivisionError
+        return response
 
 
 @pytest.fixture
@@ -69,6 +71,14 @@ def test_a_callback_that_always_fails_is_a_fault_until_it_succeeds(graph: Graph,
 
 
 def test_a_service_that_fails_answers_with_the_reason(graph: Graph, node: ClumsyNode) -> None:
-    answer = graph.call(shared.STOP_ARM, StopArm.Request(reason="now"))
+    answer = graph.call(shared.STOP_ARM, StopArm.Request())
     assert not answer.success
     assert "/arm/stop failed: ZeroDivisionError()" in answer.message
+
+
+def test_a_service_that_always_fails_is_a_fault_until_it_answers(graph: Graph, node: ClumsyNode) -> None:
+    for _ in range(IN_A_ROW):
+        graph.call(shared.STOP_ARM, StopArm.Request())
+    assert f"{shared.STOP_ARM.name} has failed {IN_A_ROW} times in a row" in str(node.health.faults)
+    graph.call(shared.STOP_ARM, StopArm.Request(reason="now"))
+    assert not node.health.faults

@@ -203,13 +203,15 @@ class CellNode(Node):
 
     def _serve_guarded(self, name: str, serve: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
         try:
-            return serve(request, response)
+            answer = serve(request, response)
         except Exception as error:
             self.fail(name, error)
             failed = type(response)()
             if hasattr(failed, "message"):
                 failed.message = f"{name} failed: {error!r}; the node's log says more"
             return failed
+        self.failures.passed(name)
+        return answer
 
     # The clock
 
