@@ -4,13 +4,16 @@ from typing import Any
 
 import pytest
 import yaml
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from pack_interfaces.action import PackObject
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from integration.harness import Graph
 from pack_bringup.recording.recorder_node import RecorderNode
+from pack_bringup.recording.ros.recorded_topics import GoalsInProgress, status_contracts
 from pack_core.errors import BagError
 from pack_core.packing.scene_file import load_scene
 from pack_core.ros.contracts import packing as contracts
@@ -204,6 +207,20 @@ def test_the_end_of_the_node_that_pursues_a_goal_ends_its_recording(
     graph.wait_until(lambda: by_goals.is_recording and by_goals.hears("mpc"))
     graph.stop(packer)
     graph.wait_until(lambda: not by_goals.is_recording)
+
+
+def test_a_status_from_before_its_senders_end_that_comes_after_it_begins_no_recording() -> None:
+    (status,) = status_contracts("blocks")
+    (server,) = status.sources
+    goal = GoalStatusArray(status_list=[GoalStatus(status=GoalStatus.STATUS_EXECUTING)])
+    goals = GoalsInProgress((status,))
+    goals.on_lost_node(server, 2_000)
+    goals.on_status(status.name, 1_000, serialize_message(goal))
+    assert not goals
+    goals.on_status(status.name, 3_000, serialize_message(goal))  # of the node that was started anew
+    assert goals
+    goals.on_lost_node(server, 4_000)
+    assert not goals
 
 
 def test_never_means_that_no_file_is_written(graph: Graph, tmp_path: Path) -> None:

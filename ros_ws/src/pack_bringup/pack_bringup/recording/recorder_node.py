@@ -187,7 +187,7 @@ class RecorderNode(CellNode):
     def _choose(self, sent_ns: int, topic: str, data: bytes) -> list[Sent]:
         """What is to be recorded now that this message has come."""
         if topic in self._goals:
-            self._goals.on_status(topic, data)
+            self._goals.on_status(topic, sent_ns, data)
             return self._open_or_close(sent_ns)
         item = Sent(sent_ns, topic, self._time_of(topic, data), data)
         return [item] if self._gate is None else self._gate.take(item)
@@ -203,7 +203,7 @@ class RecorderNode(CellNode):
 
     def _on_peer(self, peer: str, is_alive: bool) -> None:
         if not is_alive:
-            self._goals.on_lost_node(peer)
+            self._goals.on_lost_node(peer, time.time_ns())
 
     def _time_of(self, topic: str, data: bytes) -> int:
         """Stamp in the bag [ns]: the time of the last tick of the clock, which may be this message."""

@@ -78,22 +78,30 @@ class GoalsInProgress:
 
     def __init__(self, contracts: tuple[Contract, ...]) -> None:
         self._servers = {contract.name: contract.sources for contract in contracts}
-        self._active: set[str] = set()
+        self._active_ns: dict[str, int] = {}
+        self._lost_ns: dict[str, int] = {}
 
     def __bool__(self) -> bool:
-        return bool(self._active)
+        return any(
+            sent_ns > max(self._lost_ns.get(server, -1) for server in self._servers[topic])
+            for topic, sent_ns in self._active_ns.items()
+        )
 
     def __contains__(self, topic: str) -> bool:
         return topic in self._servers
 
-    def on_status(self, topic: str, data: bytes) -> None:
-        """Take in a message of a status topic, in CDR form."""
+    def on_status(self, topic: str, sent_ns: int, data: bytes) -> None:
+        """Take in a message of a status topic in CDR form, sent at `sent_ns` [ns of wall clock]."""
         found = deserialize_message(data, GoalStatusArray)
         if any(item.status in IN_PROGRESS for item in found.status_list):
-            self._active.add(topic)
+            self._active_ns[topic] = sent_ns
         else:
-            self._active.discard(topic)
+            self._active_ns.pop(topic, None)
 
-    def on_lost_node(self, node: str) -> None:
-        """A node has ended: the goals that it pursued have ended with it, and it cannot say so any more."""
-        self._active -= {topic for topic, servers in self._servers.items() if node in servers}
+    def on_lost_node(self, node: str, now_ns: int) -> None:
+        """A node has ended: the goals that it pursued have ended with it, and it cannot say so any more.
+
+        What it sent before may still be on its way, so a status counts only if it was sent after `now_ns`
+        [ns of wall clock]. May be called from another thread than the rest.
+        """
+        self._lost_ns[node] = now_ns
