@@ -116,6 +116,11 @@ class MotionController:
         return self._time
 
     @property
+    def mode(self) -> Mode:
+        """The mode of the segment that is being followed, or was the last one."""
+        return self._mode
+
+    @property
     def is_standing(self) -> bool:
         """Whether the joints are commanded to stand still, and the driver does not hold them."""
         return not self._is_held and self.commanded.is_at_rest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from pallet_fsm.states import PROFILES, ROWS, STEPS, State
+from pallet_fsm.states import PROFILES, ROWS, STEPS, Profile, State, StateRow
 from pallet_fsm.transitions import CYCLE, RESUME, TRANSITIONS, Transition
 
 PAGE = """# States of the palletizing cell
@@ -65,15 +65,23 @@ def _faults(rows: Iterable[Transition]) -> Iterable[str]:
 
 
 def _table() -> Iterable[str]:
-    yield "| state | what | policies | gripper | target within | " + " | ".join(PROFILES) + " |"
-    yield "|" + "---|" * (5 + len(PROFILES))
+    yield "| state | what | gripper | target within | " + " | ".join(PROFILES) + " |"
+    yield "|" + "---|" * (4 + len(PROFILES))
     for row in STEPS:
-        stops = ["stops" if profile.stops_at(row.state) else "passed" for profile in PROFILES.values()]
         cells = [
-            row.state.label, row.what, row.mode.value.lower() if row.mode else "",
-            row.grip.value, row.check.value if row.check else "", *(stops if row.mode else ["", ""]),
+            row.state.label, row.what, row.grip.value, row.check.value if row.check else "",
+            *(_run(profile, row) for profile in PROFILES.values()),
         ]  # fmt: skip
         yield "| " + " | ".join(cells) + " |"
+
+
+def _run(profile: Profile, row: StateRow) -> str:
+    """How a profile runs a state."""
+    if row.mode is None:
+        return ""
+    mode = profile.mode(row.state)
+    speed = mode.value.lower() if mode else "at once"
+    return f"{speed}, {'stops' if profile.stops_at(row.state) else 'passed'}"
 
 
 def _numbers(states: Iterable[State]) -> str:

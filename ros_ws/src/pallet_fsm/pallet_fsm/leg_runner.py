@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from pack_core.motion.moves import DEPART, DESCEND, RISE, TRANSIT
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, ReachTolerance
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.palletizing.cell import PICKING_TABLE, REORIENTATION_TABLE, PalletizingCell
@@ -190,10 +191,10 @@ class Mover:
 
 
 PARTS = {
-    "depart": Part.DEPART,
-    "rise": Part.CROSS,
-    "transit": Part.CROSS,
-    "descend": Part.CROSS,
+    DEPART: Part.DEPART,
+    RISE: Part.CROSS,
+    TRANSIT: Part.CROSS,
+    DESCEND: Part.CROSS,
 } | {part.name: part for part in Part}
 """The part of a blended move that each segment label of the motion stands for."""
 

@@ -110,7 +110,7 @@ class StateRow:
     Attributes:
         state: the state that the row describes.
         what: what happens in it, in words, for the page of states.
-        mode: mode of the motion policies; None: the arm has no target in this state.
+        mode: mode of the motion, in the profile `thesis`; None: the arm has no target in this state.
         grip: what the gripper does.
         check: how exactly the target must be reached.
         shape: shape of the path to the target, in the profile `thesis`.
@@ -217,6 +217,13 @@ class Profile:
     def stops_at(self, state: State) -> bool:
         """Whether the arm comes to rest at the state's target."""
         return self.parts.get(state, Part.FINAL) is Part.FINAL
+
+    def mode(self, state: State) -> Mode | None:
+        """The mode in which the arm moves in a state; None where it has no target or passes at once."""
+        part = self.parts.get(state)
+        if part is Part.NONE:
+            return None
+        return Mode.FAST if part is Part.CROSS else ROWS[state].mode
 
 
 PROFILES = {

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,11 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from pack_core.motion.moves import Mode
-from pack_core.rotations import exp
+from pack_core.motion.moves import DEPART, DESCEND, RISE, TRANSIT, UP, Line, Retreat, Transfer
+from pack_core.motion.target import MotionTarget
+from pack_core.rotations import Pose, exp
+from pack_evaluation.palletizing.from_bag import slow_stretches
 from pack_evaluation.palletizing.plots import (
     PLOTS,
-    SLOW,
     STRIDE,
     draw_orientation,
     draw_position,
@@ -21,7 +23,7 @@ from pack_evaluation.palletizing.plots import (
     draw_ways,
     write_plots,
 )
-from pallet_fsm.states import STEPS
+from pack_evaluation.palletizing.state_times import slow_states
 from unit.pack_evaluation.palletizing.known_run import GOALS, TIMES, a_run
 
 
@@ -31,15 +33,31 @@ def spans(figure: Figure) -> list[tuple[float, float]]:
     return [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in shades]
 
 
-def test_the_shaded_states_are_those_that_the_machine_runs_slowly() -> None:
-    assert set(SLOW) == {str(row.state.value) for row in STEPS if row.mode is Mode.SLOW}
-
-
 @pytest.mark.parametrize("draw", [draw_position, draw_orientation, draw_tracking])
-def test_slow_phases_are_shaded_and_nothing_else(draw: object) -> None:
-    figure = Figure()
-    draw(figure, a_run())
-    np.testing.assert_allclose(spans(figure), [(8.0, 10.0), (10.0, 20.0), (20.0, 22.0)])
+def test_what_ran_slowly_is_shaded_and_nothing_else(draw: object) -> None:
+    figure, slow = Figure(), ((8.0, 10.5), (20.0, 22.0))
+    draw(figure, a_run(slow=slow))
+    np.testing.assert_allclose(spans(figure), slow)
+
+
+def test_a_state_counts_as_slow_if_its_moves_ran_slowly_for_most_of_its_time() -> None:
+    assert slow_states(a_run(slow=((8.0, 9.5), (10.0, 14.0)))) == set()
+    assert slow_states(a_run(slow=((8.0, 10.0), (10.0, 19.0), (20.0, 20.5), (25.0, 40.0)))) == {
+        "17 pre deposit", "19 retreat",
+    }  # fmt: skip
+
+
+def test_slow_stretches_of_a_recording_are_those_of_slow_segments() -> None:
+    target = MotionTarget(3, Transfer((Line(Pose(np.zeros(3)), label="INSERT"),), Retreat(UP, (0.1, 0.2))))
+    labels = [DEPART, DEPART, RISE, TRANSIT, DESCEND, "INSERT", "INSERT", TRANSIT]
+    statuses = [SimpleNamespace(id=3, label=label, header=header(0.5 * k)) for k, label in enumerate(labels)]
+    modes = [SimpleNamespace(label=line.label, mode=line.mode.value) for line in target.move.lines]
+    found = slow_stretches([SimpleNamespace(id=3, segments=modes)], statuses)
+    assert found == ((0.0, 1.0), (2.5, 3.5))
+
+
+def header(time: float) -> SimpleNamespace:
+    return SimpleNamespace(stamp=SimpleNamespace(sec=int(time), nanosec=round(1e9 * (time % 1.0))))
 
 
 def test_the_tracking_errors_are_drawn_in_millimetres_and_degrees() -> None:

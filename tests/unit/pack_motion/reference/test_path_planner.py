@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
+from pack_core.motion.moves import SLOW_SPEED, JointMove, Line, Mode, Path, PoseMove, Segment
 from pack_core.rotations import Array, angle_between
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
@@ -23,6 +23,11 @@ def planned(arm: MotionArm, *segments: Segment, q: Array | None = None) -> Motio
 
 def tool(arm: MotionArm, trajectory: ReferenceTrajectory) -> Array:
     return np.array([arm.chain.forward_matrix(q)[1] for q in trajectory.q])
+
+
+def speeds(arm: MotionArm, rows: ReferenceTrajectory) -> Array:
+    """Mean speed of the tool between each row and the next [m/s]."""
+    return np.linalg.norm(np.diff(tool(arm, rows), axis=0), axis=1) / np.diff(rows.times)
 
 
 def assert_is_consistent(arm: MotionArm, rows: ReferenceTrajectory) -> None:
@@ -48,6 +53,22 @@ def test_references_keep_every_joint_limit_and_end_at_the_goal(
     assert plan.trajectory.end.is_at_rest
     assert np.linalg.norm(plan.X_WT.p - goal.p) < 1e-6
     assert angle_between(plan.X_WT.q, goal.q) < 1e-6
+
+
+@given(place=places)
+@settings(max_examples=15)
+def test_pose_moves_in_slow_keep_the_tool_slow(arm: MotionArm, place: tuple[float, ...]) -> None:
+    goal = pose(*place)
+    plan = planned(arm, PoseMove(goal, mode=Mode.SLOW))
+    assert_is_consistent(arm, plan.trajectory)
+    assert 0.9 * SLOW_SPEED < speeds(arm, plan.trajectory).max() <= SLOW_SPEED
+    assert np.linalg.norm(plan.X_WT.p - goal.p) < 1e-6
+
+
+def test_a_slow_pose_move_into_a_line_keeps_the_tool_slow(arm: MotionArm) -> None:
+    plan = planned(arm, PoseMove(ABOVE, mode=Mode.SLOW), Line(ON, 0.2, entry_speed=0.2))
+    assert_is_consistent(arm, plan.trajectory)
+    assert speeds(arm, plan.trajectory).max() <= 1.01 * SLOW_SPEED
 
 
 def test_lines_are_straight_and_keep_the_orientation(arm: MotionArm) -> None:

@@ -14,10 +14,17 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 class Mode(Enum):
-    """How the policies are tuned: FAST through free space, SLOW near contact."""
+    """How the policies are tuned: FAST through free space, SLOW near contact.
+
+    Joint and pose moves in SLOW keep the tool below `SLOW_SPEED`, too; a line states its own speed.
+    """
 
     FAST = "FAST"
     SLOW = "SLOW"
+
+
+SLOW_SPEED = 0.25
+"""Of the tool in SLOW, at most [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -133,3 +140,7 @@ class Transfer:
 
 
 Move = Path | Transfer
+
+DEPART, RISE, TRANSIT, DESCEND = "depart", "rise", "transit", "descend"
+"""Labels of the segments that the search puts before a transfer's own lines. DEPART is SLOW, the others are
+FAST."""

@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from pack_core import stamps
 from pack_core.errors import BagError
-from pack_core.motion.topics import JOINT_STATES, MOTION_STATUS, SETPOINTS
+from pack_core.motion.moves import DEPART, Mode
+from pack_core.motion.topics import JOINT_STATES, MOTION_STATUS, MOTION_TARGET, SETPOINTS
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.model import fixed_frames
@@ -29,13 +30,15 @@ from pack_evaluation.palletizing.run import (
     StateVisit,
     ToolTrack,
     UnwantedTouch,
+    stretches,
 )
 from pack_evaluation.palletizing.tool_track import tool_track
 
 TF_STATIC, DECK = "/tf_static", "pallet_deck"
 """The topic that has the frames of what stands still, and the pallet's frame."""
 TOPICS = (
-    JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS, TF_STATIC,
+    JOINT_STATES, SETPOINTS, TRUTH, GRIPPER_STATE, PALLET_STATE, RESULT, CONTACTS, MOTION_STATUS,
+    MOTION_TARGET, TF_STATIC,
 )  # fmt: skip
 NEAR = 0.75
 """Share of the usual time between setpoints; a moment farther from all setpoints had none to follow."""
@@ -83,6 +86,7 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
         is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, goal=number, stands=standing_cell(frames),
+        slow=slow_stretches(bag.of(MOTION_TARGET), bag.of(MOTION_STATUS)),
     )  # fmt: skip
 
 
@@ -137,6 +141,17 @@ def interruptions_of(messages: Sequence[Any]) -> int:
     """Number of times that the driver held the arm during a move."""
     are_held = [message.state == "HELD" for message in messages]
     return sum(now and not before for before, now in pairwise([False, *are_held]))
+
+
+def slow_stretches(targets: Sequence[Any], statuses: Sequence[Any]) -> tuple[tuple[float, float], ...]:
+    """From when to when the running segment was one of mode SLOW [s]."""
+    modes = {target.id: {item.label: item.mode for item in target.segments} for target in targets}
+
+    def is_slow(status: Any) -> bool:
+        own = modes.get(status.id, {}).get(status.label)
+        return bool(status.label == DEPART if own is None else own == Mode.SLOW.value)
+
+    return stretches([_seconds(item.header.stamp) for item in statuses], [is_slow(item) for item in statuses])
 
 
 def _tracks(messages: Sequence[Any]) -> dict[str, BoxTrack]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from io import BytesIO
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +11,11 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pack_core.motion.moves import SLOW_SPEED
 from pack_core.rotations import Array
 from pack_evaluation.palletizing.measures import tracking_errors
 from pack_evaluation.palletizing.run import PalletRun
-from pack_evaluation.palletizing.state_times import SLOW, SLOW_SPEED, number_of, state_times, tool_speeds
+from pack_evaluation.palletizing.state_times import slow_states, state_times, tool_speeds
 
 SIZE = (9.0, 4.2)
 """Width and height of a figure [inch]."""
@@ -124,7 +124,8 @@ def draw_states(figure: Figure, run: PalletRun) -> None:
     upper, lower = figure.subplots(2, 1, sharex=True)
     states = {label: item for label, item in state_times(run).items() if item.total_s > 0.0}
     placed = max(sum(box.outcome == "placed" for box in run.boxes), 1)
-    colours = ["#e0a31e" if number_of(label) in SLOW else AXES[2] for label in states]
+    slow = slow_states(run)
+    colours = ["#e0a31e" if label in slow else AXES[2] for label in states]
     upper.bar(range(len(states)), [item.total_s / placed for item in states.values()], color=colours)
     upper.set(ylabel="time a box [s]", title="States: time, and highest speed of the tool (slow ones orange)")
     lower.bar(range(len(states)), [item.peak_mps for item in states.values()], color=colours)
@@ -147,9 +148,8 @@ def draw_visitors(figure: Figure, run: PalletRun) -> None:
 
 
 def _shade(axes: Axes, run: PalletRun) -> None:
-    for visit, following in pairwise(run.visits):
-        if number_of(visit.state) in SLOW and following.time > visit.time:
-            axes.axvspan(visit.time, following.time, color="#e0a31e", alpha=0.13, lw=0.0)
+    for start, end in run.slow:
+        axes.axvspan(start, end, color="#e0a31e", alpha=0.13, lw=0.0)
 
 
 PLOTS: dict[str, Callable[[Figure, PalletRun], None]] = {

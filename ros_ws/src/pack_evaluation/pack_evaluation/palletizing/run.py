@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
 from pack_core.rotations import Array, Pose
@@ -158,6 +159,7 @@ class PalletRun:
         way_points: errors at the targets of the machine, in order; empty where they were not recorded.
         visitors: who came near the arm, by name; empty where nobody did or it was not recorded.
         stands: where everything truly was.
+        slow: from when to when the motion was in the mode SLOW [s], in order.
     """
 
     order: str
@@ -178,3 +180,15 @@ class PalletRun:
     visitors: Mapping[str, VisitorTrack] = field(default_factory=dict)
     way_points: tuple[WayPoint, ...] = ()
     stands: StandingCell = field(default_factory=StandingCell)
+    slow: tuple[tuple[float, float], ...] = ()
+
+
+def stretches(times: Sequence[float], holds: Sequence[bool]) -> tuple[tuple[float, float], ...]:
+    """From when to when something held that held, or not, from each of some times to the next one [s]."""
+    found: list[tuple[float, float]] = []
+    for (start, end), does_hold in zip(pairwise(times), holds, strict=False):
+        if does_hold and found and found[-1][1] == start:
+            found[-1] = found[-1][0], end
+        elif does_hold:
+            found.append((start, end))
+    return tuple(found)

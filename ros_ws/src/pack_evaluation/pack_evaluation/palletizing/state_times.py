@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pack_core.rotations import Array
-from pack_evaluation.palletizing.run import PalletRun
+from pack_evaluation.palletizing.run import PalletRun, StateVisit
 
-SLOW = ("3", "4", "7", "8", "9", "10", "11", "12", "13", "17", "18", "19")
-"""Numbers of the states with the slow speed (Table 8.1)."""
 NEAR_CONTACT = ("3", "4", "8", "9", "12", "13", "17", "18", "19")
-"""Those of them in which the arm is within 0.1 m of where the gripper acts; 7, 10 and 11 lead from one
-such stretch to the next, through free space over table B."""
-SLOW_SPEED = 0.25
-"""Of the tool, at most, near contact [m/s]."""
+"""Numbers of the states in which the arm is within 0.1 m of where the gripper acts; 7, 10 and 11, which
+Table 8.1 has slow, too, lead from one such stretch to the next, through free space over table B."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +34,7 @@ def state_times(run: PalletRun) -> dict[str, StateTime]:
     """The states that were entered, by label, in the order of their numbers; words come last."""
     times, speeds = run.tool.times, tool_speeds(run)
     found: dict[str, list[tuple[float, float]]] = {}
-    last = float(times[-1]) if len(times) else 0.0
-    ends = [visit.time for visit in run.visits[1:]] + [last]
-    for visit, end in zip(run.visits, ends, strict=True):
+    for visit, end in _visits(run):
         first, beyond = np.searchsorted(times, (visit.time, end))
         peak = float(speeds[first:beyond].max(initial=0.0))
         found.setdefault(visit.state, []).append((end - visit.time, peak))
@@ -50,6 +44,26 @@ def state_times(run: PalletRun) -> dict[str, StateTime]:
         )
         for label in sorted(found, key=_rank)
     }
+
+
+def slow_states(run: PalletRun) -> set[str]:
+    """Labels of the states that moves ran slowly for most of their time."""
+    slow: dict[str, float] = {}
+    for visit, left in _visits(run):
+        within = (
+            min(end, left) - max(start, visit.time)
+            for start, end in run.slow
+            if start < left and end > visit.time
+        )
+        slow[visit.state] = slow.get(visit.state, 0.0) + sum(within)
+    times = state_times(run)
+    return {label for label, time in slow.items() if time > 0.5 * times[label].total_s}
+
+
+def _visits(run: PalletRun) -> Iterator[tuple[StateVisit, float]]:
+    """The visits of states, each with the time at which the state was left [s]."""
+    last = float(run.tool.times[-1]) if len(run.tool.times) else 0.0
+    return zip(run.visits, [*(visit.time for visit in run.visits[1:]), last], strict=True)
 
 
 def tool_speeds(run: PalletRun) -> Array:

@@ -184,7 +184,7 @@ class PalletLockstep:
         return self._config.sight.latency if camera is None else float(self._rng.uniform(*camera.latency))
 
     def _advance(self) -> None:
-        self._log.note(self._arm.q_des)
+        self._log.note(self._arm.q_des, self.motion.mode)
         seen = self._sensor.observe(self.simulator.time)
         if seen is not None:
             self.motion.observe(seen.obstacles, seen.time)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pack_core.motion.moves import Mode
 from pack_core.motion.target import MotionStatus
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import GripLoad
@@ -20,6 +21,7 @@ from pack_evaluation.palletizing.run import (
     UnwantedTouch,
     VisitorTrack,
     WayPoint,
+    stretches,
 )
 from pack_evaluation.palletizing.tool_track import tool_track
 from pack_sim.palletizing.simulator import PalletSimulator
@@ -41,16 +43,23 @@ class PalletRunLog:
         self._simulator, self._box_steps = simulator, steps_between(TRUTH_RATE, period)
         self._known = known
         self._times: list[float] = []
+        self._is_slow: list[bool] = []
         self._joints: list[tuple[Array, Array, Array]] = []
         self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
         self._peaks: dict[str, GripLoad] = {}
         self._way_points: list[WayPoint] = []
         self._visitors: dict[str, list[tuple[float, float, float]]] = {}
 
-    def note(self, q_ref: Array) -> None:
-        """Record the present state; `q_ref` `(n,)` [rad] are the joint positions of the present setpoint."""
+    def note(self, q_ref: Array, mode: Mode) -> None:
+        """Record the present state.
+
+        Args:
+            q_ref: joint positions of the present setpoint `(n,)` [rad].
+            mode: of the motion.
+        """
         simulator = self._simulator
         self._times.append(simulator.time)
+        self._is_slow.append(mode is Mode.SLOW)
         self._joints.append((q_ref, simulator.joints().q, simulator.link_angles()))
         if held := simulator.gripper.state.held:
             self._peaks[held] = simulator.gripper.state.peak.worst(self._peaks.get(held, GripLoad()))
@@ -84,6 +93,7 @@ class PalletRunLog:
             visitors={name: VisitorTrack(*np.array(rows).T) for name, rows in self._visitors.items()},
             way_points=tuple(self._way_points),
             stands=StandingCell(self._simulator.cell, self._simulator.X_WB),
+            slow=stretches(self._times, self._is_slow),
         )  # fmt: skip
 
     def _tool(self) -> ToolTrack:

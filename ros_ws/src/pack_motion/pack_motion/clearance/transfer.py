@@ -6,7 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from pack_core.motion.moves import Line, Mode, Path, PoseMove, Retreat, Segment, Transfer
+from pack_core.motion.moves import (
+    DEPART,
+    DESCEND,
+    RISE,
+    TRANSIT,
+    Line,
+    Mode,
+    Path,
+    PoseMove,
+    Retreat,
+    Segment,
+    Transfer,
+)
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
@@ -15,8 +27,6 @@ from pack_motion.reference.trajectory import JointState, MoveRefused
 
 STEP = 0.08
 """Largest step between two lengths that are tried [m]."""
-DEPART, RISE, TRANSIT, DESCEND = "depart", "rise", "transit", "descend"
-"""Labels of a transfer's parts before its own lines; RISE and DESCEND are the fast ones of its lines."""
 
 
 class TransferPlanner:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.errors import PackError
-from pack_core.motion.moves import JointMove, Line, Path, PoseMove, Segment
+from pack_core.motion.moves import SLOW_SPEED, JointMove, Line, Mode, Path, PoseMove, Segment
 from pack_core.robots.joint_properties import step_effort
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
@@ -19,6 +19,9 @@ from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceT
 
 SHARE = 0.98
 """Share of the joint limits that references use; the rest is left to the tracking."""
+
+SLOWING_TRIES, SLOWING_MARGIN = 6, 0.99
+"""How often a joint move is planned anew to keep the tool slow, and the share of that speed it aims at."""
 
 
 @dataclass(frozen=True)
@@ -99,9 +102,31 @@ class PathPlanner:
             else:
                 end = self._passing(start, q, segments, i + 1)
         trajectory = joint_move(start, end, limits, i)
+        if move.mode is Mode.SLOW:
+            trajectory = self._slowed(trajectory, limits, i)
         if after is not None:
             return self._continued(trajectory.followed_by(after), segments, j)
         return self._continued(trajectory, segments, i + 1)
+
+    def _slowed(self, move: ReferenceTrajectory, limits: MoveLimits, i: int) -> ReferenceTrajectory:
+        """The joint move with joint velocities low enough to keep the tool below `SLOW_SPEED`.
+
+        Nearly below, where the move ends or begins with that speed. The tool's speed follows the share of
+        the joints' only roughly, hence more than one try.
+        """
+        share = float((np.abs(move.v) / limits.velocity).max())
+        for _ in range(SLOWING_TRIES):
+            peak = self._peak_tool_speed(move)
+            if peak <= SLOW_SPEED:
+                break
+            share *= SLOWING_MARGIN * SLOW_SPEED / peak
+            move = joint_move(move.start, move.end, limits.scaled(share, 1.0), i)
+        return move
+
+    def _peak_tool_speed(self, trajectory: ReferenceTrajectory) -> float:
+        """Highest speed of the tool [m/s]."""
+        jacobians = map(self._arm.chain.jacobian, trajectory.q)
+        return max(float(np.linalg.norm(J[:3] @ v)) for J, v in zip(jacobians, trajectory.v, strict=True))
 
     def _continued(
         self, trajectory: ReferenceTrajectory, segments: Sequence[Segment], j: int
