@@ -28,8 +28,16 @@ class Brake(Protocol):
     feed_forward: FeedForward
     """What setpoints of such an arm must state."""
 
-    def hold(self, time: float, q: Array, v: Array) -> Desired:
-        """What the joints shall do at `time` [s] without setpoints, from measured positions and speeds."""
+    def hold(self, time: float, q: Array, v: Array, *, is_late: bool) -> Desired:
+        """What the joints shall do at `time` [s] without setpoints.
+
+        Args:
+            time: now [s].
+            q: measured positions `(n,)` [rad].
+            v: measured velocities `(n,)` [rad/s].
+            is_late: whether there were setpoints, and only the next ones are overdue. Otherwise they were
+                dropped, as their sender died or somebody wants the arm to stop.
+        """
         ...
 
     def check(self, setpoints: Setpoints, time: float) -> None:
@@ -109,7 +117,7 @@ class SetpointFollower:
         plan = self._setpoints
         self.is_holding = plan is None or time - self._received > self._watchdog or time > plan.end + ROUNDING
         if plan is None or self.is_holding:
-            return self._brake.hold(time, q, v)
+            return self._brake.hold(time, q, v, is_late=plan is not None)
         return self._brake.follow(plan, time)
 
     def _check(self, setpoints: Setpoints) -> None:

@@ -19,7 +19,7 @@ class Driver:
 
     def __init__(self, robot: ArmDrive, watchdog: float, torque_step: float = np.inf) -> None:
         self._M: Callable[[], Array] = lambda: np.eye(7)
-        brake = TorqueBrake(robot.arm.limits, lambda: self._M())
+        brake = TorqueBrake(robot.arm.limits, lambda: self._M(), lambda: self._law.is_touching)
         self._follower = SetpointFollower(robot.arm.limits, watchdog, brake)
         self._law = JointController(robot, torque_step=torque_step)
 

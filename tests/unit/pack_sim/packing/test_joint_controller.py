@@ -7,7 +7,7 @@ from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.robots.panda import PANDA
-from pack_sim.brakes import BRAKE_TIME
+from pack_sim.brakes import BRAKE_TIME, LATE_BRAKE_TIME, TorqueBrake
 from unit.pack_sim.packing.driver import Driver
 
 HOME = np.array(packing_cell().robot.home)
@@ -57,6 +57,24 @@ def test_a_stop_is_not_made_slower_by_the_bound_on_the_rate() -> None:
     controller = Driver(packing_cell().robot, watchdog=0.1, torque_step=1.0)
     v = np.full(7, 0.1)
     np.testing.assert_allclose(controller.torque(0.0, HOME, v, M), -(M() @ v) / BRAKE_TIME)
+
+
+@pytest.mark.parametrize(
+    ("is_touching", "is_late", "brake_time"),
+    [(False, True, LATE_BRAKE_TIME), (True, True, BRAKE_TIME), (False, False, BRAKE_TIME)],
+)
+def test_a_stop_is_gentle_only_if_setpoints_are_merely_late_and_nothing_is_touched(
+    is_touching: bool, is_late: bool, brake_time: float
+) -> None:
+    brake, v = TorqueBrake(PANDA.limits, M, lambda: is_touching), np.full(7, 0.1)
+    np.testing.assert_allclose(brake.hold(0.0, HOME, v, is_late=is_late)[2], -(M() @ v) / brake_time)
+
+
+def test_what_a_stop_itself_exerts_is_no_contact() -> None:
+    touches = iter([False, True])
+    brake, v = TorqueBrake(PANDA.limits, M, lambda: next(touches)), np.full(7, 0.1)
+    first, second = (brake.hold(time, HOME, v, is_late=True)[2] for time in (0.0, 0.001))
+    np.testing.assert_array_equal(first, second)
 
 
 def test_setpoints_are_interpolated_between_rows(controller: Driver) -> None:

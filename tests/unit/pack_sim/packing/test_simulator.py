@@ -1,5 +1,6 @@
 """The simulated cell as a robot driver."""
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -79,6 +80,41 @@ def test_a_fast_arm_without_setpoints_is_at_rest_within_40_ms(scene: Scene, join
     for _ in range(100):
         run(simulator, 0.002)
         assert np.abs(simulator.joints().v).max() < 0.02
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
+def test_a_stop_for_want_of_the_next_setpoints_is_gentle_to_the_held_object(
+    scene: Scene, direction: tuple[float, ...]
+) -> None:
+    simulator = build(scene)
+    run(simulator, 0.2)
+    lead(simulator, 0.3 * np.array(direction), 0.35)
+    before = simulator.data.body("tool").xpos.copy()
+    forces = []
+    for _ in range(200):
+        simulator.step()
+        forces.append(np.linalg.norm(simulator.external_wrench()[0]))
+    assert max(forces) < 9.0  # 14 and 17 N with the time constant of the other stops
+    assert np.abs(simulator.joints().v).max() < 0.01
+    assert np.linalg.norm(simulator.data.body("tool").xpos - before) < 0.007
+
+
+def lead(simulator: Simulator, v_WC: np.ndarray, duration: float) -> None:
+    """Move the cup from rest with `v_WC` `(3,)` [m/s] after 0.1 s, for `duration` [s]."""
+    model, data, joints = simulator.model, simulator.data, packing_cell().robot.arm.joints
+    J = np.zeros((6, model.nv))
+    mujoco.mj_jacBody(model, data, J[:3], J[3:], model.body("tool").id)
+    rates = np.linalg.pinv(J[:, [model.joint(name).dofadr[0] for name in joints]])[:, :3] @ v_WC
+    start, q = simulator.time, simulator.joints().q
+    while simulator.time - start < duration:
+        offsets = simulator.time - start + np.array([0.0, 0.006])
+        way = np.where(offsets < 0.1, 5.0 * offsets**2, offsets - 0.05)
+        v = np.minimum(offsets / 0.1, 1.0)[:, None] * rates
+        plan = Setpoints(
+            simulator.time, np.array([0.0, 0.006]), q + way[:, None] * rates, v, np.zeros((2, 7))
+        )
+        simulator.accept(plan)
+        run(simulator, 0.005)
 
 
 def test_an_object_that_is_let_go_falls_and_the_arm_carries_on(scene: Scene) -> None:

@@ -48,6 +48,11 @@ class JointController:
         self._torque_step, self._tau = torque_step, np.zeros(len(self._effort))
         self._jacobian: Array | None = None
 
+    @property
+    def is_touching(self) -> bool:
+        """Whether the governor sees contact, as of the last update."""
+        return self._jacobian is not None
+
     def update_contact(
         self, time: float, force: Array, bending: float, v: Array, J: Callable[[], Array], *, is_holding: bool
     ) -> None:

@@ -100,7 +100,9 @@ class Simulator:
             HeldRole.FREE if is_handed_over else self._held, time=time, lip_touches=is_handed_over,
             poses={scene.new_object.name: self._presented()} if is_handed_over else {},
         )  # fmt: skip
-        brake = TorqueBrake(cell.robot.arm.limits, self._physics.mass_matrix)
+        brake = TorqueBrake(
+            cell.robot.arm.limits, self._physics.mass_matrix, lambda: self.controller.is_touching
+        )
         self.follower = SetpointFollower(cell.robot.arm.limits, config.watchdog, brake)
         self._payload = PayloadCompensation(self.model, self.description)
 
