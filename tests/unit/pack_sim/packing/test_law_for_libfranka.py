@@ -14,7 +14,7 @@ from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.paths import project_root
 from pack_core.robots.panda import PANDA
-from pack_sim.brakes import BRAKE_TIME
+from pack_sim.brakes import LATE_BRAKE_TIME
 from unit.pack_sim.packing.driver import Driver
 
 Array = npt.NDArray[np.float64]
@@ -66,7 +66,7 @@ class CompiledLaw:
 
     def __init__(self, library: ctypes.CDLL) -> None:
         self._library = library
-        library.begin(ctypes.c_double(BRAKE_TIME))
+        library.begin(ctypes.c_double(LATE_BRAKE_TIME))
 
     def accept(self, setpoints: Setpoints, time: float) -> None:
         assert setpoints.tau is not None
