@@ -115,6 +115,12 @@ def test_every_command_shows_its_help(words: str) -> None:
 
 
 @pytest.mark.parametrize("words", COMMANDS)
+def test_help_on_80_columns_cuts_no_word(words: str) -> None:
+    outcome = CliRunner().invoke(app, [*words.split(), "--help"], env={"COLUMNS": "80"})
+    assert [line for line in outcome.output.splitlines() if "…" in line] == []
+
+
+@pytest.mark.parametrize("words", COMMANDS)
 def test_what_a_commands_help_calls_exists(words: str) -> None:
     spans = re.findall(r"`pack ([^`]+)`", COMMANDS[words].help or "")
     assert [wrong for span in spans if (wrong := wrong_in_pack(split(span)))] == []

@@ -40,7 +40,7 @@ ProblemFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Solve the problem of this file instead of a generated one."),
 ]
-Method = Annotated[str, typer.Option(help="Planner, by its name in config/nodes/blocks/rearrangement.yaml.")]
+Method = Annotated[str, typer.Option(help="Planner by its name, e.g. `beam`.")]
 
 
 def goal(
@@ -115,7 +115,7 @@ def benchmark(
     ] = None,
     method: Annotated[
         list[str] | None,
-        typer.Option(help="Planner, by its name in config/nodes/blocks/rearrangement.yaml; may be repeated."),
+        typer.Option(help="Planner by its name, e.g. `beam`; may be repeated."),
     ] = None,
     price: Annotated[
         str | None,

@@ -55,7 +55,7 @@ def up(
     preset: Annotated[
         str,
         typer.Option(
-            help="Conditions: a file of config/presets (packing) or one of docs/cells/palletizing/presets.md."
+            help="Conditions: a file of config/presets (packing), or a preset of the cell (palletizing)."
         ),
     ] = "",
     calibration: Annotated[
@@ -66,9 +66,7 @@ def up(
     ] = None,
     record: Annotated[
         Record | None,
-        typer.Option(
-            help="Record while goals run, always, or never (docs/reference/recordings.md). Default: goals."
-        ),
+        typer.Option(help="Record while goals run, always, or never. Default: goals."),
     ] = None,
     domain: Domain = None,
     network: Network = "",

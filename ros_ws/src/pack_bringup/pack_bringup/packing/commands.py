@@ -50,7 +50,7 @@ SceneFile = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        help="Pack in the scene of this file (docs/cells/packing/scenes.md) instead of a generated one.",
+        help="Pack in the scene of this file instead of a generated one.",
     ),
 ]
 Method = Annotated[PackingMethod, typer.Option(help="The paper's method, or one of its baselines.")]
@@ -63,7 +63,7 @@ Fill = Annotated[
 ]
 ListFile = Annotated[
     Path | None,
-    typer.Argument(metavar="LIST", help="With --fill: a list file (docs/cells/packing/filling.md)."),
+    typer.Argument(metavar="LIST", help="With --fill: a list file."),
 ]
 
 
@@ -117,9 +117,7 @@ def demo(
     method: Method = PackingMethod.PACK_IT_IN,
     preset: Annotated[
         str,
-        typer.Option(
-            help="Run under the conditions of this file of config/presets (docs/cells/packing/presets.md)."
-        ),
+        typer.Option(help="Run under the conditions of this file of config/presets."),
     ] = "",
     real_time_factor: RealTimeFactor = None,
     video: Video = True,
@@ -134,7 +132,8 @@ def demo(
 
     The container has no free place for the object, so the arm makes one by pushing. The run's folder then
     holds the recording (bag/), report.html, plots/, run.mp4, the scene, the configuration and the nodes' log.
-    The exit code is 0 only if the object was packed.
+    The exit code is 0 only if the object was packed. Scenes, lists and presets are described in
+    docs/cells/packing/scenes.md, filling.md and presets.md.
 
     - `pack demo packing --seed 3`
     - `pack demo packing --method uninformed_pose --no-video`

@@ -37,7 +37,7 @@ from pack_core.paths import config_path
 
 OrderFile = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="Order to build. Default: config/orders/order_03.json."),
+    typer.Option(metavar="FILE", help="Order to build. Default: order_03.json of config/orders."),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of where each box arrives on the picking table.")]
 ProfileName = Annotated[
@@ -132,9 +132,7 @@ def demo(
     ] = "",
     preset: Annotated[
         str,
-        typer.Option(
-            help="What the cell is like (docs/cells/palletizing/presets.md). Default: the ideal one."
-        ),
+        typer.Option(help="What the cell is like: a preset of the cell. Default: the ideal one."),
     ] = "",
     calibration: Annotated[
         Path | None,
@@ -150,7 +148,8 @@ def demo(
     """Build the pallet of one order: six nodes, one goal, and a report at the end.
 
     The run's folder then holds the recording (bag/), report.html, plots/, run.mp4, the configuration and the
-    nodes' log. The exit code is 0 only if every box was placed.
+    nodes' log. The exit code is 0 only if every box was placed. Presets are described in
+    docs/cells/palletizing/presets.md.
 
     - `pack demo palletizing --order config/orders/order_16.json`
     - `pack demo palletizing --profile thesis --no-video`
@@ -190,9 +189,7 @@ def benchmark(
     ] = "shipped",
     preset: Annotated[
         str,
-        typer.Option(
-            help="What the cell is like: a preset of config/cells/palletizing.yaml; `rigid` is the ideal one."
-        ),
+        typer.Option(help="What the cell is like: a preset of the cell; `rigid` is the ideal one."),
     ] = "rigid",
     vision: Annotated[
         bool,
