@@ -20,11 +20,11 @@ def test_a_killed_node_runs_again_as_another_process_and_the_others_are_left_alo
     said: list[str] = []
     with ProcessGroup({"sim": WAITS, "mpc": WAITS}, output=io.StringIO()) as group:
         restarts, first, other = Restarts(group, said.append), group.pid("sim"), group.pid("mpc")
-        restarts.look()
+        restarts.restart_dead()
         assert said == []
         group.signal("sim", signal.SIGKILL)
         assert group.wait(10, count=1)
-        restarts.look()
+        restarts.restart_dead()
         assert group.running == ["sim", "mpc"]
         assert group.pid("sim") != first
         assert group.pid("mpc") == other
@@ -39,17 +39,17 @@ def test_a_node_that_keeps_dying_is_given_up_and_another_minute_begins_anew() ->
         for k in range(MOST):
             now = SPAN * k  # far enough apart to be counted alone
             assert group.wait(10, count=1)
-            restarts.look()
+            restarts.restart_dead()
         for _ in range(MOST + 1):
             assert group.wait(10, count=1)
-            restarts.look()
+            restarts.restart_dead()
         assert [line[-9:] for line in said[: 2 * MOST - 1]] == ["restart 1"] * MOST + [
             "restart 2",
             "restart 3",
         ]
         assert "it stays ended" in said[-1]
         count = len(said)
-        restarts.look()
+        restarts.restart_dead()
         assert len(said) == count
 
 
@@ -57,7 +57,7 @@ def test_a_node_that_ended_in_order_stays_ended() -> None:
     said: list[str] = []
     with ProcessGroup({"sim": ENDS, "mpc": WAITS}, output=io.StringIO()) as group:
         assert group.wait(10, count=1)
-        Restarts(group, said.append).look()
+        Restarts(group, said.append).restart_dead()
         assert group.exit_codes == {"sim": 0}
     assert said == []
 

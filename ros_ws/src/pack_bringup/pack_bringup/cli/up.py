@@ -39,7 +39,7 @@ from pack_core.paths import bags_path
 
 app = typer.Typer()
 RESTART_PERIOD = 0.2
-"""Time between two looks whether a node has died [s of wall clock]."""
+"""How often it is checked whether a node has died [s of wall clock]."""
 
 
 @app.command()
@@ -169,7 +169,7 @@ def _wait(group: ProcessGroup, with_restarts: bool) -> None:
         return
     restarts = Restarts(group, lambda text: notice(text, typer.colors.YELLOW))
     while not group.wait(RESTART_PERIOD):
-        restarts.look()
+        restarts.restart_dead()
 
 
 def _log_file(cell: str) -> Path:

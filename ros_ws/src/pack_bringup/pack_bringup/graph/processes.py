@@ -196,8 +196,8 @@ class Restarts:
         self._times: dict[str, list[float]] = {}
         self._given_up: set[str] = set()
 
-    def look(self) -> None:
-        """Start again what has died since the last look; a process that ended in order stays ended."""
+    def restart_dead(self) -> None:
+        """Start again what has died since the last call; a process that ended in order stays ended."""
         for name, code in self._group.exit_codes.items():
             if code != 0 and name not in self._given_up:
                 self._restart(name, code)
