@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
+from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 HISTORY, PLOT = "history.csv", "results_history.png"
 COLUMNS = ("date", "version", "commit", "name", "success", "of", "time_s", "force_N", "error_mm")
-QUANTITIES = {"time_s": "time [s]", "force_N": "force [N]", "error_mm": "largest error [mm]"}
+QUANTITIES = {
+    "success": "success [%]",
+    "time_s": "time [s]",
+    "force_N": "force [N]",
+    "error_mm": "largest error [mm]",
+}
 DPI = 130
 
 
@@ -37,38 +44,44 @@ def read(folder: Path) -> list[dict[str, str]]:
 
 
 def write_plot(folder: Path, path: Path) -> None:
-    """Draw each figure over the runs: a row a cell, a column a quantity, a line a result."""
+    """Draw each figure over the versions: a row a cell, a column a quantity, a line a result.
+
+    Of the runs of a result with one version the last counts.
+    """
     rows = read(folder)
     cells = list(dict.fromkeys(row["name"].partition("/")[0] for row in rows))
-    figure = Figure(figsize=(14.0, 3.4 * max(1, len(cells))), layout="constrained")
-    grid = figure.subplots(max(1, len(cells)), 1 + len(QUANTITIES), squeeze=False)
-    for axes_of_cell, cell in zip(grid, cells, strict=False):
+    figure = Figure(figsize=(15.0, 3.6 * max(1, len(cells))), layout="constrained")
+    parts: Sequence[SubFigure] = figure.subfigures(max(1, len(cells)), 1, squeeze=False)[:, 0].tolist()
+    for part, cell in zip(parts, cells, strict=False):
         own = [row for row in rows if row["name"].startswith(f"{cell}/")]
-        _draw(axes_of_cell[0], own, "success", f"{cell}: success [%]")
-        for axes, (column, label) in zip(axes_of_cell[1:], QUANTITIES.items(), strict=True):
-            _draw(axes, own, column, label)
-        axes_of_cell[0].legend(fontsize=6, frameon=False)
+        there = [column for column in QUANTITIES if any(row[column] for row in own)]
+        all_axes: Sequence[Axes] = part.subplots(1, len(there), squeeze=False)[0].tolist()
+        for axes, column in zip(all_axes, there, strict=True):
+            _draw(axes, own, column)
+        part.suptitle(cell)
+        lines, names = all_axes[0].get_legend_handles_labels()
+        part.legend(lines, names, loc="outside right upper", fontsize=7, frameon=False)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=DPI)
 
 
-def _draw(axes: Axes, rows: Sequence[Mapping[str, str]], column: str, label: str) -> None:
-    runs = list(dict.fromkeys(_run(row) for row in rows))
-    for name in dict.fromkeys(row["name"] for row in rows):
-        points = [(runs.index(_run(row)), row) for row in rows if row["name"] == name and row[column]]
-        values = [
-            100.0 * float(row["success"]) / float(row["of"]) if column == "success" else float(row[column])
-            for _, row in points
-        ]
-        axes.plot([x for x, _ in points], values, marker="o", markersize=3, label=name.partition("/")[2])
-    axes.set_title(label, fontsize=9)
-    axes.set_xticks(range(len(runs)), runs, rotation=45, ha="right", fontsize=6)
+def _draw(axes: Axes, rows: Sequence[Mapping[str, str]], column: str) -> None:
+    versions = list(dict.fromkeys(row["version"] for row in rows))
+    colours = colormaps["tab20"].colors  # type: ignore[attr-defined]  # a list of twenty colours
+    names = list(dict.fromkeys(row["name"] for row in rows))
+    for name, colour in zip(names, cycle(colours), strict=False):
+        values = {row["version"]: _value(row, column) for row in rows if row["name"] == name and row[column]}
+        at = [versions.index(version) for version in values]
+        label = name.partition("/")[2]
+        axes.plot(at, list(values.values()), marker="o", markersize=4, color=colour, label=label)
+    axes.set_title(QUANTITIES[column], fontsize=9)
+    axes.set_xticks(range(len(versions)), versions, fontsize=8)
+    axes.set_ylim(bottom=0.0)
     axes.grid(alpha=0.25)
 
 
-def _run(row: Mapping[str, str]) -> str:
-    """What stands below the axis: version and date."""
-    return f"{row['version']}\n{row['date']}"
+def _value(row: Mapping[str, str], column: str) -> float:
+    return 100.0 * float(row["success"]) / float(row["of"]) if column == "success" else float(row[column])
 
 
 def _short(value: Any) -> str:
