@@ -1,11 +1,12 @@
 """Tables of pages from the files of results."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from pack_core.errors import ConfigError
-from pack_lockstep.results.pages import pages, with_tables
+from pack_lockstep.results.pages import measured, pages, with_tables
 from pack_lockstep.results.published import PublishedResult
 
 
@@ -41,7 +42,7 @@ def test_figures_stand_in_the_place_of_their_names() -> None:
         "| packed | {packing.ideal.success} of {packing.ideal.scenes}, {packing.ideal.time.mean:.2f} s |"
     )
     assert lines[:3] == ["| measure | here |", "|---|---|", "| packed | 99 of 100, 3.35 s |"]
-    assert lines[4] == "*Measured 2026-01-02 with version 2.0.0, commit 1a2b3c4d.*"
+    assert lines[4] == "*Measured with version 2.0.0, commit 1a2b3c4d, 2026-01-02.*"
 
 
 def test_keys_with_spaces_are_written_in_brackets() -> None:
@@ -53,13 +54,26 @@ def test_what_was_not_measured_is_a_dash() -> None:
     assert lines[2] == "| packed | – | – |"
     assert lines[4] == (
         "*Not measured yet: packing/new; "
-        "measured 2026-01-02 with version 2.0.0, commit 1a2b3c4d: packing/ideal.*"
+        "measured with version 2.0.0, commit 1a2b3c4d, 2026-01-02: all others.*"
+    )
+
+
+def test_results_of_several_versions_are_told_apart() -> None:
+    later = replace(RESULTS["packing/ideal"], date="2026-01-05")
+    given = {
+        "packing/ideal": RESULTS["packing/ideal"],
+        "packing/later": later,
+        "packing/old": RESULTS["packing/old"],
+    }
+    assert measured(given, "2.0.0") == (
+        "*Measured with the earlier version 1.0.0, 2026-01-02: packing/old; "
+        "measured with version 2.0.0, commit 1a2b3c4d, 2026-01-02 to 2026-01-05: all others.*"
     )
 
 
 def test_figures_of_an_earlier_version_are_called_so() -> None:
     lines = written("| packed | {packing.old.success} |")
-    assert lines[4] == "*Measured 2026-01-02 with the earlier version 1.0.0.*"
+    assert lines[4] == "*Measured with the earlier version 1.0.0, 2026-01-02.*"
 
 
 @pytest.mark.parametrize(

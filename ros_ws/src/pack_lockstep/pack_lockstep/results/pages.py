@@ -19,7 +19,7 @@ date, is written from the results that the template names.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from string import Formatter
 from typing import Any
@@ -72,29 +72,37 @@ def table(template: str, results: Mapping[str, PublishedResult], version: str) -
 
 
 def measured(results: Mapping[str, PublishedResult | None], version: str) -> str:
-    """A line on version and date of each result, and on those that there are none of."""
+    """A line on version and dates of the results, and on those that there are none of.
+
+    Where versions differ, results are named; those of the version that most of them have are the others.
+    """
     groups: dict[str, list[str]] = {}
     for name, result in results.items():
-        groups.setdefault(_when(result, version), []).append(name)
-    if len(groups) == 1:
-        return f"*{_capital(next(iter(groups)))}.*"
-    return f"*{_capital('; '.join(f'{when}: {_listed(names)}' for when, names in groups.items()))}.*"
+        groups.setdefault(_which(result, version), []).append(name)
+    most = max(groups, key=lambda which: (which != "", len(groups[which])))
+    parts = [
+        _when(which, [result.date for name in names if (result := results[name])])
+        + (f": {', '.join(names)}" if which != most else ": all others" if len(groups) > 1 else "")
+        for which, names in sorted(groups.items(), key=lambda item: item[0] == most)
+    ]
+    text = "; ".join(parts)
+    return f"*{text[:1].upper()}{text[1:]}.*"
 
 
-def _when(result: PublishedResult | None, version: str) -> str:
+def _which(result: PublishedResult | None, version: str) -> str:
+    """Version of a result in words; empty where there is none."""
     if result is None:
-        return "not measured yet"
+        return ""
     if result.version != version:
-        return f"measured {result.date} with the earlier version {result.version}"
-    return f"measured {result.date} with version {result.version}, commit {result.commit[:8]}"
+        return f"the earlier version {result.version}"
+    return f"version {result.version}, commit {result.commit[:8]}"
 
 
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
-
-
-def _listed(names: list[str]) -> str:
-    return ", ".join(names)
+def _when(which: str, dates: Sequence[str]) -> str:
+    if not which:
+        return "not measured yet"
+    first, last = min(dates), max(dates)
+    return f"measured with {which}, {first}" + (f" to {last}" if last != first else "")
 
 
 def _names(template: str) -> Iterator[str]:
