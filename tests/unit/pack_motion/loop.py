@@ -16,6 +16,7 @@ from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 
 PERIOD = 0.004
+SHARE = motion_set("shipped").limit_share
 ENDED = (MotionState.REACHED, MotionState.STUCK)
 World = Callable[[float], Iterable[Obstacle]]
 

@@ -12,7 +12,7 @@ from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
 from pack_motion.controller import RISES, MotionController, rising
-from pack_motion.setpoint_stream import REST_SPEED, SetpointStream
+from pack_motion.setpoint_stream import REST_SPEED, SetpointStream, StreamConfig
 from pack_motion.tracking.config import motion_set
 from unit.pack_motion.loop import pose
 
@@ -26,7 +26,8 @@ def sample(arm: MotionArm, time: float) -> JointSample:
 @pytest.fixture
 def stream(arm: MotionArm) -> SetpointStream:
     controller = MotionController(arm, motion_set("shipped"), 1.0, arm.home)
-    return SetpointStream(controller, PERIOD, HORIZON, arm.limits.velocity)
+    config = StreamConfig(period=PERIOD, horizon=HORIZON)
+    return SetpointStream(controller, config, arm.limits.velocity)
 
 
 def test_rows_reach_from_a_time_that_has_come_to_the_horizon(arm: MotionArm, stream: SetpointStream) -> None:

@@ -86,7 +86,7 @@ class MotionController:
 
     def __init__(self, arm: MotionArm, config: MotionSet, time: float, q: Array) -> None:
         self._arm, self._config = arm, config
-        self._planner = TargetPlanner(arm, config.clearance)
+        self._planner = TargetPlanner(arm, config.clearance, config.limit_share)
         self._arm_spheres = arm_spheres(arm, config.first_sphere_link)
         self.reset(time, q)
 
@@ -100,7 +100,7 @@ class MotionController:
         self._pursuit: Pursuit
         self._tracker = Tracker(self._arm, self._config, np.array(q, dtype=float))
         self._monitor = MoveMonitor(self._arm, self._config.stuck)
-        self._moving = MovingObstacles(self._arm, time)
+        self._moving = MovingObstacles(self._arm, time, self._config.avoiding_distance)
         standing = MotionTarget(0, Path((JointMove(self._tracker.state.q),)), is_checked=False)
         self._follow(standing, self._planner.plan(self._tracker.state, standing))
         self._monitor.stand()

@@ -11,7 +11,6 @@ from pack_interfaces.msg import MotionTarget as MotionTargetMsg
 from pydantic import Field
 from sensor_msgs.msg import JointState
 
-from pack_core.config import Config
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.motion.moves import Path
@@ -28,7 +27,7 @@ from pack_core.ros.run import run_node
 from pack_core.ros.stream import Stream, StreamReader
 from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController, warm_up
-from pack_motion.setpoint_stream import SetpointStream
+from pack_motion.setpoint_stream import SetpointStream, StreamConfig
 from pack_motion.target_planner import PlanningThread, PreparedTarget
 from pack_motion.tracking.config import motion_set
 
@@ -38,13 +37,11 @@ READ_PERIOD = 0.05
 """Longest time for which the reader waits for a joint state [s of wall clock]."""
 
 
-class MotionNodeConfig(Config):
+class MotionNodeConfig(StreamConfig):
     """Parameters of the node `motion`."""
 
     cell: str = Field(default="palletizing", description="whose arm it moves")
     parameters: str = Field(default="shipped", description="named set of config/motion")
-    period: float = Field(default=0.004, gt=0, le=0.01, description="between setpoints [s]")
-    horizon: float = Field(default=0.040, gt=0, le=0.2, description="of setpoints beyond the measurement [s]")
     watched: tuple[str, ...] = Field(
         default=("sim",), description="the arm brakes and waits while one of them is silent"
     )
@@ -160,8 +157,7 @@ class MotionNode(CellNode):
         """Start from the measured posture, and drop all targets: time has begun anew."""
         self._waiting = self._planned = None
         controller = MotionController(self._arm, self._set, sample.time, sample.q)
-        config, velocity = self._config, self._arm.limits.velocity
-        return SetpointStream(controller, config.period, config.horizon, velocity)
+        return SetpointStream(controller, self._config, self._arm.limits.velocity)
 
     def _note_interruption(self, reason: str) -> None:
         """Report an interruption; a target that is being planned is planned again from the new posture."""

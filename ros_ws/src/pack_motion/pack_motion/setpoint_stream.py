@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
+from pydantic import Field
 
+from pack_core.config import Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.motion.target import MotionTarget
 from pack_core.rotations import Array
@@ -13,10 +15,19 @@ from pack_motion.controller import MotionController
 
 MEMORY = 256
 """Largest number of setpoints that are kept."""
-DEVIATION = 0.002
-"""An arm counts as held when it is farther from its setpoint than it can move in this time [s]."""
 REST_SPEED = 0.01
 """Below this speed a joint of a held arm counts as standing still [rad/s]."""
+
+
+class StreamConfig(Config):
+    """How far setpoints reach, and when an arm counts as held."""
+
+    period: float = Field(default=0.004, gt=0, le=0.01, description="between setpoints [s]")
+    horizon: float = Field(default=0.040, gt=0, le=0.2, description="of setpoints beyond the measurement [s]")
+    deviation: float = Field(
+        default=0.002, gt=0, le=0.1,
+        description="a joint is held where it is farther from its setpoint than it can move in this time [s]",
+    )  # fmt: skip
 
 
 class SetpointStream:
@@ -27,15 +38,14 @@ class SetpointStream:
 
     Args:
         controller: a newly started controller.
-        period: time between setpoints [s].
-        horizon: time that the setpoints reach beyond the newest measurement [s].
+        config: how far setpoints reach, and when an arm counts as held.
         velocity: velocity limits of the joints `(n,)` [rad/s].
     """
 
-    def __init__(self, controller: MotionController, period: float, horizon: float, velocity: Array) -> None:
+    def __init__(self, controller: MotionController, config: StreamConfig, velocity: Array) -> None:
         self.controller = controller
-        self._period, self._horizon = period, horizon
-        self._deviation = DEVIATION * velocity
+        self._period, self._horizon = config.period, config.horizon
+        self._deviation = config.deviation * velocity
         self._rested = np.inf
         self.left: MotionTarget | None = None
         """The rest of an interrupted move; set in the step in which the arm has come to rest."""

@@ -18,6 +18,7 @@ from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.trajectory import JointState, MoveRefused
 
 TURN = 2.0 * np.pi
+"""After a whole turn a joint's link is where it was [rad]."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,12 @@ class TargetPlanner:
     Args:
         arm: the arm that moves.
         clearance: smallest allowed distance to obstacles in moves that are checked [m].
+        share: of the arm's velocity and acceleration limits that references use.
     """
 
-    def __init__(self, arm: MotionArm, clearance: float) -> None:
+    def __init__(self, arm: MotionArm, clearance: float, share: float) -> None:
         self._arm = arm
-        self._paths = PathPlanner(arm)
+        self._paths = PathPlanner(arm, share)
         self._check = ClearanceCheck(arm, clearance)
         self._transfers = TransferPlanner(arm, self._paths, self._check)
 

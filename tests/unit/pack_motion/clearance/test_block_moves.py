@@ -32,7 +32,8 @@ class Bench:
     """Plans from the arm's look-out."""
 
     def __init__(self, arm: MotionArm) -> None:
-        self.arm, self.planner = arm, TargetPlanner(arm, motion_set("shipped").clearance)
+        config = motion_set("shipped")
+        self.arm, self.planner = arm, TargetPlanner(arm, config.clearance, config.limit_share)
 
     def plan(
         self, move: Path, *blocks: Obstacle, opening: float = WIDE, start: MotionPlan | None = None

@@ -15,6 +15,7 @@ from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.trajectory import JointState
 from unit.pack_motion.clearance.test_transfer import CLEARANCE, PICK, PLACE, Bench, transfer
+from unit.pack_motion.loop import SHARE
 
 SLOW, ZONE = 0.24, 0.1
 
@@ -25,7 +26,7 @@ def start(arm: MotionArm) -> JointState:
 
 
 def planned(arm: MotionArm, start: JointState, move: Transfer) -> MotionPlan:
-    paths = PathPlanner(arm)
+    paths = PathPlanner(arm, SHARE)
     return TransferPlanner(arm, paths, ClearanceCheck(arm, CLEARANCE)).plan(start, move, Surrounding())
 
 

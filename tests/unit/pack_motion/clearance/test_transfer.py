@@ -13,7 +13,7 @@ from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.trajectory import JointState, MoveRefused
 from pack_motion.tracking.config import motion_set
-from unit.pack_motion.loop import pose
+from unit.pack_motion.loop import SHARE, pose
 
 CLEARANCE = motion_set("shipped").clearance
 SIZE = np.array([0.4, 0.3, 0.2])
@@ -42,7 +42,7 @@ class Bench:
 
     def __init__(self, arm: MotionArm) -> None:
         self.arm = arm
-        self.paths, self.check = PathPlanner(arm), ClearanceCheck(arm, CLEARANCE)
+        self.paths, self.check = PathPlanner(arm, SHARE), ClearanceCheck(arm, CLEARANCE)
         self.transfers = TransferPlanner(arm, self.paths, self.check)
         self.at_pick = self.paths.plan(JointState.at_rest(arm.home), Path((PoseMove(PICK),))).trajectory.end
 

@@ -10,7 +10,7 @@ from pack_core.rotations import Array, angle_between
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceTrajectory
-from unit.pack_motion.loop import pose
+from unit.pack_motion.loop import SHARE, pose
 
 ABOVE, ON = pose(-2.5, 2.5, 1.0, 0.1), pose(-2.5, 2.5, 0.8, 0.1)
 places = st.tuples(st.floats(-2.9, -2.1), st.floats(2.2, 2.8), st.floats(0.8, 1.6), st.floats(-1.5, 1.5))
@@ -18,7 +18,7 @@ places = st.tuples(st.floats(-2.9, -2.1), st.floats(2.2, 2.8), st.floats(0.8, 1.
 
 def planned(arm: MotionArm, *segments: Segment, q: Array | None = None) -> MotionPlan:
     start = JointState.at_rest(arm.home if q is None else q)
-    return PathPlanner(arm).plan(start, Path(segments))
+    return PathPlanner(arm, SHARE).plan(start, Path(segments))
 
 
 def tool(arm: MotionArm, trajectory: ReferenceTrajectory) -> Array:
@@ -137,9 +137,9 @@ def test_poses_in_a_row_are_passed_without_a_stop(arm: MotionArm) -> None:
 
 def test_a_line_from_a_moving_arm_brakes_first(arm: MotionArm) -> None:
     moving = planned(arm, PoseMove(ABOVE)).trajectory.at(0.8)[0]
-    plan = PathPlanner(arm).plan(moving, Path((PoseMove(ABOVE), Line(ON))))
+    plan = PathPlanner(arm, SHARE).plan(moving, Path((PoseMove(ABOVE), Line(ON))))
     np.testing.assert_array_equal(plan.trajectory.v[0], moving.v)
-    braking = PathPlanner(arm).stop(moving)
+    braking = PathPlanner(arm, SHARE).stop(moving)
     assert braking.end.is_at_rest
     assert_is_consistent(arm, braking)
 

@@ -6,15 +6,15 @@ import numpy as np
 
 from pack_core.motion.moves import Line, Path, PoseMove
 from pack_motion.arm.arm import MotionArm
-from pack_motion.reference.path_planner import SHARE, PathPlanner
+from pack_motion.reference.path_planner import PathPlanner
 from pack_motion.reference.trajectory import JointState
-from unit.pack_motion.loop import pose
+from unit.pack_motion.loop import SHARE, pose
 
 ABOVE, ON = pose(-2.5, 2.5, 1.3, 0.1), pose(-2.5, 2.5, 0.9, 0.1)
 
 
 def test_it_still_reaches_its_speed_and_keeps_every_limit(arm: MotionArm) -> None:
-    paths = PathPlanner(arm)
+    paths = PathPlanner(arm, SHARE)
     above = paths.plan(JointState.at_rest(arm.home), Path((PoseMove(ABOVE),))).trajectory.end
     plan = paths.plan(above, Path((Line(ON, speed=0.25, acceleration=6.0),)))
     rows = plan.trajectory

@@ -16,7 +16,7 @@ from pack_motion.move_monitor import StuckDetector
 from pack_motion.reference.trajectory import JointState
 from pack_motion.rmpflow.spheres import box_distance
 from pack_motion.tracking.config import motion_set
-from pack_motion.tracking.speed_separation import MAY_GO_ON, SpeedSeparationMonitor, Threat
+from pack_motion.tracking.speed_separation import SpeedSeparationMonitor, Threat
 from unit.pack_motion.loop import PERIOD, Loop, pose
 
 CONFIG = motion_set("shipped")
@@ -70,7 +70,7 @@ def test_an_obstacle_that_has_stopped_long_ago_is_not_given_way_to(
 ) -> None:
     settled(monitor, arm, Threat(0.3, 1.0))
     assert monitor.gives_way
-    for _ in range(int(MAY_GO_ON) + 1):
+    for _ in range(int(CONFIG.speed_separation.calm_time) + 1):
         settled(monitor, arm, Threat(0.3, 0.0))
     assert not monitor.gives_way
 

@@ -17,9 +17,6 @@ from pack_motion.reference.joint_move import MoveLimits, brake, joint_move
 from pack_motion.reference.line_run import line_run
 from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceTrajectory
 
-SHARE = 0.98
-"""Share of the joint limits that references use; the rest is left to the tracking."""
-
 SLOWING_TRIES, SLOWING_MARGIN = 6, 0.99
 """How often a joint move is planned anew to keep the tool slow, and the share of that speed it aims at."""
 
@@ -40,12 +37,17 @@ class MotionPlan:
 
 
 class PathPlanner:
-    """Plans references for one arm."""
+    """Plans references for one arm.
 
-    def __init__(self, arm: MotionArm) -> None:
+    Args:
+        arm: the arm that moves.
+        share: of its velocity and acceleration limits that references use; the rest is the tracking's.
+    """
+
+    def __init__(self, arm: MotionArm, share: float) -> None:
         self._arm = arm
         limits = arm.limits
-        self._limits = MoveLimits(SHARE * limits.velocity, SHARE * limits.acceleration, arm.jerk)
+        self._limits = MoveLimits(share * limits.velocity, share * limits.acceleration, arm.jerk)
 
     def plan(self, start: JointState, path: Path) -> MotionPlan:
         """The reference from `start` through all segments, to rest at the last one's end.

@@ -44,6 +44,12 @@ class SpeedSeparation(Config):
     stop_distance: PositiveFloat = Field(description="from an obstacle that moves, where it stands [m]")
     reaction: PositiveFloat = Field(description="for which an obstacle goes on while it stops [s]")
     blind: PositiveFloat = Field(description="age of the newest observation at which it stands [s]")
+    moving_speed: PositiveFloat = Field(
+        description="of an obstacle from which it is given way to; slower ones are driven around [m/s]"
+    )
+    calm_time: PositiveFloat = Field(
+        description="after an obstacle moved near the arm, for which it may go on and is waited for [s]"
+    )
 
 
 class Stuck(Config):
@@ -63,6 +69,10 @@ class MotionSet(Config):
     substep: PositiveFloat = Field(description="longest step of the policies [s]")
     first_sphere_link: int = Field(ge=0, description="links from here on (0: the first) avoid obstacles")
     clearance: PositiveFloat = Field(description="of moves that are checked before they start [m]")
+    limit_share: PositiveFloat = Field(le=1, description="of the joint limits that references use")
+    avoiding_distance: PositiveFloat = Field(
+        description="of an obstacle that moves, within which the arm may leave its planned way [m]"
+    )
     speed_separation: SpeedSeparation
     stuck: Stuck
     fast: Policies

@@ -14,9 +14,6 @@ from pack_motion.arm.arm import MotionArm
 from pack_motion.rmpflow.parameters import Collision
 from pack_motion.rmpflow.tree import ObstacleBoxes
 
-NEAR = 1.0
-"""An obstacle that moves nearer to the arm than this may drive it off its planned way [m]."""
-
 
 class MovingObstacles:
     """Keeps the newest observation, and makes the field of what the policies react to.
@@ -24,10 +21,11 @@ class MovingObstacles:
     Args:
         arm: the arm that moves among them.
         time: now [s].
+        avoiding_distance: within which an obstacle that moves may drive the arm off its planned way [m].
     """
 
-    def __init__(self, arm: MotionArm, time: float) -> None:
-        self._arm, self._seen_at = arm, time
+    def __init__(self, arm: MotionArm, time: float, avoiding_distance: float) -> None:
+        self._arm, self._seen_at, self._avoiding_distance = arm, time, avoiding_distance
         self._seen: dict[str, Obstacle] = {}
 
     def observe(self, obstacles: Iterable[Obstacle], time: float) -> None:
@@ -61,7 +59,7 @@ class MovingObstacles:
         # What may be touched must not push the arm away from it.
         apart = (item for item in target.obstacles if item.name not in target.contacts)
         known = {item.name: item for item in apart} | moving
-        is_avoiding = bool(moving) and distance < NEAR
+        is_avoiding = bool(moving) and distance < self._avoiding_distance
         around = [*known.values(), *(self._own_base(q) if is_avoiding else ())]
         return ObstacleField.of(around, policy, is_avoiding=is_avoiding)
 

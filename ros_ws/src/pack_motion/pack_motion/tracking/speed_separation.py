@@ -11,11 +11,6 @@ from pack_core.rotations import Array
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import SpeedSeparation
 
-MOVES = 0.05
-"""Obstacles that are faster than this are given way to; slower ones are driven around [m/s]."""
-MAY_GO_ON = 5.0
-"""For so long after an obstacle moved near the arm, it may go on and the arm may be on its way back [s]."""
-
 
 @dataclass(frozen=True)
 class Threat:
@@ -65,9 +60,9 @@ class SpeedSeparationMonitor:
         elif np.isfinite(threat.distance):
             wished = min(wished, self._allowed_speed(threat) / max(self._tool_speed(planned), 1e-6))
         is_near = threat.distance < c.avoid_distance + c.stop_distance + c.reaction * threat.speed
-        is_calm = not threat.is_blind and not (is_near and threat.speed > MOVES)
+        is_calm = not threat.is_blind and not (is_near and threat.speed > c.moving_speed)
         self._calm = self._calm + h if is_calm else 0.0
-        self.gives_way = self._calm < MAY_GO_ON
+        self.gives_way = self._calm < c.calm_time
         slowest, fastest = self._changes(planned)
         self.rate = min(max(self.rate + min(max(wished - self.rate, h * slowest), h * fastest), 0.0), 1.0)
         return self.rate
@@ -84,7 +79,7 @@ class SpeedSeparationMonitor:
         uncertainty of both positions are added. Also, only the tool's speed is bounded.
         """
         c = self._config
-        if threat.speed > MOVES:
+        if threat.speed > c.moving_speed:
             room = max(threat.distance - c.stop_distance - c.reaction * threat.speed, 0.0)
             return float(np.sqrt(2.0 * c.avoid_deceleration * room))
         room = max(threat.distance - c.avoid_distance, 0.0)
