@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from e2e.command import alarms, measured_again, output_of, pack
-from pack_evaluation.packing.fill.evaluator import FillEvaluator
+from pack_evaluation.packing.fill.evaluator import measure
+from pack_evaluation.packing.fill.recording import load_fill_run
 
 # two minutes: two objects at 0.3 of real time
 pytestmark = [pytest.mark.e2e, pytest.mark.long, pytest.mark.timeout(600)]
@@ -35,7 +36,7 @@ def test_the_demo_fills_the_container_and_leaves_everything_behind(demo: tuple[P
     assert {"bag", "nodes.log", "report.html", "run.mp4", "run.yaml"} <= {
         path.name for path in folder.iterdir()
     }
-    found = FillEvaluator().measure(FillEvaluator().load(folder))
+    found = measure(load_fill_run(folder))
     assert (found.success, found.packed, found.given, found.faults) == (True, 2, 2, 0)
 
 
@@ -45,7 +46,7 @@ def test_a_healthy_start_run_and_end_log_no_error(demo: tuple[Path, str]) -> Non
 
 def test_evaluating_the_bag_again_gives_the_same_measures(demo: tuple[Path, str], tmp_path: Path) -> None:
     again = measured_again(demo[0], tmp_path)
-    first = FillEvaluator().measure(FillEvaluator().load(demo[0]))
+    first = measure(load_fill_run(demo[0]))
     assert (again["packed"], again["base_area"]) == (first.packed, pytest.approx(first.base_area))
 
 

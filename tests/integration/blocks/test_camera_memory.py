@@ -10,8 +10,9 @@ import pytest
 from pack_bringup.robustness.soak import usage_of
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.problem_file import load_problem
+from pack_core.camera import Picture
 from pack_core.paths import config_path
-from pack_sim.blocks.overhead_camera import OverheadCamera, Picture
+from pack_sim.blocks.overhead_camera import OverheadCamera
 from pack_sim.blocks.simulator import BlocksSimulator
 from pack_sim.camera_thread import CameraThread
 

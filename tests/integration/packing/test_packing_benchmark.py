@@ -19,7 +19,7 @@ from pack_evaluation.packing.measures import goal_force, measure
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.run_file import load_saved_run
 from pack_evaluation.packing.studies import STUDIES
-from pack_evaluation.packing.study.trial import PackingStudy
+from pack_evaluation.packing.summary import PackingStudy
 from pack_lockstep.benchmarking.benchmark import Verdict, run_benchmark
 from pack_lockstep.benchmarking.pools import LocalPool, Pool
 from pack_lockstep.benchmarking.results_folder import ResultsFolder

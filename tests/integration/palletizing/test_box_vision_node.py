@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from integration.harness import Graph
-from pack_core.camera import PinholeCamera
+from pack_core.camera import Picture, PinholeCamera
 from pack_core.palletizing.boxes import BoxBody, BoxDetection, DetectionStatus, ExpectedBox
-from pack_core.palletizing.view import Picture
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.messages.camera import to_camera_info, to_image
 from pack_core.ros.messages.palletizing import from_detection, to_expected_box

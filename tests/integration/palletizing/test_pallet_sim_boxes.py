@@ -13,8 +13,8 @@ from std_srvs.srv import Trigger
 
 from integration.harness import PATIENCE, Graph
 from integration.palletizing.pallet_rig import newest_joints, spawn, start_pallet_sim
+from pack_core.camera import Picture
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.view import Picture
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.messages.conversions import from_stamp, to_pose
 from pack_core.ros.messages.scene import from_scene

@@ -11,6 +11,8 @@ import numpy.typing as npt
 from pack_core.config import Config
 from pack_core.rotations import Array, Pose
 
+Picture = npt.NDArray[np.uint8]
+"""RGB `(height, width, 3)`."""
 LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """R_WC of a camera that looks along -z of the world, with x to the right and y up in its picture: half a turn
 about x."""

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from pack_core import stamps
 from pack_core.errors import BagError, ConfigError
+from pack_core.rotations import Array
 from pack_core.text.json_text import parse_json
 from pack_evaluation.raw_bag import RawBag, RawMessage, read_raw_bag
 
@@ -68,6 +72,16 @@ def read_bag(path: Path, topics: Collection[str] | None = None) -> Bag:
     messages = [decoded for item in raw.messages if (decoded := _decoded(item, raw)) is not None]
     damaged = raw.damaged + len(raw.messages) - len(messages)
     return Bag(raw.path, tuple(messages), raw.is_cut, damaged, raw.notes)
+
+
+def seconds(stamp: Any) -> float:
+    """A recorded `Time` or `Duration` [s]."""
+    return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)
+
+
+def times_of(messages: Sequence[Any]) -> Array:
+    """The stamps of recorded messages with a header `(n,)` [s]."""
+    return np.array([seconds(message.header.stamp) for message in messages])
 
 
 def result_in(text: str, path: Path) -> dict[str, Any]:

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib import font_manager
 from PIL import Image, ImageDraw, ImageFont
 
-Picture = npt.NDArray[np.uint8]
+from pack_core.camera import Picture
+from pack_evaluation.figures import INK
+
 UNITS = 36
 """Unit of the caption's sizes: the picture's height divided by this."""
 OPACITY = 0.85
-INK = "#20252b"
 
 
 @cache

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from pack_evaluation.goals import GoalNumber
-from pack_evaluation.record import load_record
+import yaml
+
+from pack_evaluation.goals import GoalNumber, RecordedRun
+from pack_evaluation.html import render
+from pack_evaluation.record import about_the_run, load_record
 from pack_evaluation.table import Row, measure_rows
 
 if TYPE_CHECKING:
@@ -21,27 +23,6 @@ OnProgress = Callable[[float], None]
 """Called with the fraction that is done, 0 to 1."""
 WriteReplay = Callable[[Path, Path], None]
 """Writes a recording, given first, as an interactive replay into the HTML file that is given second."""
-
-
-class RecordedRun(Protocol):
-    """A run as it was read from a recording."""
-
-    @property
-    def is_cut(self) -> bool:
-        """Whether the recording was cut off."""
-
-    @property
-    def damaged(self) -> int:
-        """Number of pieces of the recording that could not be read."""
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Which files and topics of the recording are missing or were left out, and why."""
-
-    @property
-    def goal(self) -> GoalNumber:
-        """Which goal of the recording it is."""
-
 
 RunT = TypeVar("RunT", bound=RecordedRun)
 MeasuresT = TypeVar("MeasuresT", bound="DataclassInstance")
@@ -71,13 +52,38 @@ class Evaluation(Generic[RunT, MeasuresT]):
         return {**_plain(asdict(self.measures)), **state, **which}
 
 
-class Evaluator(ABC, Generic[RunT, MeasuresT]):
-    """How the recordings of one cell are evaluated."""
+@dataclass(frozen=True)
+class Evaluator(Generic[RunT, MeasuresT]):
+    """How the recordings of one cell are evaluated: what the cell alone knows of it.
+
+    Attributes:
+        load: the goal of a number, from 1, in a recording, or the last; raises BagError where the recording
+            is missing, broken, of another version, or has no such goal.
+        measure: everything that is measured of a run.
+        draw: writes the plots into a folder that exists, and returns them in the order of the report.
+        film: renders a run as MP4, and calls with the fraction that is done.
+        template: the report, below this package; it extends report.html.j2.
+        report: values of the template: `title`, whether it was a `success`, the `verdict` in a few words, a
+            `message`, and what the cell's own blocks of the template show.
+        speed: simulated seconds a second of the video.
+        still: writes one large picture, where a cell has one beside its plots.
+        instead: the evaluator that a recording is for where it is not for this one.
+    """
+
+    load: Callable[[Path, int | None], RunT]
+    measure: Callable[[RunT], MeasuresT]
+    draw: Callable[[RunT, Path], list[Path]]
+    film: Callable[[RunT, Path, OnProgress], None]
+    template: str
+    report: Callable[[Evaluation[RunT, MeasuresT]], Mapping[str, Any]]
+    speed: float = 1.0
+    still: Callable[[RunT, Path], None] = lambda run, path: None
+    instead: Callable[[Path], Evaluator[Any, Any] | None] = lambda path: None
 
     def evaluate(
         self, path: Path, output: Path, *, with_video: bool = True, progress: OnProgress = lambda _: None,
         write_replay: WriteReplay | None = None, goal: int | None = None,
-    ) -> Evaluation[RunT, MeasuresT]:  # fmt: skip
+    ) -> Evaluation[Any, Any]:  # fmt: skip
         """Measure a recording and write its report.
 
         Args:
@@ -92,6 +98,8 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
             BagError: the recording is missing, broken, or holds no such goal of this cell.
             PackError: the video was wanted and there is no OpenGL to draw with.
         """
+        if goal is None and (other := self.instead(path)):
+            return other.evaluate(path, output, with_video=with_video, progress=progress)
         run = self.load(path, goal)
         measures = self.measure(run)
         (output / PLOTS).mkdir(parents=True, exist_ok=True)
@@ -104,7 +112,7 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
         plots = self.draw(run, output / PLOTS)
         rows, record = (*_goal_rows(run.goal), *measure_rows(measures)), load_record(path)
         found = Evaluation(run, measures, rows, record, plots, video, output / REPORT, replay)
-        found.report.write_text(self.page(found))
+        found.report.write_text(self._page(found))
         return found
 
     def _film_whole(self, run: RunT, path: Path, progress: OnProgress) -> None:
@@ -116,32 +124,17 @@ class Evaluator(ABC, Generic[RunT, MeasuresT]):
         finally:
             part.unlink(missing_ok=True)
 
-    @abstractmethod
-    def load(self, path: Path, goal: int | None = None) -> RunT:
-        """A goal's run in a recording: the goal of this number, from 1, or the last.
-
-        Raises:
-            BagError: the recording is missing, broken, of another version, or has no such goal.
-        """
-
-    @abstractmethod
-    def measure(self, run: RunT) -> MeasuresT:
-        """Everything that is measured of a run."""
-
-    @abstractmethod
-    def draw(self, run: RunT, folder: Path) -> list[Path]:
-        """Write the plots into a folder that exists, in the order a report shows them."""
-
-    @abstractmethod
-    def film(self, run: RunT, path: Path, progress: OnProgress) -> None:
-        """Render the run as MP4."""
-
-    @abstractmethod
-    def page(self, found: Evaluation[RunT, MeasuresT]) -> str:
-        """The report."""
-
-    def still(self, run: RunT, path: Path) -> None:
-        """Write one large picture, where a cell has one beside its plots."""
+    def _page(self, found: Evaluation[RunT, MeasuresT]) -> str:
+        """The report as HTML; the cell's own values come last and may replace any."""
+        configuration = found.record.get("configuration", {})
+        values = {
+            "run": found.run, "measures": found.measures, "rows": found.rows, "plots": found.plots,
+            "video": found.video, "speed": self.speed, "replay": found.replay,
+            "about": about_the_run(found.record),
+            "files": {name: yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
+                      for name, content in configuration.items()},
+        }  # fmt: skip
+        return render(self.template, **{**values, **self.report(found)})
 
 
 def _goal_rows(goal: GoalNumber) -> tuple[Row, ...]:

@@ -33,11 +33,29 @@ ONLY_GOAL = GoalNumber()
 """Of a run that is not one of several."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class RecordedRun:
+    """A goal's run as arrays: what every cell's says of its recording; by default it comes from none.
+
+    Attributes:
+        is_cut: whether the recording ended before the run did.
+        damaged: number of pieces of the recording that could not be read.
+        notes: which of its files and topics are missing or were left out, and why.
+        goal: which goal of its recording it is.
+    """
+
+    is_cut: bool = False
+    damaged: int = 0
+    notes: tuple[str, ...] = ()
+    goal: GoalNumber = ONLY_GOAL
+
+
 def goal_of(
     bag: Bag,
     number: int | None,
     *,
     result: str,
+    needed: Collection[str] = (),
     latched: Collection[str] = (),
     has_begun: Callable[[Sequence[Recorded]], bool] = lambda _: False,
 ) -> tuple[Bag, GoalNumber]:
@@ -49,11 +67,12 @@ def goal_of(
         bag: the recording.
         number: which goal, from 1 in order of time; None: the last.
         result: topic on which a goal's end is published.
+        needed: topics that every goal has.
         latched: topics whose newest message from before the goal belongs to it, too.
         has_begun: whether what was recorded after the last result shows a goal without an end.
 
     Raises:
-        BagError: there is no goal of this number.
+        BagError: there is no goal of this number, or it has no message on a topic that every goal has.
     """
     parts = _parts(bag.messages, result, latched, has_begun)
     wanted = len(parts) if number is None else number
@@ -63,7 +82,12 @@ def goal_of(
     start, end = parts[wanted - 1]
     earlier = {item.topic: item for item in bag.messages[:start] if item.topic in latched}
     messages = (*earlier.values(), *bag.messages[start:end])
-    return replace(bag, messages=messages), GoalNumber(wanted, len(parts))
+    found, goal = replace(bag, messages=messages), GoalNumber(wanted, len(parts))
+    if missing := [topic for topic in needed if not found.of(topic)]:
+        lacks = f"goal {goal} has no message on {', '.join(missing)}"
+        reason = bag.reason("was the node that sends it running? Did the goal run to its end?")
+        raise BagError(f"{bag.path}: {lacks}: {reason}")
+    return found, goal
 
 
 def without_earlier_gaps(bag: Bag, start: float, *, latched: Collection[str] = ()) -> Bag:

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 
-def render(template: Path, **values: Any) -> str:
-    """Render a Jinja template; values are escaped for HTML."""
-    environment = Environment(autoescape=True, undefined=StrictUndefined)
-    return environment.from_string(template.read_text()).render(**values)
+def render(template: str, **values: Any) -> str:
+    """Render a Jinja template, by its path below this package; values are escaped for HTML."""
+    return _environment().get_template(template).render(**values)
+
+
+@cache
+def _environment() -> Environment:
+    loader = FileSystemLoader(Path(__file__).parent)
+    environment = Environment(autoescape=True, undefined=StrictUndefined, loader=loader)
+    environment.filters["embedded"] = embedded
+    return environment
 
 
 def embedded(path: Path) -> str:

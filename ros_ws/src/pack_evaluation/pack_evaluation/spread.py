@@ -68,6 +68,11 @@ def auc(success: Values, failure: Values) -> float | None:
     return float(pairs_won / (low.size * high.size))
 
 
+def mean(values: Sequence[float]) -> float | None:
+    """The mean; None where there are no values."""
+    return float(np.mean(values)) if len(values) else None
+
+
 def mean_p95_max(values: Sequence[float]) -> dict[str, float | None]:
     """Mean, 95th percentile and largest of a measure; None where there are no values."""
     if not values:

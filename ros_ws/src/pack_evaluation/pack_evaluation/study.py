@@ -1,12 +1,11 @@
-"""Comparison of many runs of one cell: the interface that every cell implements."""
+"""Comparison of many runs of one cell: what every cell gives to it."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from pack_core.errors import ConfigError
 from pack_evaluation.table import TextTable
@@ -47,8 +46,11 @@ class KeptTrials:
                 )
 
 
+TrialT = TypeVar("TrialT")
+
+
 @dataclass(frozen=True, kw_only=True)
-class Study:
+class Study(Generic[TrialT]):
     """Runs that belong together: a column or a row of every table.
 
     Attributes:
@@ -56,16 +58,18 @@ class Study:
         detail: what tells it from another study of the same name.
         about: settings that the summary and the report show.
         origin: command, commit and versions that the runs come from.
+        trials: the runs, measured.
     """
 
     name: str
     detail: str = ""
     about: Mapping[str, Any] = field(default_factory=dict)
     origin: Mapping[str, Any] = field(default_factory=dict)
+    trials: tuple[TrialT, ...] = ()
 
 
 @dataclass(frozen=True)
-class Picture:
+class ShownRun:
     """A run in the report: a picture, a video, or only its name and a text."""
 
     name: str
@@ -74,72 +78,42 @@ class Picture:
     video: Path | None = None
 
 
-StudyT = TypeVar("StudyT", bound=Study)
+StudyT = TypeVar("StudyT", bound=Study[Any])
 RecordingT = TypeVar("RecordingT")
 
 
-class StudyEvaluator(ABC, Generic[StudyT, RecordingT]):
+@dataclass(frozen=True, kw_only=True)
+class StudyEvaluator(Generic[StudyT, RecordingT]):
     """How many runs of one cell become tables, figures and pictures.
 
     Attributes:
         title: heads the cell's part of a report.
-        pictures_title: heads the pictures.
-        pictures_note: one sentence on what the pictures show.
+        of_benchmark: the studies that a benchmark's trials make, of different names; raises PackError where a
+            file that belongs to a trial is missing or broken.
+        read_recording: measures one recording as part of a study; raises PackError where it is missing,
+            broken, or of another cell.
+        of_recordings: the study that recordings make together, named `RECORDINGS`.
+        summary: the statistics of a study as plain values.
+        tables: studies side by side.
+        figures: writes figures as PNG into a folder, made for them, and returns them in the report's order.
+        shown_runs: single runs that a report shows, with files below a folder: of each study, how many are
+            drawn, 0 without OpenGL, and how many are rendered as MP4; raises PackError without OpenGL.
+        runs_title: heads the single runs.
+        runs_note: one sentence on what their pictures show.
+        kind_of: name of the cell's part that measures a recording: these studies, or others of the same cell.
     """
 
-    title: ClassVar[str]
-    pictures_title: ClassVar[str] = "Pictures"
-    pictures_note: ClassVar[str] = ""
-
-    @abstractmethod
-    def of_benchmark(self, kept: KeptTrials) -> list[StudyT]:
-        """The studies that a benchmark's trials make, of different names.
-
-        Raises:
-            PackError: a file that belongs to a trial is missing or broken.
-        """
-
-    @abstractmethod
-    def read_recording(self, path: Path) -> RecordingT:
-        """Measure one recording as part of a study.
-
-        Raises:
-            PackError: the recording is missing, broken, or of another cell.
-        """
-
-    def kind_of(self, path: Path) -> str:
-        """Name of the cell's part that measures a recording: these studies, or others of the same cell."""
-        return "studies"
-
-    @abstractmethod
-    def of_recordings(self, recordings: Sequence[RecordingT]) -> StudyT:
-        """The study that recordings make together, named `RECORDINGS`."""
-
-    @abstractmethod
-    def summary(self, study: StudyT) -> dict[str, Any]:
-        """The statistics of a study as plain values."""
-
-    @abstractmethod
-    def tables(self, studies: Sequence[StudyT]) -> Sequence[TextTable]:
-        """The studies side by side."""
-
-    def figures(self, studies: Sequence[StudyT], folder: Path) -> list[Path]:
-        """Write figures as PNG into a folder, made for them, in the order in which a report shows them."""
-        return []
-
-    def pictures(self, studies: Sequence[StudyT], folder: Path, *, count: int, videos: int) -> list[Picture]:
-        """Single runs that a report shows.
-
-        Args:
-            studies: the runs.
-            folder: folder of the report; pictures go into a folder below it.
-            count: runs of each study that are drawn; 0: none, which needs no OpenGL.
-            videos: runs of each study that are rendered as MP4.
-
-        Raises:
-            PackError: there is no OpenGL to draw with.
-        """
-        return []
+    title: str
+    of_benchmark: Callable[[KeptTrials], list[StudyT]]
+    read_recording: Callable[[Path], RecordingT]
+    of_recordings: Callable[[Sequence[RecordingT]], StudyT]
+    summary: Callable[[StudyT], dict[str, Any]]
+    tables: Callable[[Sequence[StudyT]], Sequence[TextTable]]
+    figures: Callable[[Sequence[StudyT], Path], list[Path]] = lambda studies, folder: []
+    shown_runs: Callable[[Sequence[StudyT], Path, int, int], list[ShownRun]] = lambda *_: []
+    runs_title: str = "Pictures"
+    runs_note: str = ""
+    kind_of: Callable[[Path], str] = lambda path: "studies"
 
 
 def summaries(evaluator: StudyEvaluator[StudyT, Any], studies: Sequence[StudyT]) -> dict[str, Any]:

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from pack_core.errors import PackError
-from pack_evaluation.html import embedded, render
-from pack_evaluation.study import Picture, StudyEvaluator, StudyT
+from pack_evaluation.html import render
+from pack_evaluation.study import ShownRun, StudyEvaluator, StudyT
 from pack_evaluation.table import TextTable
 
-TEMPLATE = Path(__file__).with_name("study_report.html.j2")
 REPORT, FIGURES = "report.html", "figures"
 
 
@@ -24,18 +23,18 @@ class StudySection:
         title: its heading.
         tables: tables that compare the studies.
         figures: paths of PNG files.
-        pictures_title: heading of the pictures.
-        pictures_note: one sentence on what the pictures show.
-        pictures: pictures of single runs.
+        runs_title: heading of the single runs.
+        runs_note: one sentence on what their pictures show.
+        runs: single runs.
         about: settings and origin of each study, by its name.
     """
 
     title: str
     tables: Sequence[TextTable]
     figures: Sequence[Path]
-    pictures_title: str
-    pictures_note: str
-    pictures: Sequence[Picture]
+    runs_title: str
+    runs_note: str
+    runs: Sequence[ShownRun]
     about: Mapping[str, Mapping[str, Any]]
 
 
@@ -59,13 +58,13 @@ def study_section(
         warn: called with the reason if there are no pictures, as without OpenGL.
     """
     try:
-        shown = evaluator.pictures(studies, folder, count=max(pictures, videos), videos=videos)
+        shown = evaluator.shown_runs(studies, folder, max(pictures, videos), videos)
     except PackError as error:
         warn(f"no pictures of single runs: {error}")
-        shown = evaluator.pictures(studies, folder, count=0, videos=0)
+        shown = evaluator.shown_runs(studies, folder, 0, 0)
     return StudySection(
         evaluator.title, evaluator.tables(studies), evaluator.figures(studies, folder / FIGURES),
-        evaluator.pictures_title, evaluator.pictures_note, shown,
+        evaluator.runs_title, evaluator.runs_note, shown,
         {study.name: about for study in studies if (about := {**study.about, **study.origin})},
     )  # fmt: skip
 
@@ -74,7 +73,7 @@ def write_study_report(sections: Sequence[StudySection], folder: Path, title: st
     """Write `report.html` into a folder and return its path."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / REPORT
-    path.write_text(render(TEMPLATE, title=title, sections=sections, in_words=in_words, embedded=embedded))
+    path.write_text(render("study_report.html.j2", title=title, sections=sections, in_words=in_words))
     return path
 
 

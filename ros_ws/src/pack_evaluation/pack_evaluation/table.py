@@ -7,7 +7,7 @@ A measure is one field of a cell's dataclass of measures, annotated with its row
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, get_type_hints
 
@@ -32,6 +32,24 @@ class TextTable:
     note: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+
+
+Columns = Sequence[tuple[str, Callable[[Any], str]]]
+"""Head of each column, and what turns a study's summary into the cell below it."""
+
+
+def row_a_study(title: str, note: str, columns: Columns, summaries: Mapping[str, Any]) -> TextTable:
+    """A table with a row for each study, by its name."""
+    rows = tuple((name, *(text(summary) for _, text in columns)) for name, summary in summaries.items())
+    return TextTable(title, note, ("", *(head for head, _ in columns)), rows)
+
+
+def column_a_study(
+    title: str, note: str, rows: Iterable[tuple[str, Callable[[Any], str]]], summaries: Mapping[str, Any]
+) -> TextTable:
+    """A table with a column for each study, by its name: the name of each row, and the text of its cells."""
+    lines = tuple((name, *(text(summary) for summary in summaries.values())) for name, text in rows)
+    return TextTable(title, note, ("", *summaries), lines)
 
 
 @dataclass(frozen=True)
@@ -77,3 +95,8 @@ def number(unit: str, digits: int = 2, factor: float = 1.0) -> Callable[[float],
 def mean_and_max(unit: str, digits: int = 3) -> Callable[[tuple[float, float]], str]:
     """A function that formats a pair of mean and largest value with their unit."""
     return lambda pair: f"{pair[0]:.{digits}f}, {pair[1]:.{digits}f} {unit}"
+
+
+def optional_number(value: float | None, digits: int = 2, factor: float = 1.0) -> str:
+    """A number, times a factor; a dash for None and NaN (no value)."""
+    return "-" if value is None or value != value else f"{factor * value:.{digits}f}"

@@ -1,16 +1,18 @@
-"""An object's path through a run."""
+"""An object's path through a run, from recorded messages or from states."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from pack_core import rotations
 from pack_core.rotations import Array, Pose
-from pack_core.states import ObjectState, SceneState, Source
+from pack_core.states import SceneState, Source
+from pack_evaluation.bag import seconds
 
 Sources = npt.NDArray[np.uint8]
 
@@ -36,6 +38,10 @@ class Track:
         p = np.stack([np.interp(times, self.times, axis) for axis in self.p.T], axis=-1)
         nearest = np.searchsorted(0.5 * (self.times[1:] + self.times[:-1]), times)
         return Track(times, p, self.q[nearest], self.sources[nearest])
+
+    def last_pose(self, time: float) -> Pose:
+        """X_WO of the last sample until `time` [s]; of the first one if there is none."""
+        return self.pose(max(int(self.times.searchsorted(time, side="right")) - 1, 0))
 
     def between(self, start: float, end: float) -> Track:
         """The samples from `start` to `end` [s], both included."""
@@ -64,18 +70,52 @@ class Track:
         return np.asarray(self.sources == Source.PHYSICS)
 
 
+Sample = tuple[float, Any, Any, int]
+"""Time [s], position `(3,)` [m], orientation wxyz `(4,)`, and a value of `Source`."""
+
+
 def to_tracks(states: Iterable[SceneState]) -> dict[str, Track]:
     """The path of every object through scenes in order of time."""
-    samples: dict[str, list[tuple[float, ObjectState]]] = {}
-    for state in states:
-        for name, item in state.objects.items():
-            samples.setdefault(name, []).append((state.time, item))
-    return {name: _to_track(found) for name, found in samples.items()}
+    return tracks_of(
+        (name, (state.time, item.X_WO.p, item.X_WO.q, item.source))
+        for state in states
+        for name, item in state.objects.items()
+    )
 
 
-def _to_track(samples: list[tuple[float, ObjectState]]) -> Track:
+def recorded_tracks(messages: Iterable[Any]) -> dict[str, Track]:
+    """The path of every object through recorded `SceneState`s in order of time."""
+    return tracks_of(
+        (item.name, (time, position(item.pose), orientation(item.pose), item.source))
+        for message in messages
+        for time in [seconds(message.header.stamp)]
+        for item in message.objects
+    )
+
+
+def tracks_of(samples: Iterable[tuple[str, Sample]]) -> dict[str, Track]:
+    """The paths of objects by name, from samples of any of them in order of time."""
+    by_name: dict[str, list[Sample]] = {}
+    for name, sample in samples:
+        by_name.setdefault(name, []).append(sample)
+    return {name: track_of(found) for name, found in by_name.items()}
+
+
+def track_of(samples: Sequence[Sample]) -> Track:
+    """A path from its samples, also from none."""
+    times, p, q, sources = zip(*samples, strict=True) if samples else ((), (), (), ())
     return Track(
-        times=np.array([time for time, _ in samples]), p=np.array([item.X_WO.p for _, item in samples]),
-        q=np.array([item.X_WO.q for _, item in samples]),
-        sources=np.array([item.source for _, item in samples], dtype=np.uint8),
+        np.array(times, dtype=float), np.array(p, dtype=float).reshape(-1, 3),
+        np.array(q, dtype=float).reshape(-1, 4), np.array(sources, dtype=np.uint8),
     )  # fmt: skip
+
+
+def position(pose: Any) -> list[float]:
+    """Position of a recorded `Pose` `(3,)` [m]."""
+    return [pose.position.x, pose.position.y, pose.position.z]
+
+
+def orientation(pose: Any) -> list[float]:
+    """Orientation of a recorded `Pose`, wxyz `(4,)`."""
+    q = pose.orientation
+    return [q.w, q.x, q.y, q.z]

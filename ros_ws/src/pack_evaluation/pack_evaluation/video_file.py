@@ -3,37 +3,45 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterable
+from contextlib import closing
 from pathlib import Path
-from typing import Protocol
 
 import imageio_ffmpeg
 import numpy as np
 
+from pack_core.camera import Picture
 from pack_core.errors import PackError
-from pack_evaluation.captions import Picture
 
 FPS = 25
 """Frames a second of the video."""
 
 
-class SendFrame(Protocol):
-    """Appends a picture, of the video's size, to it."""
+def write_video(
+    path: Path,
+    size: tuple[int, int],
+    frames: Iterable[Picture],
+    count: int,
+    progress: Callable[[float], None] = lambda _: None,
+) -> None:
+    """Write frames as H.264 MP4 while they are drawn.
 
-    def __call__(self, picture: Picture) -> None: ...
-
-
-@contextmanager
-def h264_video(path: Path, width: int, height: int) -> Iterator[SendFrame]:
-    """A video of H.264 as MP4, of even width and height [pixel], whole when the block is left."""
+    Args:
+        path: the file to write.
+        size: width and height [pixel], both even.
+        frames: the pictures in order, of this size.
+        count: how many they are.
+        progress: called with the fraction that is written.
+    """
     video = imageio_ffmpeg.write_frames(
-        path, (width, height), fps=FPS, codec="libx264", quality=7, macro_block_size=4,
+        path, size, fps=FPS, codec="libx264", quality=7, macro_block_size=4,
         output_params=["-preset", "veryfast"],
     )  # fmt: skip
     with closing(video):
         video.send(None)
-        yield lambda picture: video.send(np.ascontiguousarray(picture))
+        for i, frame in enumerate(frames, 1):
+            video.send(np.ascontiguousarray(frame))
+            progress(i / count)
 
 
 def write_gif(video: Path, path: Path, *, width: int = 640, fps: int = 10, colours: int = 96) -> None:

@@ -10,14 +10,11 @@ from contextlib import AbstractContextManager
 from queue import Queue
 from typing import Generic, Protocol, TypeVar
 
-import numpy as np
-import numpy.typing as npt
-
+from pack_core.camera import Picture
 from pack_core.errors import PackError
 
 NICENESS = 10
 """Unix niceness of the thread that draws, so that the physics gets the processor first."""
-Picture = npt.NDArray[np.uint8]
 Snapshot = TypeVar("Snapshot", contravariant=True)
 
 

@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from pack_evaluation.packing.evaluator import PackingEvaluator
+from pack_evaluation.packing.evaluator import EVALUATOR
 from unit.pack_evaluation.packing.messages import OUTCOME, GoalWriter
 
 
@@ -15,7 +15,7 @@ def text(tmp_path_factory: pytest.TempPathFactory) -> str:
     (folder / "run.yaml").write_text(
         "cell: packing\nseed: 7\nconfiguration: {nodes/packing/sim.yaml: {rate: 42}}\n"
     )
-    return PackingEvaluator().evaluate(folder, folder / "out", with_video=False).report.read_text()
+    return EVALUATOR.evaluate(folder, folder / "out", with_video=False).report.read_text()
 
 
 def test_a_report_needs_nothing_beside_it(text: str) -> None:

@@ -64,16 +64,13 @@ def test_a_report_has_neither_blank_rows_nor_the_look_of_python_and_explains_pac
     assert "INSERT" in meaning  # from where a run may end as packed, without a status of FINE-TUNE
 
 
-def test_an_interrupted_rendering_leaves_no_half_of_a_video(
-    recording: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interrupted_rendering_leaves_no_half_of_a_video(recording: Path) -> None:
     def film(run: Run, path: Path, progress: object) -> None:
         path.write_bytes(b"half")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(EVALUATOR, "film", film)
     with pytest.raises(KeyboardInterrupt):
-        EVALUATOR.evaluate(recording, recording)
+        replace(EVALUATOR, film=film).evaluate(recording, recording)
     assert list(recording.glob("*.mp4")) == []
 
 

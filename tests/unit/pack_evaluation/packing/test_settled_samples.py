@@ -2,17 +2,16 @@
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from PIL import Image
 
-from pack_core.errors import PackError
 from pack_core.packing import topics
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Pose, from_yaw
-from pack_evaluation.packing import settled_samples
-from pack_evaluation.packing.evaluator import PackingEvaluator
+from pack_evaluation.packing.evaluator import EVALUATOR
 from pack_evaluation.packing.from_bag import load_run
 from pack_evaluation.packing.run_file import load_saved_run, save_run
 from pack_evaluation.packing.settled_samples import CAPTION, TILE, caption, write_settled_samples
@@ -85,12 +84,12 @@ def test_the_report_has_a_section_for_them_and_none_without_opengl(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write_bag(tmp_path)
-    found = PackingEvaluator().evaluate(tmp_path, tmp_path / "out", with_video=False)
+    found = EVALUATOR.evaluate(tmp_path, tmp_path / "out", with_video=False)
     assert "<h2>Placement samples</h2>" in found.report.read_text()
 
     def refuse(*_: object) -> None:
-        raise PackError("no OpenGL")
+        raise RuntimeError("no OpenGL")
 
-    monkeypatch.setattr(settled_samples, "open_renderer", refuse)
-    found = PackingEvaluator().evaluate(tmp_path, tmp_path / "blind", with_video=False)
+    monkeypatch.setattr(mujoco, "Renderer", refuse)
+    found = EVALUATOR.evaluate(tmp_path, tmp_path / "blind", with_video=False)
     assert "<h2>Placement samples</h2>" not in found.report.read_text()

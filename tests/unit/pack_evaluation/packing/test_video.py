@@ -39,7 +39,7 @@ def test_the_caption_covers_the_lower_edge_only() -> None:
 def test_a_video_has_every_frame_and_a_gif_comes_of_it(tmp_path: Path) -> None:
     run = make_run(start=START, end=START + 0.2)
     done: list[float] = []
-    write_video(run, tmp_path / "run.mp4", SMALL, done.append)
+    write_video(run, tmp_path / "run.mp4", done.append, SMALL)
     write_gif(tmp_path / "run.mp4", tmp_path / "run.gif", width=80)
     assert imageio_ffmpeg.count_frames_and_secs(tmp_path / "run.mp4")[0] == len(frame_times(run))
     assert (tmp_path / "run.gif").read_bytes().startswith(b"GIF89a")

@@ -3,16 +3,19 @@
 import numpy as np
 
 from pack_core.rotations import IDENTITY, Pose, exp
-from pack_evaluation.palletizing.run import BoxRecord, BoxTrack, PalletRun, StateVisit, ToolTrack
+from pack_core.states import Source
+from pack_evaluation.palletizing.run import BoxRecord, PalletRun, StateVisit, ToolTrack
+from pack_evaluation.track import Track
 
 TIMES = np.arange(0.0, 40.0, 0.1)
 GOALS = {"a": np.array([0.1, 0.2, 0.3]), "b": np.array([0.5, 0.2, 0.3])}
 
 
-def track(name: str, offsets: dict[float, list[float]], angle_deg: float = 0.0) -> BoxTrack:
+def track(name: str, offsets: dict[float, list[float]], angle_deg: float = 0.0) -> Track:
     """A box at its goal, displaced by the offset [m] of the last time that has passed."""
     p = np.array([GOALS[name] + offsets[max(t for t in offsets if t <= time)] for time in TIMES])
-    return BoxTrack(TIMES, p, np.tile(exp([0.0, 0.0, np.radians(angle_deg)]), (len(TIMES), 1)))
+    q = np.tile(exp([0.0, 0.0, np.radians(angle_deg)]), (len(TIMES), 1))
+    return Track(TIMES, p, q, np.full(len(TIMES), Source.TRUTH, dtype=np.uint8))
 
 
 def a_run(**changes: object) -> PalletRun:

@@ -92,7 +92,7 @@ def test_every_box_has_a_way_from_its_arrival_to_its_place() -> None:
     assert set(lines) == set(GOALS)
     for name, line in lines.items():
         assert line[:, 0] == pytest.approx(run.tracks[name].p[0])
-        assert line[:, -1] == pytest.approx(run.tracks[name].at(np.inf).p, abs=0.01)
+        assert line[:, -1] == pytest.approx(run.tracks[name].p[-1], abs=0.01)
 
 
 def test_every_plot_becomes_a_picture(tmp_path: Path) -> None:

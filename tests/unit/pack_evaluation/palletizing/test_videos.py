@@ -7,10 +7,11 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 
+from pack_core.camera import Picture
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import IDENTITY
-from pack_evaluation.captions import Picture
+from pack_core.states import Source
 from pack_evaluation.palletizing import calibration_video
 from pack_evaluation.palletizing.calibration_film import (
     BoardPicture,
@@ -19,8 +20,9 @@ from pack_evaluation.palletizing.calibration_film import (
     FilmStage,
 )
 from pack_evaluation.palletizing.calibration_video import captioned, write_calibration_video
-from pack_evaluation.palletizing.run import BoxTrack, StandingCell
+from pack_evaluation.palletizing.run import StandingCell
 from pack_evaluation.palletizing.video import HEIGHT, SPEED, WIDTH, write_video
+from pack_evaluation.track import track_of
 from pack_evaluation.video_file import FPS
 from unit.pack_evaluation.palletizing.known_run import a_run
 
@@ -33,12 +35,12 @@ TIMES = np.linspace(10.0, 14.0, 101)
 def a_film() -> CalibrationFilm:
     """A touch from 10.5 s to 11.5 s, a picture of the board at 13 s, the fit at 14 s."""
     home = np.array(palletizing_cell().arm.home)
-    p = np.tile([-2.5, 2.5, 0.705], (len(TIMES), 1))
+    p = [-2.5, 2.5, 0.705]
     touched = np.linspace(10.5, 11.5, 50)
     way = np.linspace(-0.0025, 0.0005, 50)
     return CalibrationFilm(
         StandingCell(), TIMES, np.tile(home, (len(TIMES), 1)),
-        {CALIBRATION_BOARD.body: BoxTrack(TIMES, p, np.tile(IDENTITY, (len(TIMES), 1)))},
+        {CALIBRATION_BOARD.body: track_of([(time, p, IDENTITY, Source.TRUTH) for time in TIMES])},
         (FilmStage(10.0, "touch surfaces", "1 of 22: pallet, from above"),
          FilmStage(12.0, "show the board", "1 of 18"), FilmStage(14.0, "fit", "")),
         (FeltForce(touched, way, 5e5 * np.maximum(way, 0.0), 0.0019),),

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from pack_core.camera import PinholeCamera
+from pack_core.camera import Picture, PinholeCamera
 from pack_core.palletizing.boxes import BoxBody, BoxDetection, ExpectedBox
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.order_file import load_order
-from pack_core.palletizing.view import CellView, Picture
+from pack_core.palletizing.view import CellView
 from pack_core.paths import config_path
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from pack_core.camera import Picture
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_perception.boxes.board_corners import sight_board
-from pack_perception.boxes.segmentation import Picture
 
 LEFT, UPPER, SQUARE = 700, 300, 40
 """Where the pattern's upper left corner lies in the picture, and the side of its squares [pixel]."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pack_perception.boxes.segmentation import Picture, SegmentationConfig, segment
+from pack_core.camera import Picture
+from pack_perception.boxes.segmentation import SegmentationConfig, segment
 
 CONFIG = SegmentationConfig(margin_x=0.1, margin_y=0.05)
 BOX = (slice(60, 140), slice(80, 200))

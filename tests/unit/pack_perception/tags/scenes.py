@@ -6,7 +6,8 @@ import numpy as np
 
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.planar import PlanarPose
-from pack_sim.blocks.overhead_camera import OverheadCamera, Picture
+from pack_core.camera import Picture
+from pack_sim.blocks.overhead_camera import OverheadCamera
 from pack_sim.blocks.simulator import BlocksSimulator
 
 CELL = blocks_cell()

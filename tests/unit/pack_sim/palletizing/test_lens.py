@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from pack_core.camera import LensDistortion, PinholeCamera, seen_pixels
+from pack_core.camera import LensDistortion, Picture, PinholeCamera, seen_pixels
 from pack_core.palletizing.imperfections import CameraErrors
-from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array
 from pack_perception.boxes.table_camera import Rectifier
 from pack_sim.palletizing.overhead_camera import RealLens

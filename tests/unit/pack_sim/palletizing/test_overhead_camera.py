@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import pytest
 
+from pack_core.camera import Picture
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
-from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_sim.camera_thread import CameraThread
 from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, Snapshot, camera_of

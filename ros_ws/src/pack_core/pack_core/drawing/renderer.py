@@ -1,14 +1,18 @@
-"""A renderer without a screen, and a pinhole camera for it."""
+"""Pictures of a model without a screen, from a camera that orbits a point or from a pinhole camera."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
 
 import mujoco
+import numpy as np
 
-from pack_core.camera import PinholeCamera
+from pack_core.camera import Picture, PinholeCamera
 from pack_core.errors import PackError
-from pack_core.rotations import to_matrix
+from pack_core.rotations import Array, Pose, to_matrix
 
 NEAR, FAR = 0.05, 30.0
 """Nearest and farthest distance that the picture of a pinhole camera shows [m]."""
@@ -31,6 +35,71 @@ def open_renderer(model: mujoco.MjModel, width: int, height: int) -> mujoco.Rend
             "install libegl1 libopengl0 libgl1-mesa-dri`, and set MUJOCO_GL=egl, or use --no-video where a "
             "command offers it"
         ) from error
+
+
+class ModelView:
+    """Draws a model at any state; a context manager, bound to the thread that made it.
+
+    Whoever derives from it sets the state in `_data`, updates the scene, and renders it.
+
+    Args:
+        model: the model to draw.
+        width: width of the pictures [pixel].
+        height: height of the pictures [pixel].
+
+    Raises:
+        PackError: there is no OpenGL to draw with.
+    """
+
+    def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
+        self._model, self._data = model, mujoco.MjData(model)
+        self._renderer = open_renderer(model, width, height)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._renderer.close()
+
+    def _update_scene(self, camera: PinholeCamera | mujoco.MjvCamera) -> mujoco.MjvScene:
+        """Put the state of `_data` into the scene, seen by the camera, and return the scene."""
+        scene = self._renderer.scene
+        if isinstance(camera, PinholeCamera):
+            self._renderer.update_scene(self._data, mujoco.MjvCamera())
+            look_through(camera, scene)
+        else:
+            self._renderer.update_scene(self._data, camera)
+        scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        return scene
+
+    def _render(self) -> Picture:
+        picture: Picture = self._renderer.render()
+        return picture
+
+
+def orbit_camera(
+    lookat: Sequence[float] | Array, distance: float, azimuth_deg: float, elevation_deg: float
+) -> mujoco.MjvCamera:
+    """A camera that looks at a point from a distance [m], turned round it by two angles."""
+    camera = mujoco.MjvCamera()
+    camera.lookat[:], camera.distance = lookat, distance
+    camera.azimuth, camera.elevation = azimuth_deg, elevation_deg
+    return camera
+
+
+def add_geom(
+    scene: mujoco.MjvScene, kind: int, size: Sequence[float] | Array, X_WG: Pose, rgba: Sequence[float]
+) -> mujoco.MjvGeom:
+    """Add a shape to an updated scene, which the model does not have, and return it."""
+    geom = scene.geoms[scene.ngeom]
+    mujoco.mjv_initGeom(
+        geom, kind, np.asarray(size, dtype=float), X_WG.p, to_matrix(X_WG.q).ravel(),
+        np.array(rgba, dtype=np.float32),
+    )  # fmt: skip
+    scene.ngeom += 1
+    return geom
 
 
 def look_through(camera: PinholeCamera, scene: mujoco.MjvScene) -> None:

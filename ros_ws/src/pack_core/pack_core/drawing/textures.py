@@ -5,9 +5,8 @@ from __future__ import annotations
 import cv2
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
-Picture = npt.NDArray[np.uint8]
+from pack_core.camera import Picture
 
 WOOD_SIZE = (256, 512)
 WOOD_COLOUR = np.array([206.0, 172.0, 124.0])

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from pack_core import stamps
 from pack_core.blocks.plan import Action, PickPlace, Plan, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
@@ -17,9 +16,10 @@ from pack_core.blocks.problem_file import load_problem, parse_problem
 from pack_core.blocks.topics import BLOCK_POSES, JAW_STATE, RESULT, STATUS, TRUTH
 from pack_core.errors import BagError
 from pack_core.motion.topics import JOINT_STATES
-from pack_core.rotations import Array
-from pack_evaluation.bag import fitting, read_bag, result_in
-from pack_evaluation.goals import ONLY_GOAL, GoalNumber, goal_of
+from pack_core.rotations import Array, Pose
+from pack_evaluation.bag import fitting, read_bag, result_in, seconds, times_of
+from pack_evaluation.goals import RecordedRun, goal_of
+from pack_evaluation.track import Track, recorded_tracks
 
 TOPICS = (TRUTH, JOINT_STATES, JAW_STATE, BLOCK_POSES, STATUS, RESULT)
 FIELDS = (
@@ -42,7 +42,7 @@ class Sight:
 
 
 @dataclass(frozen=True)
-class BlocksRun:
+class BlocksRun(RecordedRun):
     """One recorded rearrangement.
 
     Attributes:
@@ -50,37 +50,33 @@ class BlocksRun:
         result: the fields of the action's result.
         plans: every plan that was made, in order.
         sights: detections in every picture.
-        times: times of the true poses `(T,)` [s].
-        truth: poses of every block `(T, 7)`, position and quaternion wxyz, by id.
+        start: when the goal's first true pose was recorded [s].
+        end: when its last one was [s].
+        truth: true poses of the blocks by id.
         joint_times: times of the joint positions `(J,)` [s].
         joints: measured joint positions `(J, 6)` [rad].
         jaw_times: times of the openings `(G,)` [s].
         openings: distances between the gripper's pads `(G,)` [m].
-        is_cut: whether the recording was cut off.
-        damaged: number of pieces of the recording that could not be read.
-        notes: which of its files and topics are missing or were left out, and why.
-        goal: which rearrangement of its recording it is.
     """
 
     problem: Problem
     result: Mapping[str, Any]
     plans: tuple[Plan, ...]
     sights: tuple[Sight, ...]
-    times: Array
-    truth: Mapping[str, Array]
+    start: float
+    end: float
+    truth: Mapping[str, Track]
     joint_times: Array
     joints: Array
     jaw_times: Array
     openings: Array
-    is_cut: bool
-    goal: GoalNumber = ONLY_GOAL
-    damaged: int = 0
-    notes: tuple[str, ...] = ()
 
     def poses_at(self, time: float) -> dict[str, PlanarPose]:
         """True X_WB by id at `time` [s], or at the nearest time that was recorded."""
-        row = int(np.abs(self.times - time).argmin())
-        return {name: planar(rows[row]) for name, rows in self.truth.items()}
+        return {
+            name: planar(track.pose(int(np.abs(track.times - time).argmin())))
+            for name, track in self.truth.items()
+        }
 
 
 def load_blocks_run(path: Path, goal: int | None = None) -> BlocksRun:
@@ -101,18 +97,18 @@ def load_blocks_run(path: Path, goal: int | None = None) -> BlocksRun:
 def _blocks_run(path: Path, goal: int | None) -> BlocksRun:
     bag, number = goal_of(
         read_bag(path, TOPICS), goal, result=RESULT,
+        needed=(TRUTH, JOINT_STATES, JAW_STATE, STATUS, RESULT),
         has_begun=lambda rest: any(item.topic == STATUS for item in rest),
     )  # fmt: skip
-    if missing := [topic for topic in (TRUTH, JOINT_STATES, JAW_STATE, STATUS, RESULT) if not bag.of(topic)]:
-        lacks = f"no message on {', '.join(missing)}"
-        raise BagError(f"{bag.path}: goal {number} has {lacks}; {bag.reason('did it run to its end?')}")
     result = read_result(bag.of(RESULT)[-1].data, bag.path)
     truth, joints, jaw = bag.of(TRUTH), bag.of(JOINT_STATES), bag.of(JAW_STATE)
+    times = times_of(truth)
     return BlocksRun(
         problem=problem_of(result, path), result=result,
         plans=tuple(_plans(bag.of(STATUS))), sights=tuple(_sight(message) for message in bag.of(BLOCK_POSES)),
-        times=_times(truth), truth=_tracks(truth), joint_times=_times(joints),
-        joints=np.array([message.position for message in joints]), jaw_times=_times(jaw),
+        start=float(times[0]), end=float(times[-1]), truth=recorded_tracks(truth),
+        joint_times=times_of(joints), joints=np.array([message.position for message in joints]),
+        jaw_times=times_of(jaw),
         openings=np.array([message.opening for message in jaw]), is_cut=bag.is_cut,
         damaged=bag.damaged, notes=bag.notes, goal=number,
     )  # fmt: skip
@@ -146,11 +142,11 @@ def problem_of(result: Mapping[str, Any], path: Path) -> Problem:
     return load_problem(folder / PROBLEM_FILE)
 
 
-def planar(row: Array) -> PlanarPose:
-    """X_WB of a row of position and quaternion wxyz."""
-    w, x, y, z = row[3:]
+def planar(X_WB: Pose) -> PlanarPose:
+    """The pose as far as it lies in the table's plane."""
+    w, x, y, z = X_WB.q
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    return PlanarPose(float(row[0]), float(row[1]), float(yaw))
+    return PlanarPose(float(X_WB.p[0]), float(X_WB.p[1]), float(yaw))
 
 
 def _plans(messages: Sequence[Any]) -> list[Plan]:
@@ -172,21 +168,4 @@ def _action(message: Any) -> Action:
 
 def _sight(message: Any) -> Sight:
     poses = {item.id: PlanarPose(item.x, item.y, item.yaw) for item in message.blocks}
-    return Sight(_seconds(message.header.stamp), poses, (*message.missing, *message.doubled))
-
-
-def _tracks(messages: Sequence[Any]) -> dict[str, Array]:
-    rows: dict[str, list[list[float]]] = {}
-    for message in messages:
-        for item in message.objects:
-            p, q = item.pose.position, item.pose.orientation
-            rows.setdefault(item.name, []).append([p.x, p.y, p.z, q.w, q.x, q.y, q.z])
-    return {name: np.array(samples) for name, samples in rows.items()}
-
-
-def _times(messages: Sequence[Any]) -> Array:
-    return np.array([_seconds(message.header.stamp) for message in messages])
-
-
-def _seconds(stamp: Any) -> float:
-    return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)
+    return Sight(seconds(message.header.stamp), poses, (*message.missing, *message.doubled))

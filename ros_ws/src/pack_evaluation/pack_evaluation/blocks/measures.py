@@ -75,7 +75,7 @@ class BlocksMeasures:
 def measure(run: BlocksRun) -> BlocksMeasures:
     """Measure a recorded rearrangement."""
     result, problem = run.result, run.problem
-    final = run.poses_at(float(run.times[-1]))
+    final = run.poses_at(run.end)
     first = run.plans[0] if run.plans else None
     seen_mm, seen_deg = _perception_errors(run)
     turns = {name: turn_between(final[name], goal, problem.symmetry) for name, goal in problem.goals.items()}

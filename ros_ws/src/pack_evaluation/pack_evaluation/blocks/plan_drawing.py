@@ -15,8 +15,9 @@ from pack_core.blocks.plan import Action, PickPlace, Plan, Push
 from pack_core.blocks.planar import QUARTER, PlanarPose
 from pack_core.blocks.problem import Problem
 from pack_core.rotations import Array
+from pack_evaluation.figures import INK
 
-INK, PAPER, TABLE = "#20252b", "#ffffff", "#f4f1ea"
+PAPER, TABLE = "#ffffff", "#f4f1ea"
 WAITING, HOME, MOVING = "#c9ced6", "#7fb08a", "#2f6db5"
 CARRY, PUSH = "#2f6db5", "#d9722e"
 GRIPPER = "#3d434b"

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from pack_core.errors import PackError
-from pack_evaluation.evaluator import Evaluation, Evaluator, OnProgress, WriteReplay
-from pack_evaluation.html import embedded, render
+from pack_evaluation.evaluator import Evaluation, Evaluator
 from pack_evaluation.packing.fill.evaluator import FILL_EVALUATOR
 from pack_evaluation.packing.fill.recording import has_fill_job
 from pack_evaluation.packing.from_bag import load_run
@@ -20,59 +17,9 @@ from pack_evaluation.packing.plots import write_plots
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.settled_samples import write_settled_samples
 from pack_evaluation.packing.video import write_still, write_video
-from pack_evaluation.record import about_the_run
 
-TEMPLATE = Path(__file__).with_name("report.html.j2")
 SETTLED_SAMPLES = "settled_samples.png"
 """Name of the picture of settled samples among the plots; it has a section of its own."""
-
-
-class PackingEvaluator(Evaluator[Run, PackingMeasures]):
-    """Evaluates a packing goal of a recording."""
-
-    def evaluate(
-        self, path: Path, output: Path, *, with_video: bool = True, progress: OnProgress = lambda _: None,
-        write_replay: WriteReplay | None = None, goal: int | None = None,
-    ) -> Evaluation[Any, Any]:  # fmt: skip
-        """As every evaluator's; a recording that holds a fill job is evaluated as one, without a replay."""
-        if goal is None and has_fill_job(path):
-            return FILL_EVALUATOR.evaluate(path, output, with_video=with_video, progress=progress)
-        return super().evaluate(
-            path, output, with_video=with_video, progress=progress, write_replay=write_replay, goal=goal
-        )
-
-    def load(self, path: Path, goal: int | None = None) -> Run:
-        """A goal in a recording."""
-        return load_run(path, goal)
-
-    def measure(self, run: Run) -> PackingMeasures:
-        """Everything that is measured of the run."""
-        return measure(run)
-
-    def draw(self, run: Run, folder: Path) -> list[Path]:
-        """Write the plots, and the settled samples where they were recorded and OpenGL can draw them."""
-        plots = write_plots(run, folder)
-        if run.samples:
-            samples = folder / SETTLED_SAMPLES
-            with suppress(PackError):
-                write_settled_samples(run, samples)
-                plots.append(samples)
-        return plots
-
-    def film(self, run: Run, path: Path, progress: OnProgress) -> None:
-        """Render the run as MP4."""
-        write_video(run, path, progress=progress)
-
-    def page(self, found: Evaluation[Run, PackingMeasures]) -> str:
-        """The report."""
-        return packing_page(found)
-
-    def still(self, run: Run, path: Path) -> None:
-        """Write one large picture of the moment the object is half way down."""
-        write_still(run, path)
-
-
-EVALUATOR = PackingEvaluator()
 
 
 @dataclass(frozen=True)
@@ -86,18 +33,28 @@ class ObjectRow:
     moved: str
 
 
-def packing_page(found: Evaluation[Run, PackingMeasures]) -> str:
-    """The report of an evaluated goal."""
-    run, record = found.run, found.record
-    files = {name: _yaml(content) for name, content in record.get("configuration", {}).items()}
-    return render(
-        TEMPLATE, title=f"Packing run {found.report.parent.name}", measures=found.measures, rows=found.rows,
-        message=run.outcome.get("message", ""), is_cut=run.is_cut, damaged=run.damaged, notes=run.notes,
-        plots=[(plot.stem, embedded(plot)) for plot in found.plots if plot.name != SETTLED_SAMPLES],
-        samples=[embedded(plot) for plot in found.plots if plot.name == SETTLED_SAMPLES],
-        video=embedded(found.video) if found.video else "", replay=found.replay.name if found.replay else "",
-        objects=_object_rows(run), record=about_the_run(record), files=files,
-    )  # fmt: skip
+def draw(run: Run, folder: Path) -> list[Path]:
+    """Write the plots, and the settled samples where they were recorded and OpenGL can draw them."""
+    plots = write_plots(run, folder)
+    if run.samples:
+        samples = folder / SETTLED_SAMPLES
+        with suppress(PackError):
+            write_settled_samples(run, samples)
+            plots.append(samples)
+    return plots
+
+
+def report(found: Evaluation[Run, PackingMeasures]) -> dict[str, Any]:
+    """What the report says of a goal."""
+    measures, message = found.measures, found.run.outcome.get("message", "")
+    return {
+        "title": f"Packing run {found.report.parent.name}", "success": measures.success,
+        "verdict": "packed" if measures.success else "not packed",
+        "message": f"{measures.exit_reason.value}: {message}" if message else measures.exit_reason.value,
+        "objects": _object_rows(found.run),
+        "plots": [plot for plot in found.plots if plot.name != SETTLED_SAMPLES],
+        "samples": next((plot for plot in found.plots if plot.name == SETTLED_SAMPLES), None),
+    }  # fmt: skip
 
 
 def _object_rows(run: Run) -> list[ObjectRow]:
@@ -111,5 +68,8 @@ def _object_rows(run: Run) -> list[ObjectRow]:
     ]  # fmt: skip
 
 
-def _yaml(content: Any) -> str:
-    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
+EVALUATOR = Evaluator(
+    load_run, measure, draw, write_video, "packing/report.html.j2", report, still=write_still,
+    instead=lambda path: FILL_EVALUATOR if has_fill_job(path) else None,
+)  # fmt: skip
+"""Evaluates a packing goal; a recording that holds a fill job is evaluated as one, without a replay."""

@@ -26,11 +26,11 @@ from pack_core.packing.topics import (
 from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array, Pose
 from pack_core.topics import REAL_TIME_FACTOR
-from pack_evaluation.bag import Bag, Recorded, fitting, read_bag, result_in
+from pack_evaluation.bag import Bag, Recorded, fitting, read_bag, result_in, seconds, times_of
 from pack_evaluation.goals import goal_of
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
-from pack_evaluation.track import Track
+from pack_evaluation.track import orientation, position, recorded_tracks
 
 TOPICS = (
     DESCRIPTION, MPC_STATUS, RESULT, TRUTH, SCENE, JOINT_STATES, WRENCH, GRIPPER_STATE, REAL_TIME_FACTOR,
@@ -61,38 +61,29 @@ def to_run(bag: Bag, goal: int | None = None) -> Run:
         BagError: a topic that every run has is missing, or there is no such goal.
     """
     bag, number = goal_of(
-        bag, goal, result=RESULT, latched=(DESCRIPTION, SETTLED_SAMPLES), has_begun=_has_begun
-    )
-    _check(bag)
+        bag, goal, result=RESULT, needed=(DESCRIPTION, TRUTH, SCENE, JOINT_STATES, WRENCH),
+        latched=(DESCRIPTION, SETTLED_SAMPLES), has_begun=_has_begun,
+    )  # fmt: skip
+    if not bag.of(MPC_STATUS) and not bag.of(RESULT):
+        raise BagError(f"{bag.path} has no message on {MPC_STATUS} or {RESULT}: was a goal sent?")
     iterations, outcome = _last_goal(bag)
     start, end = _window(bag, iterations, outcome)
     joints, wrenches = bag.of(JOINT_STATES), bag.of(WRENCH)
     return Run(
         scene=Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION), start=start, end=end,
-        iterations=iterations, truth=_tracks(bag.of(TRUTH)), estimate=_tracks(bag.of(SCENE)),
-        joint_times=_times(joints), joints=np.array([message.position for message in joints]),
-        force_times=_times(wrenches), force=_magnitudes(wrenches),
+        iterations=iterations, truth=recorded_tracks(bag.of(TRUTH)), estimate=recorded_tracks(bag.of(SCENE)),
+        joint_times=times_of(joints), joints=np.array([message.position for message in joints]),
+        force_times=times_of(wrenches), force=magnitudes(wrenches),
         release_reason=_release(bag, start),
         real_time_factors=_real_time_factors(bag, start, end),
         outcome=outcome, is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, arm=_arm(bag, joints[0]),
-        samples=_samples(bag, start),        goal=number,
+        samples=_samples(bag, start), goal=number,
     )  # fmt: skip
 
 
 def _has_begun(rest: Sequence[Recorded]) -> bool:
     """Whether the controller worked on a goal after the last result: one late status may still follow it."""
     return sum(item.topic == MPC_STATUS for item in rest) > 1
-
-
-def _check(bag: Bag) -> None:
-    missing = [topic for topic in (DESCRIPTION, TRUTH, SCENE, JOINT_STATES, WRENCH) if not bag.of(topic)]
-    if missing:
-        raise BagError(
-            f"{bag.path} has no message on {', '.join(missing)}: "
-            + bag.reason("was the node that sends it running?")
-        )
-    if not bag.of(MPC_STATUS) and not bag.of(RESULT):
-        raise BagError(f"{bag.path} has no message on {MPC_STATUS} or {RESULT}: was a goal sent?")
 
 
 def _window(bag: Bag, iterations: Iterations, outcome: dict[str, Any]) -> tuple[float, float]:
@@ -109,14 +100,6 @@ def _arm(bag: Bag, joints: Any) -> str:
         return arm_of(joints.name).name
     except MessageError as error:
         raise BagError(f"{bag.path}: {error}") from error
-
-
-def _seconds(message: Any) -> float:
-    return stamps.to_seconds(message.header.stamp.sec * stamps.NS_PER_S + message.header.stamp.nanosec)
-
-
-def _times(messages: Sequence[Any]) -> Array:
-    return np.array([_seconds(message) for message in messages])
 
 
 def _last_goal(bag: Bag) -> tuple[Iterations, dict[str, Any]]:
@@ -138,39 +121,16 @@ def _iterations(last: Sequence[Any]) -> Iterations:
         np.array([getattr(message, name) for message in last], dtype=float) for name in columns
     )
     return Iterations(
-        times=_times(last), elapsed=elapsed, stages=tuple(message.stage for message in last),
+        times=times_of(last), elapsed=elapsed, stages=tuple(message.stage for message in last),
         distance=distance, cost=cost, ms=ms, placements=placements,
-        p_WT=np.array([_position(message.target) for message in last]).reshape(-1, 3),
-        q_WT=np.array([_orientation(message.target) for message in last]).reshape(-1, 4),
+        p_WT=np.array([position(message.target) for message in last]).reshape(-1, 3),
+        q_WT=np.array([orientation(message.target) for message in last]).reshape(-1, 4),
         collisions=tuple(tuple(message.collisions) for message in last),
     )  # fmt: skip
 
 
-def _tracks(messages: Sequence[Any]) -> dict[str, Track]:
-    rows: dict[str, list[tuple[float, list[float], list[float], int]]] = {}
-    for message in messages:
-        time = _seconds(message)
-        for item in message.objects:
-            row = (time, _position(item.pose), _orientation(item.pose), item.source)
-            rows.setdefault(item.name, []).append(row)
-    return {name: _track(samples) for name, samples in rows.items()}
-
-
-def _track(samples: list[tuple[float, list[float], list[float], int]]) -> Track:
-    times, p, q, sources = zip(*samples, strict=True)
-    return Track(np.array(times), np.array(p), np.array(q), np.array(sources, dtype=np.uint8))
-
-
-def _position(pose: Any) -> list[float]:
-    return [pose.position.x, pose.position.y, pose.position.z]
-
-
-def _orientation(pose: Any) -> list[float]:
-    o = pose.orientation
-    return [o.w, o.x, o.y, o.z]
-
-
-def _magnitudes(wrenches: Sequence[Any]) -> Array:
+def magnitudes(wrenches: Sequence[Any]) -> Array:
+    """Magnitude of the force of each recorded wrench `(n,)` [N]."""
     forces = [message.wrench.force for message in wrenches]
     return np.asarray(np.linalg.norm([(force.x, force.y, force.z) for force in forces], axis=-1))
 
@@ -190,11 +150,13 @@ def _samples(bag: Bag, start: float) -> tuple[SettledSample, ...]:
 
 
 def _sample(message: Any) -> SettledSample:
-    poses = [Pose(np.array(_position(pose)), np.array(_orientation(pose))) for pose in message.poses]
+    poses = [Pose(np.array(position(pose)), np.array(orientation(pose))) for pose in message.poses]
     by_name = dict(zip(message.names, poses, strict=True))
     return SettledSample(message.cost, message.rank, message.is_feasible, by_name)
 
 
 def _release(bag: Bag, start: float) -> str:
-    reasons = [message.release_reason for message in bag.of(GRIPPER_STATE) if _seconds(message) >= start]
+    reasons = [
+        message.release_reason for message in bag.of(GRIPPER_STATE) if seconds(message.header.stamp) >= start
+    ]
     return next((reason for reason in reasons if reason), "")

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from pack_evaluation.figures import INK, RED, write_figures
 from pack_evaluation.packing.criteria import Criteria
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.video import OTHER_COLOUR, STAGE_COLOURS, STAGE_TITLES
@@ -18,15 +19,13 @@ from pack_evaluation.track import Track
 
 SIZE = (9.0, 3.1)
 """Width and height of a figure [inch]."""
-INK = "#20252b"
 
 Draw = Callable[[Axes, Run], None]
 
 
 def write_plots(run: Run, folder: Path) -> list[Path]:
     """Write every plot as PNG into `folder`, in the order a report shows them."""
-    folder.mkdir(parents=True, exist_ok=True)
-    return [_save(run, draw, folder / f"{name}.png") for name, draw in PLOTS.items()]
+    return write_figures({name: plot_of(run, draw) for name, draw in PLOTS.items()}, folder)
 
 
 def draw_distance(axes: Axes, run: Run) -> None:
@@ -38,7 +37,7 @@ def draw_distance(axes: Axes, run: Run) -> None:
     rows = np.searchsorted(run.iterations.times, held.times, side="right") - 1
     distance = 100.0 * held.distance_to(run.iterations.p_WT[rows])
     axes.plot(held.times - run.start, distance, color=INK, lw=1.6)
-    axes.axhline(100.0 * Criteria().distance, color="#c03a2b", lw=1.0, ls="--", label="placed")
+    axes.axhline(100.0 * Criteria().distance, color=RED, lw=1.0, ls="--", label="placed")
     again = run.iterations.elapsed[1:][np.diff(run.iterations.placements) > 0]
     if again.size:
         axes.vlines(again, 0.0, distance.max(), color="#8e44ad", lw=1.0, ls=":", label="new placement")
@@ -98,11 +97,6 @@ PLOTS: dict[str, Draw] = {
 
 def _tracks(run: Run, tracks: dict[str, Track]) -> Iterator[tuple[str, Track]]:
     return ((name, tracks[name].between(run.start, run.end)) for name in run.scene.names)
-
-
-def _save(run: Run, draw: Draw, path: Path) -> Path:
-    plot_of(run, draw).savefig(path, dpi=130)
-    return path
 
 
 def plot_of(run: Run, draw: Draw) -> Figure:

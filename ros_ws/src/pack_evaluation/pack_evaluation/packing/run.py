@@ -10,13 +10,18 @@ import numpy as np
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Array
-from pack_evaluation.goals import ONLY_GOAL, GoalNumber
+from pack_evaluation.goals import RecordedRun
 from pack_evaluation.track import Track
+
+
+def no_rows() -> Array:
+    """An empty array `(0,)`."""
+    return np.empty(0)
 
 
 @dataclass(frozen=True)
 class Iterations:
-    """The controller's N iterations for one goal; none where no placement was found.
+    """The controller's N iterations for one goal; by default none, as where no placement was found.
 
     Attributes:
         times: time of the state that was planned from `(N,)` [s].
@@ -31,20 +36,20 @@ class Iterations:
         collisions: collision list G of the placement, N of them.
     """
 
-    times: Array
-    elapsed: Array
-    stages: tuple[str, ...]
-    distance: Array
-    cost: Array
-    ms: Array
-    placements: Array
-    p_WT: Array
-    q_WT: Array
-    collisions: tuple[tuple[str, ...], ...]
+    times: Array = field(default_factory=no_rows)
+    elapsed: Array = field(default_factory=no_rows)
+    stages: tuple[str, ...] = ()
+    distance: Array = field(default_factory=no_rows)
+    cost: Array = field(default_factory=no_rows)
+    ms: Array = field(default_factory=no_rows)
+    placements: Array = field(default_factory=no_rows)
+    p_WT: Array = field(default_factory=lambda: np.empty((0, 3)))
+    q_WT: Array = field(default_factory=lambda: np.empty((0, 4)))
+    collisions: tuple[tuple[str, ...], ...] = ()
 
 
 @dataclass(frozen=True)
-class Run:
+class Run(RecordedRun):
     """One goal of a run.
 
     Attributes:
@@ -61,12 +66,8 @@ class Run:
         release_reason: why the pump let go; empty if it did not.
         real_time_factors: achieved real-time factors, one for each second of wall clock time.
         outcome: fields of the action's result; empty when none was recorded.
-        is_cut: whether the recording was cut off.
-        damaged: number of pieces of the recording that could not be read.
-        notes: which of its files and topics are missing or were left out, and why.
         arm: name of the arm, one of `pack_core.robots.packing_arms`.
         samples: some settled samples of the first placement, the cheapest first; empty if none were recorded.
-        goal: which goal of its recording it is.
     """
 
     scene: Scene
@@ -80,14 +81,10 @@ class Run:
     force_times: Array
     force: Array
     release_reason: str = ""
-    real_time_factors: Array = field(default_factory=lambda: np.empty(0))
+    real_time_factors: Array = field(default_factory=no_rows)
     outcome: dict[str, Any] = field(default_factory=dict)
-    is_cut: bool = False
-    damaged: int = 0
-    notes: tuple[str, ...] = ()
     arm: str = "panda"
     samples: tuple[SettledSample, ...] = ()
-    goal: GoalNumber = ONLY_GOAL
 
     @property
     def held(self) -> str:

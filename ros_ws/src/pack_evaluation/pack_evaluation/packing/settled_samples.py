@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from pathlib import Path
 
 import mujoco
-import numpy as np
 from PIL import Image, ImageDraw
 
 from pack_core.bodies import set_object_poses
-from pack_core.drawing.renderer import open_renderer
+from pack_core.camera import Picture
+from pack_core.drawing.renderer import ModelView, orbit_camera
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import WALLS, ArmRole, HeldRole, build_model
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
-from pack_evaluation.captions import INK, caption_font
+from pack_evaluation.captions import caption_font
+from pack_evaluation.figures import INK
 from pack_evaluation.packing.run import Run
-from pack_evaluation.packing.view import Picture
 
 COLUMNS = 3
 TILE = (480, 360)
@@ -30,7 +29,7 @@ PALE, GREY = 0.35, 0.75
 """The others' colours are mixed with a grey of this brightness until this share of them is left."""
 WALL_OPACITY = 0.3
 FEASIBLE, INFEASIBLE = "#2f8a46", "#b8402f"
-VIEW = {"distance": 0.58, "azimuth": 150.0, "elevation": -42.0}
+DISTANCE, AZIMUTH_DEG, ELEVATION_DEG = 0.58, 150.0, -42.0
 """The camera: distance from the container's middle [m], and angles [deg]."""
 
 
@@ -44,10 +43,11 @@ def write_settled_samples(run: Run, path: Path) -> None:
     rows = -(-len(run.samples) // columns)
     width, height = TILE[0], TILE[1] + CAPTION
     sheet = Image.new("RGB", (columns * width, rows * height), "white")
-    for i, (sample, picture) in enumerate(zip(run.samples, _pictures(run.scene, run.samples), strict=True)):
-        corner = (i % columns * width, i // columns * height)
-        sheet.paste(Image.fromarray(picture), corner)
-        _add_caption(ImageDraw.Draw(sheet), (corner[0], corner[1] + TILE[1]), sample)
+    with _SceneView(run.scene) as view:
+        for i, sample in enumerate(run.samples):
+            corner = (i % columns * width, i // columns * height)
+            sheet.paste(Image.fromarray(view.picture(sample)), corner)
+            _add_caption(ImageDraw.Draw(sheet), (corner[0], corner[1] + TILE[1]), sample)
     sheet.save(path)
 
 
@@ -64,26 +64,25 @@ def _add_caption(draw: ImageDraw.ImageDraw, corner: tuple[int, int], sample: Set
     draw.text((x + 16, y + CAPTION / 2), caption(sample), font=caption_font(17), fill=INK, anchor="lm")
 
 
-def _pictures(scene: Scene, samples: tuple[SettledSample, ...]) -> list[Picture]:
-    """Each settled scene without an arm, the new object in its own colour."""
-    model = build_model(
-        scene, packing_cell(), timestep=0.006, arm=ArmRole.ABSENT, held=HeldRole.FREE, surroundings=True
-    )
-    for name in WALLS:
-        model.geom(name).rgba[3] = WALL_OPACITY
-    for name in scene.names:
-        colour = model.geom(name).rgba
-        colour[:3] = PALE * colour[:3] + (1.0 - PALE) * GREY
-    model.geom(scene.new_object.name).rgba[:] = NEW
-    data, camera = mujoco.MjData(model), mujoco.MjvCamera()
-    camera.lookat[:] = (*scene.container.centre, 0.5 * scene.container.height)
-    camera.distance, camera.azimuth, camera.elevation = VIEW["distance"], VIEW["azimuth"], VIEW["elevation"]
-    pictures = []
-    with closing(open_renderer(model, *TILE)) as renderer:
-        for sample in samples:
-            set_object_poses(model, data, dict(sample.poses))
-            mujoco.mj_forward(model, data)
-            renderer.update_scene(data, camera)
-            renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
-            pictures.append(np.array(renderer.render(), dtype=np.uint8))
-    return pictures
+class _SceneView(ModelView):
+    """Draws the settled scenes of samples without an arm, the new object in its own colour."""
+
+    def __init__(self, scene: Scene) -> None:
+        model = build_model(
+            scene, packing_cell(), timestep=0.006, arm=ArmRole.ABSENT, held=HeldRole.FREE, surroundings=True
+        )
+        for name in WALLS:
+            model.geom(name).rgba[3] = WALL_OPACITY
+        for name in scene.names:
+            colour = model.geom(name).rgba
+            colour[:3] = PALE * colour[:3] + (1.0 - PALE) * GREY
+        model.geom(scene.new_object.name).rgba[:] = NEW
+        super().__init__(model, *TILE)
+        centre = (*scene.container.centre, 0.5 * scene.container.height)
+        self._camera = orbit_camera(centre, DISTANCE, AZIMUTH_DEG, ELEVATION_DEG)
+
+    def picture(self, sample: SettledSample) -> Picture:
+        set_object_poses(self._model, self._data, dict(sample.poses))
+        mujoco.mj_forward(self._model, self._data)
+        self._update_scene(self._camera)
+        return self._render()

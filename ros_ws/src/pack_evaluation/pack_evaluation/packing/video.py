@@ -6,18 +6,21 @@ import os
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from itertools import chain
 from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
+from pack_core.camera import Picture
 from pack_core.rotations import Array
+from pack_evaluation import video_file
 from pack_evaluation.captions import add_bar
 from pack_evaluation.evaluator import OnProgress
 from pack_evaluation.packing.run import Run
-from pack_evaluation.packing.view import Picture, View, ViewConfig
-from pack_evaluation.video_file import FPS, h264_video
+from pack_evaluation.packing.view import View, ViewConfig
+from pack_evaluation.video_file import FPS
 
 FRAMES_A_PART = 10
 """Number of frames that a drawing process renders at a time."""
@@ -32,26 +35,24 @@ OTHER_COLOUR = "#7f7f7f"
 
 
 def write_video(
-    run: Run, path: Path, config: ViewConfig | None = None, progress: OnProgress = lambda _: None
+    run: Run, path: Path, progress: OnProgress = lambda _: None, config: ViewConfig | None = None
 ) -> None:
     """Render the run as H.264 MP4, on all cores.
 
     Args:
         run: what to show.
         path: the file to write.
-        config: camera and size.
         progress: is told the fraction done.
+        config: camera and size.
 
     Raises:
         PackError: there is no OpenGL to draw with.
     """
     view, times = config or ViewConfig(), frame_times(run)
     parts = np.array_split(times, max(1, len(times) // FRAMES_A_PART))
-    with h264_video(path, view.width, view.height) as send, drawing_processes(run, view) as pool:
-        for i, pictures in enumerate(pool.map(draw, parts)):
-            for picture in pictures:
-                send(picture)
-            progress((i + 1) / len(parts))
+    with drawing_processes(run, view) as pool:
+        frames = chain.from_iterable(pool.map(draw, parts))
+        video_file.write_video(path, (view.width, view.height), frames, len(times), progress)
 
 
 def write_still(run: Run, path: Path, time: float | None = None, config: ViewConfig | None = None) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from pack_core.camera import Picture
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.rotations import Array
-from pack_evaluation.captions import Picture
-from pack_evaluation.palletizing.run import BoxTrack, StandingCell
+from pack_evaluation.palletizing.run import StandingCell
+from pack_evaluation.track import Track
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class CalibrationFilm:
     stands: StandingCell
     times: Array
     joints: Array
-    tracks: Mapping[BoxBody, BoxTrack]
+    tracks: Mapping[BoxBody, Track]
     stages: tuple[FilmStage, ...]
     touches: tuple[FeltForce, ...]
     pictures: tuple[BoardPicture, ...]

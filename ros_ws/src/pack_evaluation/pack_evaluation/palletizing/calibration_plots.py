@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pack_core.rotations import Array
+from pack_evaluation.figures import GREY, INK, RED, write_figures
 
-INK, RED = "#20252b", "#c03a2b"
 ENLARGED = 400.0
 """Residuals of corners are drawn so much larger than the picture."""
 
@@ -25,13 +25,8 @@ def write_calibration_plots(
         touches: name, residual [m] and standard deviation [m] of each touch.
         folder: takes them.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     plots = {"residuals_board": _board(views), "residuals_touches": _touches(touches)}
-    paths = []
-    for name, figure in plots.items():
-        paths.append(folder / f"{name}.png")
-        figure.savefig(paths[-1], dpi=110)
-    return paths
+    return write_figures(plots, folder, dpi=110)
 
 
 def _board(views: Sequence[tuple[Array, Array]]) -> Figure:
@@ -53,7 +48,7 @@ def _touches(touches: Sequence[tuple[str, float, float]]) -> Figure:
     axes = figure.add_subplot()
     names, off, sigma = zip(*touches, strict=True)
     rows = np.arange(len(names))
-    axes.errorbar(1e3 * np.array(off), rows, xerr=1e3 * np.array(sigma), fmt="o", color=INK, ecolor="#9aa4ae")
+    axes.errorbar(1e3 * np.array(off), rows, xerr=1e3 * np.array(sigma), fmt="o", color=INK, ecolor=GREY)
     axes.axvline(0.0, color=RED, lw=0.8)
     axes.set_yticks(rows, names)
     axes.invert_yaxis()

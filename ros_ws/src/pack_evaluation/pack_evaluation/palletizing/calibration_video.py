@@ -10,14 +10,18 @@ import numpy as np
 from PIL import Image, ImageDraw
 from scipy.ndimage import gaussian_filter1d
 
+from pack_core.camera import Picture
+from pack_core.drawing.renderer import orbit_camera
 from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.view import CellView
 from pack_core.rotations import Array
-from pack_evaluation.captions import INK, Picture, add_bar, caption_font
+from pack_evaluation import video_file
+from pack_evaluation.captions import add_bar, caption_font
 from pack_evaluation.evaluator import OnProgress
+from pack_evaluation.figures import GREY, INK, RED
 from pack_evaluation.palletizing.calibration_film import BoardPicture, CalibrationFilm, FeltForce
 from pack_evaluation.palletizing.video import HEIGHT, WIDTH
-from pack_evaluation.video_file import FPS, h264_video
+from pack_evaluation.video_file import FPS
 
 SPEED = 8.0
 """Simulated seconds a second of the video: a calibration takes minutes."""
@@ -37,7 +41,7 @@ WAY, FORCE = (-3.0, 1.0), (-40.0, 280.0)
 """Range of the force's drawing [mm, N]."""
 FRAME = (40, 30, 344, 160)
 """Left, upper, right and lower end of its axes [pixel]."""
-RED, BLUE = "#c03a2b", "#4c78a8"
+BLUE = "#4c78a8"
 
 
 def write_calibration_video(film: CalibrationFilm, path: Path, progress: OnProgress = lambda _: None) -> None:
@@ -49,19 +53,18 @@ def write_calibration_video(film: CalibrationFilm, path: Path, progress: OnProgr
     times = np.arange(film.times[0], film.times[-1] + END * SPEED, SPEED / FPS)
     rows = np.minimum(film.times.searchsorted(times), len(film.times) - 1)
     cameras, stands = _Cameras(film, times, rows), film.stands
-    with (
-        h264_video(path, WIDTH, HEIGHT) as send,
-        CellView(stands.cell, WIDTH, HEIGHT, X_WB=stands.X_WB) as view,
-    ):
-        for i, time in enumerate(times):
-            laid = {
-                body: track.at(time)
-                for body, track in film.tracks.items()
-                if track.times[0] <= time <= track.times[-1]
-            }
-            picture = view.picture(film.joints[rows[i]], laid, cameras.at(i))
-            send(captioned(picture, film, float(time)))
-            progress((i + 1) / len(times))
+
+    def frame(i: int, time: float) -> Picture:
+        laid = {
+            body: track.last_pose(time)
+            for body, track in film.tracks.items()
+            if track.times[0] <= time <= track.times[-1]
+        }
+        return captioned(view.picture(film.joints[rows[i]], laid, cameras.at(i)), film, time)
+
+    with CellView(stands.cell, WIDTH, HEIGHT, X_WB=stands.X_WB) as view:
+        frames = (frame(i, time) for i, time in enumerate(times.tolist()))
+        video_file.write_video(path, (WIDTH, HEIGHT), frames, len(times), progress)
 
 
 def captioned(picture: Picture, film: CalibrationFilm, time: float) -> Picture:
@@ -102,10 +105,7 @@ class _Cameras:
     def at(self, i: int) -> mujoco.MjvCamera:
         """The camera of a frame."""
         x, y, z, distance, elevation, angle = self._rows[i]
-        camera = mujoco.MjvCamera()
-        camera.lookat[:], camera.distance = (x, y, z), distance
-        camera.azimuth, camera.elevation = float(np.rad2deg(angle)), float(elevation)
-        return camera
+        return orbit_camera((x, y, z), distance, float(np.rad2deg(angle)), float(elevation))
 
 
 def force_inset(touch: FeltForce, time: float) -> Picture:
@@ -113,7 +113,7 @@ def force_inset(touch: FeltForce, time: float) -> Picture:
     sheet = Image.new("RGB", SIZE, "white")
     draw = ImageDraw.Draw(sheet)
     left, upper, right, lower = FRAME
-    draw.rectangle(FRAME, outline="#9aa4ae")
+    draw.rectangle(FRAME, outline=GREY)
     for force in (0, 100, 200):
         y = _at(np.array([0.0]), np.array([float(force)]))[0][1]
         draw.line((left, y, right, y), fill="#dde2e6")

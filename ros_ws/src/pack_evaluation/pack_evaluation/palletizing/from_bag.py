@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pack_core import stamps
-from pack_core.errors import BagError
 from pack_core.motion.moves import DEPART, Mode
 from pack_core.motion.topics import JOINT_STATES, MOTION_STATUS, MOTION_TARGET, SETPOINTS
 from pack_core.palletizing.cell import palletizing_cell
@@ -20,19 +18,19 @@ from pack_core.palletizing.model import fixed_frames
 from pack_core.palletizing.topics import CONTACTS, GRIPPER_STATE, PALLET_STATE, RESULT, TRUTH
 from pack_core.robots.kr210 import BASE
 from pack_core.rotations import Array, Pose
-from pack_evaluation.bag import Bag, fitting, read_bag, result_in
+from pack_evaluation.bag import Bag, fitting, read_bag, result_in, seconds, times_of
 from pack_evaluation.goals import goal_of
 from pack_evaluation.palletizing.run import (
     BoxRecord,
-    BoxTrack,
     PalletRun,
     StandingCell,
     StateVisit,
     ToolTrack,
     UnwantedTouch,
     stretches,
+    tool_track,
 )
-from pack_evaluation.palletizing.tool_track import tool_track
+from pack_evaluation.track import recorded_tracks
 
 TF_STATIC, DECK = "/tf_static", "pallet_deck"
 """The topic that has the frames of what stands still, and the pallet's frame."""
@@ -62,25 +60,22 @@ def load_pallet_run(path: Path, goal: int | None = None) -> PalletRun:
 def _pallet_run(path: Path, goal: int | None) -> PalletRun:
     bag, number = goal_of(
         read_bag(path, TOPICS), goal, result=RESULT, latched=(TF_STATIC,),
+        needed=(JOINT_STATES, SETPOINTS, TRUTH, PALLET_STATE, RESULT),
         has_begun=lambda rest: any(item.topic == PALLET_STATE for item in rest),
     )  # fmt: skip
-    missing = [topic for topic in (JOINT_STATES, SETPOINTS, TRUTH, PALLET_STATE, RESULT) if not bag.of(topic)]
-    if missing:
-        lacks = f"no message on {', '.join(missing)}"
-        raise BagError(f"{bag.path}: order {number} has {lacks}; {bag.reason('did it run to its end?')}")
     result = result_in(bag.of(RESULT)[-1].data, bag.path)
     frames = frames_in(bag)
     X_true = true_of_known(frames, result)
     visits = tuple(
-        StateVisit(message.state, _seconds(message.header.stamp), message.box, message.reason)
+        StateVisit(message.state, seconds(message.header.stamp), message.box, message.reason)
         for message in bag.of(PALLET_STATE)
     )
     return PalletRun(
         order=result["order"], seed=0, reason=result["reason"],
         boxes=tuple(_box(box, X_true) for box in result["boxes"]), visits=visits,
-        tool=tool_of(bag, visits[0].time), tracks=_tracks(bag.of(TRUTH)),
+        tool=tool_of(bag, visits[0].time), tracks=recorded_tracks(bag.of(TRUTH)),
         touches=tuple(
-            UnwantedTouch(_seconds(item.header.stamp), (item.bodies[0], item.bodies[1]), item.force)
+            UnwantedTouch(seconds(item.header.stamp), (item.bodies[0], item.bodies[1]), item.force)
             for item in bag.of(CONTACTS)
         ),
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
@@ -115,10 +110,10 @@ def tool_of(bag: Bag, start: float) -> ToolTrack:
 
     Moments without setpoints, at which the driver holds the arm, are left out.
     """
-    measured = [item for item in bag.of(JOINT_STATES) if _seconds(item.header.stamp) >= start]
-    times = np.array([_seconds(item.header.stamp) for item in measured])
+    measured = [item for item in bag.of(JOINT_STATES) if seconds(item.header.stamp) >= start]
+    times = times_of(measured)
     wanted = {
-        _seconds(message.header.stamp) + _seconds(point.time_from_start): point.positions
+        seconds(message.header.stamp) + seconds(point.time_from_start): point.positions
         for message in bag.of(SETPOINTS)
         for point in message.points
     }
@@ -151,21 +146,7 @@ def slow_stretches(targets: Sequence[Any], statuses: Sequence[Any]) -> tuple[tup
         own = modes.get(status.id, {}).get(status.label)
         return bool(status.label == DEPART if own is None else own == Mode.SLOW.value)
 
-    return stretches([_seconds(item.header.stamp) for item in statuses], [is_slow(item) for item in statuses])
-
-
-def _tracks(messages: Sequence[Any]) -> dict[str, BoxTrack]:
-    rows: dict[str, list[tuple[float, Array, Array]]] = {}
-    for message in messages:
-        time = _seconds(message.header.stamp)
-        for item in message.objects:
-            p, q = item.pose.position, item.pose.orientation
-            row = (time, np.array([p.x, p.y, p.z]), np.array([q.w, q.x, q.y, q.z]))
-            rows.setdefault(item.name, []).append(row)
-    return {
-        name: BoxTrack(*(np.array(column) for column in zip(*samples, strict=True)))
-        for name, samples in rows.items()
-    }
+    return stretches([seconds(item.header.stamp) for item in statuses], [is_slow(item) for item in statuses])
 
 
 def _peaks(messages: Sequence[Any]) -> dict[str, tuple[float, float, float]]:
@@ -176,10 +157,6 @@ def _peaks(messages: Sequence[Any]) -> dict[str, tuple[float, float, float]]:
             load = (message.coaxial_force, message.shear_force, message.moment)
             peaks[message.object] = tuple(np.maximum(worst, load).tolist())
     return peaks
-
-
-def _seconds(stamp: Any) -> float:
-    return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)
 
 
 def frames_in(bag: Bag) -> dict[str, Pose]:

@@ -172,7 +172,8 @@ def shifts_mm(run: PalletRun) -> tuple[float, ...]:
     placed: list[str] = []
     for (start, name), (end, _) in pairwise(moments):
         moved = [
-            1e3 * float(np.linalg.norm(run.tracks[other].at(end).p - run.tracks[other].at(start).p))
+            1e3
+            * float(np.linalg.norm(run.tracks[other].last_pose(end).p - run.tracks[other].last_pose(start).p))
             for other in placed
         ]
         if moved:
@@ -230,7 +231,7 @@ def measure_box(run: PalletRun, box: BoxRecord, criteria: PlacementCriteria) -> 
     error_mm = angle_deg = None
     is_ok = False
     if box.outcome == "placed":
-        X_WB = run.tracks[box.name].at(float("inf"))
+        X_WB = run.tracks[box.name].pose(-1)
         error_mm = 1e3 * float(np.linalg.norm(X_WB.p - box.X_WB.p))
         angle_deg = float(np.degrees(angle_between(X_WB.q, box.X_WB.q)))
         is_ok = error_mm <= 1e3 * criteria.position and angle_deg <= criteria.orientation_deg

@@ -13,40 +13,41 @@ from matplotlib.figure import Figure
 
 from pack_core.motion.moves import SLOW_SPEED
 from pack_core.rotations import Array
+from pack_evaluation.figures import BLUE, GREEN, GREY, INK, RED, write_figures
 from pack_evaluation.palletizing.measures import tracking_errors
 from pack_evaluation.palletizing.run import PalletRun
 from pack_evaluation.palletizing.state_times import slow_states, state_times, tool_speeds
 
 SIZE = (9.0, 4.2)
 """Width and height of a figure [inch]."""
-INK, GREY = "#20252b", "#9aa4ae"
-AXES = ("#c03a2b", "#2f8a46", "#2b6cb0")
+AXES = (RED, GREEN, BLUE)
 """Colours of x, y and z."""
 STRIDE = 5
 """Only every fifth sample is drawn."""
+DPI = 110
+
+Draw = Callable[[Figure, PalletRun], None]
 
 
 def write_plots(run: PalletRun, folder: Path) -> list[Path]:
     """Write every plot as PNG into `folder`, in the order a report shows them."""
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
     plots = {**PLOTS, **({"visitors": draw_visitors} if run.visitors else {})}
-    for name, draw in plots.items():
-        figure = Figure(figsize=SIZE, layout="constrained")
-        draw(figure, run)
-        paths.append(folder / f"{name}.png")
-        figure.savefig(paths[-1], dpi=110)
-    return paths
+    return write_figures({name: _plot_of(run, draw) for name, draw in plots.items()}, folder, DPI)
 
 
 def visitors_picture(run: PalletRun) -> bytes | None:
     """The plot of visitors as PNG; None where nobody came."""
     if not run.visitors:
         return None
-    figure, picture = Figure(figsize=SIZE, layout="constrained"), BytesIO()
-    draw_visitors(figure, run)
-    figure.savefig(picture, format="png", dpi=110)
+    picture = BytesIO()
+    _plot_of(run, draw_visitors).savefig(picture, format="png", dpi=DPI)
     return picture.getvalue()
+
+
+def _plot_of(run: PalletRun, draw: Draw) -> Figure:
+    figure = Figure(figsize=SIZE, layout="constrained")
+    draw(figure, run)
+    return figure
 
 
 def draw_position(figure: Figure, run: PalletRun) -> None:
@@ -110,7 +111,7 @@ def draw_errors(figure: Figure, run: PalletRun) -> None:
     axes = figure.add_subplot()
     axes.set(title="Placement error at the end", ylabel="[mm]")
     placed = [box for box in run.boxes if box.outcome == "placed"]
-    errors = [1e3 * (run.tracks[box.name].at(np.inf).p - box.X_WB.p) for box in placed]
+    errors = [1e3 * (run.tracks[box.name].p[-1] - box.X_WB.p) for box in placed]
     for i, (name, colour) in enumerate(zip("xyz", AXES, strict=True)):
         places = np.arange(len(placed)) + 0.25 * (i - 1)
         axes.bar(places, [error[i] for error in errors], 0.22, color=colour, label=name)
@@ -152,7 +153,7 @@ def _shade(axes: Axes, run: PalletRun) -> None:
         axes.axvspan(start, end, color="#e0a31e", alpha=0.13, lw=0.0)
 
 
-PLOTS: dict[str, Callable[[Figure, PalletRun], None]] = {
+PLOTS: dict[str, Draw] = {
     "position": draw_position,
     "orientation": draw_orientation,
     "tracking": draw_tracking,

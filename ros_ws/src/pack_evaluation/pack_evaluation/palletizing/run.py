@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import pairwise
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pack_core.kinematics.chain import SerialChain, chain_from_model
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
+from pack_core.palletizing.model import build_model
+from pack_core.robots.kr210 import JOINTS
+from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Array, Pose
-from pack_evaluation.goals import ONLY_GOAL, GoalNumber
+from pack_evaluation.goals import RecordedRun
+from pack_evaluation.track import Track
 
 
 @dataclass(frozen=True)
@@ -48,18 +57,29 @@ class ToolTrack:
     p_true: Array | None = None
 
 
-@dataclass(frozen=True)
-class BoxTrack:
-    """A box at n moments: `times` `(n,)` [s], positions `p` `(n, 3)` [m], orientations `q` wxyz `(n, 4)`."""
+def tool_track(times: Array, q_ref: Array, q: Array, q_true: Array | None = None) -> ToolTrack:
+    """The commanded and the measured tool poses at `times` `(n,)` from joint positions `(n, 6)` [rad].
 
-    times: Array
-    p: Array
-    q: Array
+    Args:
+        times: the moments [s].
+        q_ref: commanded.
+        q: measured.
+        q_true: true angles of the links, where they are known.
+    """
+    p_true = None if q_true is None else _poses(q_true)[0]
+    return ToolTrack(times, q, *_poses(q_ref), *_poses(q), p_true)
 
-    def at(self, time: float) -> Pose:
-        """The last pose until `time` [s]; the first one if there is none."""
-        i = max(int(self.times.searchsorted(time, side="right")) - 1, 0)
-        return Pose(self.p[i], self.q[i])
+
+@cache
+def _chain() -> SerialChain:
+    return chain_from_model(build_model(palletizing_cell()), JOINTS, TOOL)
+
+
+def _poses(rows: Array) -> tuple[Array, Array]:
+    """Positions `(n, 3)` and quaternions wxyz `(n, 4)`."""
+    poses = [_chain().forward_matrix(row) for row in rows]
+    rotations = Rotation.from_matrix(np.array([R for R, _ in poses]))
+    return np.array([p for _, p in poses]), rotations.as_quat(scalar_first=True)
 
 
 @dataclass(frozen=True)
@@ -137,7 +157,7 @@ class UnwantedTouch:
 
 
 @dataclass(frozen=True)
-class PalletRun:
+class PalletRun(RecordedRun):
     """Everything that is measured of a run.
 
     Attributes:
@@ -152,10 +172,6 @@ class PalletRun:
         cycles: cycle time of each box, by name [s].
         grip_peaks: largest coaxial force, shear force [N] and moment [N m] of each box's grips, by name.
         interruptions: how often setpoints came too late and the driver held the arm in a move.
-        is_cut: whether the recording ended before the run did.
-        damaged: number of pieces of the recording that could not be read.
-        notes: which of its files and topics are missing or were left out, and why.
-        goal: which order of its recording it is.
         way_points: errors at the targets of the machine, in order; empty where they were not recorded.
         visitors: who came near the arm, by name; empty where nobody did or it was not recorded.
         stands: where everything truly was.
@@ -168,15 +184,11 @@ class PalletRun:
     boxes: tuple[BoxRecord, ...]
     visits: tuple[StateVisit, ...]
     tool: ToolTrack
-    tracks: Mapping[str, BoxTrack]
+    tracks: Mapping[str, Track]
     touches: tuple[UnwantedTouch, ...]
     cycles: Mapping[str, float]
     grip_peaks: Mapping[str, tuple[float, float, float]]
     interruptions: int = 0
-    is_cut: bool = False
-    damaged: int = 0
-    notes: tuple[str, ...] = ()
-    goal: GoalNumber = ONLY_GOAL
     visitors: Mapping[str, VisitorTrack] = field(default_factory=dict)
     way_points: tuple[WayPoint, ...] = ()
     stands: StandingCell = field(default_factory=StandingCell)

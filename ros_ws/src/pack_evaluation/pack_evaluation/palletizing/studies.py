@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
+from itertools import starmap
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from pack_evaluation.palletizing.from_bag import load_pallet_run
 from pack_evaluation.palletizing.measures import measure_order
 from pack_evaluation.palletizing.summary import OrderTrial, summarize_orders
 from pack_evaluation.spread import PARTS, spread_text
-from pack_evaluation.study import RECORDINGS, KeptTrials, Study, StudyEvaluator, summaries
-from pack_evaluation.table import TextTable
+from pack_evaluation.study import RECORDINGS, KeptTrials, Study, StudyEvaluator
+from pack_evaluation.table import TextTable, column_a_study, optional_number
 
 SPREADS = {
     "tracking_position_mm": "tracking, position [mm]",
@@ -36,23 +37,23 @@ Summary = Mapping[str, Any]
 
 def comparison(summaries: Mapping[str, Summary]) -> TextTable:
     """Table with a column for each study and a row for each measure that one of them has."""
-    found = summaries.values()
+    spreads = [
+        (name, lambda s, key=key: spread_text(s[key] or {}, 3))
+        for key, name in SPREADS.items()
+        if any(s[key] for s in summaries.values())
+    ]
     rows = [
-        ("orders complete with every seed", *(f"{s['orders_complete']} of {s['orders']}" for s in found)),
-        ("boxes in place", *(f"{s['boxes_ok']} of {s['boxes']}" for s in found)),
-        *(
-            (name, *(spread_text(s[key] or {}, 3) for s in found))
-            for key, name in SPREADS.items()
-            if any(s[key] for s in found)
-        ),
-        *((name, *(_number(s["cycle_s"][key], 3) for s in found)) for key, name in CYCLES.items()),
-        ("stacks that hold 0.2 g", *(_held(s["stack_hold"]) for s in found)),
-        ("drops", *(str(s["drops"]) for s in found)),
-        ("unwanted contacts over 20 N", *(str(s["unwanted_contacts"]) for s in found)),
-        ("visitors", *(_visitors(s["visitors"]) for s in found)),
+        ("orders complete with every seed", lambda s: f"{s['orders_complete']} of {s['orders']}"),
+        ("boxes in place", lambda s: f"{s['boxes_ok']} of {s['boxes']}"),
+        *spreads,
+        *((name, lambda s, key=key: optional_number(s["cycle_s"][key], 3)) for key, name in CYCLES.items()),
+        ("stacks that hold 0.2 g", lambda s: _held(s["stack_hold"])),
+        ("drops", lambda s: str(s["drops"])),
+        ("unwanted contacts over 20 N", lambda s: str(s["unwanted_contacts"])),
+        ("visitors", lambda s: _visitors(s["visitors"])),
     ]
     note = f"Three numbers in a cell are {', '.join(PARTS.values())}."
-    return TextTable("Orders", note, ("", *summaries), tuple(rows))
+    return column_a_study("Orders", note, rows, summaries)
 
 
 def states(name: str, summary: Summary) -> TextTable:
@@ -72,8 +73,8 @@ def orders(name: str, summary: Summary) -> TextTable:
     rows = tuple(
         (
             order, f"{s['complete']} of {s['runs']}", f"{s['boxes_ok']} of {s['boxes']}",
-            spread_text(s["error_mm"]), _number(s["cycle_s"]), _number(s["tracking_mm"]["max"]),
-            "; ".join(s["faults"]),
+            spread_text(s["error_mm"]), optional_number(s["cycle_s"]),
+            optional_number(s["tracking_mm"]["max"]), "; ".join(s["faults"]),
         )
         for order, s in summary["per_order"].items()
     )  # fmt: skip
@@ -84,63 +85,44 @@ def orders(name: str, summary: Summary) -> TextTable:
 def _visitors(found: Mapping[str, Any] | None) -> str:
     if found is None:
         return "-"
-    return (
-        f"{found['crossings']} crossings, nearest {_number(found['least_m'])} m, {found['touches']} contacts"
-    )
+    nearest = optional_number(found["least_m"])
+    return f"{found['crossings']} crossings, nearest {nearest} m, {found['touches']} contacts"
 
 
 def _held(hold: Mapping[str, int]) -> str:
     return f"{hold['held']} of {hold['tested']}" if hold["tested"] else "-"
 
 
-def _number(value: float | None, digits: int = 2) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
+PalletStudy = Study[OrderTrial]
+"""Orders that were built under one setting."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PalletStudy(Study):
-    """Orders that were built under one setting."""
-
-    trials: tuple[OrderTrial, ...]
-
-
-class PalletStudies(StudyEvaluator[PalletStudy, OrderTrial]):
-    """Takes the measures that every trial was kept with."""
-
-    title: ClassVar[str] = "Palletizing"
-
-    def of_benchmark(self, kept: KeptTrials) -> list[PalletStudy]:
-        """One study: the orders under one setting."""
-        kept.require({"order", "seed", "measures", "hold_mm"})
-        trials = tuple(
-            OrderTrial(
-                trial["order"], trial["seed"], trial["measures"], trial["hold_mm"], trial.get("predicted_mm")
-            )
-            for trial in kept.trials
+def of_benchmark(kept: KeptTrials) -> list[PalletStudy]:
+    """One study: the orders under one setting, with the measures that every trial was kept with."""
+    kept.require({"order", "seed", "measures", "hold_mm"})
+    trials = tuple(
+        OrderTrial(
+            trial["order"], trial["seed"], trial["measures"], trial["hold_mm"], trial.get("predicted_mm")
         )
-        return [PalletStudy(name=kept.settings["name"], origin=kept.origin, trials=trials)]
-
-    def read_recording(self, path: Path) -> OrderTrial:
-        """The order of a recording; its stack is not tested, for that takes a simulation."""
-        run = load_pallet_run(path)
-        return OrderTrial(run.order, run.seed, asdict(measure_order(run)), None)
-
-    def of_recordings(self, recordings: Sequence[OrderTrial]) -> PalletStudy:
-        """All recordings as trials."""
-        return PalletStudy(name=RECORDINGS, trials=tuple(recordings))
-
-    def summary(self, study: PalletStudy) -> dict[str, Any]:
-        """The figures over all runs of a study."""
-        return summarize_orders(study.trials)
-
-    def tables(self, studies: Sequence[PalletStudy]) -> Sequence[TextTable]:
-        """The measures side by side, then every order of each study."""
-        found = summaries(self, studies)
-        return (
-            comparison(found),
-            *(orders(name, summary) for name, summary in found.items()),
-            *(states(name, summary) for name, summary in found.items()),
-        )
+        for trial in kept.trials
+    )
+    return [PalletStudy(name=kept.settings["name"], origin=kept.origin, trials=trials)]
 
 
-STUDIES = PalletStudies()
+def read_recording(path: Path) -> OrderTrial:
+    """The order of a recording; its stack is not tested, for that takes a simulation."""
+    run = load_pallet_run(path)
+    return OrderTrial(run.order, run.seed, asdict(measure_order(run)), None)
+
+
+def tables(studies: Sequence[PalletStudy]) -> list[TextTable]:
+    """The measures side by side, then every order of each study, then its states."""
+    found = {study.name: summarize_orders(study.trials) for study in studies}
+    return [comparison(found), *starmap(orders, found.items()), *starmap(states, found.items())]
+
+
+STUDIES = StudyEvaluator(
+    title="Palletizing", of_benchmark=of_benchmark, read_recording=read_recording,
+    of_recordings=lambda found: PalletStudy(name=RECORDINGS, trials=tuple(found)),
+    summary=lambda study: summarize_orders(study.trials), tables=tables,
+)  # fmt: skip

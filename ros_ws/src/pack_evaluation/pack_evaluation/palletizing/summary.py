@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pack_evaluation.palletizing.state_times import StateTime, merged
-from pack_evaluation.spread import mean_p95_max
+from pack_evaluation.spread import mean, mean_p95_max
 
 HOLD_LIMIT_MM = 10.0
 """A stack holds if no box shifts by more than this on the pallet [mm]."""
@@ -99,7 +99,7 @@ def _way_points(trials: Sequence[OrderTrial], key: str) -> dict[str, float] | No
     found = [trial.measures[key] for trial in trials if trial.measures.get(key)]
     if not found:
         return None
-    return {"mean": float(np.mean([mean for mean, _ in found])), "max": max(most for _, most in found)}
+    return {"mean": float(np.mean([average for average, _ in found])), "max": max(most for _, most in found)}
 
 
 def _expected(trials: Sequence[OrderTrial]) -> dict[str, float] | None:
@@ -135,12 +135,12 @@ def cycles(boxes: Sequence[Mapping[str, Any]]) -> dict[str, float | None]:
     times = {kind: [b["cycle_s"] for b in boxes if b["handling"] == kind and b["cycle_s"] is not None]
              for kind in ("none", "flip", "table")}  # fmt: skip
     everything = [time for kind in times.values() for time in kind]
-    mean = _mean(everything)
+    overall = mean(everything)
     return {
-        **{kind: _mean(values) for kind, values in times.items()},
-        "none_or_flip": _mean(times["none"] + times["flip"]),
-        "mean": mean,
-        "boxes_per_hour": None if mean is None else 3600.0 / mean,
+        **{kind: mean(values) for kind, values in times.items()},
+        "none_or_flip": mean(times["none"] + times["flip"]),
+        "mean": overall,
+        "boxes_per_hour": None if overall is None else 3600.0 / overall,
     }
 
 
@@ -150,7 +150,7 @@ def _order(runs: Sequence[OrderTrial]) -> dict[str, Any]:
     return {
         "complete": sum(run.measures["is_complete"] for run in runs), "runs": len(runs),
         "boxes_ok": sum(box["is_ok"] for box in boxes), "boxes": len(boxes),
-        "error_mm": mean_p95_max(errors), "cycle_s": _mean([b["cycle_s"] for b in boxes if b["cycle_s"]]),
+        "error_mm": mean_p95_max(errors), "cycle_s": mean([b["cycle_s"] for b in boxes if b["cycle_s"]]),
         "tracking_mm": _tracking(runs, "position_mm"),
         "shift_mm": mean_p95_max([shift for run in runs for shift in run.measures["shift_mm"]]),
         "faults": [fault for run in runs for fault in run.measures["faults"]],
@@ -168,7 +168,3 @@ def _tracking(trials: Sequence[OrderTrial], key: str) -> dict[str, float] | None
         "mean": float(np.average(means, weights=weights)),
         "max": max(trial.measures[key][1] for trial in trials),
     }
-
-
-def _mean(values: Sequence[float]) -> float | None:
-    return float(np.mean(values)) if values else None

@@ -21,7 +21,7 @@ class CellStudies:
 
     cell: str
     evaluator: StudyEvaluator[Any, Any]
-    studies: tuple[Study, ...]
+    studies: tuple[Study[Any], ...]
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def gather(paths: Sequence[Path], on_read: Callable[[Path], None] = lambda _: No
         paths: benchmarks' folders, and recordings.
         on_read: is told each path once it has been read.
     """
-    studies: dict[tuple[str, str], list[Study]] = {}
+    studies: dict[tuple[str, str], list[Study[Any]]] = {}
     recordings: dict[tuple[str, str], list[Any]] = {}
     left_out: dict[Path, str] = {}
     for path in paths:
@@ -65,12 +65,12 @@ def gather(paths: Sequence[Path], on_read: Callable[[Path], None] = lambda _: No
     return Gathered(tuple(cells), left_out)
 
 
-def with_names_that_differ(studies: Sequence[Study]) -> list[Study]:
+def with_names_that_differ(studies: Sequence[Study[Any]]) -> list[Study[Any]]:
     """The studies; those that share a name are told apart by their detail, then by their folder."""
     return _told_apart(_told_apart(studies, _detail), _folder)
 
 
-def _told_apart(studies: Sequence[Study], tell: Callable[[Study], str]) -> list[Study]:
+def _told_apart(studies: Sequence[Study[Any]], tell: Callable[[Study[Any]], str]) -> list[Study[Any]]:
     counts = Counter(study.name for study in studies)
     return [
         replace(study, name=f"{study.name} ({tell(study)})")
@@ -80,9 +80,9 @@ def _told_apart(studies: Sequence[Study], tell: Callable[[Study], str]) -> list[
     ]
 
 
-def _detail(study: Study) -> str:
+def _detail(study: Study[Any]) -> str:
     return study.detail
 
 
-def _folder(study: Study) -> str:
+def _folder(study: Study[Any]) -> str:
     return str(study.origin.get("results", ""))

@@ -18,8 +18,7 @@ from pack_core.packing.scene import Scene
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.run_file import SUFFIX, save_run
 from pack_evaluation.packing.studies import RUNS
-from pack_evaluation.packing.study.summary import FAILURE_METRICS
-from pack_evaluation.packing.study.trial import PackingTrial, trial_of
+from pack_evaluation.packing.summary import FAILURE_METRICS, PackingTrial, trial_of
 from pack_lockstep.benchmarking.benchmark import Benchmark, JobT, ResultT, Verdict
 from pack_lockstep.packing.fill_lockstep import FillLockstep, FillResult
 from pack_lockstep.packing.lockstep import Lockstep

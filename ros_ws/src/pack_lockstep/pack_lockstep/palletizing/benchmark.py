@@ -128,9 +128,7 @@ def stack(order: Order, run: PalletRun) -> dict[BoxBody, Any]:
     """The boxes that were placed, with their true poses at the end of the run."""
     placed = [box.name for box in run.boxes if box.outcome == "placed"]
     bodies = {name: order.box(name) for name in placed}
-    return {
-        BoxBody(name, box.dims, box.weight): run.tracks[name].at(float("inf")) for name, box in bodies.items()
-    }
+    return {BoxBody(name, box.dims, box.weight): run.tracks[name].pose(-1) for name, box in bodies.items()}
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pack_core.camera import Picture
 from pack_core.kinematics.chain import SerialChain
 from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.calibration_board import BoardSighting
 from pack_core.palletizing.topics import TRUTH_RATE
-from pack_core.palletizing.view import Picture
 from pack_core.rotations import Array, Pose
+from pack_core.states import Source
 from pack_core.topics import steps_between
 from pack_evaluation.palletizing.calibration_film import (
     BoardPicture,
@@ -19,7 +20,8 @@ from pack_evaluation.palletizing.calibration_film import (
     FeltForce,
     FilmStage,
 )
-from pack_evaluation.palletizing.run import BoxTrack, StandingCell
+from pack_evaluation.palletizing.run import StandingCell
+from pack_evaluation.track import Sample, track_of
 from pack_sim.palletizing.simulator import PalletSimulator
 from pallet_calibration.conclusion import CalibrationRun
 from pallet_calibration.measurements import FeltContact
@@ -41,7 +43,7 @@ class CalibrationLog:
         self._stands = StandingCell()
         self._times: list[float] = []
         self._joints: list[Array] = []
-        self._laid: dict[BoxBody, list[tuple[float, Array, Array]]] = {}
+        self._laid: dict[BoxBody, list[Sample]] = {}
         self._stages: list[FilmStage] = []
         self._pictures: list[BoardPicture] = []
 
@@ -55,7 +57,7 @@ class CalibrationLog:
         self._times.append(now.time)
         self._joints.append(now.q)
         for body, X_WB in now.boxes.items():
-            self._laid.setdefault(body, []).append((now.time, X_WB.p, X_WB.q))
+            self._laid.setdefault(body, []).append((now.time, X_WB.p, X_WB.q, Source.TRUTH))
 
     def note_progress(self, progress: CalibrationProgress, time: float) -> None:
         """Something else is done from `time` [s] on."""
@@ -73,8 +75,7 @@ class CalibrationLog:
         predicted, chain = run.calibration.predicted, arm_kinematics().chain
         return CalibrationFilm(
             self._stands, np.array(self._times), np.array(self._joints),
-            {body: BoxTrack(*(np.array(column) for column in zip(*rows, strict=True)))
-             for body, rows in self._laid.items()},
+            {body: track_of(samples) for body, samples in self._laid.items()},
             tuple(self._stages), tuple(_felt(contact, chain) for contact in run.measured.contacts),
             tuple(self._pictures),
             f"{len(run.calibration.estimates)} numbers; boxes will be {predicted.mean:.2f} mm off on average",

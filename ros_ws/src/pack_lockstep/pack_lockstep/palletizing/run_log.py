@@ -10,10 +10,10 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import GripLoad
 from pack_core.palletizing.topics import TRUTH_RATE
 from pack_core.rotations import Array, Pose
+from pack_core.states import SceneState
 from pack_core.topics import steps_between
 from pack_evaluation.palletizing.run import (
     BoxRecord,
-    BoxTrack,
     PalletRun,
     StandingCell,
     StateVisit,
@@ -22,8 +22,9 @@ from pack_evaluation.palletizing.run import (
     VisitorTrack,
     WayPoint,
     stretches,
+    tool_track,
 )
-from pack_evaluation.palletizing.tool_track import tool_track
+from pack_evaluation.track import to_tracks
 from pack_sim.palletizing.simulator import PalletSimulator
 from pallet_fsm.report import BoxReport, OrderReport
 from pallet_fsm.states import State
@@ -45,7 +46,7 @@ class PalletRunLog:
         self._times: list[float] = []
         self._is_slow: list[bool] = []
         self._joints: list[tuple[Array, Array, Array]] = []
-        self._boxes: dict[str, list[tuple[float, Array, Array]]] = {}
+        self._truth: list[SceneState] = []
         self._peaks: dict[str, GripLoad] = {}
         self._way_points: list[WayPoint] = []
         self._visitors: dict[str, list[tuple[float, float, float]]] = {}
@@ -65,8 +66,7 @@ class PalletRunLog:
             self._peaks[held] = simulator.gripper.state.peak.worst(self._peaks.get(held, GripLoad()))
         if len(self._times) % self._box_steps == 0:
             truth = simulator.truth()
-            for name, state in truth.objects.items():
-                self._boxes.setdefault(name, []).append((truth.time, state.X_WO.p, state.X_WO.q))
+            self._truth.append(truth)
             for name, (distance, speed) in simulator.visitor_distances().items():
                 self._visitors.setdefault(name, []).append((truth.time, distance, speed))
 
@@ -79,14 +79,10 @@ class PalletRunLog:
         """The record of a run that has ended."""
         return PalletRun(
             report.order, seed, report.reason,
-            tuple(
-                _record(box, self._planned(box.X_WB))
-                for box in report.boxes
-            ),
+            tuple(_record(box, self._planned(box.X_WB)) for box in report.boxes),
             tuple(StateVisit(v.state.label, v.time, v.box, v.reason) for v in report.visits),
             self._tool(),
-            {name: BoxTrack(*(np.array(values) for values in zip(*rows, strict=True)))
-             for name, rows in self._boxes.items()},
+            to_tracks(self._truth),
             tuple(UnwantedTouch(e.time, e.bodies, e.force) for e in self._simulator.contacts.events),
             report.cycle_times(),
             {name: (load.coaxial, load.shear, load.moment) for name, load in self._peaks.items()},

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pack_core.camera import Picture
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD, BoardSighting
-from pack_perception.boxes.segmentation import Picture
 
 
 def sight_board(picture: Picture, time: float) -> BoardSighting:

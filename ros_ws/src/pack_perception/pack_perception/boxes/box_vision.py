@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pack_core.camera import PinholeCamera
+from pack_core.camera import Picture, PinholeCamera
 from pack_core.config import Config
 from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.rotations import Array, Pose, exp, from_yaw, multiply
 from pack_perception.boxes.debug_images import DebugImages, draw_debug_images
 from pack_perception.boxes.edge_line import EdgeConfig, TopFace, corners_of, find_edges, rough_corners
-from pack_perception.boxes.segmentation import Picture, Segmentation, SegmentationConfig, segment
+from pack_perception.boxes.segmentation import Segmentation, SegmentationConfig, segment
 from pack_perception.boxes.top_face import TopPose, Viewpoint, top_poses
 from pack_perception.boxes.trust import (
     DetectionRefusal,

@@ -11,7 +11,7 @@ from pack_interfaces.msg import ExpectedBox as ExpectedBoxMsg
 from pydantic import Field
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
-from pack_core.camera import PinholeCamera
+from pack_core.camera import Picture, PinholeCamera
 from pack_core.palletizing.boxes import BoxDetection, DetectionStatus, ExpectedBox
 from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
@@ -24,7 +24,6 @@ from pack_core.ros.run import run_node
 from pack_perception.boxes.board_corners import sight_board
 from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection, VisionConfig
 from pack_perception.boxes.debug_images import DebugImages
-from pack_perception.boxes.segmentation import Picture
 from pack_perception.boxes.table_camera import TableCamera
 
 FRAME_ID = "overhead_camera"

@@ -8,9 +8,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from pack_core.camera import Picture
 from pack_core.palletizing.boxes import BoxDetection, DetectionStatus
 from pack_core.rotations import Array
-from pack_perception.boxes.segmentation import Picture, Segmentation
+from pack_perception.boxes.segmentation import Segmentation
 
 FRAME_WIDTH = 960
 FOUND, REFUSED, AXIS = (40, 220, 60), (235, 60, 50), (60, 120, 255)

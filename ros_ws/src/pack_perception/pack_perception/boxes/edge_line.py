@@ -9,10 +9,9 @@ import cv2
 import numpy as np
 from pydantic import Field, PositiveFloat
 
-from pack_core.camera import PinholeCamera
+from pack_core.camera import Picture, PinholeCamera
 from pack_core.config import Config
 from pack_core.rotations import Array
-from pack_perception.boxes.segmentation import Picture
 
 FADE = 2.0
 """Width over which the window around a slope fades out [pixel]."""

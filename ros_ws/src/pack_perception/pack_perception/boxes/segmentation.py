@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
+from pack_core.camera import Picture
 from pack_core.config import Config
 from pack_core.rotations import Array
 
-Picture = npt.NDArray[np.uint8]
 Share = Annotated[float, Field(ge=0, lt=0.5)]
 
 

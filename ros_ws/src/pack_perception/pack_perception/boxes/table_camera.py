@@ -7,12 +7,11 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from pack_core.camera import LensDistortion, PinholeCamera
+from pack_core.camera import LensDistortion, Picture, PinholeCamera
 from pack_core.palletizing.boxes import BoxDetection, ExpectedBox
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.rotations import Array, Pose, to_matrix
 from pack_perception.boxes.box_vision import BoxVision, IllustratedDetection
-from pack_perception.boxes.segmentation import Picture
 
 
 class Rectifier:

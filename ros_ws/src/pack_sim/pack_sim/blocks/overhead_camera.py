@@ -7,16 +7,14 @@ from types import TracebackType
 from typing import Self
 
 import mujoco
-import numpy as np
-import numpy.typing as npt
 
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.model import CAMERA, build_model
+from pack_core.camera import Picture
 from pack_core.drawing.renderer import open_renderer
 from pack_core.errors import PackError
 from pack_core.rotations import Array
 
-Picture = npt.NDArray[np.uint8]
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 

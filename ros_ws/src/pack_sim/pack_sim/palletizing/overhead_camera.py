@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
-from pack_core.camera import LensDistortion, PinholeCamera
+from pack_core.camera import LensDistortion, Picture, PinholeCamera
 from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.imperfections import CameraErrors
-from pack_core.palletizing.view import CellView, Picture
+from pack_core.palletizing.view import CellView
 from pack_core.rotations import Array, Pose
 
 Floats = npt.NDArray[np.float32]

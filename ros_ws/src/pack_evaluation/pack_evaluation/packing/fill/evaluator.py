@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
-from pack_evaluation.evaluator import Evaluation, Evaluator, OnProgress
-from pack_evaluation.html import embedded, render
-from pack_evaluation.packing.fill.plots import plot_fills, plot_forces
+from pack_evaluation.evaluator import Evaluation, Evaluator
+from pack_evaluation.figures import write_figures
+from pack_evaluation.packing.fill.plots import DPI, draw_fills, draw_forces
 from pack_evaluation.packing.fill.recording import FillRun, load_fill_run
 from pack_evaluation.packing.video import write_video
 from pack_evaluation.packing.view import ViewConfig
-from pack_evaluation.record import about_the_run
 from pack_evaluation.table import MeasureText, number, yes_or_no
 
-TEMPLATE = Path(__file__).with_name("report.html.j2")
 VIEW = ViewConfig(lookat=(0.45, -0.15, 0.1), distance=1.25, azimuth_deg=150.0, elevation_deg=-38.0)
 """Container and hand-over place in one picture."""
 
@@ -49,40 +47,34 @@ class FillMeasures:
     ]
 
 
-class FillEvaluator(Evaluator[FillRun, FillMeasures]):
-    """Evaluates the last fill job of a recording."""
-
-    def load(self, path: Path, goal: int | None = None) -> FillRun:
-        """The last fill job in a recording; `goal` has no influence."""
-        return load_fill_run(path)
-
-    def measure(self, run: FillRun) -> FillMeasures:
-        """Everything that is measured of the job, as the benchmark measures it."""
-        packed, durations, fill = len(run.truth.inside), run.durations, run.truth.fill
-        return FillMeasures(
-            packed == run.given, packed, run.given, len(run.faults), fill.base_area, fill.volume,
-            float(np.mean(durations)) if durations else float("nan"), run.force_peak,
-        )  # fmt: skip
-
-    def draw(self, run: FillRun, folder: Path) -> list[Path]:
-        """Write the fill over time, and the force."""
-        fills = plot_fills({"base area": [run.report["fills"]]}, folder)
-        return [*fills, plot_forces(run.run.force_times, run.run.force, folder)]
-
-    def film(self, run: FillRun, path: Path, progress: OnProgress) -> None:
-        """Render the job as MP4."""
-        write_video(run.run, path, VIEW, progress)
-
-    def page(self, found: Evaluation[FillRun, FillMeasures]) -> str:
-        """The report: measures, a row an object, plots."""
-        report = found.run.report
-        return render(
-            TEMPLATE, title=f"Fill job {found.report.parent.name}", rows=found.rows,
-            success=found.measures.success, message=report["message"], is_cut=found.run.is_cut,
-            damaged=found.run.damaged, notes=found.run.notes, objects=report["objects"],
-            plots=[(plot.stem, embedded(plot)) for plot in found.plots],
-            video=embedded(found.video) if found.video else "", record=about_the_run(found.record),
-        )  # fmt: skip
+def measure(run: FillRun) -> FillMeasures:
+    """Everything that is measured of the job, as the benchmark measures it."""
+    packed, durations, fill = len(run.truth.inside), run.durations, run.truth.fill
+    return FillMeasures(
+        packed == run.given, packed, run.given, len(run.faults), fill.base_area, fill.volume,
+        float(np.mean(durations)) if durations else float("nan"), run.force_peak,
+    )  # fmt: skip
 
 
-FILL_EVALUATOR = FillEvaluator()
+def draw(run: FillRun, folder: Path) -> list[Path]:
+    """Write the fill over time, and the force."""
+    fill = draw_fills({"base area": [run.report["fills"]]})
+    force = draw_forces(run.run.force_times, run.run.force)
+    return write_figures({"fill": fill, "force": force}, folder, DPI)
+
+
+def report(found: Evaluation[FillRun, FillMeasures]) -> dict[str, Any]:
+    """What the report says of a job."""
+    success = found.measures.success
+    return {
+        "title": f"Fill job {found.report.parent.name}", "success": success,
+        "verdict": "all packed" if success else "not all packed", "message": found.run.report["message"],
+    }  # fmt: skip
+
+
+FILL_EVALUATOR = Evaluator(
+    lambda path, goal: load_fill_run(path), measure, draw,
+    lambda run, path, progress: write_video(run.run, path, progress, VIEW), "packing/fill/report.html.j2",
+    report,
+)  # fmt: skip
+"""Evaluates the last fill job of a recording, whatever number is asked for."""

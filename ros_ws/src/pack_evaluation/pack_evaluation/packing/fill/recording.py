@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from pack_core import stamps
 from pack_core.errors import BagError
 from pack_core.packing.free_space import Fill, fill_of, is_packed
 from pack_core.packing.model import parked_pose
@@ -18,12 +17,13 @@ from pack_core.packing.scene import Scene
 from pack_core.packing.topics import DESCRIPTION, FILL_PROGRESS, FILL_RESULT, JOINT_STATES, TRUTH, WRENCH
 from pack_core.robots.packing_arms import arm_of
 from pack_core.rotations import Array
-from pack_evaluation.bag import fitting, read_bag, result_in
-from pack_evaluation.goals import ONLY_GOAL, GoalNumber
+from pack_evaluation.bag import fitting, read_bag, result_in, times_of
+from pack_evaluation.goals import RecordedRun
 from pack_evaluation.packing.force import low_pass
+from pack_evaluation.packing.from_bag import magnitudes
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.raw_bag import read_raw_bag
-from pack_evaluation.track import Track
+from pack_evaluation.track import Track, recorded_tracks, track_of
 
 NEEDED = (DESCRIPTION, TRUTH, JOINT_STATES, WRENCH)
 TOLD = (FILL_PROGRESS, FILL_RESULT)
@@ -35,7 +35,7 @@ NEAR_HAND_OVER = 0.1
 
 
 @dataclass(frozen=True)
-class FillRun:
+class FillRun(RecordedRun):
     """A fill job of a recording.
 
     Attributes:
@@ -64,26 +64,6 @@ class FillRun:
         rows = self.report["objects"]
         return [float(row["duration"]) for row in rows if row["name"] in self.truth.inside]
 
-    @property
-    def is_cut(self) -> bool:
-        """Whether the recording was cut off."""
-        return self.run.is_cut
-
-    @property
-    def damaged(self) -> int:
-        """Number of pieces of the recording that could not be read."""
-        return self.run.damaged
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Which files and topics of the recording are missing or were left out, and why."""
-        return self.run.notes
-
-    @property
-    def goal(self) -> GoalNumber:
-        """The last job of the recording."""
-        return ONLY_GOAL
-
 
 def has_fill_job(path: Path) -> bool:
     """Whether a recording holds a fill job, to its end or cut off."""
@@ -107,25 +87,26 @@ def load_fill_run(path: Path) -> FillRun:
         report = result_in(told[-1].message.data, path)
         scene = _all_objects([Scene.from_yaml(m.data, DESCRIPTION) for m in bag.of(DESCRIPTION)])
         joints, wrenches = bag.of(JOINT_STATES), bag.of(WRENCH)
-        times, force_times, paths = _times(joints), _times(wrenches), _paths(bag.of(TRUTH), scene)
-        forces = [message.wrench.force for message in wrenches]
-        force = np.array([np.hypot(np.hypot(f.x, f.y), f.z) for f in forces])
+        times, force_times, force = times_of(joints), times_of(wrenches), magnitudes(wrenches)
+        seen = recorded_tracks(bag.of(TRUTH))
+        paths = {name: seen.get(name, track_of(())) for name in (*scene.names, scene.new_object.name)}
         start, is_ended = float(report["start"]), told[-1].topic == FILL_RESULT
         end = float(report["fills"][-1][0]) if is_ended else float(times[-1])
         if not is_ended:
             report = {"exit_reason": "", "message": "the recording ends before the job", **report}
         run = Run(
-            scene=scene, start=start, end=end, iterations=_none(), truth=_tracks(paths, scene, times),
+            scene=scene, start=start, end=end, iterations=Iterations(), truth=_tracks(paths, scene, times),
             estimate={}, joint_times=times, joints=np.array([message.position for message in joints]),
-            force_times=force_times, force=force,
-            release_reason="", real_time_factors=np.zeros(0), outcome=dict(report), is_cut=bag.is_cut,
-            damaged=bag.damaged, notes=bag.notes, arm=arm_of(joints[0].name).name,
+            force_times=force_times, force=force, outcome=dict(report), arm=arm_of(joints[0].name).name,
         )  # fmt: skip
         to_come = [*report.get("to_come", []), *filter(None, [report.get("object", "")])]
         given = len({*(row["name"] for row in report["objects"]), *to_come})
         during = (force_times >= start) & (force_times <= end)
         peak = report.get("force_peak", np.max(low_pass(force_times, force)[during], initial=0.0))
-        return FillRun(run, report, given, true_end(scene, paths, end), float(peak))
+        return FillRun(
+            run, report, given, true_end(scene, paths, end), float(peak), is_cut=bag.is_cut,
+            damaged=bag.damaged, notes=bag.notes,
+        )  # fmt: skip
 
 
 def _all_objects(descriptions: Sequence[Scene]) -> Scene:
@@ -137,27 +118,6 @@ def _all_objects(descriptions: Sequence[Scene]) -> Scene:
                 items[item.name] = item.model_copy(update={"pose": None})
     *objects, new = items.values()
     return descriptions[-1].model_copy(update={"objects": objects, "new_object": new, "grip": None})
-
-
-def _paths(messages: Sequence[Any], scene: Scene) -> dict[str, Track]:
-    """Paths of the objects while they are in the cell."""
-    samples: dict[str, list[tuple[float, list[float], list[float]]]] = {
-        name: [] for name in (*scene.names, scene.new_object.name)
-    }
-    for message in messages:
-        time = _seconds(message)
-        for state in message.objects:
-            if state.name in samples:
-                p, q = state.pose.position, state.pose.orientation
-                samples[state.name].append((time, [p.x, p.y, p.z], [q.w, q.x, q.y, q.z]))
-    return {name: _path(rows) for name, rows in samples.items()}
-
-
-def _path(rows: Sequence[tuple[float, list[float], list[float]]]) -> Track:
-    return Track(
-        np.array([row[0] for row in rows]), np.array([row[1] for row in rows]).reshape(-1, 3),
-        np.array([row[2] for row in rows]).reshape(-1, 4), np.zeros(len(rows), dtype=np.uint8),
-    )  # fmt: skip
 
 
 def _tracks(paths: Mapping[str, Track], scene: Scene, times: Array) -> dict[str, Track]:
@@ -177,22 +137,6 @@ def _over_all_times(path: Track, parked: Array, times: Array) -> Track:
         np.concatenate([before, inside, after]), np.concatenate([away, path.p, away]),
         np.concatenate([upright, path.q, upright]), np.zeros(len(inside) + 4, dtype=np.uint8),
     )  # fmt: skip
-
-
-def _none() -> Iterations:
-    empty = np.zeros(0)
-    return Iterations(
-        empty, empty, (), empty, empty, empty, empty, np.zeros((0, 3)), np.zeros((0, 4)), ()
-    )  # fmt: skip
-
-
-def _seconds(message: Any) -> float:
-    stamp = message.header.stamp
-    return stamps.to_seconds(stamp.sec * stamps.NS_PER_S + stamp.nanosec)
-
-
-def _times(messages: Sequence[Any]) -> Array:
-    return np.array([_seconds(message) for message in messages])
 
 
 @dataclass(frozen=True)

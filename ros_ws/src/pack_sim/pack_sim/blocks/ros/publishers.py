@@ -9,6 +9,7 @@ from rosgraph_msgs.msg import Clock
 from pack_core import topics as shared_topics
 from pack_core.blocks import topics
 from pack_core.blocks.cell import BlocksCell
+from pack_core.camera import Picture
 from pack_core.robots.ur10e import JOINTS
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion, shared
@@ -20,7 +21,7 @@ from pack_core.ros.messages.scene import to_scene
 from pack_core.ros.node import CellNode
 from pack_core.rotations import Array
 from pack_core.topics import steps_between
-from pack_sim.blocks.overhead_camera import OverheadCamera, Picture
+from pack_sim.blocks.overhead_camera import OverheadCamera
 from pack_sim.blocks.simulator import BlocksSimulator
 from pack_sim.camera_thread import CameraThread
 

@@ -10,9 +10,9 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from pack_core import topics as shared_topics
+from pack_core.camera import Picture
 from pack_core.palletizing import topics
 from pack_core.palletizing.boxes import BoxBody
-from pack_core.palletizing.view import Picture
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 
 from pack_core.packing.goals import PackingExitReason
-from pack_evaluation.packing.study.summary import contact_force, exits, summarize
-from pack_evaluation.packing.study.tables import tables
-from pack_evaluation.packing.study.trial import PackingStudy, PackingTrial, trial_of
+from pack_evaluation.packing.studies import tables
+from pack_evaluation.packing.summary import (
+    PackingStudy,
+    PackingTrial,
+    contact_force,
+    exits,
+    summarize,
+    trial_of,
+)
 from unit.pack_evaluation.packing.runs import START, iterations, make_run
 
 

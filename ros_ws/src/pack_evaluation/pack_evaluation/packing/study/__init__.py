@@ -1,1 +1,0 @@
-"""Many runs together: the tables of the paper, its figure of the failure metrics, and a report."""
