@@ -48,9 +48,9 @@ def test_a_turned_geom_is_drawn_turned() -> None:
 @pytest.mark.parametrize("cell", ["palletizing", "blocks"])
 def test_every_visible_body_of_a_cell_can_be_drawn(cell: str) -> None:
     model = (
-        build_palletizing(palletizing_cell(), look=True)
+        build_palletizing(palletizing_cell(), visuals=True)
         if cell == "palletizing"
-        else build_blocks(blocks_cell(), {"a": 3}, timestep=0.001, look=True)
+        else build_blocks(blocks_cell(), {"a": 3}, timestep=0.001, visuals=True)
     )
     sizes = [
         len(body_glb(model, geoms)) for body in range(model.nbody) if (geoms := visible_geoms(model, body))
@@ -69,7 +69,7 @@ def test_what_only_collides_and_what_is_transparent_is_not_drawn() -> None:
 
 
 def test_boxes_of_cardboard_carry_a_picture() -> None:
-    model = build_palletizing(palletizing_cell(), look=True)
+    model = build_palletizing(palletizing_cell(), visuals=True)
     printed = drawn(box_glb(model, np.array([0.2, 0.1, 0.1]), material="cardboard_0"))
     assert printed.visual.material.baseColorTexture is not None
     assert printed.extents == pytest.approx([0.4, 0.2, 0.2])

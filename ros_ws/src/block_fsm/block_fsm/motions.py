@@ -74,7 +74,7 @@ def _turn(yaw: float) -> Array:
 
 POINTING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 TOUCH_DISTANCE = 0.01
-"""The last stretch above the table, which is slow where a block is put down [m]."""
+"""Length of the last segment above the table, which is slow where a block is put down [m]."""
 CORNER = 0.03
 """Length by which the corners between going up, across and down are cut [m]."""
 

@@ -28,7 +28,7 @@ except ModuleNotFoundError:  # an extra, which `make setup` does not install
 HOST = "127.0.0.1"
 """Browsers of any web page may connect, so nothing but this machine is listened to, and nothing is taken."""
 PERIOD = 1.0 / 30.0
-"""Time between two looks at the topics [s of wall clock]."""
+"""Time between two checks of the topics [s of wall clock]."""
 
 
 class FoxgloveNodeConfig(Config):

@@ -29,7 +29,7 @@ from pack_mpc.session import PackingSession
 from pack_mpc.worker import Worker, WorkerConfig
 
 CHECK_PERIOD = 0.1
-"""Time between two looks whether the goal's time has run out [s of wall clock]."""
+"""Time between two checks whether the goal's time has run out [s of wall clock]."""
 
 
 class MpcNodeConfig(FillSessionConfig):

@@ -18,7 +18,7 @@ from pack_viewer.live_page import SHARED_TOPICS, LivePage
 from pack_viewer.recorded_news import RecordedNews
 
 TURN = 1.0 / 30.0
-"""Time between two looks at the recording [s of wall clock]."""
+"""Time between two checks of the recording [s of wall clock]."""
 RATES = ("0.1", "0.25", "0.5", "1", "2", "4", "8")
 
 

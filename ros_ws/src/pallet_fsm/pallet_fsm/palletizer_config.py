@@ -42,7 +42,7 @@ class BlendedConfig(Config):
     pass_speed: PositiveFloat = Field(
         default=0.8, description="where lines are left for a joint move, or the other way round [m/s]"
     )
-    final_height: PositiveFloat = Field(default=0.012, description="last stretch before a box is let go [m]")
+    final_height: PositiveFloat = Field(default=0.012, description="last segment before a box is let go [m]")
     final_speed: PositiveFloat = Field(default=0.12, description="on it [m/s]")
     standoff: PositiveFloat = Field(default=0.02, description="beside the place, where an insertion begins")
     corner: PositiveFloat = Field(default=0.008, description="cut off where lines meet at an angle [m]")

@@ -27,7 +27,7 @@ def ur10e_chain() -> SerialChain:
 @pytest.fixture(scope="session")
 def kr210_model() -> mujoco.MjModel:
     spec = mujoco.MjSpec()
-    flange = kr210.add_kr210(spec, X_WB, look=False)
+    flange = kr210.add_kr210(spec, X_WB, visuals=False)
     _add_tool(flange)
     return spec.compile()
 

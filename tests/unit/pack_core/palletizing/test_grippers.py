@@ -38,7 +38,7 @@ def test_facts_that_do_not_fit_are_named(change: dict[str, object], words: str) 
 
 def test_the_body_has_its_mass_and_its_pad_faces_out_at_its_length() -> None:
     cell, spec = palletizing_cell(), mujoco.MjSpec()
-    cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, look=False), look=False)
+    cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, visuals=False), visuals=False)
     model = spec.compile()
     tool = model.body(TOOL)
     assert tool.mass[0] == pytest.approx(cell.tool.mass)

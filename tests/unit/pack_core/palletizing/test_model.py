@@ -31,7 +31,7 @@ def test_a_box_has_the_mass_and_inertia_of_an_even_filling(box: BoxBody) -> None
 
 def test_nothing_that_is_only_drawn_weighs_or_touches() -> None:
     cell = palletizing_cell()
-    plain, drawn = build_model(cell, [A]), build_model(cell, [A], look=True)
+    plain, drawn = build_model(cell, [A]), build_model(cell, [A], visuals=True)
     assert float(drawn.body_mass.sum()) == pytest.approx(float(plain.body_mass.sum()))
     assert np.count_nonzero(drawn.geom_contype) == np.count_nonzero(plain.geom_contype)
 

@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from pack_core.motion.moves import DEPART, DESCEND, RISE, TRANSIT, UP, Line, Retreat, Transfer
 from pack_core.motion.target import MotionTarget
 from pack_core.rotations import Pose, exp
-from pack_evaluation.palletizing.from_bag import slow_stretches
+from pack_evaluation.palletizing.from_bag import slow_intervals
 from pack_evaluation.palletizing.plots import (
     PLOTS,
     STRIDE,
@@ -47,12 +47,12 @@ def test_a_state_counts_as_slow_if_its_moves_ran_slowly_for_most_of_its_time() -
     }  # fmt: skip
 
 
-def test_slow_stretches_of_a_recording_are_those_of_slow_segments() -> None:
+def test_slow_intervals_of_a_recording_are_those_of_slow_segments() -> None:
     target = MotionTarget(3, Transfer((Line(Pose(np.zeros(3)), label="INSERT"),), Retreat(UP, (0.1, 0.2))))
     labels = [DEPART, DEPART, RISE, TRANSIT, DESCEND, "INSERT", "INSERT", TRANSIT]
     statuses = [SimpleNamespace(id=3, label=label, header=header(0.5 * k)) for k, label in enumerate(labels)]
     modes = [SimpleNamespace(label=line.label, mode=line.mode.value) for line in target.move.lines]
-    found = slow_stretches([SimpleNamespace(id=3, segments=modes)], statuses)
+    found = slow_intervals([SimpleNamespace(id=3, segments=modes)], statuses)
     assert found == ((0.0, 1.0), (2.5, 3.5))
 
 

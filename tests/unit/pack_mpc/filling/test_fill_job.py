@@ -27,7 +27,7 @@ from pack_mpc.filling.requests import (
     Presented,
     UsePump,
 )
-from pack_mpc.filling.tool_motion import PathLeg, ToolArm
+from pack_mpc.filling.tool_motion import PathSegment, ToolArm
 from pack_mpc.task.task import PackingOutcome
 
 CELL = packing_cell()
@@ -89,7 +89,7 @@ class FakeCell:
                 k = len(self.packs) - 1
                 self.X_WO = Pose(PLACE.p, exp(self.tilts[k]))
                 X_WT = self.X_WO @ HANGING.inverse()
-                way = PathLeg(X_WT.p - ARM.cup(HOME).p, 0.0, 2.0)
+                way = PathSegment(X_WT.p - ARM.cup(HOME).p, 0.0, 2.0)
                 self.q = ARM.plan(HOME, 0.0, [way], X_WT.q).q[-1]
                 reason = self.reasons[k]
                 success = reason is PackingExitReason.PLACED

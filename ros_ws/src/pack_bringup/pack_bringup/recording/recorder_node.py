@@ -84,7 +84,7 @@ def recording_plan(config: RecorderConfig) -> str:
 DEPTH = 1000
 """Messages a topic that may wait in the middleware, whatever depth it has for others."""
 DRAIN_PERIOD = 0.05
-"""Wall clock between two looks at what has arrived [s]."""
+"""Wall clock between two checks of what has arrived [s]."""
 
 
 class RecorderNode(CellNode):

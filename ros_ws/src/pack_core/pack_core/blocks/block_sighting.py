@@ -38,7 +38,7 @@ class BlockSighting:
     @property
     def unplaced(self) -> tuple[str, ...]:
         """Tags of no known block that do not lie on top of a block: nobody knows what they are on."""
-        return tuple(stranger(number) for number in self.unknown if stranger(number) not in self.poses)
+        return tuple(unknown_id(number) for number in self.unknown if unknown_id(number) not in self.poses)
 
     @property
     def is_complete(self) -> bool:
@@ -55,7 +55,7 @@ class BlockSighting:
         return "; ".join(f"{what}: {', '.join(names)}" for what, names in lacks.items() if names)
 
 
-def stranger(number: int) -> str:
+def unknown_id(number: int) -> str:
     """What a block with a tag of this number is called that nobody knows."""
     return f"tag {number}"
 

@@ -29,7 +29,7 @@ def block_name(block: str) -> str:
 
 
 def build_model(
-    cell: BlocksCell, tags: Mapping[str, int], *, timestep: float, look: bool = False
+    cell: BlocksCell, tags: Mapping[str, int], *, timestep: float, visuals: bool = False
 ) -> mujoco.MjModel:
     """Compile the cell.
 
@@ -37,7 +37,7 @@ def build_model(
         cell: its physical facts.
         tags: the number of every block's tag, by the block's id.
         timestep: of the integrator [s].
-        look: add tags, table top, room and lights, for pictures.
+        visuals: add tags, table top, room and lights, for pictures.
 
     Returns:
         The model; blocks are bodies with free joints, see `block_name`; the tool's frame is body `tool`.
@@ -45,15 +45,15 @@ def build_model(
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     _set_solver(spec, cell, timestep)
-    _add_table(spec, cell, look)
+    _add_table(spec, cell, visuals)
     for block, tag in tags.items():
-        _add_block(spec, cell, block, tag if look else None)
+        _add_block(spec, cell, block, tag if visuals else None)
     flange = add_ur10e(spec, cell.robot.base.to_pose(), contype=ROBOT, conaffinity=0)
     add_motors(spec)
     friction = cell.gripper.pad_friction
     add_robotiq_2f85(flange, spec, pad_friction=friction, contype=ROBOT, conaffinity=0)
     _add_camera(spec, cell)
-    if look:
+    if visuals:
         _add_surroundings(spec, cell)
     _set_contacts(spec, cell)
     for block in tags:
@@ -97,13 +97,13 @@ def _add_grips(spec: mujoco.MjSpec, cell: BlocksCell, block: str) -> None:
             )  # fmt: skip
 
 
-def _add_table(spec: mujoco.MjSpec, cell: BlocksCell, look: bool) -> None:
+def _add_table(spec: mujoco.MjSpec, cell: BlocksCell, visuals: bool) -> None:
     table = cell.table
     half = 0.5 * np.array(table.size)
     spec.worldbody.add_geom(
         name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, pos=(*table.centre, 0), size=(*half, 0.1),
         friction=(table.friction, *ROTATION), condim=4, contype=THINGS, conaffinity=ROBOT | THINGS,
-        rgba=(0.75, 0.68, 0.58, 0.0 if look else 1.0),
+        rgba=(0.75, 0.68, 0.58, 0.0 if visuals else 1.0),
     )  # fmt: skip
 
 

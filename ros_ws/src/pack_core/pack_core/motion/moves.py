@@ -106,8 +106,8 @@ class Retreat:
         speed: of the tool, at most [m/s].
         acceleration: of the tool, at most [m/s^2].
         pass_speed: at its far end, which is passed and no stop, at most [m/s].
-        slow_length: of the stretch at its near end, where the tool or its box touches something [m].
-        slow_speed: of the tool on that stretch, at most [m/s].
+        slow_length: length of a segment at its near end, where the tool or its box touches something [m].
+        slow_speed: of the tool on that segment, at most [m/s].
     """
 
     direction: Array

@@ -141,18 +141,19 @@ def _face(words: list[str], before: int) -> set[int]:
 
 def _corners_of_stl(content: bytes) -> Array:
     """The corners of the triangles of an STL file, in its order; those of neighbours come again and again."""
-    if len(content) >= STL_HEAD and len(content) == STL_HEAD + STL_FACET.itemsize * _facets_told(content):
+    if len(content) >= STL_HEAD and len(content) == STL_HEAD + STL_FACET.itemsize * _facet_count(content):
         return np.frombuffer(content, STL_FACET, offset=STL_HEAD)["corners"].reshape(-1, 3).astype(float)
     if content.removeprefix(MARK).lstrip()[:5].lower() == b"solid":
         return _corners_of_text(content)
     if len(content) < STL_HEAD:
         raise ValueError(f"{len(content)} bytes; a binary STL file has at least {STL_HEAD}")
-    told = _facets_told(content)
-    size = STL_HEAD + STL_FACET.itemsize * told
-    raise ValueError(f"it tells of {told} triangles, {size} bytes, and has {len(content)} bytes")
+    count = _facet_count(content)
+    size = STL_HEAD + STL_FACET.itemsize * count
+    raise ValueError(f"it tells of {count} triangles, {size} bytes, and has {len(content)} bytes")
 
 
-def _facets_told(content: bytes) -> int:
+def _facet_count(content: bytes) -> int:
+    """The number of triangles that the head of a binary STL file gives."""
     return int.from_bytes(content[STL_HEAD - 4 : STL_HEAD], "little")
 
 

@@ -42,7 +42,7 @@ def arm_kinematics() -> PalletArmKinematics:
     """The arm as configured in `config/cells/palletizing.yaml`."""
     cell = palletizing_cell()
     spec = mujoco.MjSpec()
-    cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, look=False), look=False)
+    cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, visuals=False), visuals=False)
     model = spec.compile()
     chain = chain_from_model(model, JOINTS, TOOL)
     inverse = SphericalWrist(chain, LIMITS.lower, LIMITS.upper)
@@ -60,7 +60,7 @@ class CarriedLoad:
         spec = mujoco.MjSpec()
         spec.compiler.degree = False
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-        tool = cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, look=False), look=False)
+        tool = cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, visuals=False), visuals=False)
         tool.add_body(name=LOAD)
         self.model = spec.compile()
 

@@ -48,7 +48,7 @@ class BoxBody:
         return self.mass / 12.0 * np.array([y + z, x + z, x + y])
 
     @property
-    def look(self) -> int:
+    def appearance(self) -> int:
         """A number by which the box's printing is chosen; it depends on the name alone."""
         return zlib.crc32(self.name.encode())
 

@@ -29,23 +29,23 @@ CARDBOARDS = 8
 BOARD = "calibration_board"
 
 
-def add_furniture(spec: mujoco.MjSpec, cell: PalletizingCell, *, look: bool) -> None:
+def add_furniture(spec: mujoco.MjSpec, cell: PalletizingCell, *, visuals: bool) -> None:
     """Add what stands still: bodies `floor`, `picking_table`, `reorientation_table` and `pallet`."""
     floor = spec.worldbody.add_body(name="floor")
     floor.add_geom(
         name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(8, 8, 0.1), rgba=(0.6, 0.6, 0.6, 1), **SOLID
     )
     for name in ("picking_table", "reorientation_table"):
-        _add_table(spec, name, getattr(cell, name), look=look)
-    _add_pallet(spec, cell.pallet, look=look)
+        _add_table(spec, name, getattr(cell, name), visuals=visuals)
+    _add_pallet(spec, cell.pallet, visuals=visuals)
 
 
-def _add_table(spec: mujoco.MjSpec, name: str, table: BoxTable, *, look: bool) -> None:
+def _add_table(spec: mujoco.MjSpec, name: str, table: BoxTable, *, visuals: bool) -> None:
     X_WT = table.displaced(Pose(table.middle))
     body = spec.worldbody.add_body(name=name, pos=X_WT.p, quat=X_WT.q)
     x, y = 0.5 * np.array(table.size)
     body.add_geom(name=name, type=BOX, pos=(0, 0, -TOP / 2), size=(x, y, TOP / 2), rgba=RUBBER, **SOLID)
-    if not look:
+    if not visuals:
         return
     leg = (table.height - TOP) / 2
     for sign_x in (-1, 1):
@@ -56,15 +56,15 @@ def _add_table(spec: mujoco.MjSpec, name: str, table: BoxTable, *, look: bool) -
                       rgba=FRAME, **DRAWN)  # fmt: skip
 
 
-def _add_pallet(spec: mujoco.MjSpec, pallet: PalletPlace, *, look: bool) -> None:
+def _add_pallet(spec: mujoco.MjSpec, pallet: PalletPlace, *, visuals: bool) -> None:
     """A solid block for contacts; boards and blocks that are only drawn."""
     (l, w), h = 0.5 * np.array(pallet.size), pallet.deck_height
     x, y = pallet.corner
     X_WD = pallet.displaced(Pose(np.array([x + l, y + w, 0.0])))
     body = spec.worldbody.add_body(name="pallet", pos=X_WD.p, quat=X_WD.q)
     body.add_geom(name="pallet", type=BOX, pos=(0, 0, h / 2), size=(l, w, h / 2),
-                  rgba=(*WOOD, float(not look)), **SOLID)  # fmt: skip
-    if not look:
+                  rgba=(*WOOD, float(not visuals)), **SOLID)  # fmt: skip
+    if not visuals:
         return
     wood = {"type": BOX, "material": "wood", **DRAWN}
     for width, offset in ((0.145, -1.0), (0.145, 1.0), (0.145, 0.0), (0.1, -0.5), (0.1, 0.5)):

@@ -27,7 +27,7 @@ def build_model(
     boxes: Sequence[BoxBody] = (),
     *,
     timestep: float = 0.002,
-    look: bool = False,
+    visuals: bool = False,
     X_WB: Pose | None = None,
     gears: Gears | None = None,
     visitors: Sequence[Visitor] = (),
@@ -38,7 +38,7 @@ def build_model(
         cell: the cell's physical facts.
         boxes: boxes in the order of their arrival; a model with one more box has the same first coordinates.
         timestep: step of the integrator [s].
-        look: whether shapes, textures and lights for pictures are added.
+        visuals: whether shapes, textures and lights for pictures are added.
         X_WB: true pose of the arm's base; by default the nominal one.
         gears: elastic gears; by default rigid ones.
         visitors: who comes near the arm; each is a mocap body and a geom of its name.
@@ -50,16 +50,16 @@ def build_model(
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     _set_solver(spec, cell.contact, timestep)
-    add_furniture(spec, cell, look=look)
-    flange = add_kr210(spec, X_WB or cell.arm.X_WB, look=look, gears=gears)
-    cell.tool.add_to(flange, look=look)
+    add_furniture(spec, cell, visuals=visuals)
+    flange = add_kr210(spec, X_WB or cell.arm.X_WB, visuals=visuals, gears=gears)
+    cell.tool.add_to(flange, visuals=visuals)
     _add_motors(spec)
     for visitor in visitors:
         _add_visitor(spec, visitor)
     for box in boxes:
         add_box(spec, box)
     _set_contacts(spec, cell.contact)
-    if look:
+    if visuals:
         add_surroundings(spec, cell)
     return spec.compile()
 
@@ -124,7 +124,7 @@ def describe_robot(cell: PalletizingCell) -> DescribedRobot:
     """The arm on its nominal base, with rigid gears, and the gripper; its face is the link `tool`."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
-    cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, look=True), look=True)
+    cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, visuals=True), visuals=True)
     return DescribedRobot.of(spec, "kr210")
 
 

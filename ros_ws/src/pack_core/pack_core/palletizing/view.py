@@ -41,7 +41,7 @@ class CellView(ModelView):
         shadows: bool = True,
         X_WB: Pose | None = None,
     ) -> None:  # fmt: skip
-        super().__init__(build_model(cell, look=True, X_WB=X_WB), width, height)
+        super().__init__(build_model(cell, visuals=True, X_WB=X_WB), width, height)
         self._shadows = shadows
         self._materials = [self._model.material(f"cardboard_{i}").id for i in range(CARDBOARDS)]
         self._board = self._model.material(BOARD).id
@@ -63,5 +63,5 @@ class CellView(ModelView):
     def _add_box(self, scene: mujoco.MjvScene, box: BoxBody, X_WB: Pose) -> None:
         geom = add_geom(scene, mujoco.mjtGeom.mjGEOM_BOX, box.half_extents, X_WB, (1.0, 1.0, 1.0, 1.0))
         is_board = box.name == CALIBRATION_BOARD.name
-        geom.matid = self._board if is_board else self._materials[box.look % CARDBOARDS]
+        geom.matid = self._board if is_board else self._materials[box.appearance % CARDBOARDS]
         geom.category = mujoco.mjtCatBit.mjCAT_DYNAMIC  # decoration would cast no shadow

@@ -152,20 +152,22 @@ X_6F = Pose(np.array([0.0, 0.0, -WRIST_LENGTH]), from_rpy((0.0, FULL, 0.0)))
 """Flange F in the last link's frame; its z axis points out of the flange."""
 
 
-def add_kr210(spec: mujoco.MjSpec, X_WB: Pose, *, look: bool, gears: Gears | None = None) -> mujoco.MjsBody:
+def add_kr210(
+    spec: mujoco.MjSpec, X_WB: Pose, *, visuals: bool, gears: Gears | None = None
+) -> mujoco.MjsBody:
     """Add the arm without a tool.
 
     Args:
         spec: the model under construction.
         X_WB: pose of its base.
-        look: whether shapes for pictures are added to the colliding ones.
+        visuals: whether shapes for pictures are added to the colliding ones.
         gears: elastic gears; the deflection of each is a joint of its own, see `gear_joint`.
 
     Returns:
         The body `flange`, whose z axis points out of the arm.
     """
     parent = spec.worldbody.add_body(name=BASE, pos=X_WB.p, quat=X_WB.q)
-    if look:
+    if visuals:
         draw_base(parent, X_WB.p[2])
     for i, link in enumerate(LINKS):
         parent = parent.add_body(name=f"kr210_link{i + 1}", pos=link.X_PJ.p, quat=link.X_PJ.q)
@@ -186,7 +188,7 @@ def add_kr210(spec: mujoco.MjSpec, X_WB: Pose, *, look: bool, gears: Gears | Non
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=ends, size=(radius, 0, 0), mass=0,
                 rgba=(0, 0, 0, 0), group=3, **ARM_CONTACT,
             )  # fmt: skip
-        if look:
+        if visuals:
             draw_link(parent, i)
     return parent.add_body(name="flange", pos=X_6F.p, quat=X_6F.q)
 

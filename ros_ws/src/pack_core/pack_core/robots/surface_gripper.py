@@ -53,12 +53,12 @@ class GripperTool(Config, ABC):
     mass: PositiveFloat
 
     @abstractmethod
-    def add_to(self, flange: mujoco.MjsBody, *, look: bool) -> mujoco.MjsBody:
+    def add_to(self, flange: mujoco.MjsBody, *, visuals: bool) -> mujoco.MjsBody:
         """Add the gripper below the flange.
 
         Args:
             flange: the arm's flange, whose z axis points out of the arm.
-            look: whether shapes that are only drawn are added.
+            visuals: whether shapes that are only drawn are added.
 
         Returns:
             The body `TOOL`, whose origin is the middle of the pad's face and whose z axis points out of it.

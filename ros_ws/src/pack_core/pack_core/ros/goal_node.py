@@ -24,7 +24,7 @@ from pack_core.ros.watch.peer_watch import SilentPeers
 REFUSED = "refused: "
 """How the message of a goal's result begins when the goal was not taken; the reason follows."""
 CHECK_PERIOD = 0.1
-"""Time between two looks at how long peers have been silent [s of wall clock]."""
+"""Time between two checks of how long peers have been silent [s of wall clock]."""
 
 
 class GoalNode(CellNode, ABC):

@@ -21,7 +21,7 @@ has changed."""
 ANSWER = 60.0
 """Longest wait for an answer [s of wall clock]; a reset builds a model, on a machine that may be busy."""
 PERIOD = 0.05
-"""Between two looks whether there is an answer [s of wall clock]."""
+"""Between two checks whether there is an answer [s of wall clock]."""
 
 
 class GoalSender:

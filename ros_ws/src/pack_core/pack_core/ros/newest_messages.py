@@ -17,7 +17,7 @@ from pack_core.ros.node import CellNode
 from pack_core.ros.stream import NodeThread, Stream, StreamWait
 
 READ_PERIOD = 0.05
-"""Longest time between two looks of the thread at what has come [s of wall clock]."""
+"""Longest time between two checks by the thread of what has come [s of wall clock]."""
 
 
 @dataclass(frozen=True)

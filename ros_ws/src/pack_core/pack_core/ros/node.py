@@ -27,7 +27,7 @@ from pack_core.ros.clock import SimulatedTime, TakenByHand
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.health import Failures, Health
-from pack_core.ros.node_status import StatusTeller
+from pack_core.ros.node_status import NodeStatusPublisher
 from pack_core.ros.params import ParameterSet, unknown, unknown_parameters
 from pack_core.ros.sole_publisher import SolePublisher
 from pack_core.ros.watch.local_nodes import check_name_is_free
@@ -78,7 +78,7 @@ class CellNode(Node):
         if not self.may_be_repeated:
             check_name_is_free(self.context.get_domain_id(), self.get_name())
         self._diagnostics = self.advertise(shared.DIAGNOSTICS)
-        self._status_teller = StatusTeller(self)
+        self._status_publisher = NodeStatusPublisher(self)
         self._silences = SilenceLog(self.get_logger())
         self.create_timer(1.0, self._look_around, clock=self.wall)
         self._ended = threading.Event()
@@ -241,7 +241,7 @@ class CellNode(Node):
 
     def _look_at_clocks(self) -> None:
         if self._sole_clock is not None:
-            self._sole_clock.look()
+            self._sole_clock.check()
 
     def _on_clocks(self, publishers: str) -> None:
         """While there are two clocks no stamp can be trusted: whoever commands the arm stops."""
@@ -262,7 +262,7 @@ class CellNode(Node):
     def tell_status(self) -> None:
         """Say on /node_status where the node stands, if that has changed; to be called from the executor."""
         if self.is_up:  # before that its configuration may still turn out to be wrong
-            self._status_teller.tell("" if self.is_busy else self.waits_for, is_busy=self.is_busy)
+            self._status_publisher.publish("" if self.is_busy else self.waits_for, is_busy=self.is_busy)
 
     def report(self) -> None:
         """Publish this node's health on /diagnostics."""
@@ -305,7 +305,7 @@ class CellNode(Node):
 
     def _look_whether_ready(self) -> None:
         self.tell_status()
-        if self._status_teller.is_ready:
+        if self._status_publisher.is_ready:
             self._readiness.cancel()
 
     def _look_around(self) -> None:

@@ -16,7 +16,7 @@ LISTENING = QoSProfile(
 """For a listener: every node keeps its last status, and all of them come at once."""
 
 
-class StatusTeller:
+class NodeStatusPublisher:
     """Says on /node_status where a node stands, whenever that has changed.
 
     Args:
@@ -27,15 +27,15 @@ class StatusTeller:
         contract = shared.NODE_STATUS
         self._publisher = node.create_publisher(contract.type, contract.name, contract.qos)
         now = time.time()
-        self._told = NodeStatus(name=node.get_name(), state=NodeStatus.STARTING, started=now, since=now)
-        self._publisher.publish(self._told)
+        self._status = NodeStatus(name=node.get_name(), state=NodeStatus.STARTING, started=now, since=now)
+        self._publisher.publish(self._status)
 
     @property
     def is_ready(self) -> bool:
         """Whether the node has said that it can do its work, or is at it."""
-        return self._told.state in (NodeStatus.READY, NodeStatus.BUSY)
+        return self._status.state in (NodeStatus.READY, NodeStatus.BUSY)
 
-    def tell(self, waits_for: str, *, is_busy: bool) -> None:
+    def publish(self, waits_for: str, *, is_busy: bool) -> None:
         """Publish where the node stands, if it is news.
 
         Args:
@@ -46,10 +46,11 @@ class StatusTeller:
             state, waits_for = NodeStatus.BUSY, ""
         else:
             state = NodeStatus.WAITING if waits_for else NodeStatus.READY
-        if (state, waits_for) == (self._told.state, self._told.waits_for):
+        if (state, waits_for) == (self._status.state, self._status.waits_for):
             return
-        since = self._told.since if state == self._told.state else time.time()
-        self._told = NodeStatus(
-            name=self._told.name, state=state, waits_for=waits_for, started=self._told.started, since=since
+        last = self._status
+        since = last.since if state == last.state else time.time()
+        self._status = NodeStatus(
+            name=last.name, state=state, waits_for=waits_for, started=last.started, since=since
         )
-        self._publisher.publish(self._told)
+        self._publisher.publish(self._status)

@@ -18,13 +18,13 @@ GUID_BYTES = 16
 
 
 class SolePublisher:
-    """Watches who publishes a topic: whenever `look` is called, as for every match of a `Stream`.
+    """Watches who publishes a topic: whenever `check` is called, as for every match of a `Stream`.
 
     Args:
         node: that listens to the topic.
         topic: its name.
         on_change: is told, in words, who publishes when that is more than one, and "" when it is one again;
-            called by whoever looks.
+            called by whoever checks.
 
     Attributes:
         trouble: who publishes, in words, while that is more than one; else empty.
@@ -48,8 +48,8 @@ class SolePublisher:
         """The process of a node has ended: its publishers, which are still listed, count no more."""
         self._left_over |= {_identity(info) for info in self._publishers() if info.node_name == name}
 
-    def look(self) -> None:
-        """Look who publishes now."""
+    def check(self) -> None:
+        """Compare with who publishes now."""
         present = [info for info in self._publishers() if _identity(info) not in self._left_over]
         listed = sorted(f"'{info.node_name}' ({_identity(info).hex()})" for info in present)
         senders = {_identity(info) if info.node_name in self._tracked else info.node_name for info in present}

@@ -27,7 +27,7 @@ from pack_evaluation.palletizing.run import (
     StateVisit,
     ToolTrack,
     UnwantedTouch,
-    stretches,
+    intervals,
     tool_track,
 )
 from pack_evaluation.track import recorded_tracks
@@ -81,7 +81,7 @@ def _pallet_run(path: Path, goal: int | None) -> PalletRun:
         cycles={box["name"]: box["cycle_s"] for box in result["boxes"] if box["cycle_s"] is not None},
         grip_peaks=_peaks(bag.of(GRIPPER_STATE)), interruptions=interruptions_of(bag.of(MOTION_STATUS)),
         is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, goal=number, stands=standing_cell(frames),
-        slow=slow_stretches(bag.of(MOTION_TARGET), bag.of(MOTION_STATUS)),
+        slow=slow_intervals(bag.of(MOTION_TARGET), bag.of(MOTION_STATUS)),
     )  # fmt: skip
 
 
@@ -138,7 +138,7 @@ def interruptions_of(messages: Sequence[Any]) -> int:
     return sum(now and not before for before, now in pairwise([False, *are_held]))
 
 
-def slow_stretches(targets: Sequence[Any], statuses: Sequence[Any]) -> tuple[tuple[float, float], ...]:
+def slow_intervals(targets: Sequence[Any], statuses: Sequence[Any]) -> tuple[tuple[float, float], ...]:
     """From when to when the running segment was one of mode SLOW [s]."""
     modes = {target.id: {item.label: item.mode for item in target.segments} for target in targets}
 
@@ -146,7 +146,7 @@ def slow_stretches(targets: Sequence[Any], statuses: Sequence[Any]) -> tuple[tup
         own = modes.get(status.id, {}).get(status.label)
         return bool(status.label == DEPART if own is None else own == Mode.SLOW.value)
 
-    return stretches([seconds(item.header.stamp) for item in statuses], [is_slow(item) for item in statuses])
+    return intervals([seconds(item.header.stamp) for item in statuses], [is_slow(item) for item in statuses])
 
 
 def _peaks(messages: Sequence[Any]) -> dict[str, tuple[float, float, float]]:

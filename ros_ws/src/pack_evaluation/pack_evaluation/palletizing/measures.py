@@ -272,7 +272,7 @@ def measure_visitors(run: PalletRun) -> VisitorMeasures | None:
     speeds = tool_speeds(run)
     for track in run.visitors.values():
         is_near = track.distance < CROSSING
-        for first, beyond in _stretches(is_near):
+        for first, beyond in _intervals(is_near):
             least.append(float(track.distance[first:beyond].min()))
         step = float(np.median(np.diff(track.times))) if len(track.times) > 1 else 0.0
         tool = np.interp(track.times, run.tool.times, speeds)
@@ -292,7 +292,7 @@ def visitors_text(found: VisitorMeasures | None) -> str:
     return f"{found.crossings} crossings, {nearest}; {found.touches} contacts"
 
 
-def _stretches(flags: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _intervals(flags: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First index, and index beyond the last, of every run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return [(int(edges[k]), int(edges[k + 1])) for k in range(0, len(edges), 2)]

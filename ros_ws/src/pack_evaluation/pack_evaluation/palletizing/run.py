@@ -195,7 +195,7 @@ class PalletRun(RecordedRun):
     slow: tuple[tuple[float, float], ...] = ()
 
 
-def stretches(times: Sequence[float], holds: Sequence[bool]) -> tuple[tuple[float, float], ...]:
+def intervals(times: Sequence[float], holds: Sequence[bool]) -> tuple[tuple[float, float], ...]:
     """From when to when something held that held, or not, from each of some times to the next one [s]."""
     found: list[tuple[float, float]] = []
     for (start, end), does_hold in zip(pairwise(times), holds, strict=False):

@@ -12,7 +12,7 @@ from pack_evaluation.palletizing.run import PalletRun, StateVisit
 
 NEAR_CONTACT = ("3", "4", "8", "9", "12", "13", "17", "18", "19")
 """Numbers of the states in which the arm is within 0.1 m of where the gripper acts; 7, 10 and 11, which
-Table 8.1 has slow, too, lead from one such stretch to the next, through free space over table B."""
+Table 8.1 has slow, too, lead from one such place to the next, through free space over table B."""
 
 
 @dataclass(frozen=True)

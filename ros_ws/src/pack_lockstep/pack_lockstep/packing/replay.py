@@ -166,9 +166,9 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
 
 def _job_window(bag: Bag) -> tuple[float, float] | None:
     """Start and end of the last fill job [s]; None if there is none."""
-    if not (told := bag.of(FILL_RESULT)):
+    if not (results := bag.of(FILL_RESULT)):
         return None
-    report = result_in(told[-1].data, bag.path)
+    report = result_in(results[-1].data, bag.path)
     return float(report["start"]), float(report["fills"][-1][0])
 
 

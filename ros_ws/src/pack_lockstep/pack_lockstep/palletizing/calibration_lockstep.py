@@ -39,12 +39,12 @@ from pallet_calibration.progress import Agenda, CalibrationProgress, Calibration
 from pallet_calibration.quick_check import Checked, check, check_agenda
 from pallet_calibration.rig import CalibrationFailed, CalibrationObservation, CalibrationRig, RigJob
 
-Tell = Callable[[CalibrationProgress], None]
-"""Is told where the work stands."""
+OnProgress = Callable[[CalibrationProgress], None]
+"""Called with where the work stands."""
 
 
 def calibrate(
-    cell: PalletizingCell, config: PalletLockstepConfig, seed: int, tell: Tell = lambda _: None,
+    cell: PalletizingCell, config: PalletLockstepConfig, seed: int, on_progress: OnProgress = lambda _: None,
     log: CalibrationLog | None = None, driver: GearCompensation | None = None,
 ) -> CalibrationRun:  # fmt: skip
     """Calibrate the cell of a seed.
@@ -53,7 +53,7 @@ def calibrate(
         cell: the cell as its installer left it on paper.
         config: parameters of the run.
         seed: which cell it truly is.
-        tell: told where the work stands.
+        on_progress: called with where the work stands.
         log: records it for a video.
         driver: what the driver compensates, of an earlier calibration; by default what the preset says.
 
@@ -66,9 +66,9 @@ def calibrate(
     agenda = agenda_of(rig)
     job = RigJob(rig, lambda rig: measure(rig, agenda))
     lockstep = CalibrationLockstep(cell, cell, config, seed, driver, log)
-    measured = lockstep.run(job, agenda, tell)
+    measured = lockstep.run(job, agenda, on_progress)
     fit = CalibrationProgress(CalibrationState.FIT, "", 1, 1, 0.0)
-    tell(fit)
+    on_progress(fit)
     if log is not None:
         log.note_progress(fit, lockstep.simulator.time)
     return conclude(cell, measured, job.seconds, driver)
@@ -76,14 +76,14 @@ def calibrate(
 
 def quick_check(
     cell: PalletizingCell, config: PalletLockstepConfig, seed: int, calibration: CellCalibration,
-    tell: Tell = lambda _: None,
+    on_progress: OnProgress = lambda _: None,
 ) -> Checked:  # fmt: skip
     """Test a calibration on the cell of a seed; raises CalibrationFailed when the arm or the box is stuck."""
     known = calibration.applied(cell)
     agenda = check_agenda()
     job = RigJob(CalibrationRig(known, config.period), lambda rig: check(rig, agenda))
     lockstep = CalibrationLockstep(cell, known, config, seed, calibration.gears)
-    return Checked(lockstep.run(job, agenda, tell), job.seconds)
+    return Checked(lockstep.run(job, agenda, on_progress), job.seconds)
 
 
 class CalibrationLockstep:
@@ -117,16 +117,16 @@ class CalibrationLockstep:
         self._detection: BoxDetection | None = None
         self._pending: tuple[float, BoardSighting | BoxDetection] | None = None
 
-    def run(self, job: RigJob[A], agenda: Agenda, tell: Tell = lambda _: None) -> A:
+    def run(self, job: RigJob[A], agenda: Agenda, on_progress: OnProgress = lambda _: None) -> A:
         """Run to the end, and return the job's outcome; raises CalibrationFailed."""
         with self.simulator.open_camera(self._config.sight.camera) as camera:
-            told = None
+            reported = None
             while not job.is_over:
                 self._turn(job, camera)
                 progress = agenda.progress(self.simulator.time)
-                if (now := (progress.state, progress.number)) != told:
-                    told = now
-                    tell(progress)
+                if (now := (progress.state, progress.number)) != reported:
+                    reported = now
+                    on_progress(progress)
                     if self._log is not None:
                         self._log.note_progress(progress, self.simulator.time)
         if job.outcome is None:

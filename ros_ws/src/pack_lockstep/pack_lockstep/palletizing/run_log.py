@@ -21,7 +21,7 @@ from pack_evaluation.palletizing.run import (
     UnwantedTouch,
     VisitorTrack,
     WayPoint,
-    stretches,
+    intervals,
     tool_track,
 )
 from pack_evaluation.track import to_tracks
@@ -89,7 +89,7 @@ class PalletRunLog:
             visitors={name: VisitorTrack(*np.array(rows).T) for name, rows in self._visitors.items()},
             way_points=tuple(self._way_points),
             stands=StandingCell(self._simulator.cell, self._simulator.X_WB),
-            slow=stretches(self._times, self._is_slow),
+            slow=intervals(self._times, self._is_slow),
         )  # fmt: skip
 
     def _tool(self) -> ToolTrack:

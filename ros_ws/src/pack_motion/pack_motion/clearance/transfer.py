@@ -79,7 +79,7 @@ class TransferPlanner:
 
 
 def _departing(X_WT: Pose, out: Retreat, length: float) -> list[Line]:
-    """The line away from `X_WT`: its slow stretch first, where there is one, then the rest."""
+    """The line away from `X_WT`: its slow segment first, where there is one, then the rest."""
     rest = Line(
         _shifted(X_WT, out, length), out.speed, out.acceleration, exit_speed=out.pass_speed, label=DEPART
     )

@@ -11,7 +11,7 @@ from pack_core.tasks.steps import Steps
 from pack_mpc.filling.cup_moves import CupMoves
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.requests import UsePump
-from pack_mpc.filling.tool_motion import legs
+from pack_mpc.filling.tool_motion import segments
 from pack_mpc.task.stages import UP
 
 
@@ -86,7 +86,9 @@ class ObjectHandling:
             missing = float(np.linalg.norm(goal_xy - self._X_WO.p[:2]))
             return missing < config.standing and self._height < config.standing
 
-        yield from self._moves.move(legs([way], config.set_down_speed), until=lambda: resists() or stands())
+        yield from self._moves.move(
+            segments([way], config.set_down_speed), until=lambda: resists() or stands()
+        )
         X_WN = self._X_WO
         tilt = float(np.rad2deg(np.arccos(np.clip(rotate(X_WN.q, UP)[2], -1.0, 1.0))))
         if not is_packed(self._scene, X_WN):
@@ -136,9 +138,9 @@ class ObjectHandling:
         # tilted as it may have been between others, the arm could not reach the place
         q_WT, X_WN = self._upright()
         across = np.array([*(self._cell.hand_over.pose_of(item).p - X_WN.p)[:2], 0.0])
-        yield from self._moves.move(legs([across], config.carry_speed), q_WT)
+        yield from self._moves.move(segments([across], config.carry_speed), q_WT)
         down = np.array([0.0, 0.0, -max(self._height - config.approach, 0.0)])
-        yield from self._moves.move(legs([down], config.carry_speed))
+        yield from self._moves.move(segments([down], config.carry_speed))
         touches = self._moves.contact()
         yield from self._moves.down(
             config.approach + config.overshoot, lambda: touches() or self._height < config.standing

@@ -1,7 +1,7 @@
 """Motions of the cup through free space: to an object, down on it, and away from it.
 
-The cup's path is a sum of legs, each a straight displacement with a minimum-jerk profile. A leg may begin
-before the one before it has ended, which rounds the corner between them.
+The cup's path is a sum of segments, each a straight displacement with a minimum-jerk profile. A segment may
+begin before the one before it has ended, which rounds the corner between them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SENT = 0.3
 PEAK = 1.875
 """Peak speed of a minimum-jerk profile over its mean: the maximum of 30 s^2 - 60 s^3 + 30 s^4."""
 SHORTEST = 0.2
-"""No leg takes less [s], however short it is."""
+"""No segment takes less [s], however short it is."""
 CENTRING = 1.0
 """Rate at which joints drift to the home pose where the cup's pose leaves them free [1/s]."""
 ROUNDS = 3
@@ -40,7 +40,7 @@ LEAP = 2.0
 
 
 @dataclass(frozen=True)
-class PathLeg:
+class PathSegment:
     """A straight part of a path: the displacement `(3,)` [m] from `start` [s] on, over `duration` [s]."""
 
     way: Array
@@ -48,19 +48,19 @@ class PathLeg:
     duration: float
 
 
-def legs(ways: Sequence[Array], speed: float, overlap: float = 0.0) -> list[PathLeg]:
-    """Legs one after the other, each begun when a share `overlap` of the one before is still to come.
+def segments(ways: Sequence[Array], speed: float, overlap: float = 0.0) -> list[PathSegment]:
+    """Segments one after the other, each begun when a share `overlap` of the one before is still to come.
 
     Args:
         ways: displacements `(3,)` [m].
-        speed: largest speed of a leg [m/s].
-        overlap: share of a leg's time, from 0 (stop at every corner) to below 1.
+        speed: largest speed of a segment [m/s].
+        overlap: share of a segment's time, from 0 (stop at every corner) to below 1.
     """
-    found: list[PathLeg] = []
+    found: list[PathSegment] = []
     start = 0.0
     for way in ways:
         duration = max(SHORTEST, PEAK * float(np.linalg.norm(way)) / speed)
-        found.append(PathLeg(way, start, duration))
+        found.append(PathSegment(way, start, duration))
         start += (1.0 - overlap) * duration
     return found
 
@@ -126,22 +126,27 @@ class ToolArm:
         """Heading of the cup, turned upright, at the arm's home pose [rad]."""
         return yaw_of(multiply(self.cup(self._home).q, np.array(UPSIDE_DOWN)))
 
-    def plan(self, q: Array, start: float, path: Sequence[PathLeg], q_WT: Array | None = None) -> CupMotion:
+    def plan(
+        self, q: Array, start: float, path: Sequence[PathSegment], q_WT: Array | None = None
+    ) -> CupMotion:
         """The motion along a path, as far as the arm can follow it.
 
         Args:
             q: where the arm is `(7,)` [rad].
             start: time at which it begins [s].
-            path: legs, in the world's axes.
+            path: segments, in the world's axes.
             q_WT: orientation of the cup at the end; None: as it is.
         """
         q = np.clip(q, self._limits.lower, self._limits.upper)
         X_WT = self.cup(q)
-        end = max(leg.start + leg.duration for leg in path)
+        end = max(segment.start + segment.duration for segment in path)
         turn = np.zeros(3) if q_WT is None else log(multiply(q_WT, conjugate(X_WT.q)))
         rows = [q]
         for t in PERIOD * np.arange(1, int(np.ceil(end / PERIOD)) + 1):
-            shift = sum((_profile((t - leg.start) / leg.duration) * leg.way for leg in path), np.zeros(3))
+            shift = sum(
+                (_profile((t - segment.start) / segment.duration) * segment.way for segment in path),
+                np.zeros(3),
+            )
             wanted = Pose(X_WT.p + shift, multiply(exp(_profile(t / end) * turn), X_WT.q))
             row = self._follow(rows[-1], wanted)
             leap = float(np.max(np.abs(row - rows[-1]) / self._limits.velocity)) / PERIOD

@@ -29,7 +29,7 @@ SCENE_AGE = 0.1
 JOINTS_WAIT = 0.05
 """Longest time for which the worker waits for a joint state [s of wall clock]: half the driver's watchdog."""
 REPORT_PERIOD = 2.0
-"""Time between two looks at what has come while nobody asks, so that bad messages are reported [s of wall
+"""Time between two checks of what has come while nobody asks, so that bad messages are reported [s of wall
 clock]."""
 SCENES = 20
 """Scenes that may wait: those of 0.17 s, as only the newest is planned from."""

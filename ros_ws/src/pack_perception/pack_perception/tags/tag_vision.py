@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, PositiveFloat
 
-from pack_core.blocks.block_sighting import BlockSighting, stranger
+from pack_core.blocks.block_sighting import BlockSighting, unknown_id
 from pack_core.blocks.cell import Block
 from pack_core.blocks.planar import PlanarPose
 from pack_core.camera import PinholeCamera
@@ -70,7 +70,7 @@ class TagVision:
         seen: dict[str, list[PlanarPose]] = {name: [] for name in self._ids.values()}
         unknown: set[int] = set()
         for pixels, number in zip(squares, [] if numbers is None else numbers.ravel(), strict=True):
-            name = self._ids.get(int(number), stranger(int(number)))
+            name = self._ids.get(int(number), unknown_id(int(number)))
             if int(number) not in self._ids:
                 unknown.add(int(number))
                 seen.setdefault(name, [])

@@ -2,7 +2,7 @@
 
 Where the thesis leaves room, it is read like this. A direction is admissible when it closes no gap to a box
 that is touched at the place. Of the admissible directions the one that opens the most gaps is taken, so that
-the box rubs against as few neighbours as possible on its last stretch; corridor length, by which alone
+the box rubs against as few neighbours as possible at the end of its way; corridor length, by which alone
 Eq. 6.5 ranks, decides between equals. The pallet's border is no obstacle, since nothing stands beyond it
 above the deck.
 """

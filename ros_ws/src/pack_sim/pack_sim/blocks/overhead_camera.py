@@ -35,7 +35,7 @@ class OverheadCamera:
         self, cell: BlocksCell, tags: Mapping[str, int], timestep: float, *, shadows: bool = False
     ) -> None:
         self._camera, self._shadows = cell.camera, shadows
-        self._model = build_model(cell, tags, timestep=timestep, look=True)
+        self._model = build_model(cell, tags, timestep=timestep, visuals=True)
         self._data = mujoco.MjData(self._model)
         self._renderer: mujoco.Renderer | None = None
 

@@ -69,7 +69,7 @@ def arrival_pose(cell: PalletizingCell, box: BoxBody, seed: int) -> Pose:
 
     The same seed and box give the same pose, whichever boxes arrived before: each box has its own generator.
     """
-    rng = np.random.default_rng([seed, box.look])
+    rng = np.random.default_rng([seed, box.appearance])
     offset = rng.uniform(-cell.spawn.offset, cell.spawn.offset, 2)
     yaw = np.deg2rad(rng.uniform(-cell.spawn.yaw_deg, cell.spawn.yaw_deg))
     x, y = np.array(cell.picking_table.centre) + offset

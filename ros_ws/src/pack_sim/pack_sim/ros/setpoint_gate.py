@@ -40,7 +40,7 @@ class SetpointGate:
         self._node, self._sender, self._brake = node, sender, brake
         self._accept, self._drop, self._lock = accept, drop, lock
         self._is_abandoned = False
-        self._stream = Stream(node, contract, on_match=lambda: self._publishers.look())
+        self._stream = Stream(node, contract, on_match=lambda: self._publishers.check())
         self._publishers = SolePublisher(node, self._stream.topic_name, self._on_publishers)
         self._publishers.track(sender)
         node.watch((sender,), self._on_sender)

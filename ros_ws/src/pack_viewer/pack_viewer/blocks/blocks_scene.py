@@ -36,7 +36,7 @@ class BlocksScene(CellScene):
         self._scene, self._cell = scene, blocks_cell()
         self._tags = ""
         self._names: set[str] = set()
-        self._drawn = ModelScene(scene, build_model(self._cell, {}, timestep=0.001, look=True))
+        self._drawn = ModelScene(scene, build_model(self._cell, {}, timestep=0.001, visuals=True))
         self._goals: list[GlbHandle] = []
         self._goals_wanted = True
 
@@ -83,4 +83,4 @@ class BlocksScene(CellScene):
         tags = parse_tags(text)
         self._names = set(tags)
         self._drawn.remove()
-        self._drawn = ModelScene(self._scene, build_model(self._cell, tags, timestep=0.001, look=True))
+        self._drawn = ModelScene(self._scene, build_model(self._cell, tags, timestep=0.001, visuals=True))

@@ -33,7 +33,7 @@ class PalletScene(CellScene):
 
     def __init__(self, scene: SceneApi) -> None:
         self._scene = scene
-        self._cell = ModelScene(scene, build_model(palletizing_cell(), look=True))
+        self._cell = ModelScene(scene, build_model(palletizing_cell(), visuals=True))
         self._cell.send()
         self._boxes: dict[str, tuple[BoxBody, GlbHandle]] = {}
         self._sent: dict[str, Array] = {}
@@ -58,8 +58,8 @@ class PalletScene(CellScene):
                 self._sent.pop(name, None)
         for name, body in boxes.items():
             if name not in self._boxes:
-                look = f"cardboard_{body.look % CARDBOARDS}"
-                glb = box_glb(self._cell.model, body.half_extents, material=look)
+                material = f"cardboard_{body.appearance % CARDBOARDS}"
+                glb = box_glb(self._cell.model, body.half_extents, material=material)
                 # Out of sight until the first pose comes.
                 handle = self._scene.add_glb(f"/boxes/{scene_name(name)}", glb, visible=False)
                 self._boxes[name] = (body, handle)

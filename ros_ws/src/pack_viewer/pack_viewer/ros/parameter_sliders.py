@@ -16,7 +16,7 @@ from pack_viewer.event_log import EventLog
 from pack_viewer.ros.run_form import TunedParameters
 
 LOOK_PERIOD = 1.0
-"""Between two looks whether the node has come up (again) [s of wall clock]."""
+"""Between two checks whether the node has come up (again) [s of wall clock]."""
 SEND_PERIOD = 0.3
 """Least time between two requests while a slider is dragged [s of wall clock]."""
 STEPS = 100

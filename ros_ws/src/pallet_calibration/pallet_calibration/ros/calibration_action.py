@@ -39,7 +39,7 @@ PERIOD = 1.0 / topics.JOINT_RATE
 FEEDBACK_PERIOD = 1.0
 """Between two messages to the client while nothing else changes [s]."""
 TAKE_PERIOD = 0.01
-"""Wall clock between two looks at what joint states have come [s]; the arm moves up to 0.1 mm meanwhile."""
+"""Wall clock between two checks of what joint states have come [s]; the arm moves up to 0.1 mm meanwhile."""
 DEPTH = 1000
 """Joint states that may wait: a touch needs them all, also where the machine is busy for a moment."""
 Observe = Callable[[], PalletObservation | None]

@@ -34,7 +34,7 @@ class SquarePad(GripperTool):
             )
         return self
 
-    def add_to(self, flange: mujoco.MjsBody, *, look: bool) -> mujoco.MjsBody:
+    def add_to(self, flange: mujoco.MjsBody, *, visuals: bool) -> mujoco.MjsBody:
         """The mast counts as an evenly filled cylinder; pad and plate have no mass of their own."""
         body = flange.add_body(name=TOOL, pos=(0, 0, self.length))
         body.mass, body.ipos = self.mass, (0, 0, -self.length / 2)
@@ -49,7 +49,7 @@ class SquarePad(GripperTool):
         plate = (0, 0, -self.length, 0, 0, PLATE_THICKNESS - self.length)
         body.add_geom(name="tool_plate", type=CYLINDER, fromto=plate, size=(self.plate_radius, 0, 0),
                       rgba=DARK, mass=0, **ARM_CONTACT)  # fmt: skip
-        if look:
+        if visuals:
             body.add_geom(type=BOX, pos=(0, 0, top - 0.006), size=(half, half, 0.006), rgba=DARK, mass=0,
                           contype=0, conaffinity=0)  # fmt: skip
         return body

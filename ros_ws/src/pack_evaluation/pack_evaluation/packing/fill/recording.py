@@ -1,4 +1,4 @@
-"""A recorded fill job: what the node told of it, and what the recording itself shows."""
+"""A recorded fill job: what the node reported of it, and what the recording itself shows."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from pack_evaluation.raw_bag import read_raw_bag
 from pack_evaluation.track import Track, recorded_tracks, track_of
 
 NEEDED = (DESCRIPTION, TRUTH, JOINT_STATES, WRENCH)
-TOLD = (FILL_PROGRESS, FILL_RESULT)
-"""What the node tells of a job: its result, or, of a job that was cut off, its last progress."""
+REPORTS = (FILL_PROGRESS, FILL_RESULT)
+"""What the node reports of a job: its result, or, of a job that was cut off, its last progress."""
 INSTANT = 1e-3
 """Time in which an object comes from where it is parked to where it is handed over, in pictures [s]."""
 NEAR_HAND_OVER = 0.1
@@ -68,7 +68,7 @@ class FillRun(RecordedRun):
 def has_fill_job(path: Path) -> bool:
     """Whether a recording holds a fill job, to its end or cut off."""
     is_bag = path.is_dir() or path.suffix == ".mcap"
-    return is_bag and bool(read_raw_bag(path, TOLD).messages)
+    return is_bag and bool(read_raw_bag(path, REPORTS).messages)
 
 
 def load_fill_run(path: Path) -> FillRun:
@@ -77,20 +77,20 @@ def load_fill_run(path: Path) -> FillRun:
     Raises:
         BagError: the recording is missing, broken, or holds none.
     """
-    bag = read_bag(path, (*NEEDED, *TOLD))
-    told = [item for item in bag.messages if item.topic in TOLD]
-    if missing := [topic for topic in NEEDED if not bag.of(topic)] + [FILL_RESULT] * (not told):
+    bag = read_bag(path, (*NEEDED, *REPORTS))
+    reports = [item for item in bag.messages if item.topic in REPORTS]
+    if missing := [topic for topic in NEEDED if not bag.of(topic)] + [FILL_RESULT] * (not reports):
         raise BagError(
             f"{bag.path} has no message on {', '.join(missing)}{bag.reason('') and ': ' + bag.reason('')}"
         )
     with fitting(path):
-        report = result_in(told[-1].message.data, path)
+        report = result_in(reports[-1].message.data, path)
         scene = _all_objects([Scene.from_yaml(m.data, DESCRIPTION) for m in bag.of(DESCRIPTION)])
         joints, wrenches = bag.of(JOINT_STATES), bag.of(WRENCH)
         times, force_times, force = times_of(joints), times_of(wrenches), magnitudes(wrenches)
         seen = recorded_tracks(bag.of(TRUTH))
         paths = {name: seen.get(name, track_of(())) for name in (*scene.names, scene.new_object.name)}
-        start, is_ended = float(report["start"]), told[-1].topic == FILL_RESULT
+        start, is_ended = float(report["start"]), reports[-1].topic == FILL_RESULT
         end = float(report["fills"][-1][0]) if is_ended else float(times[-1])
         if not is_ended:
             report = {"exit_reason": "", "message": "the recording ends before the job", **report}
