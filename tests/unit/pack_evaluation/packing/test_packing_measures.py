@@ -78,6 +78,12 @@ def test_an_object_counts_until_it_is_first_seen() -> None:
     assert measure(replace(run, estimate={**run.estimate, name: late})).m_per == pytest.approx(0.25, abs=0.01)
 
 
+def test_an_estimate_that_came_twice_counts_once() -> None:
+    run = make_run()
+    twice = {name: track.at(np.repeat(track.times, 2)) for name, track in run.estimate.items()}
+    assert measure(replace(run, estimate=twice)).m_per == 0.0
+
+
 def test_without_an_estimate_there_is_no_number_of_objects_not_seen() -> None:
     assert math.isnan(predicted_objects(replace(make_run(), estimate={})))
 

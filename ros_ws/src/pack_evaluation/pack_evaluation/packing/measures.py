@@ -178,12 +178,13 @@ def predicted_objects(run: Run) -> float:
     An estimate without an object says that nothing has seen it so far; it counts as an object not seen.
     """
     windows = {name: track.between(run.start, run.end) for name, track in run.estimate.items()}
-    estimates = {time for window in windows.values() for time in window.times}
+    # By time, not by message: a stamp may come twice.
+    estimates = {time for window in windows.values() for time in window.times.tolist()}
     if not estimates:
         return NAN
-    names = run.scene.names
-    seen = sum(np.count_nonzero(~windows[name].is_predicted) for name in names if name in windows)
-    return len(names) - float(seen) / len(estimates)
+    inside = [windows[name] for name in run.scene.names if name in windows]
+    seen = sum(len({*window.times[~window.is_predicted].tolist()}) for window in inside)
+    return len(run.scene.names) - seen / len(estimates)
 
 
 def object_displacements(run: Run) -> dict[str, float]:
