@@ -6,7 +6,7 @@ ARGS ?=
 WORKERS ?= 2
 IN_ENV := source tools/env.sh &&
 
-.PHONY: help setup demo test slow bench fuzz regression lint docs lock clean
+.PHONY: help setup demo test slow bench fuzz mutation regression lint docs lock clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -35,6 +35,10 @@ bench: setup ## measure speed and success (ARGS goes to the command)
 fuzz: setup ## broken files and messages through every reader (ARGS)
 	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m fuzz $(ARGS)
 
+mutation: setup ## small faults, which unit tests must notice (ARGS: parts)
+	@.venv/bin/uv pip install -q --python .venv/bin/python --require-hashes -r requirements/mutation.txt
+	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH nice -n 19 python -m mutation $(ARGS)
+
 regression: setup ## compare two versions (ARGS="record DIR", "compare A B")
 	@$(IN_ENV) PYTHONPATH=tests:$$PYTHONPATH python -m regression $(ARGS)
 
@@ -49,6 +53,8 @@ lock: setup ## resolve requirements/*.in anew
 		--generate-hashes run.in build.in dev.in -o locked.txt
 	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \
 		--generate-hashes -c locked.txt cluster.in -o cluster.txt
+	@cd requirements && ../.venv/bin/uv pip compile -q --universal --python-version 3.11 --no-annotate \
+		--generate-hashes -c locked.txt mutation.in -o mutation.txt
 
 clean: ## remove .venv and everything built; recordings in bags/ stay
 	rm -rf .venv ros_ws/build ros_ws/install ros_ws/log .mypy_cache .pytest_cache .ruff_cache

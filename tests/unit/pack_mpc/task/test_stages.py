@@ -10,7 +10,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, exp, from_yaw, rotate
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.target import Stage
-from pack_mpc.task.stages import ChosenPlacement, StageConfig, StageMachine, nearest_heading
+from pack_mpc.task.stages import ChosenPlacement, PressConfig, StageConfig, StageMachine, nearest_heading
 
 PLACE = np.array([0.5, 0.0, 0.09])
 START = Pose(PLACE + np.array([0.0, 0.0, 0.27]))
@@ -160,3 +160,124 @@ def test_the_placement_heading_is_kept_through_the_stages(scene: Scene) -> None:
     placement = ChosenPlacement(Pose(PLACE, from_yaw(0.4)), ())
     machine = StageMachine(scene, StageConfig(), placement, 0.0, Pose(START.p, from_yaw(0.1)))
     assert machine.target.yaw == pytest.approx(0.4)
+
+
+def lifted(height: float, at: np.ndarray = PLACE) -> Pose:
+    """The pose with the lower end at this height [m] over the place."""
+    return Pose(at + np.array([0.0, 0.0, height]))
+
+
+def test_the_force_of_a_press_grows_from_a_delay_on_up_to_a_bound() -> None:
+    press = PressConfig(force=22.0, rate=40.0, delay=0.15)
+    halts = np.array([0.0, 0.1, 0.15, 0.25, 0.4, 0.7, 0.71, 100.0])
+    np.testing.assert_allclose(
+        [press.after(halt) for halt in halts], [0.0, 0.0, 0.0, 4.0, 10.0, 22.0, 22.0, 22.0]
+    )
+
+
+def test_pre_pack_leads_to_the_clearance_over_the_rim(machine: StageMachine, scene: Scene) -> None:
+    target, half_height = machine.target, scene.new_object.half_extents[2]
+    lower_end = target.p_WN[2] - half_height
+    assert lower_end == pytest.approx(scene.rim + StageConfig().clearance)
+    np.testing.assert_allclose(target.p_WN[:2], PLACE[:2])
+    assert not target.is_rehearsed
+    assert target.press == 0.0
+
+
+def test_pre_pack_is_done_near_its_target_unless_another_placement_is_being_planned(
+    machine: StageMachine,
+) -> None:
+    above, reach = machine.target.p_WN, StageConfig().pre_pack_distance
+    for axis in np.eye(3):
+        assert not machine.update(1.0, Pose(above + 1.01 * reach * axis))
+    assert not machine.update(1.5, Pose(above + 0.99 * reach * np.eye(3)[0]), may_insert=False)
+    assert machine.stage is Stage.PRE_PACK
+    assert machine.update(2.0, Pose(above + 0.99 * reach * np.eye(3)[0]))
+    assert machine.stage is Stage.INSERT
+    assert machine.stage_start == 2.0
+
+
+def test_an_object_that_is_near_but_below_the_rim_is_not_inserted(scene: Scene) -> None:
+    config = StageConfig(clearance=0.005)
+    machine = StageMachine(scene, config, ChosenPlacement(Pose(PLACE)), 0.0, START)
+    at_rim = np.array([*PLACE[:2], scene.rim + scene.new_object.half_extents[2]])
+    assert not machine.update(1.0, Pose(at_rim - np.array([0.0, 0.0, 0.001])))
+    assert not machine.is_out
+    assert machine.update(2.0, Pose(at_rim + np.array([0.0, 0.0, 0.001])))
+    assert machine.is_out
+
+
+@pytest.mark.parametrize(("height", "is_done"), [(0.0149, True), (0.0151, False)])
+def test_insert_is_done_low_over_the_place(machine: StageMachine, height: float, is_done: bool) -> None:
+    machine.update(1.0, Pose(machine.target.p_WN))
+    assert machine.update(2.0, lifted(height)) is is_done
+    assert machine.stage is (Stage.FINE_TUNE if is_done else Stage.INSERT)
+
+
+@pytest.mark.parametrize("side", [(1, 0), (-1, 0), (0, 1), (0, -1)])
+def test_the_base_ends_at_every_wall(scene: Scene, side: tuple[int, int]) -> None:
+    container, outward = scene.container, np.array(side)
+    wall = np.where(outward > 0, container.upper, np.where(outward < 0, container.lower, PLACE[:2]))
+    for beyond, stage in ((0.001, Stage.INSERT), (-0.001, Stage.FINE_TUNE)):
+        machine = StageMachine(scene, StageConfig(), ChosenPlacement(Pose(PLACE)), 0.0, START)
+        machine.update(1.0, Pose(machine.target.p_WN))
+        machine.update(2.0, Pose(np.array([*(wall + beyond * outward), PLACE[2]])))
+        assert machine.stage is stage
+
+
+def test_fine_tune_leads_to_the_place_itself(machine: StageMachine) -> None:
+    machine.update(1.0, Pose(machine.target.p_WN))
+    machine.update(2.0, lifted(0.01))
+    np.testing.assert_array_equal(machine.target.p_WN, PLACE)
+    reach = StageConfig().placed_distance
+    for axis in np.eye(3):
+        assert machine.is_placed(PLACE + 0.99 * reach * axis)
+        assert not machine.is_placed(PLACE - 1.01 * reach * axis)
+    assert machine.distance(PLACE + np.array([0.003, -0.004, 0.012])) == pytest.approx(0.013)
+
+
+def test_to_begin_with_nothing_is_placed_or_stalled(machine: StageMachine) -> None:
+    assert not machine.is_placed(PLACE)
+    assert not machine.is_stalled
+
+
+def test_a_halt_is_the_time_since_the_last_progress_that_counts(machine: StageMachine) -> None:
+    progress = StageConfig().stall_progress
+    machine.update(0.5, Pose(machine.target.p_WN + 1.0))
+    assert machine.halt == 0.0
+    machine.update(1.0, Pose(machine.target.p_WN))
+    assert machine.halt == 0.0
+    for time, height, halt in (
+        (1.5, 0.15, 0.0),
+        (2.0, 0.15 - 0.9 * progress, 0.5),
+        (2.25, 0.15 - 1.1 * progress, 0.0),
+        (3.25, 0.15, 1.0),
+        (3.5, 0.15 - 1.9 * progress, 1.25),
+        (4.5, 0.15 - 2.2 * progress, 0.0),
+    ):
+        machine.update(time, lifted(height))
+        assert machine.halt == pytest.approx(halt)
+
+
+def test_a_stall_ends_with_the_next_progress(machine: StageMachine) -> None:
+    machine.update(1.0, Pose(machine.target.p_WN))
+    machine.update(2.0, lifted(0.15))
+    machine.update(2.0 + StageConfig().stall_time, lifted(0.15))
+    assert not machine.is_stalled
+    machine.update(2.01 + StageConfig().stall_time, lifted(0.15))
+    assert machine.is_stalled
+    machine.update(5.0, lifted(0.10))
+    assert not machine.is_stalled
+
+
+def test_a_lead_ends_at_the_place(scene: Scene) -> None:
+    entry = Entry(np.array([1.0, 0.0]), 0.4, np.array([-0.02, 0.0]), (0.13,))
+    placement = ChosenPlacement(Pose(PLACE), (), entry, is_rehearsed=True)
+    machine = StageMachine(scene, StageConfig(lead_speed=0.1), placement, 0.0, START)
+    machine.update(1.0, Pose(machine.target.p_WN))
+    machine.update(1.1, lifted(0.05))
+    machine.update(2.1, lifted(0.05))
+    axis, aside = entry.at(0.0)
+    np.testing.assert_allclose(machine.target.axis, axis)
+    np.testing.assert_allclose(machine.target.p_WN, PLACE + np.append(0.09 * axis + aside, 0.0))
+    np.testing.assert_array_equal(machine.target.over, entry.over)

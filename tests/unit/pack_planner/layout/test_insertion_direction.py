@@ -73,6 +73,51 @@ def test_a_corridor_ends_at_the_inflated_outline_of_what_is_in_the_way() -> None
     np.testing.assert_allclose(insertion.start(TARGET.centre), [0.65 - 0.092, 0.4, 0.1])
 
 
+@pytest.mark.parametrize(
+    ("side", "blocker"),
+    [
+        ("East", EAST.moved((0.1, 0, 0))),
+        ("West", WEST.moved((-0.1, 0, 0))),
+        ("North", NORTH.moved((0, 0.1, 0))),
+        ("South", SOUTH.moved((0, -0.1, 0))),
+    ],
+)
+def test_a_corridor_is_as_long_to_every_side_as_there_is_room(side: str, blocker: PlacedBox) -> None:
+    corridors = {
+        item.insertion.direction: item.insertion.corridor for item in candidates(TARGET, [blocker], CONFIG)
+    }
+    assert corridors.pop(side) == pytest.approx(0.102 - CONFIG.inflation)
+    opposite = {"East": "West", "West": "East", "North": "South", "South": "North"}[side]
+    assert corridors[opposite] == CONFIG.reach
+
+
+def test_the_sides_go_around_the_compass_clockwise_from_north() -> None:
+    headings = np.degrees([np.arctan2(east, north) for east, north in SIDES.values()]) % 360.0
+    np.testing.assert_allclose(headings, 45.0 * np.arange(8))
+    assert list(SIDES) == [
+        "North", "Northeast", "East", "Southeast", "South", "Southwest", "West", "Northwest",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("gap_x", "gap_y", "direction"),
+    [
+        (0.004, 0.002, "West"),
+        (0.002, 0.004, "South"),
+        (0.002, 0.002, "South"),
+        (0.002 + 1e-9, 0.002, "South"),
+    ],
+)
+def test_a_box_at_a_corner_is_left_along_the_axis_that_parts_them_more(
+    gap_x: float, gap_y: float, direction: str
+) -> None:
+    assert chosen(block("corner", 0.8 + gap_x, 0.5 + gap_y)).direction == direction
+
+
+def test_a_corridor_as_short_as_may_be_is_of_use() -> None:
+    assert choose_insertion(TARGET, [EAST], InsertionConfig(reach=0.02, min_corridor=0.02)).corridor == 0.02
+
+
 def test_the_longest_corridor_wins_over_the_straightest_way() -> None:
     blocker = WEST.moved((-0.1, 0.15, 0))
     assert chosen(EAST, blocker).direction == "Southwest"
@@ -97,6 +142,11 @@ def test_offsets_stay_within_the_corridor() -> None:
 def test_a_place_that_is_taken_is_refused_by_name() -> None:
     with pytest.raises(PackError, match="'target' overlaps that of 'east'"):
         chosen(EAST.moved((-0.02, 0, 0)))
+
+
+def test_a_ray_that_only_touches_a_corner_misses() -> None:
+    corner = np.array([1.0, -1.0]), np.array([2.0, 1.0])
+    assert ray_to_rectangle(np.zeros(2), np.full(2, np.sqrt(0.5)), *corner) == np.inf
 
 
 @settings(max_examples=60)
