@@ -102,6 +102,7 @@ class CameraThread(Generic[Snapshot]):
     def _hand_out(self) -> None:
         while (drawn := self._drawn.get()) is not None:
             self._on_picture(*drawn)
+            del drawn  # a picture has 25 MB; it would be kept until the next one
             with self._wake:
                 self._is_busy = False
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pack_core.camera import PinholeCamera, seen_pixels
 from pack_core.kinematics.chain import SerialChain
-from pack_core.palletizing.arm import CarriedLoad, DeflectionModel
+from pack_core.palletizing.arm_dynamics import CarriedLoad, DeflectionModel
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
 from pack_core.palletizing.imperfections import Displacement

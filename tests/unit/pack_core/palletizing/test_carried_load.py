@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from pack_core.palletizing.arm import CarriedLoad
+from pack_core.palletizing.arm_dynamics import CarriedLoad
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.rotations import Array, Pose

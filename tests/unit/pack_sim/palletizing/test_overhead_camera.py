@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import queue
+import subprocess
+import sys
 
 import cv2
 import numpy as np
@@ -11,9 +13,17 @@ import pytest
 from pack_core.camera import Picture
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.model import build_model
+from pack_core.palletizing.view import CellView
 from pack_core.rotations import Array, Pose, from_yaw
 from pack_sim.camera_thread import CameraThread
-from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, Snapshot, camera_of
+from pack_sim.palletizing.overhead_camera import (
+    STRIP_ROWS,
+    PalletCamera,
+    PalletCameraConfig,
+    Snapshot,
+    camera_of,
+)
 
 CONFIG = PalletCameraConfig(width=960)
 BOX = BoxBody("box", (0.5, 0.35, 0.3), 8.0)
@@ -39,6 +49,32 @@ def pictures() -> tuple[Picture, Picture]:
 def test_a_picture_has_the_size_of_the_camera(pictures: tuple[Picture, Picture]) -> None:
     camera = camera_of(palletizing_cell(), CONFIG)
     assert pictures[0].shape == (camera.height, camera.width, 3) == (540, 960, 3)
+
+
+def test_a_picture_in_strips_is_the_whole_picture(pictures: tuple[Picture, Picture]) -> None:
+    """All but pixels at edges, whose multisampling is rounded differently, one in ten thousand."""
+    camera = camera_of(palletizing_cell(), CONFIG)
+    assert camera.height >= 2 * STRIP_ROWS
+    with CellView(palletizing_cell(), camera.width, camera.height) as view:
+        whole = view.picture(np.array(palletizing_cell().arm.home), {BOX: X_WB}, camera)
+    assert (whole != pictures[1]).any(axis=2).mean() < 1e-4
+
+
+def test_the_last_strip_may_overlap_the_one_before() -> None:
+    config = PalletCameraConfig(width=1000)
+    camera = camera_of(palletizing_cell(), config)
+    assert camera.height % STRIP_ROWS
+    with CellView(palletizing_cell(), camera.width, camera.height) as view:
+        whole = view.picture(np.array(palletizing_cell().arm.home), {BOX: X_WB}, camera)
+    with PalletCamera(palletizing_cell(), config) as cut:
+        assert (whole != cut.picture(seen({BOX: X_WB}))).any(axis=2).mean() < 1e-4
+
+
+def test_the_simulator_holds_no_large_textures_and_no_compiler() -> None:
+    """A node without them holds half a gigabyte; the board as a cube and numba would add 200 and 100 MB."""
+    assert build_model(palletizing_cell(), visuals=True).ntexdata < 30e6
+    code = "import sys, pack_sim.palletizing.pallet_sim_node; raise SystemExit('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_the_top_of_a_box_is_seen_where_it_is_projected(pictures: tuple[Picture, Picture]) -> None:

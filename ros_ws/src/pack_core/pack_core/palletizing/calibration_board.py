@@ -13,8 +13,8 @@ from pack_core.rotations import Array
 
 FAMILY = cv2.aruco.DICT_5X5_100
 BOARD_PIXELS = 2100
-"""Side of the pictures of the faces; a cube texture's are square, whatever the face's sides are. With this
-number squares have whole numbers of pixels, 140 by 200."""
+"""Side of the face's picture, which is square, whatever the face's sides are. With this number squares have
+whole numbers of pixels, 140 by 200."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,13 @@ CALIBRATION_BOARD = CalibrationBoard()
 """The board that belongs to the cell."""
 
 
-def board_faces(board: CalibrationBoard) -> npt.NDArray[np.uint8]:
-    """The six faces as a column of pictures, in the order of `cardboard_faces`; the pattern is on +z."""
-    side = np.full((BOARD_PIXELS, BOARD_PIXELS, 3), (150, 150, 150), dtype=np.uint8)
-    top = np.full_like(side, 150)
+def board_face(board: CalibrationBoard) -> npt.NDArray[np.uint8]:
+    """The upper face `(BOARD_PIXELS, BOARD_PIXELS, 3)`.
+
+    As a flat texture it is on the lower face, too, and its grey margin on the sides. A cube texture would
+    have six faces of this size: 220 MB of memory.
+    """
+    top = np.full((BOARD_PIXELS, BOARD_PIXELS, 3), 150, dtype=np.uint8)
     scale = BOARD_PIXELS / np.array(board.size[:2])  # pixels a metre, along x and along y
     extent = np.array(board.squares) * board.square
     picture = board.pattern.generateImage((1540, 1400), None, 0, 1)
@@ -85,7 +88,7 @@ def board_faces(board: CalibrationBoard) -> npt.NDArray[np.uint8]:
     left, upper = round((x + 0.5 * board.size[0]) * scale[0]), round((0.5 * board.size[1] - y) * scale[1])
     picture = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)
     top[upper : upper + height, left : left + width] = picture[..., None]
-    return np.concatenate([side, side, side, side, top, side])
+    return top
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 
 from pack_core.drawing.room import Light, add_lights, add_sky, add_tiles
 from pack_core.drawing.textures import add_material, cardboard_faces, wood_picture
-from pack_core.palletizing.calibration_board import CALIBRATION_BOARD, board_faces
+from pack_core.palletizing.calibration_board import CALIBRATION_BOARD, board_face
 from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
 from pack_core.robots.kr210 import ARM_BITS
 from pack_core.rotations import Pose
@@ -106,7 +106,7 @@ def _add_materials(spec: mujoco.MjSpec) -> None:
     for i in range(CARDBOARDS):
         faces = cardboard_faces(np.random.default_rng(i))
         add_material(spec, f"cardboard_{i}", faces, specular=0.03, shininess=0.05)
-    add_material(spec, BOARD, board_faces(CALIBRATION_BOARD), specular=0.0, shininess=0.0)
+    add_material(spec, BOARD, board_face(CALIBRATION_BOARD), specular=0.0, shininess=0.0)
 
 
 def _add_marks(spec: mujoco.MjSpec, cell: PalletizingCell) -> None:

@@ -25,6 +25,9 @@ Floats = npt.NDArray[np.float32]
 MARGIN = 0.03
 """By how much the pinhole camera that is drawn sees more on each side, as a share of the picture's size: a
 lens with barrel distortion shows what a pinhole camera of the same focal length has outside its picture."""
+STRIP_ROWS = 270
+"""Rows that are drawn at a time: the multisampled buffers of software rendering take 60 bytes a pixel, half a
+gigabyte for a whole picture of 3840 by 2160."""
 
 
 class RealLens:
@@ -130,8 +133,9 @@ class PalletCamera:
         """Start drawing; raises PackError when there is no OpenGL to draw with."""
         drawn = self._drawn
         self._view = CellView(
-            self._cell, drawn.width, drawn.height, shadows=self._config.shadows, X_WB=self._X_WB
-        )
+            self._cell, drawn.width, min(STRIP_ROWS, drawn.height), shadows=self._config.shadows,
+            X_WB=self._X_WB,
+        )  # fmt: skip
         return self
 
     def __exit__(
@@ -145,7 +149,13 @@ class PalletCamera:
         """A picture `(height, width, 3)`, RGB; raises PackError outside a `with` statement."""
         if self._view is None:
             raise PackError("the overhead camera draws only inside a `with` statement")
-        picture = self._view.picture(snapshot.q, snapshot.boxes, self._drawn)
+        drawn = self._drawn
+        picture = np.empty((drawn.height, drawn.width, 3), dtype=np.uint8)
+        for first in range(0, drawn.height, STRIP_ROWS):
+            upper = max(0, min(first, drawn.height - STRIP_ROWS))  # the last strip may overlap the one before
+            strip = picture[upper : upper + STRIP_ROWS]
+            camera = replace(drawn, c=(drawn.c[0], drawn.c[1] - upper), height=len(strip))
+            strip[:] = self._view.picture(snapshot.q, snapshot.boxes, camera)
         return picture if self._lens is None else self._lens.expose(picture, snapshot.time)
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pack_core.palletizing.arm import DeflectionModel
+from pack_core.palletizing.arm_dynamics import DeflectionModel
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.robots.joint_properties import GearCompensation, Gears
 from pack_core.rotations import Array, Pose, exp

@@ -12,7 +12,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.bodies import body_pose
 from pack_core.config import Config
 from pack_core.joints import Desired, JointSample, Setpoints
-from pack_core.palletizing.arm import CarriedLoad
+from pack_core.palletizing.arm_dynamics import CarriedLoad
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.visitors import Visitor

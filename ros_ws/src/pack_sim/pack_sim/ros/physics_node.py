@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import threading
 import time
@@ -35,6 +36,10 @@ Service = Callable[[Any, Any], Any]
 REPORT_PERIOD = 1.0
 """Time between two reports of the real-time factor [s of wall clock]."""
 
+M_MMAP_THRESHOLD = -3
+"""Number of glibc's option for the size from which memory is given back as soon as it is freed."""
+LARGE = 1 << 20
+"""That size [byte]. By itself glibc raises it to that of a picture, 25 MB, and keeps what several had."""
 FAILED_PAUSE = 0.1
 """After a tick that failed [s of wall clock], before the next is tried."""
 
@@ -206,6 +211,7 @@ class PhysicsNode(CellNode):
 
 
 def run_sim_with_camera(make: Callable[[], Node]) -> int:
-    """As `run_node`; drawing in software leaves the other cores to the physics."""
+    """As `run_node`; drawing in software leaves the other cores to the physics, and memory to the others."""
     os.environ.setdefault("LP_NUM_THREADS", "1")  # of Mesa's llvmpipe
+    ctypes.CDLL("libc.so.6").mallopt(M_MMAP_THRESHOLD, LARGE)
     return run_node(make)
