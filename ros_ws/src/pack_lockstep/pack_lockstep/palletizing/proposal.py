@@ -17,10 +17,10 @@ from pack_evaluation.palletizing.summary import HOLD_LIMIT_MM
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 from pack_planner.layout.online_packer import Packing
-from pack_planner.layout.order_proposal import ProposalConfig, order_of, packings_of
+from pack_planner.layout.order_proposal import ProposalConfig, order_of, packings_of, ranked
 
 MOST_TESTS = 10
-"""Packings that are tested for one pallet, the fullest first."""
+"""Packings that are tested for one pallet, the best first."""
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,12 @@ def _one_pallet(
     items: Sequence[Item], name: str, cell: PalletizingCell, config: ProposalConfig, layout: LayoutConfig,
     on_progress: Callable[[str], None],
 ) -> tuple[Proposal, list[Item]]:  # fmt: skip
-    """The fullest packing that passes every check, and the items that found no place in it."""
+    """The best packing that passes every check, and the items that found no place in it."""
     packings: list[Packing] = []
     for packing in packings_of(items, cell, config):
         packings.append(packing)
         on_progress(f"{name}: {len(packings)} packings, fullest {max(entry.fill for entry in packings):.0%}")
-    packings = [packing for packing in packings if packing.packed]
-    # Most items first: a full box around half of the items helps nobody.
-    packings.sort(key=lambda packing: (len(packing.left), -packing.fill))
+    packings = ranked([packing for packing in packings if packing.packed], config.nearly)
     refusals = ["no item fits on the pallet"]
     for tried, packing in enumerate(packings[:MOST_TESTS], start=1):
         on_progress(f"{name}: testing packing {tried}")

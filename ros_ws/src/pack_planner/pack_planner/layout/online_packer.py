@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.palletizing.orders.handling import PRICE, TurnChoice
+from pack_core.palletizing.orders.handling import PRICE, Handling, TurnChoice
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
 from pack_core.palletizing.orders.support import SupportConfig, support_of
@@ -64,6 +64,11 @@ class Packing:
             return 0.0
         volume = sum(float(np.prod(entry.placed.size)) for entry in self.packed)
         return volume / float(np.prod(self.extents))
+
+    @property
+    def stood_up(self) -> int:
+        """Number of boxes that are stood up on the table on their way."""
+        return sum(entry.turn.handling is Handling.TABLE for entry in self.packed)
 
     @property
     def extents(self) -> Array:

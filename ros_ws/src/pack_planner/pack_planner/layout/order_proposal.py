@@ -1,4 +1,4 @@
-"""Proposes orders for a list of items: packings of several sequences and areas, the fullest first."""
+"""Proposes orders for a list of items: packings of several sequences and areas, full and low ones first."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations_with_replacement
 
 import numpy as np
-from pydantic import Field, NonNegativeInt, PositiveInt
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveInt
 
 from pack_core.config import Config
 from pack_core.errors import OrderError
@@ -28,6 +28,9 @@ class ProposalConfig(Config):
     areas: PositiveInt = Field(12, description="sizes of the covered area that are tried")
     shuffles: NonNegativeInt = Field(4, description="random sequences that are tried")
     seed: NonNegativeInt = Field(0, description="of these")
+    nearly: NonNegativeFloat = Field(
+        0.05, lt=1.0, description="share of the box around a stack that may be empty so that it is lower"
+    )
     may_sort: bool = Field(True, description="whether boxes may come in another sequence than the list's")
 
 
@@ -80,6 +83,29 @@ def packings_of(items: Sequence[Item], cell: PalletizingCell, config: ProposalCo
                     yield packing
         if is_complete:
             return
+
+
+def ranked(packings: Sequence[Packing], nearly: float) -> list[Packing]:
+    """Packings of some boxes, best first: of those nearly as full as the fullest the lowest, then the others.
+
+    Most items come first: a full box around half of the items helps nobody. Of packings as low as each other
+    the one comes first with fewer boxes stood up, which doubles a box's cycle.
+
+    Args:
+        packings: complete ones or not.
+        nearly: how much less of the box around its stack a packing may fill than the fullest one.
+    """
+    fullest: dict[int, float] = {}
+    for packing in packings:
+        fullest[len(packing.left)] = max(packing.fill, fullest.get(len(packing.left), 0.0))
+
+    def rank(packing: Packing) -> tuple[float, ...]:
+        left, fill = len(packing.left), packing.fill
+        if fill < fullest[left] - nearly:
+            return left, 1, -fill
+        return left, 0, round(float(packing.extents[2]), 3), packing.stood_up, -fill
+
+    return sorted(packings, key=rank)
 
 
 def order_of(packing: Packing, name: str, cell: PalletizingCell) -> Order:
