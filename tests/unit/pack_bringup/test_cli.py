@@ -1,5 +1,7 @@
+import os
 import subprocess
 import sys
+from ctypes.util import find_library
 from pathlib import Path
 
 import pytest
@@ -49,6 +51,20 @@ def test_pack_says_its_version_and_commit(call: Called) -> None:
 def test_h_is_help_of_every_command(call: Called, command: tuple[str, ...]) -> None:
     assert call(*command, "-h").stdout == call(*command, "--help").stdout
     assert "Usage: " in call(*command, "-h").stdout
+
+
+@pytest.mark.parametrize("backend", ["osmesa", "spam"])
+def test_an_opengl_that_cannot_be_loaded_is_one_line_that_names_the_variable(backend: str) -> None:
+    if find_library("OSMesa") and backend == "osmesa":
+        pytest.skip("it can be loaded here")
+    command = [*PACK, "status"]
+    environment = {**os.environ, "MUJOCO_GL": backend}
+    environment.pop("PYOPENGL_PLATFORM", None)  # set in a process that has drawn
+    ended = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    assert ended.returncode == 2
+    (line,) = ended.stderr.strip().splitlines()
+    assert f"MUJOCO_GL is '{backend}'" in line
+    assert "MUJOCO_GL=egl" in line
 
 
 def test_nodes_that_were_started_alone_are_not_said_to_take_a_goal() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Annotated
 
@@ -11,6 +12,7 @@ from pack_bringup.cli import bag, cells, evaluate, play, results, run, status, u
 from pack_bringup.cli.terminal import no_colours, notice
 from pack_bringup.robustness import commands as robustness
 from pack_core.cells import CELLS, optional_cell_part
+from pack_core.drawing.backend import check_backend
 from pack_core.errors import PackError
 
 HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
@@ -61,6 +63,7 @@ def _options(
     ] = False,
 ) -> None:
     """Options in front of a command; those of `pack` itself end it."""
+    check_backend(os.environ)
 
 
 def main() -> None:
