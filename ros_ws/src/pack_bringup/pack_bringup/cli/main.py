@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import sys
 from typing import Annotated
@@ -12,8 +13,7 @@ from pack_bringup.cli import bag, cells, evaluate, play, results, run, status, u
 from pack_bringup.cli.terminal import no_colours, notice
 from pack_bringup.robustness import commands as robustness
 from pack_core.cells import CELLS, optional_cell_part
-from pack_core.drawing.backend import check_backend
-from pack_core.errors import PackError
+from pack_core.errors import ConfigError, PackError
 
 HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
 app = typer.Typer(
@@ -53,6 +53,26 @@ def _show_version(is_wanted: bool) -> None:
         raise typer.Exit
 
 
+def _check_opengl(backend: str) -> None:
+    """Make sure that importing MuJoCo, which loads the backend, does not end in a library's traceback.
+
+    With EGL, the usual one, this takes no time worth mentioning; MuJoCo is imported only with another one.
+
+    Raises:
+        ConfigError: it cannot be loaded.
+    """
+    try:
+        if backend == "egl":
+            ctypes.CDLL("libEGL.so.1")
+        elif backend:
+            import mujoco  # noqa: F401
+    except Exception as error:  # whatever the bindings of the backend raise
+        raise ConfigError(
+            f"MUJOCO_GL is '{backend}', with which MuJoCo cannot be loaded: {error}; set MUJOCO_GL=egl, or "
+            "install the library that it needs"
+        ) from error
+
+
 @app.callback()
 def _options(
     version: Annotated[
@@ -63,7 +83,7 @@ def _options(
     ] = False,
 ) -> None:
     """Options in front of a command; those of `pack` itself end it."""
-    check_backend(os.environ)
+    _check_opengl(os.environ.get("MUJOCO_GL", ""))
 
 
 def main() -> None:
