@@ -16,6 +16,7 @@ from pack_core import one_quaternion
 Array = npt.NDArray[np.float64]
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+"""No turn, as a quaternion wxyz."""
 
 _LEFT = np.array(
     [

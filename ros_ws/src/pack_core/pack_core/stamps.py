@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 NS_PER_S = 1_000_000_000
+"""Nanoseconds in a second."""
 
 
 def to_ns(seconds: float) -> int:

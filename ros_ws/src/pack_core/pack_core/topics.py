@@ -12,6 +12,7 @@ CLOCK, REAL_TIME_FACTOR, DIAGNOSTICS = "/clock", "/sim/real_time_factor", "/diag
 SIMULATION_STATE, ARM_STATE = "/simulation_state", "/arm/state"
 
 CLOCK_RATE = 250.0
+"""Of its ticks, 4 ms of simulated time each."""
 
 
 def steps_between(rate: float, timestep: float) -> int:

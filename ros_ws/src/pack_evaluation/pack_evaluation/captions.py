@@ -15,6 +15,7 @@ from pack_evaluation.figures import INK
 UNITS = 36
 """Unit of the caption's sizes: the picture's height divided by this."""
 OPACITY = 0.85
+"""Of the white bar behind a caption."""
 
 
 @cache

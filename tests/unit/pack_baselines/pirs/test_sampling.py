@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from pack_baselines.pirs.geometry import QUARTER, Sizes, block_hits, is_inside
+from pack_baselines.pirs.geometry import Sizes, block_hits, is_inside
 from pack_baselines.pirs.roadmap import (
     GOAL_SHARE,
     Way,
@@ -15,6 +15,7 @@ from pack_baselines.pirs.roadmap import (
     way_hits,
 )
 from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.planar import QUARTER
 from pack_planner.rearrangement.footprints import edges, squares
 
 SIDE = 0.0508

@@ -8,10 +8,10 @@ import numpy as np
 from numba import njit
 
 from pack_core.blocks.gripper import GripperFootprint
+from pack_core.blocks.planar import QUARTER
 from pack_core.rotations import Array
 from pack_planner.rearrangement.footprints import overlap
 
-QUARTER = np.pi / 2
 LINE = 1e-7
 """Poses count as being on one push line up to this [m, rad]."""
 

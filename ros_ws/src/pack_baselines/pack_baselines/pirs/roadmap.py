@@ -14,7 +14,6 @@ import numpy.typing as npt
 from numba import njit
 
 from pack_baselines.pirs.geometry import (
-    QUARTER,
     Sizes,
     block_hits,
     grasp_hits,
@@ -23,6 +22,7 @@ from pack_baselines.pirs.geometry import (
     push_hits,
     rectangle_at,
 )
+from pack_core.blocks.planar import QUARTER
 from pack_core.rotations import Array
 
 PUSHED = 4

@@ -119,6 +119,7 @@ JsonFile = Annotated[
 
 
 PORT, HOST = 8210, "127.0.0.1"
+"""Where the page is served by default: to this machine alone."""
 
 Live = Annotated[bool, typer.Option("--live", help="Serve a page that shows the cell in the browser.")]
 Port = Annotated[int, typer.Option(min=1, max=65535, help="Port of the page, with --live.")]

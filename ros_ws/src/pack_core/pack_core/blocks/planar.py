@@ -10,6 +10,7 @@ import numpy.typing as npt
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 
 QUARTER = np.pi / 2
+"""A quarter turn [rad]: a square block looks the same after it."""
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ Millimetres = Annotated[Number, Field(ge=-10_000.0, le=10_000.0)]
 Place = tuple[Millimetres, Millimetres, AngleDeg]
 """x [mm], y [mm], yaw [deg]."""
 DIGITS = 6
+"""Behind the point, of places in a file that is written [mm, deg]."""
 ROUNDING = 1e-6
 """By which a goal may stand over the workspace's edge, as files are written [m]."""
 REACH = 1.3

@@ -8,3 +8,4 @@ BLOCK_POSES, STATUS, RESULT = "/block_poses", "/rearrange/status", "/rearrange/r
 JAW_RATE = 250.0 / 3.0
 """With every third tick of the clock."""
 TRUTH_RATE = 50.0
+"""With every fifth tick."""

@@ -10,15 +10,19 @@ from pack_core.camera import Picture
 
 WOOD_SIZE = (256, 512)
 WOOD_COLOUR = np.array([206.0, 172.0, 124.0])
+"""Mean colour of the wood's picture, 0 to 255; its size is that before [pixel]."""
 CARDBOARD_PIXELS = 256
 """Side of a face's picture."""
 BROWNS = ((196, 154, 104), (184, 140, 92), (205, 166, 118), (176, 132, 88))
 TAPES = ((214, 190, 146), (222, 204, 170))
+"""Colours of cardboard and of the tape on it, one of which is drawn, 0 to 255."""
 TAG_FAMILY = cv2.aruco.DICT_APRILTAG_36h11
 TAG_MODULES = 8
 """Modules along the edge of a tag's black square."""
 MODULE_PIXELS = 32
+"""Pixels along the edge of a module."""
 BLOCK_COLOUR = (199, 164, 116)
+"""Of the faces without a tag, 0 to 255."""
 
 
 def add_material(

@@ -13,6 +13,7 @@ from pack_core.kinematics import screws
 from pack_core.rotations import Array, Pose, from_matrix, rotate, to_matrix
 
 Z = np.array([0.0, 0.0, 1.0])
+"""A joint's axis in its own frame."""
 
 
 @dataclass(frozen=True)

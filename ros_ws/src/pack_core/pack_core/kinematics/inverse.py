@@ -21,6 +21,7 @@ from pack_core.kinematics.screws import angles_to_plane
 from pack_core.rotations import Array, Pose, to_matrix
 
 TURN = 2.0 * np.pi
+"""A whole turn [rad]."""
 Branch = tuple[int, int, int]
 """Shoulder, elbow and wrist flip: which of both solutions, 0 or 1 each."""
 BRANCHES: tuple[Branch, ...] = tuple((s, e, w) for s, e, w in product((0, 1), repeat=3))

@@ -17,6 +17,8 @@ from pack_core.kinematics.screws import angle_about, angles_to_distance, angles_
 from pack_core.rotations import Array
 
 TOLERANCE = 1e-6
+"""Up to which components of axes that count as parallel, or at right angles, may be off; rounding stays far
+below."""
 SINGULAR = 1.0 - 1e-12
 """Cosine of the angle between axis 6 and axes 2 to 4 from which they count as parallel, 1.4e-6 rad apart."""
 

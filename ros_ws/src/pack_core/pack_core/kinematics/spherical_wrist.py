@@ -19,6 +19,7 @@ from pack_core.kinematics.screws import angle_about, angles_to_distance, angles_
 from pack_core.rotations import Array
 
 TOLERANCE = 1e-6
+"""Up to which axes that count as parallel, or at right angles, may be off; rounding stays far below."""
 
 
 class SphericalWrist(InverseKinematics):

@@ -11,6 +11,7 @@ from pack_core.rotations import Array, Pose
 
 DOWN = np.array([0.0, 0.0, -1.0])
 UP = np.array([0.0, 0.0, 1.0])
+"""Directions in the world."""
 
 
 class Mode(Enum):

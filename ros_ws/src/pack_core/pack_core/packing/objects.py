@@ -23,6 +23,7 @@ RINGS = np.deg2rad(np.arange(0.0, 90.0, 15.0))
 TOP_NORMALS = np.array([[sx, sy, 1.4] for sx in (-1, 1) for sy in (-1, 1)]) / np.sqrt(3.96)
 """Where the markers of the top are glued to: normals `(4, 3)`, 45 degrees off the vertical."""
 SIDE_NORMALS = np.array([[1.0, 0.0, 0.3], [0.0, 1.0, 0.3]]) / np.sqrt(1.09)
+"""The same of the markers on two sides: normals `(2, 3)`, 17 degrees over the horizontal."""
 SHORTEST = 0.001
 """Least length of the straight part [m]."""
 UPENDED = 0.1

@@ -9,8 +9,12 @@ FILL_PROGRESS, FILL_RESULT = "/fill_container/progress", "/fill_container/result
 SETTLED_SAMPLES = "/placement/settled_samples"
 
 JOINT_RATE = 500.0
+"""Two messages for each tick of the clock."""
 WRENCH_RATE = 250.0
+"""With every tick."""
 MARKER_RATE = 120.0
 """Default rate of motion capture frames, and rate of the scene estimated from them [Hz]."""
 TRUTH_RATE = 125.0
+"""With every second tick."""
 GRIPPER_RATE = 50.0
+"""With every fifth tick."""

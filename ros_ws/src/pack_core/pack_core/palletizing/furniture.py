@@ -16,14 +16,18 @@ BOX = mujoco.mjtGeom.mjGEOM_BOX
 SOLID = {"contype": 1, "conaffinity": 1 | ARM_BITS, "condim": 3}
 """Contact bits of a geom that boxes and the arm collide with."""
 DRAWN = {"contype": 0, "conaffinity": 0, "mass": 0}
+"""Of a geom that is drawn alone."""
 TOP = 0.05
 """Thickness of a table's top [m]."""
 LEG = 0.04
+"""Half the width of a table's legs [m]."""
 PLANK = 0.022
+"""Thickness of the pallet's planks [m]."""
 
 RUBBER = (0.15, 0.16, 0.17, 1.0)
 FRAME = (0.35, 0.38, 0.42, 1.0)
 WOOD = (0.76, 0.62, 0.42)
+"""Colours: red, green, blue, and opacity where it is fixed."""
 CARDBOARDS = 8
 """Number of different cardboard materials."""
 BOARD = "calibration_board"

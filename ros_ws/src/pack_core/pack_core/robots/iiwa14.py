@@ -17,9 +17,11 @@ from pack_core.robots.joint_properties import JointLimits
 from pack_core.robots.seven_axis_arm import QUARTER_X, UNROTATED, ArmLink, SevenAxisArm
 
 _S = 0.7071067811865476
+"""Sine and cosine of half a right angle."""
 QUARTER_X_HALF_Z = (0.0, 0.0, _S, _S)
 """Half a turn about z after a quarter turn about x, as a quaternion wxyz."""
 _RANGE = np.deg2rad([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0])
+"""Of the joints to both sides of zero [rad]."""
 
 IIWA14 = SevenAxisArm(
     name="iiwa14",

@@ -49,6 +49,7 @@ ORANGE = (0.95, 0.38, 0.05, 1.0)
 DARK = (0.13, 0.13, 0.14, 1.0)
 GREY = (0.42, 0.43, 0.45, 1.0)
 STEEL = (0.62, 0.64, 0.66, 1.0)
+"""Colours of the shapes, RGBA."""
 
 BASE_SHAPES: Shapes = (
     ("block", (0, 0, 0.03), (0.40, 0.40, 0.03), DARK),
@@ -108,6 +109,7 @@ LINK_CAPSULES: tuple[Capsules, ...] = (
     ((0.11, (0, 0, -0.03, 0, 0, 0.03)),),
     ((0.09, (0, 0, -0.09, 0, 0, -0.12)),),
 )
+"""What collides, of each link, in the frame of its joint: drawn around the shapes."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,7 @@ def _link(
 
 
 HALF, FULL = np.pi / 2, np.pi
+"""A quarter turn and half a turn [rad]."""
 LINKS = (
     _link((0, 0, 0), (-FULL, 0, 0), 363.07, (0.0288, 0.0119, -0.2340),
           (13.21, 31.49, 33.88), (1.866, 0.103, -0.216)),

@@ -14,6 +14,7 @@ CUP_HEIGHT = 0.012
 STEEL = (0.78, 0.80, 0.83, 1.0)
 DARK = (0.16, 0.17, 0.19, 1.0)
 ACCENT = (0.10, 0.45, 0.78, 1.0)
+"""Colours of cup, stem and housing, RGBA."""
 
 
 class Pump(Config):

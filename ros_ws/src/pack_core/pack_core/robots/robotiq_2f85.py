@@ -39,11 +39,14 @@ TIP_WIDTH, PAD_WIDTH = 0.027, 0.022
 TIP_THICKNESS, SLOPE = 0.0057, 0.52
 """Thickness along the closing axis at the tip [m], and its increase per metre above the tip."""
 WEDGE_HEIGHT, PAD_HEIGHT, PAD_THICKNESS = 0.032, 0.0375, 0.002
+"""Height over which a finger grows thicker, and height and thickness of the pad on it [m]."""
 BODY_MASS, FINGER_MASS = 0.725, 0.1
+"""Of the body, and of each of two fingers [kg]."""
 DRIVE_INERTIA = 1.0
 """Inertia of the motor behind its gear, seen at a finger [kg]."""
 
 DARK, GREY, RUBBER = (0.13, 0.13, 0.14, 1.0), (0.62, 0.63, 0.65, 1.0), (0.08, 0.08, 0.08, 1.0)
+"""Colours of body, fingers and pads, RGBA."""
 BOX = mujoco.mjtGeom.mjGEOM_BOX
 
 

@@ -19,10 +19,13 @@ Capsule = tuple[float, tuple[float, ...]]
 AXES = 7
 """Number of the arm's joints, and of its links without the base."""
 UNROTATED = (1.0, 0.0, 0.0, 0.0)
+"""No turn, as a quaternion wxyz."""
 _S = 0.7071067811865476
+"""Sine and cosine of half a right angle."""
 QUARTER_X = (_S, _S, 0.0, 0.0)
 """A quarter turn about x, as a quaternion wxyz."""
 MINUS_QUARTER_X = (_S, -_S, 0.0, 0.0)
+"""A quarter turn back about x, as a quaternion wxyz."""
 RING_HALF_LENGTH = 0.03
 """Every joint is drawn as a ring of twice this length about its axis [m]."""
 

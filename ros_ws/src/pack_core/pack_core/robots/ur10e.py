@@ -23,6 +23,7 @@ JOINTS = (
 BASE = "ur10e_base"
 """Name of the body of the base, which does not move."""
 _TURN = 2 * np.pi
+"""A whole turn [rad]."""
 LIMITS = JointLimits(
     names=JOINTS,
     lower=np.array([-_TURN, -_TURN, -np.pi, -_TURN, -_TURN, -_TURN]),
@@ -49,6 +50,7 @@ _DH = (  # a, d, alpha; mass, centre of mass and inertia (xx, yy, zz, xy, xz, yz
 )
 
 WHITE, STEEL, BLUE = (0.88, 0.89, 0.91, 1.0), (0.45, 0.47, 0.50, 1.0), (0.36, 0.62, 0.80, 1.0)
+"""Colours of tubes, flanges and joints' caps, RGBA."""
 Stroke = tuple[float, tuple[float, ...], tuple[float, ...]]
 _HOUSINGS: tuple[tuple[Stroke, ...], ...] = (  # radius, both ends in the joint's frame [m], colour
     ((0.075, (0, 0, 0.10, 0, 0, 0.24), WHITE), (0.073, (0, -0.02, 0.181, 0, -0.09, 0.181), STEEL)),

@@ -14,17 +14,21 @@ MOST_DEPTH = 40
 MOST_VALUES = 200_000
 """Values in one text, each alias (`*name`) counted with all that it stands for."""
 MOST_CHARACTERS_OF_NUMBER = 40
+"""The longest that a number of double precision is written with has 24."""
 LARGEST_INTEGER = 2**63 - 1
 """What fits into the 64-bit integers of messages."""
 MOST_CHARACTERS_OF_NAME = 64
+"""Of one object, box or block; it stands in tables and in names of topics and files."""
 MOST_OBJECTS = 40
 """Objects in a container, beside the new one."""
 MOST_BYTES_OF_MESH = 20_000_000
+"""Of a mesh file: it is read whole."""
 MOST_MESH_VERTICES = 1_000_000
 """Of a mesh file, before its hull is taken; STL files repeat each vertex for every triangle."""
 MOST_MESH_CORNERS = 120
 """Of the convex hull that an object is."""
 MOST_BLOCKS = 100
+"""In a problem of the blocks cell."""
 MOST_CORNERS = 100
 """Corners of a workspace."""
 MOST_BOXES = 1000

@@ -7,6 +7,7 @@ from typing import Any
 
 LONGEST_VALUE = 60
 LONGEST_LINE = 2000
+"""Characters of a value, and of a whole line, that are shown."""
 MOST_LINES = 20
 """Problems that an error lists."""
 

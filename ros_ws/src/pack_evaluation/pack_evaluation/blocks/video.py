@@ -21,11 +21,13 @@ from pack_evaluation.evaluator import OnProgress
 from pack_evaluation.video_file import FPS
 
 WIDTH, HEIGHT = 960, 540
+"""Of the video [pixel]."""
 SPEED = 4.0
 """Simulated seconds a second of the video."""
 ROWS, COLUMNS = 2, 3
 """Rows and columns of pictures in the strip."""
 STRIP_SIZE = (640, 480)
+"""Width and height of each of them [pixel]."""
 
 
 class RunView(ModelView):

@@ -19,6 +19,7 @@ from pack_evaluation.figures import INK
 from pack_evaluation.packing.run import Run
 
 COLUMNS = 3
+"""Pictures side by side."""
 TILE = (480, 360)
 """Width and height of a sample's picture [px]."""
 CAPTION = 34
@@ -28,6 +29,7 @@ NEW = (0.20, 0.78, 0.35, 1.0)
 PALE, GREY = 0.35, 0.75
 """The others' colours are mixed with a grey of this brightness until this share of them is left."""
 WALL_OPACITY = 0.3
+"""Of the container's walls, so that one sees what is behind them."""
 FEASIBLE, INFEASIBLE = "#2f8a46", "#b8402f"
 DISTANCE, AZIMUTH_DEG, ELEVATION_DEG = 0.58, 150.0, -42.0
 """The camera: distance from the container's middle [m], and angles [deg]."""

@@ -38,6 +38,7 @@ RUNS = "runs"
 ABOUT = ("method", "optimizer", "weights", "preset", "container", "scene_dir")
 """Settings that the summary and the report show."""
 SIZE = {"width": 640, "height": 360}
+"""Of the pictures of failures [pixel]."""
 FIG_5 = ("m_pos_mm", "m_rot_deg", "m_per")
 MAROON = "#800000"
 FIXED = (PackingExitReason.FORCE, PackingExitReason.DETACHED, PackingExitReason.TIMEOUT)

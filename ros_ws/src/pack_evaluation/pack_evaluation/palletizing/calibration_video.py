@@ -28,6 +28,7 @@ SPEED = 8.0
 END = 3.0
 """For how long the result is shown [s of the video]."""
 PILL, STEP = 11.5, 13.0
+"""Of the caption, in its own unit: what is done has a longer name than a stage."""
 COLOUR = "#3d9a50"
 NEAR, FAR = (2.4, -20.0), (3.6, -38.0)
 """Distance [m] and elevation [deg] of the camera for touches, and for the board."""

@@ -21,6 +21,7 @@ BELOW, TARGET, CORRIDOR = "#eeeeee", "#e08a3c", "#4c9f70"
 SIDES = (("from above", 0, 1), ("from the front", 0, 2), ("from the side", 1, 2))
 """Title of each plane view, and the axes of P that it shows."""
 MOST_REASONS = 25
+"""That are written out below a drawing; how many more there are is said."""
 WIDTH = 130
 """Characters in a line of the reasons."""
 

@@ -25,6 +25,7 @@ AXES = (RED, GREEN, BLUE)
 STRIDE = 5
 """Only every fifth sample is drawn."""
 DPI = 110
+"""Of the plots' pixels, in an inch."""
 
 Draw = Callable[[Figure, PalletRun], None]
 

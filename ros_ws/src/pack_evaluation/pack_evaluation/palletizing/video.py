@@ -18,9 +18,11 @@ from pack_evaluation.palletizing.run import PalletRun
 from pack_evaluation.video_file import FPS
 
 WIDTH, HEIGHT = 960, 540
+"""Of the video [pixel]."""
 SPEED = 4.0
 """Simulated seconds a second of the video: an order takes minutes."""
 PILL, STEP = 10.0, 12.0
+"""Of the caption, in its own unit: states have longer names than stages."""
 COLOUR = "#4c78a8"
 
 

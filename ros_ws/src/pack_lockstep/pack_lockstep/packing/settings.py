@@ -19,6 +19,7 @@ from pack_mpc.cost.weights import load_weights
 from pack_mpc.optimizers import OPTIMIZERS
 
 MM = 1e3
+"""Millimetres in a metre."""
 
 
 class BenchmarkSettings(Config):

@@ -19,6 +19,7 @@ from pack_core.rotations import Array, Pose
 RAMP, HOLD, REST = 0.05, 0.3, 0.5
 """Times in which the acceleration rises, for which it is kept, and for which the stack then rests [s]."""
 SIDES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+"""Horizontal directions in which the stack is accelerated."""
 STANDARD_GRAVITY = 9.81
 """That of the model, of which accelerations are shares [m/s^2]."""
 

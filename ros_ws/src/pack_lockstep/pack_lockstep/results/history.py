@@ -21,6 +21,7 @@ QUANTITIES = {
     "error_mm": "largest error [mm]",
 }
 DPI = 130
+"""Of the plot's pixels, in an inch."""
 
 
 def append(folder: Path, row: Mapping[str, Any]) -> None:

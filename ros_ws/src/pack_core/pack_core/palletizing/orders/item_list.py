@@ -20,6 +20,7 @@ from pack_core.text.shown import listed, shown_value
 
 Unit = Literal["m", "cm", "mm"]
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+"""In a unit of lengths."""
 COLUMNS = ("article", "length", "width", "height", "weight", "quantity", "this_side_up")
 YES, NO = ("yes", "true", "1"), ("no", "false", "0", "")
 

@@ -13,7 +13,9 @@ from pack_core.robots.surface_gripper import PAD_BIT, TOOL, GripperTool, Seal
 
 PAD_THICKNESS = 0.02
 PLATE_THICKNESS = 0.02
+"""Thickness of the foam and of the plate that carries it [m]."""
 FOAM = (0.10, 0.25, 0.55, 1.0)
+"""Colour of the foam, RGBA."""
 CYLINDER, BOX = mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_BOX
 INSET = 0.8
 """Share of the pad's half side up to which a face must reach: foam seals a little inside its edge."""

@@ -54,8 +54,12 @@ def _latched() -> QoSProfile:
 
 
 STREAM = _reliable(50)
+"""What comes at a rate: a reader may be 50 messages late, 0.1 s of the fastest."""
 LATEST = _reliable(1)
+"""What counts only while it is the newest."""
 EVENTS = _reliable(100)
+"""What must not be lost, and may come in bursts."""
 LATCHED = _latched()
+"""What changes seldom: whoever joins late gets the last one."""
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 """For a listener that a lost message must not hold up: a reliable one waits until it is sent again."""

@@ -18,9 +18,11 @@ from pack_core.rotations import Array, Pose
 HIDDEN_GROUP = 3
 """Geoms of this group and above are for collisions alone, and are not drawn."""
 AT_ORIGIN = Pose(np.zeros(3))
+"""The pose of a marker whose points are in its frame."""
 AS_THEY_ARE = (Marker.TRIANGLE_LIST, np.ones(3), AT_ORIGIN)
 """Kind, scale and place of triangles."""
 LATITUDES, LONGITUDES = np.meshgrid(np.deg2rad(np.arange(-90, 91, 30)), np.deg2rad(np.arange(0, 360, 30)))
+"""Of the points on a ball, every 30 degrees [rad]."""
 LEVEL = np.cos(LATITUDES)
 BALL = np.stack([LEVEL * np.cos(LONGITUDES), LEVEL * np.sin(LONGITUDES), np.sin(LATITUDES)], -1).reshape(
     -1, 3
@@ -33,10 +35,12 @@ GOALS = "goals"
 VERTICES = "vertices"
 """Namespace of the dots on the vertices."""
 VERTEX = ColorRGBA(r=0.85, g=0.2, b=0.15, a=0.9)
+"""Colour of a dot."""
 VERTEX_SIZE = 0.012
 """Diameter of a dot [m]."""
 GOAL = ColorRGBA(r=0.1, g=0.6, b=0.8, a=0.25)
 LABEL = ColorRGBA(r=0.1, g=0.1, b=0.1, a=1.0)
+"""Colours of a goal's box and of the letters over it."""
 LABEL_SIZE = 0.03
 """Height of the letters over a goal [m]."""
 

@@ -34,6 +34,7 @@ from pack_core.ros.messages.conversions import (
 POINT_FIELDS = tuple(
     PointField(name=name, offset=4 * i, datatype=PointField.FLOAT32, count=1) for i, name in enumerate("xyz")
 )
+"""Of the points of a scan: x, y and z [m]."""
 POINT_STEP = 12
 """Bytes of a point: three floats."""
 NEAREST_POINT = 0.1

@@ -22,7 +22,9 @@ import os
 SYS_FUTEX = {"x86_64": 202, "aarch64": 98}.get(os.uname().machine)
 """Number of the system call; None on machines where a process's end is told by its sockets alone."""
 FUTEX_WAIT, FUTEX_WAKE = 0, 1
+"""Operations of the system call (linux/futex.h)."""
 PROCESS_SHARED = ROBUST = 1
+"""Attributes of a mutex that outlives its holder (PTHREAD_PROCESS_SHARED, PTHREAD_MUTEX_ROBUST)."""
 HOLDER = 0x3FFFFFFF
 """Bits of a mutex's word that are the id of the thread that holds it."""
 ENDED = 0x40000000

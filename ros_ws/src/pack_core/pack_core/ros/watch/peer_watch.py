@@ -23,6 +23,7 @@ from pack_core.ros.watch.watch_connection import WatchConnection
 LEASE = Duration(seconds=0.5)
 """A node counts as dead when it has not been heard of for this long, in wall clock."""
 ALIVE_QOS = QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC, liveliness_lease_duration=LEASE)
+"""Of the sign of life, which the node itself gives: the middleware would go on while the node hangs."""
 MESSAGE_PERIOD = 1.0
 """How often the sign is a message as well [s of wall clock]."""
 CONNECT_PERIOD = 0.1

@@ -11,6 +11,7 @@ from pack_core.rotations import Array
 Fills = Sequence[Sequence[float]]
 """Rows of one job: time [s], share of the base area, share of the volume."""
 DPI = 120
+"""Of the plots' pixels, in an inch."""
 
 
 def draw_fills(jobs: Mapping[str, Sequence[Fills]]) -> Figure:

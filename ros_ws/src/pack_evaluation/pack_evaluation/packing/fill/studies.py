@@ -14,6 +14,7 @@ from pack_evaluation.study import RECORDINGS, KeptTrials, Study, StudyEvaluator
 from pack_evaluation.table import Columns, TextTable, optional_number, row_a_study, yes_or_no
 
 PERCENT = 1e2
+"""In a share of 1."""
 KEYS = ("name", "without_fault", "objects", "given", "base_area", "volume", "durations", "force", "fills")
 """What a kept trial has, one list each."""
 
