@@ -6,7 +6,7 @@ from pack_evaluation.packing.studies import STUDIES
 from pack_evaluation.packing.summary import PackingStudy
 from pack_evaluation.study_report import study_section, write_study_report
 from unit.pack_evaluation.packing.runs import make_run
-from unit.pack_evaluation.packing.test_packing_summary import failed, packed
+from unit.pack_evaluation.packing.test_summary import failed, packed
 
 
 def test_a_report_needs_nothing_beside_it_and_shows_every_failure(tmp_path: Path) -> None:
