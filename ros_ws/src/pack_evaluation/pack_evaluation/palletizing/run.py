@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import pairwise
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pack_core.kinematics.chain import SerialChain, chain_from_model
+from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
-from pack_core.palletizing.model import build_model
-from pack_core.robots.kr210 import JOINTS
-from pack_core.robots.surface_gripper import TOOL
 from pack_core.rotations import Array, Pose
 from pack_evaluation.goals import RecordedRun
 from pack_evaluation.track import Track
@@ -70,14 +66,10 @@ def tool_track(times: Array, q_ref: Array, q: Array, q_true: Array | None = None
     return ToolTrack(times, q, *_poses(q_ref), *_poses(q), p_true)
 
 
-@cache
-def _chain() -> SerialChain:
-    return chain_from_model(build_model(palletizing_cell()), JOINTS, TOOL)
-
-
 def _poses(rows: Array) -> tuple[Array, Array]:
     """Positions `(n, 3)` and quaternions wxyz `(n, 4)`."""
-    poses = [_chain().forward_matrix(row) for row in rows]
+    chain = arm_kinematics().chain
+    poses = [chain.forward_matrix(row) for row in rows]
     rotations = Rotation.from_matrix(np.array([R for R, _ in poses]))
     return np.array([p for _, p in poses]), rotations.as_quat(scalar_first=True)
 
