@@ -80,6 +80,16 @@ def pose(x: float, y: float, z: float) -> Any:
     )
 
 
+def write_bag(folder: Path, messages: Sequence[tuple[float, str, Any]]) -> None:
+    """A whole bag of messages of any cell: when each was recorded [s], on which topic, and what it is."""
+    types = {topic: message.__msgtype__ for _, topic, message in messages}
+    bag = BagWriter(folder / "bag", [_topic(*item) for item in types.items()], TYPES, float("inf"))
+    for time, topic, message in messages:
+        data = TYPES.serialize_cdr(message, message.__msgtype__)
+        bag.write(topic, stamps.to_ns(time), bytes(data))
+    bag.close()
+
+
 def _topic(name: str, type_name: str) -> Topic:
     latched = QosDurability.TRANSIENT_LOCAL if name == topics.DESCRIPTION else QosDurability.VOLATILE
     forever = QosTime(9223372036, 854775807)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 
+from pack_core.errors import BagError
 from pack_core.motion.topics import JOINT_STATES, SETPOINTS
+from pack_core.palletizing import topics
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.imperfections import Displacement
 from pack_core.palletizing.model import build_model
@@ -21,10 +25,13 @@ from pack_evaluation.palletizing.from_bag import (
     TF_STATIC,
     frames_in,
     interruptions_of,
+    load_pallet_run,
     standing_cell,
     tool_of,
     true_of_known,
 )
+from pack_evaluation.palletizing.measures import measure_order
+from unit.pack_evaluation.packing.messages import header, make, pose, write_bag
 
 PERIOD_NS = 4_000_000
 HOME = np.array(palletizing_cell().arm.home)
@@ -116,3 +123,58 @@ def test_a_recorded_cell_is_drawn_where_it_truly_stood() -> None:
     drawn = build_model(stands.cell, X_WB=stands.X_WB)
     np.testing.assert_allclose(drawn.body_pos, model.body_pos, atol=1e-12)
     np.testing.assert_allclose(drawn.body_quat, model.body_quat, atol=1e-12)
+
+
+def an_order(start: float = 2.0) -> list[tuple[float, str, Any]]:
+    """One box, gripped and set down 1 mm beside its place within a second; the arm stands at home."""
+    found: list[tuple[float, str, Any]] = []
+    for k in range(51):
+        time = start + 0.02 * k
+        place = pose(0.0, 0.0, 0.5) if k < 25 else pose(0.301, 0.2, 0.1)
+        joint_state = make("sensor_msgs/msg/JointState", header=header(time), name=["a"] * 6, position=HOME)
+        point = make("trajectory_msgs/msg/JointTrajectoryPoint", positions=HOME)
+        box = make("pack_interfaces/msg/ObjectState", name="a", pose=place)
+        found += [
+            (time, JOINT_STATES, joint_state),
+            (
+                time,
+                SETPOINTS,
+                make("trajectory_msgs/msg/JointTrajectory", header=header(time), points=[point]),
+            ),
+            (time, topics.TRUTH, make("pack_interfaces/msg/SceneState", header=header(time), objects=[box])),
+        ]
+    load = {"object": "a", "coaxial_force": 50.0, "shear_force": 20.0, "moment": 5.0}
+    touch = make("pack_interfaces/msg/UnwantedContact", header=header(start), bodies=["a", "b"], force=30.0)
+    states = [("3 grasp", 0.1), ("17 pre deposit", 0.4), ("19 retreat", 0.6)]
+    found += [
+        (start + 0.2, topics.GRIPPER_STATE, make("pack_interfaces/msg/GripperState", **load)),
+        (start + 0.3, topics.CONTACTS, touch),
+        *((start + at, topics.PALLET_STATE, make(
+            "pack_interfaces/msg/PalletState", header=header(start + at), state=state, box="a"
+        )) for state, at in states),
+    ]  # fmt: skip
+    box = {
+        "name": "a", "dims": [0.4, 0.3, 0.2], "mass": 5.0, "handling": "none", "outcome": "placed",
+        "reason": "", "direction": "Center", "pose": [0.3, 0.2, 0.1, 1.0, 0.0, 0.0, 0.0], "cycle_s": 8.0,
+    }  # fmt: skip
+    result = make("std_msgs/msg/String", data=json.dumps({"order": "o1", "reason": "", "boxes": [box]}))
+    return sorted([*found, (start + 1.0, topics.RESULT, result)], key=lambda row: row[0])
+
+
+def test_a_recorded_order_becomes_arrays_and_measures(tmp_path: Path) -> None:
+    write_bag(tmp_path, an_order())
+    run = load_pallet_run(tmp_path)
+    assert (run.order, run.grip_peaks, run.cycles) == ("o1", {"a": (50.0, 20.0, 5.0)}, {"a": 8.0})
+    assert [visit.state for visit in run.visits] == ["3 grasp", "17 pre deposit", "19 retreat"]
+    assert run.tool.times[0] == pytest.approx(2.1)
+    measures = measure_order(run)
+    assert measures.is_complete
+    assert measures.boxes[0].error_mm == pytest.approx(1.0)
+    assert measures.position_mm == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert (measures.touches, measures.drops, measures.interruptions) == (1, 0, 0)
+
+
+def test_a_topic_that_nobody_sent_is_named(tmp_path: Path) -> None:
+    write_bag(tmp_path, [row for row in an_order() if row[1] != topics.TRUTH])
+    with pytest.raises(BagError, match=rf"goal 1 of 1 has no message on {topics.TRUTH}: was the node"):
+        load_pallet_run(tmp_path)
