@@ -54,11 +54,14 @@ def main(
         raise typer.BadParameter(f"{', '.join(sorted(unknown))}; allowed: {', '.join(PARTS)}")
     sys.dont_write_bytecode = True  # two mutants of the same second and size would be taken for one
     with tempfile.TemporaryDirectory(prefix="packcell_mutation_") as folder:
-        copy, scratch = Path(folder).resolve() / "src", Path(folder).resolve()
-        os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(scratch / "hypothesis")
-        shutil.copytree(ROOT / "ros_ws" / "src", copy)
-        # This process imports none of them itself, so that every run of the tests does so anew.
-        sys.path[:0] = [str(package) for package in copy.iterdir() if package.is_dir()]
+        copy = Path(folder).resolve()
+        os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(copy / "hypothesis")
+        for part in ("ros_ws/src", "tests"):
+            shutil.copytree(ROOT / part, copy / part)
+        shutil.copy(ROOT / "pyproject.toml", copy)
+        # This process imports none of these packages, so that every run of the tests does so anew.
+        sys.path[:0] = [str(file.parent) for file in copy.glob("ros_ws/src/*/setup.py")]
+        os.chdir(copy)
         outcomes = {name: check(PARTS[name], name, copy, most) for name in names}
     table = Table("part", "mutants", "killed", "share")
     for name, outcome in outcomes.items():
@@ -69,9 +72,9 @@ def main(
 
 
 def check(part: Part, name: str, copy: Path, most: int) -> Outcome:
-    """Try the mutants of one part in `copy`, a copy of `ros_ws/src`."""
-    modules = [copy / module for module in part.modules]
-    tests = Tests([ROOT / "tests" / "unit" / test for test in part.tests], modules, copy.parent)
+    """Try the mutants of one part in `copy`, a copy of the sources and tests."""
+    modules = [copy / "ros_ws" / "src" / module for module in part.modules]
+    tests = Tests([copy / "tests" / "unit" / test for test in part.tests], modules, copy)
     drawn, survivors = mutants(modules, most), []
     for mutant in track(drawn, description=name, console=CONSOLE):
         with use_mutation(mutant.module, mutant.operator, mutant.occurrence) as (before, after):

@@ -50,7 +50,7 @@ PARTS = {
     ),
     "fit": Part(
         ("pack_perception/pack_perception/mocap/rigid_body_fit.py",),
-        ("pack_perception/mocap/test_rigid_body_fit.py",),
+        ("pack_perception/mocap/test_rigid_body_fit.py", "pack_perception/mocap/test_axis_fit.py"),
     ),
     "estimator": Part(
         ("pack_perception/pack_perception/mocap/physics_estimator.py",),

@@ -1,10 +1,23 @@
 """What is true of the tables, whatever the cell does."""
 
+from dataclasses import replace
+
 import pytest
 
 from pack_core.errors import PackError
 from pallet_fsm.machine import Machine
-from pallet_fsm.states import ENDS, FAULTS, HOLDING, MOVING, ROWS, STEPS, State, profile_of
+from pallet_fsm.states import (
+    BEFORE_REGRASP,
+    ENDS,
+    FAULTS,
+    HOLDING,
+    MOVING,
+    ROWS,
+    STEPS,
+    Grip,
+    State,
+    profile_of,
+)
 from pallet_fsm.targets import TARGETS
 from pallet_fsm.transitions import RESUME, TRANSITIONS, Event, Guard
 
@@ -126,3 +139,111 @@ def test_a_fault_that_is_overcome_leads_back_to_where_it_came_from() -> None:
         machine.fire(event, 1.0, reason="no progress" if event is Event.MOTION_STUCK else "")
     assert machine.state is State.ABOVE_BOX
     assert machine.reason == "no progress"
+
+
+def done_in(state: State) -> Event:
+    """What happens in a step when all goes well."""
+    special = {State.SPAWN: Event.SPAWNED, State.DETECT: Event.DETECTED}
+    by_grip = {Grip.CLOSE: Event.GRIPPED, Grip.OPEN: Event.RELEASED}
+    return special.get(state, by_grip.get(ROWS[state].grip, Event.REACHED))
+
+
+@pytest.mark.parametrize(
+    ("handling", "numbers"),
+    [
+        ({Guard.IS_UPRIGHT}, [*range(6), *range(15, 21)]),
+        ({Guard.IS_FLIP}, [*range(7), *range(14, 21)]),
+        (set(), list(range(21))),
+    ],
+    ids=["none", "flip", "turn"],
+)
+@pytest.mark.parametrize(
+    ("more", "after"), [({Guard.HAS_BOXES}, State.SPAWN), (set(), State.DONE)], ids=["boxes left", "last box"]
+)
+def test_a_box_that_makes_no_trouble_goes_through_the_states_of_its_handling(
+    handling, numbers, more, after
+) -> None:
+    machine = Machine(0.0, lambda guard: guard in handling | more)
+    for time in range(1, len(numbers) + 1):
+        machine.fire(done_in(machine.state), float(time))
+        assert machine.since == time
+    assert [visit.state.value for visit in machine.visits[:-1]] == numbers
+    assert machine.state is after
+    assert machine.is_over is (after is State.DONE)
+    assert machine.reason == ""
+
+
+def in_fault(fault: State, *holds: Guard) -> State:
+    """Where a fault leads while these guards hold."""
+    for row in TRANSITIONS:
+        if row.next is fault:
+            machine = Machine(0.0, lambda guard: guard in holds)
+            machine.visits.append(replace(machine.visits[-1], state=row.state))
+            assert machine.fire(row.event, 1.0, reason="it failed") is fault
+            return machine.fire(Event.ASSESSED, 2.0)
+    raise AssertionError(f"nothing leads to {fault.name}")
+
+
+@pytest.mark.parametrize("fault", [State.NO_DETECTION, State.WRONG_SIZE], ids=lambda s: s.name)
+def test_a_box_that_is_not_seen_well_is_looked_for_again_while_tries_are_left(fault: State) -> None:
+    assert in_fault(fault, Guard.HAS_TRIES) is State.DETECT
+    assert in_fault(fault) is State.SKIP_BOX
+
+
+@pytest.mark.parametrize("fault", [State.BOX_CHANGED, State.GRIP_FAILED], ids=lambda s: s.name)
+def test_before_a_box_is_tried_anew_the_arm_backs_off_and_without_tries_it_is_skipped(fault: State) -> None:
+    on_table = State.RISE if fault is State.GRIP_FAILED else State.SKIP_BOX
+    assert in_fault(fault, Guard.HAS_TRIES) is State.RETREAT
+    assert in_fault(fault, Guard.HAS_TRIES, Guard.IS_ON_TABLE) is on_table
+    assert in_fault(fault, Guard.HAS_NO_TRIES) is State.SKIP_BOX
+    assert in_fault(fault, Guard.HAS_NO_TRIES, Guard.IS_ON_TABLE) is State.SKIP_BOX
+
+
+def test_motion_that_is_stuck_is_tried_again_after_a_look_where_one_is_needed() -> None:
+    assert in_fault(State.MOTION_STUCK, Guard.HAS_NO_TRIES, Guard.IS_UNSEEN) is State.SAFE_STOP
+    assert in_fault(State.MOTION_STUCK, Guard.HAS_TRIES, Guard.IS_UNSEEN) is State.RETREAT
+    assert in_fault(State.MOTION_STUCK, Guard.HAS_TRIES) in MOVING
+
+
+def test_without_a_clear_way_the_arm_stops_with_a_box_in_hand_or_nothing_to_skip() -> None:
+    assert in_fault(State.NOT_CLEAR, Guard.IS_HOLDING) is State.SAFE_STOP
+    assert in_fault(State.NOT_CLEAR, Guard.IS_FINISHED) is State.SAFE_STOP
+    assert in_fault(State.NOT_CLEAR) is State.SKIP_BOX
+
+
+@pytest.mark.parametrize(
+    "fault", [State.PLACE_CHANGED, State.BOX_LOST, State.LIMIT_PASSED], ids=lambda s: s.name
+)
+def test_a_changed_place_a_lost_box_and_a_passed_limit_end_in_a_safe_stop_whatever_else_holds(
+    fault: State,
+) -> None:
+    assert in_fault(fault) is in_fault(fault, *Guard) is State.SAFE_STOP
+
+
+def test_a_skipped_box_is_left_by_a_retreat() -> None:
+    assert successors(State.SKIP_BOX) == {State.RETREAT}
+
+
+def knowing(event: Event) -> set[State]:
+    return {row.state for row in TRANSITIONS if row.event is event}
+
+
+def test_a_grip_can_fail_wherever_the_gripper_closes() -> None:
+    assert knowing(Event.GRIP_FAILED) == {row.state for row in STEPS if row.grip is Grip.CLOSE}
+
+
+def test_a_box_can_change_from_where_the_arm_comes_over_it_until_it_is_gripped() -> None:
+    assert knowing(Event.BOX_CHANGED) == {State.ABOVE_BOX, State.GRASP, *BEFORE_REGRASP}
+
+
+def test_a_place_can_change_in_every_step() -> None:
+    assert knowing(Event.PLACE_CHANGED) == set(NUMBERED)
+
+
+def test_the_reason_is_that_of_the_last_fault() -> None:
+    machine = Machine(0.0, lambda guard: guard is Guard.HAS_TRIES)
+    machine.fire(Event.SPAWNED, 1.0)
+    for fault in (Event.NO_DETECTION, Event.WRONG_SIZE):
+        machine.fire(fault, 2.0, reason=fault.value)
+        machine.fire(Event.ASSESSED, 3.0)
+    assert machine.reason == "wrong size"
