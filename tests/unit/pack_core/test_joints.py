@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.errors import PackError
-from pack_core.joints import Setpoints
+from pack_core.joints import JointSample, Setpoints, hold
 
 PERIOD = 0.004
 
@@ -79,3 +79,26 @@ def test_only_the_first_rows_are_kept_up_to_an_offset(setpoints: Setpoints) -> N
     kept = setpoints.until(2.5 * PERIOD)
     assert len(kept.offsets) == 3
     np.testing.assert_array_equal(kept.fed_forward, setpoints.fed_forward[:3])
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.9 * PERIOD, PERIOD, 3.5 * PERIOD, 5 * PERIOD, 1.0])
+def test_what_is_kept_is_what_was_stated(setpoints: Setpoints, offset: float) -> None:
+    with_torques = Setpoints(10.0, setpoints.offsets, setpoints.q, setpoints.v, setpoints.q**2)
+    n = int((setpoints.offsets <= offset).sum())
+    for whole in (setpoints, with_torques):
+        kept = whole.until(offset)
+        assert kept.time == whole.time
+        for name in ("offsets", "q", "v", "tau", "a"):
+            np.testing.assert_array_equal(
+                getattr(kept, name), None if getattr(whole, name) is None else getattr(whole, name)[:n]
+            )
+
+
+def test_setpoints_that_hold_run_out_at_once_and_ask_for_no_motion() -> None:
+    sample = JointSample(3.0, np.arange(6.0), np.ones(6), np.ones(6))
+    held = hold(sample)
+    assert held.end == held.time == 3.0
+    q, v, tau = held.at(9.0)
+    np.testing.assert_array_equal(q, sample.q)
+    assert not v.any()
+    assert not tau.any()

@@ -5,7 +5,7 @@ from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.robots.ur10e import LIMITS
 from pack_sim.brakes import PERIOD, RAMP, SAME_POSITION, SAME_SPEED, GentleBrake
-from pack_sim.setpoint_follower import SetpointFollower
+from pack_sim.setpoint_follower import LEAD, ROUNDING, SAME_TIME, SLACK, SetpointFollower
 
 STEP, WATCHDOG = 0.002, 0.1
 REST, STANDING = np.zeros(6), np.zeros((2, 6))
@@ -75,6 +75,87 @@ def test_a_dropped_reference_is_not_followed(follower: SetpointFollower) -> None
     follower.drop()
     follower.at(STEP, REST, REST)
     assert follower.is_holding
+
+
+def speed_at(follower: SetpointFollower, time: float) -> float:
+    """Speed of the first joint that is wanted [rad/s]."""
+    return round(float(follower.at(time, REST, REST)[1][0]), 9)
+
+
+def test_setpoints_that_come_early_wait_for_the_time_of_their_first_row(follower: SetpointFollower) -> None:
+    follower.accept(moving(0.0, 0.5, duration=0.3), 0.0)
+    follower.accept(moving(0.05, 0.7, duration=0.3), 0.01)
+    assert speed_at(follower, 0.02) == 0.5
+    assert speed_at(follower, 0.05 - 2 * SAME_TIME) == 0.5
+    assert speed_at(follower, 0.05 - 0.5 * SAME_TIME) == 0.7
+    assert speed_at(follower, 0.06) == 0.7
+
+
+@pytest.mark.parametrize("start", [0.02, 0.02 + 0.5 * SAME_TIME])
+def test_setpoints_that_wait_are_given_up_for_ones_that_begin_now(
+    follower: SetpointFollower, start: float
+) -> None:
+    follower.accept(moving(0.0, 0.5, duration=0.3), 0.0)
+    follower.accept(moving(0.05, 0.7, duration=0.3), 0.01)
+    follower.accept(moving(start, 0.6, duration=0.3), 0.02)
+    assert speed_at(follower, 0.02) == 0.6
+    assert speed_at(follower, 0.06) == 0.6
+
+
+def test_setpoints_wait_no_longer_than_until_others_come(follower: SetpointFollower) -> None:
+    follower.accept(moving(0.0, 0.5, duration=0.3), 0.0)
+    follower.accept(moving(0.05, 0.7, duration=0.3), 0.01)
+    follower.accept(moving(0.06, 0.6, duration=0.3), 0.02)
+    assert speed_at(follower, 0.03) == 0.7
+    assert speed_at(follower, 0.06) == 0.6
+
+
+def test_a_stop_drops_setpoints_that_wait_too(follower: SetpointFollower) -> None:
+    follower.accept(moving(0.05, 0.7, duration=0.3), 0.0)
+    follower.drop()
+    follower.at(0.06, REST, REST)
+    assert follower.is_holding
+
+
+def test_setpoints_are_held_against_the_watchdog_from_when_they_came(follower: SetpointFollower) -> None:
+    follower.accept(moving(0.3, 0.5, duration=10.0), 0.25)
+    follower.at(0.25 + 0.99 * WATCHDOG, REST, REST)
+    assert not follower.is_holding
+    follower.at(0.25 + 1.01 * WATCHDOG, REST, REST)
+    assert follower.is_holding
+
+
+def test_the_last_row_counts_no_longer_than_rounding_may_take(follower: SetpointFollower) -> None:
+    follower.accept(moving(0.0, 0.5), 0.0)
+    follower.at(0.05 + 0.5 * ROUNDING, REST, REST)
+    assert not follower.is_holding
+    follower.at(0.05 + 2 * ROUNDING, REST, REST)
+    assert follower.is_holding
+
+
+def test_setpoints_may_begin_as_much_ahead_as_the_lead(follower: SetpointFollower) -> None:
+    standing = Setpoints(LEAD, np.array([0.0, 0.05]), STANDING, STANDING, a=STANDING)
+    follower.accept(standing, 0.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("joint", [0, 5])
+@pytest.mark.parametrize("column", ["q", "v", "a"])
+def test_a_limit_may_be_exceeded_by_rounding_alone(
+    follower: SetpointFollower, column: str, joint: int, sign: float
+) -> None:
+    limits = {"q": LIMITS.upper, "v": LIMITS.velocity, "a": LIMITS.acceleration}[column]
+    for share, is_allowed in ((0.9, True), (1.1, False)):
+        rows = STANDING.copy()
+        rows[1, joint] = sign * limits[joint] * (1.0 + share * SLACK)
+        values = {"q": STANDING, "v": STANDING, "a": STANDING, column: rows}
+        setpoints = Setpoints(0.0, np.array([0.0, 0.05]), **values)
+        if is_allowed:
+            follower.accept(setpoints, 0.0)
+            continue
+        text = f"of {LIMITS.names[joint]} is {rows[1, joint]:.3f} .*; allowed: {-limits[joint]:.3f} to"
+        with pytest.raises(MessageError, match=text):
+            follower.accept(setpoints, 0.0)
 
 
 def starved(follower: SetpointFollower, gap: float) -> float:
@@ -154,6 +235,12 @@ def test_a_held_arm_takes_what_its_velocity_limits_allow_in_a_period(
         ({"a": np.full((2, 6), 90.0)}, "acceleration of shoulder_pan_joint is 90.000"),
         ({"q": np.full((2, 6), np.nan)}, "position is not finite"),
         ({"v": np.zeros((2, 7))}, r"allowed: \(2, 6\)"),
+        ({"v": np.zeros((2, 5))}, r"has shape \(2, 5\); allowed: \(2, 6\)"),
+        ({"q": np.zeros((1, 6))}, r"has shape \(1, 6\); allowed: \(2, 6\)"),
+        ({"a": None, "tau": STANDING}, "setpoint a has shape None"),
+        ({"offsets": np.array([0.05, 0.0])}, "rise"),
+        ({"offsets": np.zeros(0)}, "number at least one"),
+        ({"time": LEAD + 0.001}, "1.001 s ahead of the driver's time 0.000 s"),
         ({"offsets": np.array([0.0, 0.0])}, "rise"),
         ({"offsets": np.array([0.0, np.inf])}, "finite"),
     ],

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from pack_core.packing.cell import packing_cell
 from pack_core.rotations import Array, Pose, angle_between, exp
-from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, Mask, fit_rigid_bodies
+from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, Mask, align, fit_rigid_bodies
 
 CONFIG = FitConfig()
 SCENE = packing_cell().scene
@@ -111,3 +111,62 @@ def test_two_markers_that_are_taken_for_each_other_never_give_a_wrong_pose(
     p_WM[list(pair)] = p_WM[list(reversed(pair))]
     found, _ = fit(p_BM, p_WM, np.ones(6, dtype=bool))
     assert isinstance(found, FitRefusal) or np.linalg.norm(found.p - X_WB.p) < 0.003
+
+
+RECTANGLE = np.array([[0.05, 0.02, 0.0], [-0.05, 0.02, 0.0], [-0.05, -0.02, 0.0], [0.05, -0.02, 0.0]])
+ALL = np.ones((1, 4), dtype=bool)
+
+
+def test_the_spread_of_a_rectangle_is_half_its_shorter_side() -> None:
+    turned = Pose(np.array([0.3, 0.1, 0.2]), exp(np.array([0.4, -0.2, 0.7]))).apply(RECTANGLE)
+    np.testing.assert_allclose(align(RECTANGLE[None], turned[None], ALL).spread, 0.02)
+
+
+@pytest.mark.parametrize("scale", [0.9, 1.03])
+def test_the_residual_of_a_body_that_has_grown_is_its_growth(scale: float) -> None:
+    found = align(RECTANGLE[None] + 0.1, scale * RECTANGLE[None] + 0.3, ALL)
+    np.testing.assert_allclose(found.residual, abs(scale - 1.0) * np.hypot(0.05, 0.02))
+    np.testing.assert_allclose(found.p_WB, [[0.2, 0.2, 0.2]])
+
+
+def test_one_marker_alone_tells_the_place_of_a_body_that_is_not_turned() -> None:
+    found = align(RECTANGLE[None], RECTANGLE[None] + 0.5, np.eye(1, 4, dtype=bool))
+    np.testing.assert_allclose(found.p_WB, [[0.5, 0.5, 0.5]])
+    np.testing.assert_allclose(found.q_WB, [[1.0, 0.0, 0.0, 0.0]])
+
+
+def test_of_each_body_of_a_batch_as_many_markers_are_left_out_as_are_false() -> None:
+    item = ITEMS[2]
+    p_BM = np.repeat(item.markers()[None], 4, axis=0)
+    p_WM, visible = p_BM + 0.2, np.ones((4, 6), dtype=bool)
+    p_WM[1, 0] += [0.05, 0.0, 0.02]
+    p_WM[2, [0, 4]] += [[0.05, 0.0, 0.02], [0.0, 0.07, -0.03]]
+    p_WM[3, 1] += [0.0, 0.04, 0.06]
+    visible[3, 5] = False
+    fits = fit_rigid_bodies(p_BM, p_WM, visible, CONFIG)
+    assert fits.refusals == (None,) * 4
+    np.testing.assert_array_equal(fits.left_out, [0, 1, 2, 1])
+    np.testing.assert_allclose(fits.p_WB, 0.2, atol=1e-9)
+
+
+@pytest.mark.parametrize(("allowed", "false"), [(0, 1), (1, 2), (2, 3)])
+def test_no_more_markers_are_left_out_than_allowed(allowed: int, false: int) -> None:
+    p_BM = ITEMS[2].markers()
+    p_WM = p_BM.copy()
+    p_WM[:false] += [[0.05, 0.0, 0.02], [0.0, 0.07, -0.03], [-0.02, 0.03, 0.09]][:false]
+    config = FitConfig(max_left_out=allowed)
+    fits = fit_rigid_bodies(p_BM[None], p_WM[None], np.ones((1, 6), dtype=bool), config)
+    assert fits.refusals == (FitRefusal.RESIDUAL,)
+    assert fits.left_out == [0]
+
+
+@pytest.mark.parametrize(("share", "is_refused"), [(0.99, False), (1.01, True)])
+def test_a_fit_is_refused_beyond_its_bounds(share: float, is_refused: bool) -> None:
+    growth = share * CONFIG.max_residual / np.hypot(0.05, 0.02)
+    narrow = RECTANGLE * [1.0, CONFIG.min_spread / share / 0.02, 1.0]
+    for p_BM, p_WM, refusal in (
+        (RECTANGLE, (1.0 + growth) * RECTANGLE, FitRefusal.RESIDUAL),
+        (narrow, narrow, FitRefusal.COLLINEAR),
+    ):
+        fits = fit_rigid_bodies(p_BM[None], p_WM[None], ALL, CONFIG)
+        assert fits.refusals == (refusal if is_refused else None,)

@@ -15,12 +15,14 @@ from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
 from pack_core.paths import config_path
 from pack_core.rotations import Array
+from pack_planner.layout.axis_program import AxisProgram
 from pack_planner.layout.pallet_separator import (
     PalletSeparator,
     Separation,
     SeparatorConfig,
     neighbours,
     smallest_gap,
+    support_shares,
 )
 from unit.pack_planner.layout.blocks import PALLET, block, grids, row
 
@@ -66,8 +68,72 @@ def test_a_full_row_uses_the_virtual_margin_and_no_more_of_it_than_it_must() -> 
 def test_what_cannot_be_parted_is_left_alone_and_told() -> None:
     separation = separate(row(0.0, 0.3, 0.6, 0.9), max_margin=0.01)
     assert not separation.is_feasible
+    assert not separation.is_minimal
     assert separation.gap == pytest.approx(0.0, abs=1e-9)
-    np.testing.assert_array_equal(separation.displacements, 0.0)
+    assert separation.virtual_margin == 0.01
+    np.testing.assert_array_equal(separation.displacements, np.zeros((4, 2)))
+
+
+@pytest.mark.parametrize(("max_margin", "is_feasible"), [(0.015, True), (0.014, False)])
+def test_the_virtual_margin_grows_up_to_its_bound(max_margin: float, is_feasible: bool) -> None:
+    assert separate(row(0.0, 0.3, 0.6, 0.9), max_margin=max_margin).is_feasible is is_feasible
+
+
+@pytest.mark.parametrize(("max_shift", "is_feasible"), [(1.6, True), (1.4, False)])
+def test_no_box_is_displaced_further_than_so_many_gaps(max_shift: float, is_feasible: bool) -> None:
+    """Both are 20 mm into each other, 30 mm short of the gap."""
+    assert separate(row(0.4, 0.68), max_shift=max_shift).is_feasible is is_feasible
+
+
+def test_a_box_across_two_others_is_carried_by_its_share_of_area_on_each() -> None:
+    below = [block("a", 0.2, 0.2, (0.1, 0.2, 0.2)), block("b", 0.3, 0.2, (0.3, 0.2, 0.2))]
+    boxes = [*below, block("top", 0.2, 0.2, (0.3, 0.2, 0.2), z=0.2)]
+    expected = np.zeros((3, 3))
+    expected[2] = [1 / 3, 2 / 3, 0.0]
+    np.testing.assert_allclose(support_shares(boxes), expected, atol=1e-12)
+
+
+def program(**fields: object) -> AxisProgram:
+    """Two boxes of 0.3 m that touch, with 0.2 m free before them and 0.4 m behind."""
+    lower = np.array([0.2, 0.5])
+    given = dict(lower=lower, upper=lower + 0.3, follow=np.zeros((2, 2)), length=1.2, gap=GAP)
+    return AxisProgram(**given | {"overhang": 0.0, "max_shift": 0.05} | fields)
+
+
+def test_the_cost_of_parting_two_boxes_is_the_squared_gap_over_both_margins() -> None:
+    displacements, cost = program().solve([(0, 1)])
+    np.testing.assert_allclose(displacements, [-GAP / 3, GAP * 2 / 3], atol=1e-9)
+    assert cost == pytest.approx(GAP**2 / (0.2 + 0.4))
+    assert program(overhang=0.1).solve([(0, 1)])[1] == pytest.approx(GAP**2 / (0.3 + 0.5))
+
+
+def test_without_relations_nothing_is_displaced() -> None:
+    displacements, cost = program().solve([])
+    np.testing.assert_allclose(displacements, 0.0, atol=1e-12)
+    assert cost == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("fields", "relations"),
+    [
+        ({"max_shift": 0.49 * GAP}, [(0, 1)]),
+        ({}, [(0, 1), (1, 0)]),
+        ({}, [(1, 0)]),
+        ({"lower": np.array([0.0, 0.3]), "upper": np.array([0.3, 0.6]), "length": 0.6}, [(0, 1)]),
+    ],
+    ids=["reach", "contradiction", "swap beyond reach", "no room"],
+)
+def test_relations_that_cannot_be_fulfilled_have_no_displacements(fields: dict, relations: list) -> None:
+    assert program(**fields).solve(relations) is None
+
+
+def test_what_rests_on_a_box_follows_it_at_no_cost() -> None:
+    lower = np.array([0.2, 0.5, 0.2])
+    follow = np.zeros((3, 3))
+    follow[2, 0] = 1.0
+    displacements, cost = program(lower=lower, upper=lower + 0.3, follow=follow).solve([(0, 1)])
+    np.testing.assert_allclose(displacements, [-GAP / 3, GAP * 2 / 3, -GAP / 3], atol=1e-9)
+    assert cost == pytest.approx(GAP**2 / 0.6)
 
 
 def test_boxes_of_different_height_that_reach_into_each_other_are_parted() -> None:
