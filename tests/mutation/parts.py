@@ -56,6 +56,7 @@ PARTS = {
         ("pack_perception/pack_perception/mocap/physics_estimator.py",),
         (
             "pack_perception/mocap/test_correction_law.py",
+            "pack_perception/mocap/test_estimator_times.py",
             "pack_perception/mocap/test_physics_estimator.py",
         ),
     ),

@@ -26,13 +26,20 @@ def test_a_small_error_is_corrected_by_the_gains(error: list[float]) -> None:
     assert np.allclose(twists, CONFIG.twist_gain / PERIOD * errors)
 
 
-@pytest.mark.parametrize(("way", "period"), [(0.001, np.inf), (1.01 * CONFIG.jump, PERIOD)])
+@pytest.mark.parametrize(("way", "period"), [(0.001, np.inf), (1.01 * CONFIG.jump, PERIOD), (1.0, np.inf)])
 def test_an_object_is_put_anew_at_first_sight_and_after_a_jump(way: float, period: float) -> None:
     errors, periods = np.array([[way, 0.0, 0.0, 0.0, 0.0, 0.1]]), np.array([period])
     shifts, twists = corrections(errors, periods, CONFIG)
     assert is_put_anew(errors, periods, CONFIG).all()
     assert np.array_equal(shifts, errors)
     assert not twists.any()
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_jump_is_a_distance_and_no_turn(axis: int) -> None:
+    rows = np.zeros((2, 6))
+    rows[0, axis], rows[1, 3 + axis] = 0.99 * CONFIG.jump, 3.0
+    assert not is_put_anew(rows, np.full(2, PERIOD), CONFIG).any()
 
 
 @pytest.mark.parametrize("period", [0.0, 1.01 * CONFIG.max_period])
