@@ -25,6 +25,7 @@ THICKNESS = 0.04
 TOUCHING = 0.001
 """Blocks that are seen this near to each other may touch [m]."""
 CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+"""Of a square of half a side 1, seen from above `(4, 2)`."""
 
 
 class TableObstacles:
@@ -73,6 +74,7 @@ def _turn(yaw: float) -> Array:
 
 
 POINTING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""The tool's orientation at heading 0, as a quaternion wxyz: half a turn about x."""
 TOUCH_DISTANCE = 0.01
 """Length of the last segment above the table, which is slow where a block is put down [m]."""
 CORNER = 0.03

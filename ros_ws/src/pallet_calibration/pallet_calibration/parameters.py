@@ -56,6 +56,7 @@ PARAMETERS: tuple[Parameter, ...] = (
 CAMERA, FOCAL, CENTRE, LENS = slice(0, 6), 6, slice(7, 9), slice(9, 13)
 BOARD, GEARS, PLAY = slice(13, 19), slice(37, 41), 41
 PLACE = {name: slice(19 + 6 * k, 25 + 6 * k) for k, name in enumerate(PLACES)}
+"""Where `PARAMETERS` has what: the slices must change with it."""
 
 
 def lens_of(x: Array) -> LensDistortion:

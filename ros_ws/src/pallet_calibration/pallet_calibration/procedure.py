@@ -24,6 +24,7 @@ PLACES_SEEN = (
 HEIGHTS = (0.15, 0.60)
 """Of the pattern over the table [m]."""
 FEWEST_VIEWS, FEWEST_CORNERS = 15, 20
+"""Pictures of the board that the estimate needs, and corners in a picture that counts as one of it."""
 
 
 @dataclass

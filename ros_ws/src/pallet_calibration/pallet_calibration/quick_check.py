@@ -16,6 +16,7 @@ from pallet_calibration.rig import CalibrationFailed, CalibrationRig
 from pallet_calibration.touch import DOWN, TRAVEL, from_above, rotated_down, touch
 
 BOX = BoxBody("test box", (0.40, 0.30, 0.20), 8.0)
+"""An ordinary box: edges [m] and mass [kg]."""
 PUTS = ((0.05, 0.05, np.pi), (-0.05, -0.05, 1.5 * np.pi))
 """Where the box is put down: x and y from the middle of the table [m], yaw [rad]. It is turned by half a turn
 and a quarter: one that is not turned comes out right with a camera that sees all too far to one side."""

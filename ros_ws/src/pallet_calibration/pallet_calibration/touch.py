@@ -37,6 +37,7 @@ TILT = np.deg2rad(4.0)
 CLEAR = 0.012
 """Distance from the nominal surface at which an approach begins [m]."""
 TRAVEL = 0.03
+"""Longest way of an approach [m]: from `CLEAR` over the nominal surface to 18 mm beyond it."""
 DOWN = np.array([0.0, 0.0, -1.0])
 DEEP = 0.014
 """Below the deck, where its edges are touched [m]: in the upper boards, which are 22 mm thick."""

@@ -27,6 +27,7 @@ from pallet_fsm.thesis_moves import ThesisMoves
 from pallet_fsm.transitions import Event
 
 TOLERANCES = {Check.PRECISE: ReachTolerance(0.002, 0.5, 1), Check.TRANSIT: ReachTolerance(0.005, 1.0, 3)}
+"""The checkers of the thesis, section 8.2: distance [m], angle [deg], and for how many steps in a row."""
 
 
 class TargetChecker:

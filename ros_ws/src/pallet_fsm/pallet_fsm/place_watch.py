@@ -25,6 +25,7 @@ from pallet_fsm.states import BEFORE_REGRASP, State
 from pallet_fsm.transitions import Event, Happening
 
 _CORNERS = 0.5 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+"""Corners of a box of edge 1 about its centre `(8, 3)`."""
 _ALONG = np.linspace(0.0, 1.0, 65)[:, None]
 """Points of a line that are looked at: at 3 m of length they are 5 cm apart."""
 

@@ -19,6 +19,7 @@ from pack_motion.rmpflow.parameters import (
 )
 
 TINY = 1e-12
+"""Guards a division by the square of a distance that may be zero [m^2]."""
 
 
 @numba.njit(cache=True)

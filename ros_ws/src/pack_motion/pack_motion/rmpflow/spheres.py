@@ -45,6 +45,7 @@ def distance_curvature(p: Array, v: Array, R: Array, centre: Array, half: Array)
 
 
 CORNER_RADIUS = 0.01
+"""Of the spheres in and on a carried box [m]: small, so that the box is felt little larger than it is."""
 
 
 class Spheres(NamedTuple):

@@ -10,6 +10,7 @@ from pack_core.rotations import Array
 FILTER_TIME = 0.005
 """Time constant of the filter before the force stop [s]: as slow as a robot's own estimate of the force."""
 _PERIOD = 1.0 / WRENCH_RATE
+"""Time between two samples of the force [s]."""
 GAIN = _PERIOD / (_PERIOD + FILTER_TIME)
 """Share of a new sample in y[k] = (1 - GAIN) y[k-1] + GAIN x[k], a first-order low-pass (backward Euler)."""
 

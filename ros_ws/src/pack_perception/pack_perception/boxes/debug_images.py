@@ -14,7 +14,9 @@ from pack_core.rotations import Array
 from pack_perception.boxes.segmentation import Segmentation
 
 FRAME_WIDTH = 960
+"""Width of the drawn pictures [pixel]; they are for eyes, the measuring is done on the whole ones."""
 FOUND, REFUSED, AXIS = (40, 220, 60), (235, 60, 50), (60, 120, 255)
+"""Colours of what was found, of what was refused, and of the box's x axis, RGB."""
 
 
 @dataclass(frozen=True)

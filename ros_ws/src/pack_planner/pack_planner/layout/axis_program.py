@@ -15,6 +15,7 @@ Relation = tuple[int, int]
 """A pair (i, j): box i comes before box j along the axis, with at least the gap between them."""
 
 MM = 1e-3
+"""A millimetre [m]."""
 DAQP_INFINITY = 1e30
 """What DAQP takes for no bound."""
 DAQP_OPTIMAL = 1

@@ -22,6 +22,7 @@ from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
 from pack_core.rotations import Array
 
 CENTER = Insertion("Center", np.zeros(3), 0.0)
+"""Straight down: the insertion where no side can be used."""
 SIDES = {
     "North": (0, 1), "Northeast": (1, 1), "East": (1, 0), "Southeast": (1, -1),
     "South": (0, -1), "Southwest": (-1, -1), "West": (-1, 0), "Northwest": (-1, 1),

@@ -33,6 +33,7 @@ MAX_GOALS = 25
 NEVER = 99
 """Pushes to complete a set that cannot be completed."""
 FULL = np.uint64(0xFFFFFFFFFFFFFFFF)
+"""The set of everything: all bits of a word."""
 
 
 @dataclass(frozen=True)

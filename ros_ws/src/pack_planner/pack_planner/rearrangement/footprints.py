@@ -25,6 +25,7 @@ SLACK = 1e-9
 """Poses on the very edge are inside [m]."""
 Words = npt.NDArray[np.uint64]
 BITS = 64
+"""Of a word of a set."""
 TOUCH = 1e-7
 """Overlaps less deep than this are touching [m]."""
 

@@ -19,6 +19,7 @@ START_GAP = 0.003
 TRIES = 400
 """Poses drawn for a block before all blocks are drawn anew."""
 RESTARTS = 2000
+"""How often all blocks are drawn anew before a workspace counts as too full."""
 
 
 def workspace_side(n: int, density: float, side: float = CUBE_SIDE) -> float:

@@ -33,6 +33,7 @@ MOST_BLOCKS = 10
 GOALS = 32
 """First bit of the goals in a word; starts come before."""
 IMPOSSIBLE = np.uint64(2**64 - 1)
+"""Instead of a set: all bits, which no set of blocks that are in the way has."""
 
 
 def lower_bound(snapped: SnappedProblem) -> int:

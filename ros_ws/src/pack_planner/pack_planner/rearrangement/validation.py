@@ -21,6 +21,7 @@ from pack_planner.rearrangement.footprints import (
 )
 
 SYMMETRIES = (1, 2, 4)
+"""Headings at which a block looks the same: none but one, half turns, quarter turns."""
 
 
 def find_fault(problem: Problem) -> Diagnosis | None:

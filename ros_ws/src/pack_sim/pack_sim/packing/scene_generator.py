@@ -23,9 +23,11 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, rotate
 
 MAX_ATTEMPTS = 500
+"""Scenes that are drawn for a seed, or for a new object, before it is given up: blocked ones may be rare."""
 MAX_ROUNDS = 5
 """New objects that are drawn for a seed, one after the other, if none is blocked in `MAX_ATTEMPTS`."""
 TIMESTEP = 0.004
+"""Step of the physics in which objects are shaken [s]; only where they come to rest counts."""
 DROP_HEIGHT = 0.01
 """Height over the base from which objects are dropped [m]."""
 SMALLEST_GAP = 1e-6
@@ -39,6 +41,7 @@ SHAKES = 6
 SETTLE_TIME = 0.8
 """Time for objects to come to rest under vertical gravity [s]."""
 SHAKING_FRICTION = 0.12
+"""While objects are shaken, instead of the scene's, so that they slide together instead of sticking."""
 UPRIGHT = np.cos(np.deg2rad(5.0))
 """Cosine of the largest tilt of an object that counts as upright."""
 CLEARANCE = 0.002

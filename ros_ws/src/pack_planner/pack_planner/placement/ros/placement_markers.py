@@ -19,6 +19,7 @@ from pack_planner.placement.placement_result import PlacementSamples, PlannedPla
 SETTLED = "placement settled"
 """Namespace of the cheapest sample's objects."""
 SETTLED_OPACITY = 0.3
+"""So that the objects as they stand are seen through those of a sample."""
 INFEASIBLE = ColorRGBA(r=0.4, g=0.4, b=0.4, a=0.35)
 CHOSEN = ColorRGBA(r=0.1, g=0.8, b=0.3, a=0.45)
 KINDS = {mujoco.mjtGeom.mjGEOM_BOX: Marker.CUBE, mujoco.mjtGeom.mjGEOM_CYLINDER: Marker.CYLINDER}

@@ -25,6 +25,7 @@ CYCLE = 0.7
 CROWDED = 0.1
 """Actions that a goal which others leave without a grasp is taken to cost; it decides between equals."""
 NOWHERE = -1
+"""Instead of the number of a spot: the block has none."""
 ONE = np.uint64(1)
 
 

@@ -19,6 +19,7 @@ from pack_planner.rearrangement.beam.tables import Tables
 from pack_planner.rearrangement.footprints import Words
 
 NO_STAGE = -1
+"""Instead of the number of a staging pose: the block is not staged."""
 PUSHED = 4
 """Instead of a pair of grasps: the block was pushed."""
 ONE = np.uint64(1)
