@@ -91,6 +91,22 @@ GOAL, LAST = pose(-2.5, 2.5, 1.1), pose(-2.5, 2.5, 0.9)
 MOVE = Path((PoseMove(GOAL, label="there"), Line(LAST, label="down", entry_speed=0.25)))
 
 
+def test_a_status_names_the_segment_in_which_the_arm_was_measured(
+    arm: MotionArm, stream: SetpointStream
+) -> None:
+    """Setpoints are ahead of it by the horizon, and brake for the next segment meanwhile."""
+    driver, controller, slow = Driver(stream, 1.0, arm.home), stream.controller, 0.24
+    far, near = pose(-2.5, 2.5, 1.5), pose(-2.5, 2.5, 1.0)
+    lines = Line(near, 1.0, exit_speed=slow, label="fast"), Line(LAST, slow, label="slow")
+    controller.command(MotionTarget(5, Path((PoseMove(far, label="there"), *lines))))
+    speeds = []
+    while controller.status().state is not MotionState.REACHED:
+        driver.tick()
+        if controller.status().label == "slow":
+            speeds.append(np.linalg.norm(arm.chain.jacobian(driver.q)[:3] @ driver.v))
+    assert max(speeds) < slow + 1e-3
+
+
 @pytest.mark.parametrize("lost", ["setpoints", "measurements"])
 @pytest.mark.parametrize("label", ["there", "down"])
 def test_a_move_that_is_interrupted_is_held_until_the_arm_stands_and_then_goes_on(

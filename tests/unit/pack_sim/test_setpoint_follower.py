@@ -4,7 +4,7 @@ import pytest
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.robots.ur10e import LIMITS
-from pack_sim.brakes import PERIOD, RAMP, SAME_POSITION, SAME_SPEED, GentleBrake
+from pack_sim.brakes import CATCH_UP, PERIOD, RAMP, SAME_POSITION, SAME_SPEED, GentleBrake
 from pack_sim.setpoint_follower import LEAD, ROUNDING, SAME_TIME, SLACK, SetpointFollower
 
 STEP, WATCHDOG = 0.002, 0.1
@@ -182,6 +182,7 @@ def test_references_that_come_back_soon_are_joined_within_all_limits_and_then_fo
     assert np.abs(a).max() <= LIMITS.acceleration[0]
     np.testing.assert_allclose(np.diff(v), STEP * a[1:], atol=SAME_SPEED)
     np.testing.assert_allclose(np.diff(q), 0.5 * STEP * (v[:-1] + v[1:]), atol=2 * SAME_POSITION)
+    assert v.max() <= 1.0 + CATCH_UP + SAME_SPEED
 
 
 def test_references_that_come_back_far_from_where_the_arm_is_held_are_refused(

@@ -8,6 +8,7 @@ from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.states import State
+from pallet_fsm.transitions import Event
 from unit.pallet_fsm.fake_cell import FakeCell
 from unit.pallet_fsm.faults import Faults
 from unit.pallet_fsm.whole_orders import given_order, misplacement, plan_as_given, run
@@ -49,6 +50,19 @@ def test_every_box_of_every_order_ends_where_it_was_meant_to_stand(number: int) 
     distance, angle = misplacement(cell, report)
     assert distance < 1e-9
     assert angle < 1e-6
+
+
+@pytest.mark.parametrize("profile", ["thesis", "blended"])
+def test_a_target_counts_as_reached_when_that_was_measured(profile: str) -> None:
+    """As nodes the machine hears of a measurement some time later, when the tool may be faster already."""
+    order = given_order(3)
+    punctual, late = (run(order, profile, delay=delay)[0].machine.visits for delay in (0.0, 0.02))
+    assert [visit.state for visit in punctual] == [visit.state for visit in late]
+    times = [visit.time for visit in late]
+    assert times == sorted(times)  # never before the state that was entered before
+    pairs = zip(punctual, late, strict=True)
+    ahead = [a.time - b.time for a, b in pairs if a.event is Event.REACHED]
+    assert max(ahead) == pytest.approx(0.02)
 
 
 def test_both_profiles_put_boxes_in_the_same_places() -> None:

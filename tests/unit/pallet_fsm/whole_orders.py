@@ -1,5 +1,7 @@
 """Orders from start to end in the cell without physics, and how far off their boxes end."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pack_core.palletizing.cell import palletizing_cell
@@ -27,13 +29,17 @@ def plan_as_given(order: Order) -> LayoutPlan:
     return LayoutPlan(LayoutStatus.SUCCESS, "", boxes, 0.0, 0.0)
 
 
-def run(order: Order, profile: str = "blended", faults: Faults | None = None) -> tuple[Palletizer, FakeCell]:
-    """An order from start to end."""
+def run(
+    order: Order, profile: str = "blended", faults: Faults | None = None, delay: float = 0.0
+) -> tuple[Palletizer, FakeCell]:
+    """An order from start to end; a status of the motion is `delay` [s] old when it is observed."""
     cell = FakeCell(order, faults or Faults())
     config = PalletizerConfig(profile=profile, scans=NO_SCANS)
     machine = Palletizer(order, plan_as_given(order), palletizing_cell(), config, 0.0)
     while not machine.machine.is_over:
-        for command in machine.step(cell.observe()):
+        seen = cell.observe()
+        motion = replace(seen.motion, time=seen.motion.time - delay)
+        for command in machine.step(replace(seen, motion=motion)):
             cell.apply(command)
         assert cell.time < 600.0, machine.machine.visits[-5:]
     return machine, cell

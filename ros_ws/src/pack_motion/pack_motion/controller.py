@@ -237,7 +237,7 @@ class MotionController:
             self._refresh_field()
         seen = PolicyInputs(self._config.policies(mode), self._spheres, self._field)
         tracker.step(h, before, after, posture, seen)
-        self._monitor.progress.record(time, tracker.state)
+        self._monitor.record(time, tracker.state, pursuit.segment)
         self._monitor.judge(h, sample, pursuit, self._target, (tracker.least_distance, self._field.names))
         return tracker.state
 

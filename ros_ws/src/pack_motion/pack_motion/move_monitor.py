@@ -125,6 +125,7 @@ class MoveMonitor:
         self._stuck = StuckDetector(config)
         self._reason, self._id = "", 0
         self._is_pursuing = False
+        self._segments: deque[tuple[float, int]] = deque(maxlen=MEMORY)
         self.state = MotionState.IDLE
         self.progress = ReachProgress(arm)
 
@@ -132,6 +133,7 @@ class MoveMonitor:
         """Start to judge a target that was accepted."""
         self.progress.restart()
         self._stuck.restart()
+        self._segments.clear()
         self.state, self._reason, self._id = MotionState.MOVING, "", target_id
         self._is_pursuing = True
 
@@ -153,8 +155,14 @@ class MoveMonitor:
     def resume(self, *, is_unfinished: bool) -> None:
         """Note that the arm stands and is not held any more."""
         self.progress = ReachProgress(self._arm)
+        self._segments.clear()
         if not is_unfinished and self.state is MotionState.HELD:
             self.state, self._reason = MotionState.IDLE, ""
+
+    def record(self, time: float, state: JointState, segment: int) -> None:
+        """Keep what is commanded for a time [s], and the segment that it belongs to."""
+        self.progress.record(time, state)
+        self._segments.append((time, segment))
 
     def judge(
         self, h: float, sample: JointSample, pursuit: Pursuit, target: MotionTarget,
@@ -185,14 +193,21 @@ class MoveMonitor:
 
     def status(self, pursuit: Pursuit) -> MotionStatus:
         """State and progress of the move at the newest measurement."""
-        progress = self.progress
+        progress, segment = self.progress, self._running(pursuit)
         return MotionStatus(
-            time=progress.time, id=self._id, state=self.state, segment=pursuit.segment,
-            label=pursuit.plan.segments[pursuit.segment].label, remaining=pursuit.remaining,
+            time=progress.time, id=self._id, state=self.state, segment=segment,
+            label=pursuit.plan.segments[segment].label, remaining=pursuit.remaining,
             position_error=progress.position_error, orientation_error=progress.orientation_error,
             path_error=progress.path_error, reached_steps=progress.reached_steps, reason=self._reason,
             X_WT=progress.X_WT,
         )  # fmt: skip
+
+    def _running(self, pursuit: Pursuit) -> int:
+        """Index of the segment at the newest measurement; the pursuit is ahead of it by the horizon."""
+        begun = [segment for time, segment in self._segments if time <= self.progress.time + 1e-9]
+        if begun:
+            return begun[-1]
+        return self._segments[0][1] if self._segments else pursuit.segment
 
     def _explained(self, wrong: str, distance: float, names: Sequence[str]) -> str:
         error = f"the tool is {1000 * self.progress.position_error:.0f} mm from its target"

@@ -190,7 +190,9 @@ class Palletizer:
     def _fire(self, event: Event, reason: str, seen: PalletObservation) -> None:
         before = self.machine.state
         self._take_effect(event, before, seen)
-        state = self.machine.fire(event, seen.time, self.item.name, reason)
+        # A target is reached, or passed, when it was measured; the observation comes some time later.
+        time = max(seen.motion.time, self.machine.since) if event is Event.REACHED else seen.time
+        state = self.machine.fire(event, time, self.item.name, reason)
         if state in FAULTS:
             self._note_fault(state, before)
         elif state is State.SKIP_BOX:
