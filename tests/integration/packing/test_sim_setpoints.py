@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -11,11 +12,13 @@ from trajectory_msgs.msg import JointTrajectory
 from integration.harness import Graph
 from integration.packing.sim_rig import SPEED, joint_samples, newest_joints, ramp, speeds, start_sim
 from integration.simulation_rig import accept_times, standing_without_setpoints
+from pack_core.joints import Setpoints
 from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.joints import to_trajectory
 from pack_sim.packing.sim_node import PackingSimNode
+from pack_sim.ros import physics_node
 
 AT_REST = 0.02
 """[rad/s]"""
@@ -32,6 +35,32 @@ def test_the_arm_follows_setpoints_and_holds_when_they_grow_stale(graph: Graph) 
     assert max(speeds(sample).max() for sample in samples) > 0.5 * SPEED
     moving = [sample.time for sample in samples if speeds(sample).max() > AT_REST]
     assert 0.09 < moving[-1] - accepted[0] < 0.16
+    assert node.simulator.follower.is_holding
+
+
+@pytest.mark.parametrize("cause", ["stop", "death"])
+def test_setpoints_that_waited_while_the_driver_was_told_to_stop_are_not_followed(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch, cause: str
+) -> None:
+    graph.failures_allowed = True
+    node, converted, convert = start_sim(graph), list[str](), physics_node.from_trajectory
+
+    def note(*arguments: Any) -> Setpoints:
+        converted.append("setpoints")
+        return convert(*arguments)
+
+    monkeypatch.setattr(physics_node, "from_trajectory", note)
+    plan = to_trajectory(ramp(newest_joints(graph), 1.0), PANDA.joints)
+    with node.lock:  # which they wait for next
+        graph.probe.send(contracts.SETPOINTS, plan)
+        graph.wait_until(lambda: converted)
+        node._drop()
+        if cause == "stop":
+            node._brake._begin("by hand")
+        else:
+            node._gate._is_abandoned = True
+        now = node.simulator.time
+    graph.wait_until(lambda: node.simulator.time > now + 0.03)
     assert node.simulator.follower.is_holding
 
 

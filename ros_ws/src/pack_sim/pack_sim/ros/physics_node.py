@@ -166,10 +166,12 @@ class PhysicsNode(CellNode):
             self._camera_end.close()
         super().destroy_node()
 
-    def _accept(self, message: JointTrajectory) -> None:
+    def _accept(self, message: JointTrajectory, may_follow: Callable[[], bool]) -> None:
         setpoints = from_trajectory(message, self._joints, self.simulator.follower.feed_forward)
         with self.lock:
-            self.simulator.accept(setpoints)
+            # Asked under the lock: while it was waited for, the arm may have been stopped.
+            if may_follow():
+                self.simulator.accept(setpoints)
 
     def _drop(self) -> None:
         self.simulator.follower.drop()

@@ -28,14 +28,15 @@ class SetpointGate:
         contract: of the setpoints.
         sender: the node that sends them; when it falls silent the arm is held.
         brake: knows whether the arm was stopped.
-        accept: hands setpoints to the driver; raises MessageError when they are refused.
+        accept: hands setpoints to the driver, if they may be followed, which it asks under the lock; raises
+            MessageError when they are refused.
         drop: lets the driver forget its setpoints, under the lock.
         lock: held while `drop` is called.
     """
 
     def __init__(
         self, node: CellNode, contract: Contract, sender: str, brake: ArmBrake,
-        accept: Callable[[JointTrajectory], None], drop: Callable[[], None], lock: Lock,
+        accept: Callable[[JointTrajectory, Callable[[], bool]], None], drop: Callable[[], None], lock: Lock,
     ) -> None:  # fmt: skip
         self._node, self._sender, self._brake = node, sender, brake
         self._accept, self._drop, self._lock = accept, drop, lock
@@ -59,12 +60,15 @@ class SetpointGate:
             self._node.guard(self._stream.contract, self._on_setpoints, message)
 
     def _on_setpoints(self, message: JointTrajectory) -> None:
+        self._accept(message, self._may_follow)
+
+    def _may_follow(self) -> bool:
+        """Whether the arm may follow setpoints now; raises MessageError where their sender is to be told."""
         if self._is_abandoned:
             raise MessageError("their sender has fallen silent since; the arm holds")
         if self._publishers.trouble and self._refuses_two:
             raise MessageError(f"{self._publishers.trouble}; allowed: one sender (parameter {PARAMETER})")
-        if self._brake.check():
-            self._accept(message)
+        return self._brake.check()
 
     def _on_sender(self, _: str, is_alive: bool) -> None:
         self._is_abandoned = not is_alive
