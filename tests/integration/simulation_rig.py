@@ -60,9 +60,9 @@ def accept_times(node: Any) -> list[float]:
 
 @contextmanager
 def standing_without_setpoints(node: Any, accepted: list[float], fresh: float = FRESH) -> Iterator[None]:
-    """Let simulated time stand meanwhile whenever the driver's setpoints are `fresh` old.
+    """Let simulated time stand meanwhile whenever the driver's setpoints are `fresh` old, or none have come.
 
-    However late a busy machine hands them over, the driver then has them in time.
+    However late a busy machine hands them over, the driver then has them in time, also the first ones.
 
     Args:
         node: the simulator's.
@@ -70,9 +70,10 @@ def standing_without_setpoints(node: Any, accepted: list[float], fresh: float = 
         fresh: age of the newest setpoints at which time stands until there are newer ones [s].
     """
     advance: Callable[[], float] = node.advance
+    begun = node.simulator.time
 
     def held() -> float:
-        is_fed = not accepted or node.simulator.time < accepted[-1] + fresh
+        is_fed = node.simulator.time < (accepted[-1] if accepted else begun) + fresh
         return advance() if is_fed else TICK
 
     node.advance = held

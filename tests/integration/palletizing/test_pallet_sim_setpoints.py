@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from integration.harness import Graph
 from integration.palletizing.pallet_rig import SPEED, joint_samples, newest_joints, ramp, start_pallet_sim
-from integration.simulation_rig import accept_times, standing_without_setpoints
+from integration.simulation_rig import FRESH, accept_times, standing_without_setpoints
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.messages.joints import to_trajectory
@@ -27,10 +27,13 @@ def status_of(graph: Graph) -> DiagnosticStatus:
 
 def test_the_arm_follows_setpoints_and_brakes_when_they_grow_stale(graph: Graph) -> None:
     node = start_pallet_sim(graph)
-    start = newest_joints(graph)
     accepted = accept_times(node)
-    reference = to_trajectory(ramp(start, 5.0), JOINTS)
     with standing_without_setpoints(node, accepted):
+        # Setpoints begin where the arm is when they come: time stands until then.
+        stands = node.simulator.time + FRESH
+        graph.wait_until(lambda: newest_joints(graph).time >= stands)
+        start = newest_joints(graph)
+        reference = to_trajectory(ramp(start, 5.0), JOINTS)
         while newest_joints(graph).time < start.time + 0.5:
             taken = len(accepted)
             graph.probe.send(motion.SETPOINTS, reference)
