@@ -131,7 +131,7 @@ class PackingPage(CellPage):
         if self._fill.object and not self._fill.is_packing:
             return  # of the iteration that was on its way when the object was packed
         now, stage = seconds(status), status.stage.replace("_", "-")
-        if self._status is not None and status.elapsed < self._status.elapsed:  # another goal has begun
+        if self._status is None or status.elapsed < self._status.elapsed:  # another goal has begun
             self._visited = []
             self._clear_plots()
         if stage != self._stage or not self._visited:
@@ -159,6 +159,8 @@ class PackingPage(CellPage):
         is_success = reason in ENDS
         self.log.add(f"goal ended: {message or reason}", "info" if is_success else "error", time)
         self.headline = Headline(reason or "ended", message, is_fault=not is_success)
+        if not is_success:
+            self._visited = [stage for stage in self._visited if stage != self._stage]  # was not got through
         self._stage, self._status = "", None
         self._fill.end()
         self._ghosts.clear()
