@@ -67,6 +67,15 @@ def test_an_opengl_that_cannot_be_loaded_is_one_line_that_names_the_variable(bac
     assert "MUJOCO_GL=egl" in line
 
 
+@pytest.mark.parametrize("command", ["demo", "goal"])
+def test_a_planner_that_is_not_there_is_refused_before_anything_is_started(
+    call: Called, command: str
+) -> None:
+    ended = call(command, "blocks", "--method", "bem")
+    assert ended.returncode == 2
+    assert "'bem'; allowed: beam" in ended.stderr.replace("\n", " ")
+
+
 def test_nodes_that_were_started_alone_are_not_said_to_take_a_goal() -> None:
     assert "pack goal packing --domain 7" in ready_words("packing", [], " --domain 7")
     alone = ready_words("packing", ["perception"], " --domain 7")

@@ -63,8 +63,15 @@ def goal(
     """
     from pack_bringup.blocks.goals import BlocksGoal, problem_of
 
-    wanted = BlocksGoal(problem_of(problem, blocks, density, seed), seed, method)
+    wanted = BlocksGoal(problem_of(problem, blocks, density, seed), seed, _checked(method))
     run_goal(wanted, reset=reset, domain=domain, network=network)
+
+
+def _checked(method: str) -> str:
+    """The method, if there is such a planner; raises ConfigError, before anything is started, if not."""
+    from pack_planner.rearrangement.methods import METHODS
+
+    return METHODS.checked(method) if method else ""
 
 
 def demo(
@@ -93,7 +100,7 @@ def demo(
     text = problem_of(problem, blocks, density, seed)
     folder = output or default_folder("blocks", seed, datetime.now())
     job = BlocksJob(
-        text, seed, method, folder=folder, real_time_factor=real_time_factor, command=command_line()
+        text, seed, _checked(method), folder=folder, real_time_factor=real_time_factor, command=command_line()
     )
     run_live(job, video=video, domain=domain, page=page_process("blocks", live, port))
 
