@@ -68,3 +68,8 @@ def test_the_clock_is_played_by_its_option_alone(bag: Path) -> None:
 def test_a_stretch_without_messages_is_refused(bag: Path) -> None:
     with pytest.raises(BagError, match=r"no message to play .* from 50\.0 s"):
         load_playback(bag, start=50.0)
+
+
+def test_of_topics_that_are_sent_once_alone_there_is_nothing_to_play(bag: Path) -> None:
+    with pytest.raises(BagError, match=r"only what is sent once; .* pictures never are"):
+        load_playback(bag, [topics.DESCRIPTION])

@@ -93,6 +93,11 @@ def load_playback(
         item for item in raw.messages if item.topic in chosen and stamps.to_seconds(item.time_ns) <= end
     ]
     first_ns = _first(within, chosen, start)
+    if first_ns is None and within and all(_is_latched(chosen[m.topic]) for m in within):
+        raise BagError(
+            f"{raw.path} has of {', '.join(chosen)} only what is sent once; what the node works on was not "
+            "recorded, as pictures never are"
+        )
     if first_ns is None:
         raise BagError(f"{raw.path} has no message to play on {', '.join(chosen)} from {start} s to {end} s")
     early = tuple(m for m in within if m.time_ns < first_ns and _is_latched(chosen[m.topic]))
