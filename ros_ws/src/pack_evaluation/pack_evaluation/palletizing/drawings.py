@@ -59,16 +59,41 @@ def draw_order(order: Order, reasons: Sequence[str]) -> Figure:
 
 def _draw_space(figure: Figure, place: object, order: Order, wrong: set[str]) -> None:
     axes = figure.add_subplot(place, projection="3d")
+    # Computed, it would sort whole bars by their middles, and that of the wide deck is far off.
+    axes.computed_zorder = False
+    axes.view_init(elev=24, azim=-55)
     pallet = order.pallet
     axes.bar3d(0, 0, -pallet.deck_height, pallet.length, pallet.width, pallet.deck_height,
                color="#c8b48f", edgecolor="#8a7a58", linewidth=0.4, alpha=0.6)  # fmt: skip
-    for item in sorted(order.placed, key=lambda box: (float(box.lower[2]), -float(box.lower[1]))):
+    for rank, item in enumerate(from_back_to_front(order.placed), start=2):  # the deck's is 1
         colour = WRONG if item.id in wrong else CARD
-        axes.bar3d(*item.lower, *item.size, color=colour, edgecolor=EDGE, linewidth=0.5, alpha=0.85)
+        bar = axes.bar3d(*item.lower, *item.size, color=colour, edgecolor=EDGE, linewidth=0.5, alpha=0.85)
+        bar.set_zorder(rank)
     highest = max([0.3, *(float(item.upper[2]) for item in order.placed)])
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_box_aspect((pallet.length, pallet.width, highest + pallet.deck_height))
-    axes.view_init(elev=24, azim=-55)
+
+
+def from_back_to_front(boxes: Sequence[PlacedBox]) -> list[PlacedBox]:
+    """The boxes in a sequence in which none hides one after it, seen from above, from +x and -y.
+
+    A box may hide another only if it does not end where the other begins on the side away from the eye. Boxes
+    that stand apart are always told apart so along one of the axes.
+    """
+    left, drawn = list(boxes), list[PlacedBox]()
+    while left:
+        free = (box for box in left if not any(_is_behind(other, box) for other in left if other is not box))
+        following = next(free, left[0])
+        left.remove(following)
+        drawn.append(following)
+    return drawn
+
+
+def _is_behind(box: PlacedBox, other: PlacedBox) -> bool:
+    """Whether `box` must be drawn before `other`: it lies below, farther in y, or nearer to x = 0."""
+    x, y, z = (box.upper[0] <= other.lower[0], box.lower[1] >= other.upper[1], box.upper[2] <= other.lower[2])
+    before = box.lower[0] >= other.upper[0], box.upper[1] <= other.lower[1], box.lower[2] >= other.upper[2]
+    return bool(any((x, y, z)) and not any(before))
 
 
 def _draw_side(axes: Axes, order: Order, wrong: set[str], plane: tuple[int, int], title: str) -> None:

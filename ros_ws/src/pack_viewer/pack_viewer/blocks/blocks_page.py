@@ -47,6 +47,7 @@ class BlocksPage(CellPage):
         super().__init__(server, log)
         self.scene = BlocksScene(server.scene)
         self._status: Any = None
+        self._steps: list[tuple[str, str, str]] = []
         self._jaws: Any = None
         self._motion: Any = None
         self._unseen: tuple[str, ...] = ()
@@ -77,7 +78,7 @@ class BlocksPage(CellPage):
         """Bring plan, values and plots up to date."""
         status = self._status
         put(self._phases, boxed(chips(PHASES, status.phase if status else None)))
-        put(self._plan, signed_list(_steps(status) if status else (), "there is no plan yet"))
+        put(self._plan, signed_list(self._steps, "there is no plan yet"))
         rows = []
         if self._jaws is not None:
             opening, force = 1000 * self._jaws.opening, round(self._jaws.force)
@@ -96,7 +97,7 @@ class BlocksPage(CellPage):
 
     def forget(self) -> None:
         """Begin anew without a plan."""
-        self._status, self._unseen = None, ()
+        self._status, self._unseen, self._steps = None, (), []
         self._jaws, self._motion = None, None
         self.headline = IDLE
         self.scene.set_goals(())
@@ -114,6 +115,10 @@ class BlocksPage(CellPage):
             if before is not None and getattr(status, name) > getattr(before, name):
                 self.log.add(f"{name.replace('_', ' ')}: {getattr(status, name)}", "warning", now)
         self._status = status
+        if status.plan or not status.plans:
+            self._steps = _steps(status)
+        elif status.phase == "DONE":  # of the last plan, which was carried out, nothing is left to plan
+            self._steps = [("✓", GREEN, text) for _, _, text in self._steps]
         step = f"action {min(status.done + 1, len(status.plan))} of {len(status.plan)}" if status.plan else ""
         self.headline = Headline(
             status.phase, ", ".join(filter(None, (f"block {status.block}" if status.block else "", step)))

@@ -91,6 +91,11 @@ class FileChoice:
         self._button = form.gui.add_upload_button(f"upload {kind.label}", color="gray")
         self._button.on_upload(lambda _: self.take(self._button.value))
 
+    def follow(self, on_choice: Callable[[str], None]) -> None:
+        """Have `on_choice` called with what is chosen now, and whenever something else is."""
+        self._list.on_update(lambda _: on_choice(self.name))
+        on_choice(self.name)
+
     def offer(self, kind: FileKind) -> None:
         """Let files of another kind be chosen instead; what was uploaded is forgotten."""
         self._kind, self._uploaded = kind, {}

@@ -32,8 +32,15 @@ class BlocksRunForm(RunForm):
             lambda text, name: parse_problem(text, name, blocks_cell()),
         ))  # fmt: skip
         self._blocks = self.gui.add_number("blocks", 4, min=1, max=25, step=1)
-        self._seed = self.gui.add_number("seed", 0, min=0, max=2**31 - 1, step=1)
+        self._seed = self.gui.add_number(
+            "seed", 0, min=0, max=2**31 - 1, step=1, hint="of a generated problem, and of the planner"
+        )
         self._method = self.gui.add_dropdown("planner", tuple(METHODS))
+        self._problem.follow(self._note_problem)
+
+    def _note_problem(self, name: str) -> None:
+        """A file has its own blocks: their number counts only for a generated problem."""
+        self._blocks.disabled = name != GENERATED
 
     def reset(self) -> tuple[Contract, Any]:
         """The blocks where the problem has them."""
