@@ -73,6 +73,12 @@ class CellNode(Node):
         self.health = Health(name)
         self.failures = Failures(self.health, self.get_logger)
         super().__init__(name, **kwargs)
+        if (namespace := self.get_namespace()) != "/":
+            raise ConfigError(
+                f"node '{name}' was put into the namespace {namespace}; allowed: none, as topics, services "
+                "and lifelines have absolute names, which two cells of one domain would share; give each "
+                "cell a ROS domain of its own (--domain, ROS_DOMAIN_ID)"
+            )
         self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(CLOCKS_PERIOD, self._look_at_clocks, clock=self.wall)
         if not self.may_be_repeated:
