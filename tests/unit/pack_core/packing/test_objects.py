@@ -89,3 +89,11 @@ def test_a_scene_file_with_an_unknown_shape_is_refused_with_the_known_ones() -> 
         parse_config(Scene, text, "scene")
     with pytest.raises(ValidationError):
         Box(name="egg", shape="egg", size=(0.1, 0.1, 0.1), mass=0.1)  # type: ignore[arg-type]
+
+
+def test_objects_without_a_colour_can_be_told_apart_and_keep_theirs() -> None:
+    size = (0.05, 0.05, 0.1)
+    tea, rice = (Box(name=name, mass=0.3, shape="box", size=size) for name in ("tea", "rice"))
+    assert tea.colour == Box(name="tea", mass=0.5, shape="box", size=size).colour
+    assert np.abs(np.array(tea.colour) - rice.colour).max() > 0.1
+    assert Box(name="tea", mass=0.3, shape="box", size=size, colour=(0.1, 0.2, 0.3)).colour == (0.1, 0.2, 0.3)

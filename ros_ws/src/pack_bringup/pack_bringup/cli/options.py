@@ -16,8 +16,12 @@ if TYPE_CHECKING:
     from pack_bringup.viewers import PageProcess
 
 Domain = Annotated[
-    int | None, typer.Option(min=0, max=LAST_DOMAIN, help="ROS domain id; the environment's if not given.")
-]
+    int | None,
+    typer.Option(
+        min=0, max=LAST_DOMAIN,
+        help="ROS domain id; the environment's if not given. Ports of higher ones are Linux's to hand out.",
+    ),
+]  # fmt: skip
 
 
 def domain_of(option: int | None) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import colorsys
+import zlib
 from abc import abstractmethod
 from typing import Annotated, Any, ClassVar, Self
 
@@ -28,13 +30,20 @@ CORNERS = 64
 """Corners of the polygon inscribed in a circle; its sides cut 0.12 % of the radius: 1 - cos(pi / CORNERS)."""
 
 
+def colour_of(name: str) -> Colour:
+    """A colour by which an object without one can be told from others; the same name has always the same."""
+    return colorsys.hsv_to_rgb(zlib.crc32(name.encode()) / 2**32, 0.5, 0.8)
+
+
 class SceneItem(Config):
     """An object of a scene: the origin is the centre of its bounding box, z the axis that stands upright."""
 
     name: ObjectName
     mass: Mass
     friction: Friction | None = Field(default=None, description="None: the scene's")
-    colour: Colour = (0.7, 0.7, 0.7)
+    colour: Colour = Field(
+        default_factory=lambda data: colour_of(str(data.get("name", ""))), description="by default the name's"
+    )
     pose: PoseConfig | None = None
     contact_dimension: ClassVar[int] = 3
     """MuJoCo's `condim`: 3 is sliding friction alone; 6 also resists spinning and rolling."""
