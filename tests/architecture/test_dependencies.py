@@ -1,6 +1,6 @@
 """Dependencies run one way, floor by floor, and package.xml says so.
 
-interfaces <- core <- perception and calibration <- leaves and evaluation <- baselines <- lockstep <- bring-up
+interfaces <- core <- perception, calibration, motion <- leaves <- baselines <- lockstep <- bring-up
 """
 
 import ast
@@ -19,11 +19,8 @@ PYTHON_PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/setup.py")
 FLOORS = (
     {"pack_interfaces", "tf2_msgs"},
     {"pack_core"},
-    {"pallet_calibration", "pack_perception"},
-    {
-        "pack_sim", "pack_planner", "pack_mpc", "pack_motion", "pallet_fsm", "block_fsm",
-        "pack_evaluation",
-    },
+    {"pallet_calibration", "pack_perception", "pack_motion"},
+    {"pack_sim", "pack_planner", "pack_mpc", "pallet_fsm", "block_fsm", "pack_evaluation"},
     {"pack_baselines"},
     {"pack_lockstep", "pack_viewer"},
     {"pack_bringup"},

@@ -27,7 +27,7 @@ from pack_mpc.filling.requests import (
     Presented,
     UsePump,
 )
-from pack_mpc.filling.tool_motion import PathSegment, ToolArm
+from pack_mpc.filling.tool_motion import CupPace, ToolArm, lines
 from pack_mpc.task.task import PackingOutcome
 
 CELL = packing_cell()
@@ -89,8 +89,9 @@ class FakeCell:
                 k = len(self.packs) - 1
                 self.X_WO = Pose(PLACE.p, exp(self.tilts[k]))
                 X_WT = self.X_WO @ HANGING.inverse()
-                way = PathSegment(X_WT.p - ARM.cup(HOME).p, 0.0, 2.0)
-                self.q = ARM.plan(HOME, 0.0, [way], X_WT.q).q[-1]
+                here = ARM.cup(HOME)
+                path = lines(here, [X_WT.p - here.p], CupPace(0.5, 4.0), FillConfig(), X_WT.q)
+                self.q = ARM.plan(HOME, 0.0, path).q[-1]
                 reason = self.reasons[k]
                 success = reason is PackingExitReason.PLACED
                 return Packed(PackingOutcome(reason, success, "as told", 1.0, 0.0, 0.0, 0.0, 1), PLACE)

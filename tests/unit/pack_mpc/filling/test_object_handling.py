@@ -18,7 +18,7 @@ from pack_mpc.filling.cup_moves import CupMoves
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.object_handling import ObjectHandling
 from pack_mpc.filling.requests import FillCommand, FillObservation, FillPort
-from pack_mpc.filling.tool_motion import segments
+from pack_mpc.filling.tool_motion import CupPace, lines
 
 CELL, CONFIG = packing_cell(), FillConfig()
 BROAD = Box(name="broad", shape="box", size=(0.158, 0.06, 0.21), mass=0.4)
@@ -61,7 +61,8 @@ def test_a_tilted_object_is_stood_upright_at_the_hand_over_place(tilt_deg: float
     axis = np.array([np.cos(heading), np.sin(heading), 0.0])
     q_WT = multiply(exp(np.deg2rad(tilt_deg) * axis), multiply(from_yaw(0.0), np.array(UPSIDE_DOWN)))
     there = np.array([0.5, 0.0, 0.25]) - moves.arm.cup(HOME).p
-    q = moves.arm.plan(HOME, 0.0, segments([there], 0.2), q_WT).q[-1]
+    path = lines(moves.arm.cup(HOME), [there], CupPace(0.2, 4.0), CONFIG, q_WT)
+    q = moves.arm.plan(HOME, 0.0, path).q[-1]
     assert angle_between(moves.arm.cup(q).q, q_WT) < 0.01
     poses, is_released = follow(ObjectHandling(moves, CELL, CONFIG), moves, q)
     assert is_released

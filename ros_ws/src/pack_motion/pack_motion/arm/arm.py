@@ -19,9 +19,7 @@ from pack_core.robots import kr210, robotiq_2f85, ur10e
 from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array
 from pack_motion.arm.bodies import BodyBoxes, Fingers, boxes_from_model, fingers_from_model, fixed_boxes
-
-JERK_TIME = 0.1
-"""Time in which a joint reaches its full acceleration [s]; arms' jerk limits are not published."""
+from pack_motion.reference.curve import JERK_TIME
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,11 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from pack_core.motion.moves import Line
-from pack_core.rotations import Array, Pose, angle_between, conjugate, exp, log, multiply, to_matrix
-from pack_motion.arm.arm import JERK_TIME
+from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, to_matrix
 from pack_motion.reference.trajectory import MoveRefused
 
+JERK_TIME = 0.1
+"""Time in which joint or tool reaches its full acceleration [s]; arms' jerk limits are not published."""
 RADIUS = 0.3
 """A turn by 1 rad counts as a path of this length [m], so that lines that only turn have a length too."""
 CORNER_ROWS = 65
@@ -30,6 +31,7 @@ class CurvePoints:
         dp: first derivative of the position `(T, 3)`.
         ddp: second derivative of the position `(T, 3)` [1/m].
         turn: rotation vector per arc length in world axes `(T, 3)` [rad/m].
+        dturn: its derivative `(T, 3)` [rad/m^2].
     """
 
     p: Array
@@ -37,6 +39,7 @@ class CurvePoints:
     dp: Array
     ddp: Array
     turn: Array
+    dturn: Array
 
 
 class Curve(Protocol):
@@ -66,7 +69,8 @@ class StraightCurve:
         """Tool poses at arc lengths `(T,)` [m]."""
         R = to_matrix(multiply(exp(s[:, None] * self.turn), np.broadcast_to(self._q, (len(s), 4))))
         dp, turn = (np.broadcast_to(row, (len(s), 3)) for row in (self.direction, self.turn))
-        return CurvePoints(self._p + s[:, None] * dp, R, dp, np.zeros((len(s), 3)), turn)
+        zero = np.zeros((len(s), 3))
+        return CurvePoints(self._p + s[:, None] * dp, R, dp, zero, turn, zero)
 
 
 class CornerCurve:
@@ -77,16 +81,17 @@ class CornerCurve:
 
     Args:
         p: where it leaves the first line, the corner, and where it meets the second line `(3, 3)` [m].
-        q: orientation of the tool, which stays the same.
+        q: orientation of the tool where it leaves the first line `(4,)`.
+        turn: rotation vector per arc length of both lines `(3,)` [rad/m].
     """
 
-    def __init__(self, p: Array, q: Array) -> None:
+    def __init__(self, p: Array, q: Array, turn: Array) -> None:
         first, corner, last = p
         self._points = np.array(
             [first, first + 0.4 * (corner - first), first + 0.8 * (corner - first),
              last + 0.8 * (corner - last), last + 0.4 * (corner - last), last]
         )  # fmt: skip
-        self._R = to_matrix(q)
+        self._R, self._q, self._turn = to_matrix(q), q, turn
         u = np.linspace(0.0, 1.0, CORNER_ROWS)
         # Arc length at every u by Gauss-Legendre quadrature of |dp/du| between neighbouring u; then u(s) by a
         # cubic through these values with the slopes du/ds = 1 / |dp/du|.
@@ -96,6 +101,9 @@ class CornerCurve:
         way = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(u) * (speeds @ weights))])
         self._u_of = CubicHermiteSpline(way, u, 1.0 / np.linalg.norm(self._bezier(u, 1), axis=1))
         self.length = float(way[-1])
+        cut_off = float(np.linalg.norm(corner - first) + np.linalg.norm(last - corner))
+        # The corner is shorter than what it cuts off the lines, by this share, but the tool turns as far.
+        self._ahead = cut_off / self.length - 1.0
 
     @property
     def sharpest(self) -> float:
@@ -111,8 +119,21 @@ class CornerCurve:
         dp = d / rate
         # Curvature vector: the part of p'' across the tangent, over |p'|^2.
         ddp = (dd - np.sum(dd * dp, axis=1, keepdims=True) * dp) / rate**2
-        R = np.broadcast_to(self._R, (len(s), 3, 3))
-        return CurvePoints(self._bezier(u, 0), R, dp, ddp, np.zeros((len(s), 3)))
+        return CurvePoints(self._bezier(u, 0), *self._turned(s, dp, ddp))
+
+    def _turned(self, s: Array, dp: Array, ddp: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """Orientations, the given derivatives, and those of the rotation.
+
+        The angle is the cubic with the lines' rate at both ends that turns by as much as the lines did.
+        """
+        if not self._turn.any():
+            zero = np.zeros((len(s), 3))
+            return np.broadcast_to(self._R, (len(s), 3, 3)), dp, ddp, zero, zero
+        w, length, ahead = (s / self.length)[:, None], self.length, self._ahead
+        angle = length * (w + ahead * w**2 * (3.0 - 2.0 * w)) * self._turn
+        R = to_matrix(multiply(exp(angle), np.broadcast_to(self._q, (len(s), 4))))
+        turn = (1.0 + 6.0 * ahead * w * (1.0 - w)) * self._turn
+        return R, dp, ddp, turn, 6.0 * ahead * (1.0 - 2.0 * w) / length * self._turn
 
     def _bezier(self, u: Array, order: int) -> Array:
         """Derivative of the given order at parameters `(T,)` by de Casteljau's algorithm: `(T, 3)`."""
@@ -126,11 +147,22 @@ class CornerCurve:
 
 
 def trimmed(X_start: Pose, X_end: Pose, cuts: Sequence[float]) -> StraightCurve:
-    """The line between two poses of equal orientation, with a length cut off at each end [m]."""
+    """The line between two poses whose orientations are equal, or so near that it is as long as the way.
+
+    A length `cuts` is cut off at each end [m].
+    """
     step = X_end.p - X_start.p
     direction = step / np.linalg.norm(step)
     ends = X_start.p + cuts[0] * direction, X_end.p - cuts[1] * direction
-    return StraightCurve(Pose(ends[0], X_start.q), Pose(ends[1], X_end.q))
+    turn = _turn_of(X_start, X_end)
+    q_start, q_end = multiply(exp(cuts[0] * turn), X_start.q), multiply(exp(-cuts[1] * turn), X_end.q)
+    return StraightCurve(Pose(ends[0], q_start), Pose(ends[1], q_end))
+
+
+def _turn_of(X_start: Pose, X_end: Pose) -> Array:
+    """Rotation vector per length of a line `(3,)` [rad/m]; exactly zero if it is one by rounding only."""
+    line = StraightCurve(X_start, X_end)
+    return line.turn if np.linalg.norm(line.turn) * line.length > IN_LINE else np.zeros(3)
 
 
 IN_LINE = 1e-4
@@ -198,11 +230,15 @@ def _cut(poses: Sequence[Pose], line: Line) -> float:
     """Length that the corner cuts off both lines [m]: at most half of the shorter line."""
     if not line.blend or not line.exit_speed or _is_in_line(poses):
         return 0.0
-    if max(angle_between(poses[0].q, poses[1].q), angle_between(poses[1].q, poses[2].q)) > IN_LINE:
-        raise MoveRefused(
-            f"'{line.label}' is blended though the tool turns along it or after it; set blend to 0"
-        )
+    turns = [_turn_of(poses[0], poses[1]), _turn_of(poses[1], poses[2])]
     lengths = [float(np.linalg.norm(b.p - a.p)) for a, b in ((poses[0], poses[1]), (poses[1], poses[2]))]
+    # Where the turn takes longer than the way, its length is not that of the way.
+    is_quick = RADIUS * max(float(np.linalg.norm(turn)) for turn in turns) > 1.0 - IN_LINE
+    if is_quick or np.linalg.norm(turns[1] - turns[0]) > IN_LINE:
+        raise MoveRefused(
+            f"'{line.label}' is blended though the tool turns along it or after it, not slowly and evenly "
+            "along both; set blend to 0"
+        )
     return min(line.blend, 0.5 * min(lengths))
 
 
@@ -210,7 +246,9 @@ def _corner(poses: Sequence[Pose], cut: float, line: Line, after: Line, segment:
     before, corner, last = (pose.p for pose in poses)
     start = corner + cut * (before - corner) / np.linalg.norm(before - corner)
     end = corner + cut * (last - corner) / np.linalg.norm(last - corner)
-    curve = CornerCurve(np.array([start, corner, end]), poses[1].q)
+    turn = _turn_of(poses[0], poses[1])
+    q = multiply(exp(-cut * turn), poses[1].q)
+    curve = CornerCurve(np.array([start, corner, end]), q, turn)
     acceleration = min(line.acceleration, after.acceleration)
     # Centripetal acceleration v^2 kappa within the limit: v <= sqrt(a / kappa).
     speed = min(line.exit_speed, after.speed, float(np.sqrt(acceleration / curve.sharpest)))

@@ -7,16 +7,16 @@ row by row; then, where a joint would exceed its limits, less acceleration or a 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 import ruckig
 
-from pack_core.kinematics.inverse import Branch
+from pack_core.kinematics.inverse import Branch, InverseKinematics
 from pack_core.rotations import Array
-from pack_motion.arm.arm import JERK_TIME, MotionArm
-from pack_motion.reference.curve import CurvePoints, CurveSegment, SegmentLimits
+from pack_motion.reference.curve import JERK_TIME, CurvePoints, CurveSegment, SegmentLimits
 from pack_motion.reference.joint_move import MoveLimits, fastest
 from pack_motion.reference.trajectory import MoveRefused, ReferenceTrajectory, grid
 
@@ -99,39 +99,82 @@ SOFTENINGS = 3
 """How often accelerations are lowered, segment by segment, before the run is slowed as a whole."""
 
 FURTHER = 1.02
+"""Accelerations are lowered by so much more than the excess: what comes from speed does not shrink."""
 
 LARGEST_SLOWING = 20.0
 """Largest factor by which lines may be slowed to keep the joint limits; beyond it the move is refused."""
 
 
+class Follower(Protocol):
+    """Inverse kinematics along a curve, from one row to the next."""
+
+    def follow(self, R_WT: Array, p_WT: Array, q_near: Array) -> Array | None:
+        """Joint positions `(n,)` next to `q_near` that bring the tool there; None: none in the limits."""
+
+    def joint_rates(self, times: Array, q: Array, rates: Array, accelerations: Array) -> tuple[Array, Array]:
+        """Joint velocities and accelerations `(T, n)` of rows.
+
+        Args:
+            times: of the rows `(T,)` [s].
+            q: joint positions `(T, n)`, as `follow` found them.
+            rates: of the tool `(T, 6)`, world axes: linear, then angular.
+            accelerations: of the tool `(T, 6)`.
+        """
+
+
+@dataclass(frozen=True)
+class BranchFollower:
+    """Follows in one branch of a closed-form inverse."""
+
+    inverse: InverseKinematics
+    branch: Branch
+
+    def follow(self, R_WT: Array, p_WT: Array, q_near: Array) -> Array | None:
+        """See `Follower`."""
+        return self.inverse.follow_matrix(R_WT, p_WT, q_near, self.branch)
+
+    def joint_rates(self, times: Array, q: Array, rates: Array, accelerations: Array) -> tuple[Array, Array]:
+        """See `Follower`."""
+        return self.inverse.chain.joint_rates(q, rates, accelerations)
+
+
+class LineRefused(MoveRefused):
+    """Lines cannot be followed to their end.
+
+    Attributes:
+        length: arc length from their start up to which they can be [m].
+    """
+
+    def __init__(self, reason: str, length: float) -> None:
+        super().__init__(reason)
+        self.length = length
+
+
 def line_run(
-    arm: MotionArm,
-    run: Sequence[CurveSegment],
-    entry_speed: float,
-    q_start: Array,
-    branch: Branch,
-    limits: MoveLimits,
+    arm: Follower, run: Sequence[CurveSegment], entry_speed: float, q_start: Array, limits: MoveLimits
 ) -> ReferenceTrajectory:
     """The joint reference along segments of the curve, slowed as a whole until every joint keeps its limits.
 
     Raises:
-        MoveRefused: the lines leave the arm's reach, a joint's range or the branch of the inverse
+        LineRefused: the lines leave the arm's reach, a joint's range or the branch of the inverse
             kinematics, or pass too near to a singular posture.
     """
     for _ in range(SOFTENINGS + 1):
         speeds = border_speeds([segment.limits for segment in run], entry_speed)
-        times, rates, points, owners = _timed(run, speeds)
-        q = _joint_positions(arm, points, q_start, branch)
-        v, a = _joint_rates(arm, q, points, rates)
+        times, rates, ways, points, owners = _timed(run, speeds)
+        q = _joint_positions(arm, points, ways, q_start)
+        v, a = arm.joint_rates(times, q, *_tool_rates(points, rates))
         excess = np.abs(a / limits.acceleration).max(axis=1)
         if excess.max() <= 1.0:
             break
         run = _softened(run, owners, excess)
     segments = np.array([segment.index for segment in run])[owners]
-    slow = _slowing(v, a, limits)
+    slowings = _slowings(v, a, limits)
+    slow = float(slowings.max())
     if not slow < LARGEST_SLOWING:  # written so that nan is refused too
-        raise MoveRefused(
-            f"the line passes so near to a singular posture that it would take {slow:.0f} times longer"
+        raise LineRefused(
+            f"the line passes so near to a singular posture that it would take {slow:.0f} times longer",
+            float(ways[np.argmin(slowings < LARGEST_SLOWING)]),
         )
     return ReferenceTrajectory(slow * times, q, v / slow, a / slow**2, segments)
 
@@ -143,7 +186,6 @@ def _softened(
     softened = []
     for i, segment in enumerate(run):
         factor = float(excess[owners == i].max(initial=0.0))
-        # A little more than the excess, as the part of it that comes from the speed does not shrink.
         factor = FURTHER * factor if factor > 1.0 else 1.0
         limits = replace(segment.limits, acceleration=segment.limits.acceleration / factor)
         softened.append(replace(segment, limits=limits))
@@ -152,9 +194,9 @@ def _softened(
 
 def _timed(
     run: Sequence[CurveSegment], speeds: Sequence[float]
-) -> tuple[Array, Array, CurvePoints, npt.NDArray[np.int64]]:
-    """Of all rows: times, speed and acceleration on the curve `(T, 2)`, curve points, index of segment."""
-    times, rates, points, owners, elapsed = [], [], [], [], 0.0
+) -> tuple[Array, Array, Array, CurvePoints, npt.NDArray[np.int64]]:
+    """Of all rows: times, speed and acceleration on the curve `(T, 2)`, arc lengths, points, segments."""
+    times, rates, ways, points, owners, elapsed, way = [], [], [], [], [], 0.0, 0.0
     for i, segment in enumerate(run):
         profile = speed_profile(segment.limits, speeds[i], speeds[i + 1])
         rows = grid(profile.duration)[bool(i) :]  # from the second segment on, row 0 is the last one's end
@@ -162,9 +204,11 @@ def _timed(
         times.append(elapsed + rows)
         rates.append(states[:, 1:])
         points.append(segment.curve.at(np.clip(states[:, 0], 0.0, segment.limits.length)))
+        ways.append(way + states[:, 0])
         owners.append(np.full(len(rows), i))
-        elapsed += profile.duration
-    return np.concatenate(times), np.concatenate(rates), _joined(points), np.concatenate(owners)
+        elapsed, way = elapsed + profile.duration, way + segment.limits.length
+    joined = np.concatenate(times), np.concatenate(rates), np.concatenate(ways)
+    return *joined, _joined(points), np.concatenate(owners)
 
 
 def _joined(points: Sequence[CurvePoints]) -> CurvePoints:
@@ -172,27 +216,33 @@ def _joined(points: Sequence[CurvePoints]) -> CurvePoints:
     return CurvePoints(*(np.concatenate([getattr(part, name) for part in points]) for name in names))
 
 
-def _joint_positions(arm: MotionArm, points: CurvePoints, q_start: Array, branch: Branch) -> Array:
-    q, rows = q_start, np.empty((len(points.p), arm.chain.n))
+def _joint_positions(arm: Follower, points: CurvePoints, ways: Array, q_start: Array) -> Array:
+    q, rows = q_start, np.empty((len(points.p), len(q_start)))
     for i, (R, p) in enumerate(zip(points.R, points.p, strict=True)):
-        found = arm.inverse.follow_matrix(R, p, q, branch)
+        found = arm.follow(R, p, q)
         if found is None:
-            raise MoveRefused(f"the line is out of the arm's reach or joint range at {p.round(3).tolist()} m")
+            raise _refused("is out of the arm's reach or joint range", p, float(ways[i]))
         if np.abs(found - q).max() > LARGEST_STEP:
-            raise MoveRefused(f"the line passes a singular posture at {p.round(3).tolist()} m")
+            raise _refused("passes a singular posture", p, float(ways[i]))
         rows[i] = q = found
     return rows
 
 
-def _joint_rates(arm: MotionArm, q: Array, points: CurvePoints, rates: Array) -> tuple[Array, Array]:
+def _refused(why: str, p: Array, length: float) -> LineRefused:
+    return LineRefused(f"the line {why} at {p.round(3).tolist()} m", length)
+
+
+def _tool_rates(points: CurvePoints, rates: Array) -> tuple[Array, Array]:
+    """Velocities and accelerations of the tool `(T, 6)`."""
     ds, dds = rates[:, :1], rates[:, 1:]
     slope = np.hstack([points.dp, points.turn])
-    bend = np.hstack([points.ddp, np.zeros_like(points.turn)])
+    bend = np.hstack([points.ddp, points.dturn])
     # Chain rule for the pose x(s(t)): dx/dt = x' ds/dt, and d2x/dt2 = x' d2s/dt2 + x'' (ds/dt)^2.
-    return arm.chain.joint_rates(q, slope * ds, slope * dds + bend * ds**2)
+    return slope * ds, slope * dds + bend * ds**2
 
 
-def _slowing(v: Array, a: Array, limits: MoveLimits) -> float:
-    """Factor k >= 1 by which the run must take longer: speeds fall with k, accelerations with k^2."""
-    speed = float((np.abs(v) / limits.velocity).max())
-    return max(1.0, speed, float(np.sqrt((np.abs(a) / limits.acceleration).max())))
+def _slowings(v: Array, a: Array, limits: MoveLimits) -> Array:
+    """Factors k >= 1 `(T,)` by which rows must take longer: speeds fall with k, accelerations with k^2."""
+    speed = (np.abs(v) / limits.velocity).max(axis=1)
+    acceleration = (np.abs(a) / limits.acceleration).max(axis=1)
+    return np.asarray(np.maximum(1.0, np.maximum(speed, np.sqrt(acceleration))))

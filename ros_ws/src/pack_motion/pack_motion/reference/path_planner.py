@@ -14,7 +14,7 @@ from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.curve import curve_segments
 from pack_motion.reference.joint_move import MoveLimits, brake, joint_move
-from pack_motion.reference.line_run import line_run
+from pack_motion.reference.line_run import BranchFollower, line_run
 from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceTrajectory
 
 SLOWING_TRIES, SLOWING_MARGIN = 6, 0.99
@@ -150,9 +150,10 @@ class PathPlanner:
         run = curve_segments(self._arm.chain.forward(q), lines, i)
         if not run:
             return _standing(q, i), j
-        branch = self._arm.inverse.branch(q)
+        inverse = self._arm.inverse
+        follower = BranchFollower(inverse, inverse.branch(q))
         try:
-            return line_run(self._arm, run, entry_speed, q, branch, self._limits), j
+            return line_run(follower, run, entry_speed, q, self._limits), j
         except MoveRefused as refusal:
             raise MoveRefused(f"'{lines[0].label}' to '{lines[-1].label}': {refusal}") from refusal
 

@@ -12,11 +12,9 @@ from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
 from pack_core.tasks.steps import Steps
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.requests import FillCommand, FillPort, Until
-from pack_mpc.filling.tool_motion import PEAK, PathSegment, ToolArm, segments
+from pack_mpc.filling.tool_motion import CupPace, ToolArm, lines
 from pack_mpc.task.stages import nearest_heading
 
-OVERLAP = 0.35
-"""Share of a segment during which the next one begins already, well above everything."""
 PAUSE = 0.1
 """Time after a motion until the arm has come to rest [s]."""
 
@@ -59,7 +57,7 @@ class CupMoves:
             up, down = travel - float(X_WT.p[2]), float(goal[2]) - travel
             ways = [np.array([0.0, 0.0, up]), across, np.array([0.0, 0.0, down])]
         ways = [way for way in ways if np.linalg.norm(way) > 1e-4] or [np.zeros(3)]
-        yield from self.move(segments(ways, config.speed, OVERLAP), q_WT)
+        yield from self.move(ways, self.pace(config.speed), q_WT)
 
     def is_over(self, X_WN: Pose) -> bool:
         """Whether the cup is so nearly over an object at X_WN that it seals when it comes down."""
@@ -76,24 +74,32 @@ class CupMoves:
 
     def down(self, way: float, until: Until) -> Steps[None]:
         """Come down slowly, until a condition holds."""
-        path = [PathSegment(np.array([0.0, 0.0, -way]), 0.0, PEAK * way / self._config.touch_speed)]
-        yield from self.move(path, until=until)
+        yield from self.move([np.array([0.0, 0.0, -way])], self.gentle(self._config.touch_speed), until=until)
 
     def rise(self, way: float, until: Until | None = None, speed: float | None = None) -> Steps[None]:
         """Rise straight up; what comes next need not wait for the arm to come to rest."""
-        path = segments([np.array([0.0, 0.0, way])], speed or self._config.speed)
-        yield from self.move(path, until=until, pause=0.0)
+        way_up = np.array([0.0, 0.0, way])
+        yield from self.move([way_up], self.pace(speed or self._config.speed), until=until, pause=0.0)
+
+    def pace(self, speed: float) -> CupPace:
+        """The pace of motions through free space at a speed [m/s]."""
+        return CupPace(speed, self._config.acceleration)
+
+    def gentle(self, speed: float) -> CupPace:
+        """The pace of motions that end on a contact, whose start must not feel like one, at a speed [m/s]."""
+        return CupPace(speed, self._config.touch_acceleration)
 
     def move(
         self,
-        path: list[PathSegment],
+        ways: list[Array],
+        pace: CupPace,
         q_WT: Array | None = None,
         until: Until | None = None,
         pause: float = PAUSE,
     ) -> Steps[None]:
-        """Follow a path to its end and for `pause` [s] beyond, or until a condition holds."""
+        """Go along displacements `(3,)` [m] and for `pause` [s] beyond, or until a condition holds."""
         port = self.port
-        motion = self.arm.plan(port.q, port.time, path, q_WT)
+        motion = self.arm.plan(port.q, port.time, lines(self.cup, ways, pace, self._config, q_WT))
         while port.time < motion.end + pause:
             if until is not None and until():
                 return

@@ -16,10 +16,18 @@ class FillConfig(Config):
     changeable: ClassVar[Changeable] = NEXT_GOAL
 
     speed: PositiveFloat = Field(default=0.9, description="largest speed of the empty cup [m/s]")
+    acceleration: PositiveFloat = Field(default=4.0, description="largest acceleration of the cup [m/s^2]")
+    corner: PositiveFloat = Field(
+        default=0.1, description="way on either side of a corner, over everything, on which it is rounded [m]"
+    )
+    corner_speed: PositiveFloat = Field(default=0.35, description="largest speed of the cup there [m/s]")
     carry_speed: PositiveFloat = Field(
         default=0.4, description="largest speed when an object is put aside [m/s]"
     )
     touch_speed: PositiveFloat = Field(default=0.045, description="speed towards an object's top [m/s]")
+    touch_acceleration: PositiveFloat = Field(
+        default=0.3, description="where a contact is awaited: a start must not feel like one [m/s^2]"
+    )
     clearance: PositiveFloat = Field(default=0.03, description="gap over what the arm passes [m]")
     approach: PositiveFloat = Field(
         default=0.012, description="height over an object's top from which the cup comes down slowly [m]"

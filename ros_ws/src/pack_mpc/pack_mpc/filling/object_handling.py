@@ -11,7 +11,6 @@ from pack_core.tasks.steps import Steps
 from pack_mpc.filling.cup_moves import CupMoves
 from pack_mpc.filling.fill_config import FillConfig
 from pack_mpc.filling.requests import UsePump
-from pack_mpc.filling.tool_motion import segments
 from pack_mpc.task.stages import UP
 
 
@@ -87,7 +86,7 @@ class ObjectHandling:
             return missing < config.standing and self._height < config.standing
 
         yield from self._moves.move(
-            segments([way], config.set_down_speed), until=lambda: resists() or stands()
+            [way], self._moves.gentle(config.set_down_speed), until=lambda: resists() or stands()
         )
         X_WN = self._X_WO
         tilt = float(np.rad2deg(np.arccos(np.clip(rotate(X_WN.q, UP)[2], -1.0, 1.0))))
@@ -138,9 +137,9 @@ class ObjectHandling:
         # tilted as it may have been between others, the arm could not reach the place
         q_WT, X_WN = self._upright()
         across = np.array([*(self._cell.hand_over.pose_of(item).p - X_WN.p)[:2], 0.0])
-        yield from self._moves.move(segments([across], config.carry_speed), q_WT)
+        yield from self._moves.move([across], self._moves.pace(config.carry_speed), q_WT)
         down = np.array([0.0, 0.0, -max(self._height - config.approach, 0.0)])
-        yield from self._moves.move(segments([down], config.carry_speed))
+        yield from self._moves.move([down], self._moves.pace(config.carry_speed))
         touches = self._moves.contact()
         yield from self._moves.down(
             config.approach + config.overshoot, lambda: touches() or self._height < config.standing

@@ -1,67 +1,68 @@
-"""Motions of the cup through free space: to an object, down on it, and away from it.
-
-The cup's path is a sum of segments, each a straight displacement with a minimum-jerk profile. A segment may
-begin before the one before it has ended, which rounds the corner between them.
-"""
+"""Motions of the cup through free space: to an object, down on it, and away from it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
 from pack_core.joints import Setpoints
-from pack_core.kinematics import screws
 from pack_core.kinematics.chain import chain_from_model
-from pack_core.kinematics.damping import damped_inverse
+from pack_core.kinematics.damping import RedundantFollower
+from pack_core.motion.moves import Line
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import UPSIDE_DOWN
 from pack_core.robots.pump import add_pump
-from pack_core.rotations import Array, Pose, angle_between, conjugate, exp, log, multiply, yaw_of
+from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, yaw_of
+from pack_motion.reference.curve import JERK_TIME, RADIUS, SHORTEST, CurveSegment, curve_segments
+from pack_motion.reference.joint_move import MoveLimits
+from pack_motion.reference.line_run import LineRefused, line_run
+from pack_mpc.filling.fill_config import FillConfig
 
 PERIOD = 0.02
 """Time between two rows of a motion [s]."""
 SENT = 0.3
 """Length of what is sent to the driver at once [s]; it must outlast the time between two sendings."""
-PEAK = 1.875
-"""Peak speed of a minimum-jerk profile over its mean: the maximum of 30 s^2 - 60 s^3 + 30 s^4."""
-SHORTEST = 0.2
-"""No segment takes less [s], however short it is."""
-CENTRING = 1.0
-"""Rate at which joints drift to the home pose where the cup's pose leaves them free [1/s]."""
-ROUNDS = 3
-"""Newton steps of the inverse kinematics a row; the rows are near enough for errors below 0.1 mm."""
-LAG, LAG_ANGLE = 0.01, 0.05
-"""A motion ends where the cup would be farther from its path, as the arm cannot follow it [m], [rad]."""
-LEAP = 2.0
-"""And where a joint would be faster than this many times its limit, as near a singular posture."""
+SHORTER = 0.005
+"""Where the arm cannot follow a path, the motion ends this far before [m]."""
 
 
 @dataclass(frozen=True)
-class PathSegment:
-    """A straight part of a path: the displacement `(3,)` [m] from `start` [s] on, over `duration` [s]."""
+class CupPace:
+    """Largest speed [m/s] and acceleration [m/s^2] of the cup."""
 
-    way: Array
-    start: float
-    duration: float
+    speed: float
+    acceleration: float
 
 
-def segments(ways: Sequence[Array], speed: float, overlap: float = 0.0) -> list[PathSegment]:
-    """Segments one after the other, each begun when a share `overlap` of the one before is still to come.
+def lines(
+    X_WT: Pose, ways: Sequence[Array], pace: CupPace, config: FillConfig, q_end: Array | None = None
+) -> list[Line]:
+    """Lines of the cup, one after the other, along which it turns evenly.
 
     Args:
+        X_WT: where the cup is.
         ways: displacements `(3,)` [m].
-        speed: largest speed of a segment [m/s].
-        overlap: share of a segment's time, from 0 (stop at every corner) to below 1.
+        pace: of the cup.
+        config: how corners are rounded.
+        q_end: orientation of the cup at the end; None: as it is.
     """
-    found: list[PathSegment] = []
-    start = 0.0
-    for way in ways:
-        duration = max(SHORTEST, PEAK * float(np.linalg.norm(way)) / speed)
-        found.append(PathSegment(way, start, duration))
-        start += (1.0 - overlap) * duration
+    turn = np.zeros(3) if q_end is None else log(multiply(q_end, conjugate(X_WT.q)))
+    lengths = [float(np.linalg.norm(way)) for way in ways]
+    total = max(sum(lengths), SHORTEST)
+    # Where the turn takes longer than the way, the cup's speed is no steady one: corners are stops then.
+    is_rounded = RADIUS * np.linalg.norm(turn) < total
+    p, share, found = X_WT.p, 0.0, []
+    for way, length in zip(ways, lengths, strict=True):
+        p, share = p + way, share + length / total
+        line = Line(Pose(p, multiply(exp(share * turn), X_WT.q)), pace.speed, pace.acceleration)
+        if is_rounded:
+            line = replace(line, exit_speed=config.corner_speed, blend=config.corner)
+        found.append(line)
+    X_end = Pose(p, X_WT.q if q_end is None else q_end)
+    found[-1] = replace(found[-1], X_WT=X_end, exit_speed=0.0, blend=0.0)
     return found
 
 
@@ -116,6 +117,7 @@ class ToolArm:
         self._data = mujoco.MjData(self._model)
         self._chain = chain_from_model(self._model, arm.joints, "tool")
         self._limits, self._home = arm.limits, np.array(cell.robot.home)
+        self._follower = RedundantFollower(self._chain, arm.limits.lower, arm.limits.upper, self._home)
 
     def cup(self, q: Array) -> Pose:
         """X_WT of the cup at joint positions `(7,)`."""
@@ -126,56 +128,32 @@ class ToolArm:
         """Heading of the cup, turned upright, at the arm's home pose [rad]."""
         return yaw_of(multiply(self.cup(self._home).q, np.array(UPSIDE_DOWN)))
 
-    def plan(
-        self, q: Array, start: float, path: Sequence[PathSegment], q_WT: Array | None = None
-    ) -> CupMotion:
+    def plan(self, q: Array, start: float, path: Sequence[Line]) -> CupMotion:
         """The motion along a path, as far as the arm can follow it.
 
         Args:
-            q: where the arm is `(7,)` [rad].
+            q: where the arm is `(7,)` [rad], at rest.
             start: time at which it begins [s].
-            path: segments, in the world's axes.
-            q_WT: orientation of the cup at the end; None: as it is.
+            path: lines of the cup.
         """
         q = np.clip(q, self._limits.lower, self._limits.upper)
-        X_WT = self.cup(q)
-        end = max(segment.start + segment.duration for segment in path)
-        turn = np.zeros(3) if q_WT is None else log(multiply(q_WT, conjugate(X_WT.q)))
-        rows = [q]
-        for t in PERIOD * np.arange(1, int(np.ceil(end / PERIOD)) + 1):
-            shift = sum(
-                (_profile((t - segment.start) / segment.duration) * segment.way for segment in path),
-                np.zeros(3),
-            )
-            wanted = Pose(X_WT.p + shift, multiply(exp(_profile(t / end) * turn), X_WT.q))
-            row = self._follow(rows[-1], wanted)
-            leap = float(np.max(np.abs(row - rows[-1]) / self._limits.velocity)) / PERIOD
-            if leap > LEAP or not _is_near(self.cup(row), wanted):
-                rows.append(rows[-1])
+        limits = MoveLimits(
+            self._limits.velocity, self._limits.acceleration, self._limits.acceleration / JERK_TIME
+        )
+        run = curve_segments(self.cup(q), path, 0)
+        while run:
+            try:
+                reference = line_run(self._follower, run, 0.0, q, limits)
                 break
-            rows.append(row)
-        qs = np.array(rows)
-        v = np.gradient(qs, PERIOD, axis=0)
-        v[0], v[-1] = 0.0, 0.0
-        a = np.gradient(v, PERIOD, axis=0)
-        limit = self._limits.velocity
-        return CupMotion(start, qs, np.clip(v, -limit, limit), self._torques(qs, v, a))
-
-    def _follow(self, q: Array, X_WT: Pose) -> Array:
-        """Joint positions near `q` `(7,)` at which the cup is at X_WT, by damped least squares."""
-        pull = CENTRING * PERIOD * (self._home - q)
-        for k in range(ROUNDS):
-            R, d = self._chain.links(q)
-            z, p = screws.world_axes(self._chain.axes, self._chain.points, R, d)
-            here = self.cup(q)
-            J = screws.jacobian(z, p, here.p, len(q) - 1)
-            error = np.concatenate([X_WT.p - here.p, log(multiply(X_WT.q, conjugate(here.q)))])
-            inverse = damped_inverse(J)
-            step = inverse @ error
-            if k == 0:  # the motion that leaves the cup where it is
-                step += pull - inverse @ (J @ pull)
-            q = np.clip(q + step, self._limits.lower, self._limits.upper)
-        return q
+            except LineRefused as refusal:
+                run = _cut(run, refusal.length - SHORTER)
+        else:
+            zero = np.zeros((2, len(q)))
+            return CupMotion(start, zero + q, zero, zero)
+        times = PERIOD * np.arange(int(np.ceil(reference.duration / PERIOD)) + 1)
+        states = [reference.at(float(time))[0] for time in times]
+        qs, v, a = (np.array([getattr(state, name) for state in states]) for name in ("q", "v", "a"))
+        return CupMotion(start, qs, v, self._torques(qs, v, a))
 
     def _torques(self, q: Array, v: Array, a: Array) -> Array:
         """Inverse dynamics without gravity `(T, 7)` [N m], within the joints' limits."""
@@ -187,12 +165,15 @@ class ToolArm:
         return np.clip(tau, -self._limits.effort, self._limits.effort)
 
 
-def _is_near(X_WT: Pose, wanted: Pose) -> bool:
-    distance = float(np.linalg.norm(X_WT.p - wanted.p))
-    return distance < LAG and float(angle_between(X_WT.q, wanted.q)) < LAG_ANGLE
-
-
-def _profile(s: float) -> float:
-    """Minimum-jerk progress from 0 to 1 over s from 0 to 1."""
-    s = min(max(s, 0.0), 1.0)
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+def _cut(run: Sequence[CurveSegment], length: float) -> list[CurveSegment]:
+    """The first `length` [m] of a path, to a stop there."""
+    kept: list[CurveSegment] = []
+    for segment in run:
+        limits = segment.limits
+        if length < limits.length:
+            if length > 0.0:
+                kept.append(replace(segment, limits=replace(limits, length=length, exit_speed=0.0)))
+            break
+        kept.append(segment)
+        length -= limits.length
+    return kept
