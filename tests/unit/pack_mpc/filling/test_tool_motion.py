@@ -102,3 +102,12 @@ def test_a_turn_on_the_spot_ends_where_it_began() -> None:
 def test_no_way_is_no_motion() -> None:
     motion = planned((0.0, 0.0, 0.0))
     np.testing.assert_array_equal(motion.q, np.array([HOME, HOME]))
+
+
+@pytest.mark.parametrize("up", [2e-4, 1e-3, 5e-3])
+def test_a_short_first_way_with_hardly_a_turn_is_rounded_like_any_other(up: float) -> None:
+    q_WT = multiply(from_yaw(0.03), ARM.cup(HOME).q)
+    ways = [np.array([0.0, 0.0, up]), np.array([-0.08, -0.3, 0.0]), np.array([0.0, 0.0, -0.15])]
+    end = ARM.cup(planned(*ways, q_WT=q_WT).q[-1])
+    np.testing.assert_allclose(end.p, ARM.cup(HOME).p + sum(ways), atol=2e-4)
+    assert angle_between(end.q, q_WT) < 1e-3

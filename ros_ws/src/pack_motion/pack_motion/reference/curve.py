@@ -232,14 +232,15 @@ def _cut(poses: Sequence[Pose], line: Line) -> float:
         return 0.0
     turns = [_turn_of(poses[0], poses[1]), _turn_of(poses[1], poses[2])]
     lengths = [float(np.linalg.norm(b.p - a.p)) for a, b in ((poses[0], poses[1]), (poses[1], poses[2]))]
+    cut = min(line.blend, 0.5 * min(lengths))
     # Where the turn takes longer than the way, its length is not that of the way.
     is_quick = RADIUS * max(float(np.linalg.norm(turn)) for turn in turns) > 1.0 - IN_LINE
-    if is_quick or np.linalg.norm(turns[1] - turns[0]) > IN_LINE:
+    if is_quick or cut * np.linalg.norm(turns[1] - turns[0]) > IN_LINE:
         raise MoveRefused(
             f"'{line.label}' is blended though the tool turns along it or after it, not slowly and evenly "
             "along both; set blend to 0"
         )
-    return min(line.blend, 0.5 * min(lengths))
+    return cut
 
 
 def _corner(poses: Sequence[Pose], cut: float, line: Line, after: Line, segment: int) -> CurveSegment:
