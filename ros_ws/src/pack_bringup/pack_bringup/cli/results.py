@@ -66,7 +66,7 @@ def show(names: Names = None) -> None:
             reasons[standing.reason].append(name)
         origin = (found.version, found.date) if found else ("", "")
         rows.append((name, Text(state, COLOURS[state]), *origin, f"{definition.minutes:g}"))
-    show_table(("name", "state", "version", "date", "minutes"), rows)
+    show_table(("name", "state", "version", "date", "min"), rows)
     for reason, whose in reasons.items():
         typer.echo(f"stale because {reason}: {', '.join(whose)}")
     said = ", ".join(f"{counts[state.value]} {state.value}" for state in ResultState if counts[state.value])
