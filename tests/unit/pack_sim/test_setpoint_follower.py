@@ -133,9 +133,13 @@ def test_the_last_row_counts_no_longer_than_rounding_may_take(follower: Setpoint
     assert follower.is_holding
 
 
-def test_setpoints_may_begin_as_much_ahead_as_the_lead(follower: SetpointFollower) -> None:
-    standing = Setpoints(LEAD, np.array([0.0, 0.05]), STANDING, STANDING, a=STANDING)
-    follower.accept(standing, 0.0)
+def test_setpoints_may_begin_as_much_ahead_as_the_lead_and_no_more(follower: SetpointFollower) -> None:
+    def standing(start: float) -> Setpoints:
+        return Setpoints(start, np.array([0.0, 0.05]), STANDING, STANDING, a=STANDING)
+
+    follower.accept(standing(LEAD), 0.0)
+    with pytest.raises(MessageError, match=f"ahead of the driver's time 0.000 s; allowed: {LEAD:.3f} s"):
+        follower.accept(standing(LEAD + 1e-6), 0.0)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

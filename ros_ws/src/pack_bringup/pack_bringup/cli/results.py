@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 app = typer.Typer()
 results = typer.Typer(
     help="List the published figures, and measure again what is not of this code.\n\n"
-    "Every figure of README and of the pages of results comes from a file results/CELL/NAME.json, which "
-    "names the sources, the configuration and the packages that its run used. It is valid as long as these "
-    "are what they were; comments and docstrings do not count.\n\n"
+    "The tables of benchmarks in README and on the pages of results come from files, "
+    "results/CELL/NAME.json. Each names the sources, the configuration and the packages that its run used, "
+    "and is valid as long as these are what they were; comments and docstrings do not count.\n\n"
     "- `pack results` lists all with valid, stale or missing, and the reason\n"
     "- `pack results run` measures what is not valid, those that take longest first\n"
     "- `pack results run packing/ideal blocks --jobs 2`\n"
