@@ -1,3 +1,7 @@
+from collections.abc import Iterator
+from pathlib import Path
+from unittest import mock
+
 import pytest
 
 from pack_core.errors import ConfigError
@@ -8,6 +12,17 @@ from pack_mpc.session import SessionConfig
 from pack_sim.packing.simulator import SimulatorConfig
 
 PRESETS = sorted(path.stem for path in config_path("presets").glob("*.yaml"))
+
+
+@pytest.fixture
+def presets(tmp_path: Path) -> Iterator[Path]:
+    """A folder of presets in the place of config/presets."""
+
+    def path(*parts: str) -> Path:
+        return tmp_path.joinpath(*parts[1:]) if parts[0] == "presets" else config_path(*parts)
+
+    with mock.patch("pack_lockstep.packing.lockstep_config.config_path", path):
+        yield tmp_path
 
 
 def test_the_ideal_preset_is_what_the_files_say() -> None:
@@ -38,6 +53,25 @@ def test_a_preset_changes_what_it_names_and_nothing_else() -> None:
     assert (suction.shear, suction.pull, suction.moment) == (12.0, before.pull, before.moment)
     mocap = preset.parameters("sim", SimulatorConfig).mocap
     assert (mocap.latency, mocap.rate) == (0.05, lockstep_config().simulator.mocap.rate)
+
+
+def test_a_preset_lies_over_its_base(presets: Path) -> None:
+    (presets / "rough.yaml").write_text("sim: {mocap: {latency: 0.05, rate: 50.0}}\nmpc: {weights: table_1}")
+    (presets / "rougher.yaml").write_text("base: rough\nsim: {mocap: {latency: 0.08}}")
+    rougher = load_preset("rougher")
+    mocap = rougher.parameters("sim", SimulatorConfig).mocap
+    assert (mocap.latency, mocap.rate) == (0.08, 50.0)
+    assert rougher.parameters("mpc", SessionConfig).weights == "table_1"
+
+
+def test_a_base_that_is_not_there_and_a_ring_are_refused(presets: Path) -> None:
+    (presets / "lost.yaml").write_text("base: nothing")
+    with pytest.raises(ConfigError, match="no preset 'nothing', the base of 'lost'; allowed: lost"):
+        load_preset("lost")
+    (presets / "one.yaml").write_text("base: two")
+    (presets / "two.yaml").write_text("base: one")
+    with pytest.raises(ConfigError, match="in a ring: one on two on one"):
+        load_preset("one")
 
 
 def test_values_over_a_preset_leave_the_preset_as_it_was() -> None:

@@ -20,16 +20,19 @@ from pack_sim.packing.simulator import SimulatorConfig
 
 C = TypeVar("C", bound=BaseModel)
 Section = dict[str, Any]
+SECTIONS = ("cell", "sim", "perception", "planner", "mpc")
 
 
 class PackingPreset(Config):
     """Differences from the configuration files, by the keys of these files.
 
     Attributes:
+        base: the preset that this one changes; empty: none.
         cell: overrides config/cells/packing.yaml.
         sim: overrides config/nodes/packing/sim.yaml; the other nodes likewise.
     """
 
+    base: str = ""
     cell: Section = Field(default_factory=dict)
     sim: Section = Field(default_factory=dict)
     perception: Section = Field(default_factory=dict)
@@ -59,17 +62,28 @@ class PackingPreset(Config):
         return validate_config(cls, merged(known, own), f"{source} with a preset")
 
 
-def load_preset(name: str) -> PackingPreset:
-    """The preset `config/presets/<name>.yaml`.
+def load_preset(name: str, above: tuple[str, ...] = ()) -> PackingPreset:
+    """The preset `config/presets/<name>.yaml`, over the one that it names as its base.
+
+    Args:
+        name: of the file.
+        above: presets that lie over this one, the uppermost first.
 
     Raises:
-        ConfigError: there is none, or it has a section that is not allowed.
+        ConfigError: there is none, it has a section that is not allowed, or it is its own base.
     """
+    if name in above:
+        raise ConfigError(f"presets are based on each other in a ring: {' on '.join((*above, name))}")
     path = config_path("presets", f"{name}.yaml")
     if not path.is_file():
         known = ", ".join(sorted(item.stem for item in path.parent.glob("*.yaml")))
-        raise ConfigError(f"no preset '{name}'; allowed: {known} (files in {path.parent})")
-    return load_config(PackingPreset, path)
+        wanted = f", the base of '{above[-1]}'" if above else ""
+        raise ConfigError(f"no preset '{name}'{wanted}; allowed: {known} (files in {path.parent})")
+    preset = load_config(PackingPreset, path)
+    if not preset.base:
+        return preset
+    base = load_preset(preset.base, (*above, name))
+    return preset.model_copy(update={s: merged(getattr(base, s), getattr(preset, s)) for s in SECTIONS})
 
 
 class LockstepConfig(Config):
