@@ -52,7 +52,7 @@ def nodes(path: Path) -> None:
     else:
         from pack_lockstep.palletizing.settings import set_up
 
-        set_up(profile="blended", motion="shipped", preset="rigid", vision=True)
+        set_up()
 
 
 def cells(path: Path) -> None:

@@ -46,7 +46,7 @@ TARGETS = (
     Target("mesh", "binary", samples.meshes, readers.mesh),
     Target("visitors", "yaml", samples.shipped("visitors/*.yaml"), readers.visitors),
     Target("list of boxes", "binary", samples.one(ITEMS, "items.csv"), readers.items),
-    Target("presets", "yaml", samples.shipped("presets/*.yaml"), readers.presets),
+    Target("presets", "yaml", samples.shipped("presets/packing/*.yaml"), readers.presets),
     Target("graphs", "yaml", samples.shipped("graphs/*.yaml"), readers.graphs),
     Target("trials", "binary", samples.trials, readers.trial),
     Target("bag file", "binary", samples.bags, readers.bag),

@@ -33,7 +33,7 @@ def benchmarks() -> dict[str, Benchmark[Any, Any]]:
     setup = packing.set_up(packing.BenchmarkSettings(), threads=1)
     order = OrderJob(config_path("orders", "order_03.json"), 0)
     # Gains that the driver refuses at once, so that an order takes no time.
-    orders = palletizing.set_up(profile="blended", motion="table_4_1", preset="rigid", vision=False)
+    orders = palletizing.set_up(motion="table_4_1", vision=False)
     instance = FileInstance.read(config_path("scenarios", "blocks", "example.yaml"), 0)
     return {
         "packing": PackingBenchmark(setup, (packing.SceneJob("seed_3", 3),)),

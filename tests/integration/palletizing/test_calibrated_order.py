@@ -48,7 +48,7 @@ def exact() -> CellCalibration:
 
 
 def setup(calibrations: dict[int, CellCalibration]) -> PalletSetup:
-    read = set_up(profile="blended", motion="shipped", preset="real", vision=True)
+    read = set_up(preset="real")
     return PalletSetup(read.name, read.cell, read.config, read.layout, calibrations=calibrations)
 
 

@@ -38,7 +38,7 @@ def true_place(name: str) -> Array:
 @pytest.mark.long
 @pytest.mark.timeout(120)
 def test_a_touch_finds_a_table_as_well_as_the_gears_are_known() -> None:
-    setup = set_up(profile="blended", motion="shipped", preset="real", vision=True)
+    setup = set_up(preset="real")
     rig = CalibrationRig(REAL, setup.config.period)
     table = REAL.picking_table
 
@@ -68,7 +68,7 @@ def test_a_touch_finds_a_table_as_well_as_the_gears_are_known() -> None:
 @pytest.mark.long
 @pytest.mark.timeout(1500)
 def test_a_calibration_finds_the_cell_predicts_well_and_holds_until_something_moves() -> None:
-    setup = set_up(profile="blended", motion="shipped", preset="real", vision=True)
+    setup = set_up(preset="real")
     run = calibrate(REAL, setup.config, SEED)
     sigma = np.sqrt(np.diag(run.found.covariance))
     off = run.found.x[PLACE["pallet"]] - true_place("pallet")

@@ -23,7 +23,7 @@ from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfi
 @cache
 def order_03(repetition: int = 0) -> PalletRun:
     """Two boxes, one of them turned in flight."""
-    setup = set_up(profile="blended", motion="shipped", preset="rigid", vision=False)
+    setup = set_up(vision=False)
     order = load_order(config_path("orders", "order_03.json"))
     return PalletLockstep(setup.cell, order, plan_order(order, setup.layout), setup.config, seed=0).run()
 
@@ -56,7 +56,7 @@ def test_a_run_repeats_bit_for_bit() -> None:
 
 @pytest.mark.timeout(300)
 def test_a_motion_that_breaks_the_arms_limits_is_refused_by_its_driver_and_the_order_says_so() -> None:
-    setup = set_up(profile="blended", motion="table_4_1", preset="rigid", vision=False)
+    setup = set_up(motion="table_4_1", vision=False)
     line = run_order(setup, OrderJob(config_path("orders", "order_03.json"), 0))
     assert "the driver refused setpoints: acceleration of joint_a" in line["reason"]
     assert not line["measures"]["is_complete"]

@@ -32,7 +32,7 @@ def order_file(folder: Path, dims: tuple[float, float, float], weight: float, or
 
 def built(order: Order) -> OrderMeasures:
     """What becomes of it, whatever the check says."""
-    setup = set_up(profile="blended", motion="shipped", preset="rigid", vision=False)
+    setup = set_up(vision=False)
     plan = plan_order(order, setup.layout)
     return measure_order(PalletLockstep(setup.cell, order, plan, setup.config, seed=0).run())
 

@@ -33,7 +33,7 @@ def run_with(hand: Hand, state: State, until: State | None = None) -> tuple[Pall
 
     A state `until` that is entered after the hand ends the order.
     """
-    setup = set_up(profile="blended", motion="shipped", preset="rigid", vision=False)
+    setup = set_up(vision=False)
     order = load_order(config_path("orders", "order_14.json"))
     cell = PalletLockstep(setup.cell, order, plan_order(order, setup.layout), setup.config, seed=0)
     first, done = order.boxes[0].id, list[float]()

@@ -5,7 +5,7 @@ Arguments:
     seed: of the generated scene, or of where boxes arrive (packing, palletizing).
     scene: a scene file (packing) or a problem file (blocks).
     order: an order's file, which is sent as a goal once the cell is up (palletizing).
-    preset: conditions, a file of config/presets; empty: the configuration files as they are.
+    preset: conditions, a file of config/presets/<cell>; empty: the configuration files as they are.
     domain: ROS domain id; empty: the environment's.
     live: whether to serve the page in the browser.
     record: goals, always or never; empty: as config/nodes/<cell>/recorder.yaml has it.
@@ -39,7 +39,7 @@ OPTIONAL = {
     "seed": "seed of the scene (packing), or of where boxes arrive (palletizing)",
     "scene": "a scene file (packing) or a problem file (blocks)",
     "order": "an order's file, sent as a goal once the cell is up (palletizing)",
-    "preset": "conditions: a file of config/presets",
+    "preset": "conditions: a file of config/presets/<cell>",
     "domain": "ROS domain id; empty: the environment's",
     "record": "goals, always or never; empty: as configured",
     "keystore": "folder of keys, made by tools/keystore.sh; empty: no security",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from pack_core.config import validate_config
+from pack_core.config import merged, validate_config
 from pack_core.errors import ConfigError
 from pack_core.parameter_fields import nested
 from pack_core.paths import config_path
@@ -15,13 +16,21 @@ from pack_core.text.reader import load_yaml
 C = TypeVar("C", bound=BaseModel)
 
 
-def load_parameters(node: str, cls: type[C]) -> C:
+def load_parameters(node: str, cls: type[C], over: Mapping[str, Any] | None = None) -> C:
     """The part of `config/nodes/<cell>/<node>.yaml` that belongs to a core's configuration class.
+
+    Args:
+        node: cell and node, as in `packing/mpc`.
+        cls: the class.
+        over: values that override the file's, such as a preset's for this node; those of another core are
+            passed over, as in the file.
 
     Raises:
         ConfigError: the file is missing, is not of this node, or has a value that is not allowed.
     """
     parameters, source = parameters_of(node)
+    if over:
+        parameters, source = merged(parameters, over), f"{source} with a preset"
     return validate_config(
         cls, {key: parameters[key] for key in cls.model_fields if key in parameters}, source
     )

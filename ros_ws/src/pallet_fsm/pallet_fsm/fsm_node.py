@@ -46,9 +46,7 @@ class PalletFsmNodeConfig(PalletizerConfig):
         description="the order stops safely when one of them stays silent",
     )
     fault_time: float = Field(default=2.0, gt=0, description="silence that ends an order [s of wall clock]")
-    preset: str = Field(
-        default="rigid", description="what the cell is like, see config/cells/palletizing.yaml"
-    )
+    preset: str = Field(default="rigid", description="of config/presets/palletizing")
     calibration: str = Field(default="", description="calibration file of the cell; empty: none")
 
 

@@ -57,6 +57,13 @@ def test_a_cell_without_calibrations_says_which_have_them(file: Path) -> None:
         conditions("packing", "", file)
 
 
+def test_what_a_preset_changes_in_the_nodes_reaches_them() -> None:
+    given = conditions("palletizing", "thesis", None)
+    assert yaml.safe_load(given["fsm"]["profile"]) == "thesis"
+    assert yaml.safe_load(given["motion"]["parameters"]) == "table_4_1"
+    assert yaml.safe_load(given["sim"]["has_limits"]) is False
+
+
 def test_a_preset_that_there_is_not_is_refused() -> None:
     with pytest.raises(ConfigError, match="perfect"):
         conditions("palletizing", "perfect", None)

@@ -11,7 +11,7 @@ from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset, lo
 from pack_mpc.session import SessionConfig
 from pack_sim.packing.simulator import SimulatorConfig
 
-PRESETS = sorted(path.stem for path in config_path("presets").glob("*.yaml"))
+PRESETS = sorted(path.stem for path in config_path("presets", "packing").glob("*.yaml"))
 
 
 @pytest.fixture
@@ -19,9 +19,9 @@ def presets(tmp_path: Path) -> Iterator[Path]:
     """A folder of presets in the place of config/presets."""
 
     def path(*parts: str) -> Path:
-        return tmp_path.joinpath(*parts[1:]) if parts[0] == "presets" else config_path(*parts)
+        return tmp_path.joinpath(*parts[2:]) if parts[0] == "presets" else config_path(*parts)
 
-    with mock.patch("pack_lockstep.packing.lockstep_config.config_path", path):
+    with mock.patch("pack_core.presets.config_path", path):
         yield tmp_path
 
 

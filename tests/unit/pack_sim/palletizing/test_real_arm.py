@@ -16,8 +16,8 @@ assert GEARS is not None
 
 def without_calibration_error() -> Rig:
     exact = ELASTIC.imperfections.calibration.model_copy(update={"position": 0.0, "orientation_deg": 0.0})
-    preset = ELASTIC.imperfections.model_copy(update={"calibration": exact})
-    return Rig(ELASTIC.model_copy(update={"presets": {"elastic": preset}}))
+    placed = ELASTIC.imperfections.model_copy(update={"calibration": exact})
+    return Rig(ELASTIC.model_copy(update={"imperfections": placed}))
 
 
 def test_the_base_is_off_by_what_the_preset_says() -> None:
@@ -56,5 +56,5 @@ def test_an_elastic_arm_tracks_worse_than_a_rigid_one_and_settles() -> None:
 
 
 def test_a_preset_that_is_not_there_is_refused_by_name() -> None:
-    with pytest.raises(ConfigError, match="preset is 'rubber'; there are: rigid, elastic"):
+    with pytest.raises(ConfigError, match="no preset 'rubber'; allowed: elastic, real, rigid"):
         palletizing_cell("rubber")

@@ -54,9 +54,7 @@ def up(
     ] = None,
     preset: Annotated[
         str,
-        typer.Option(
-            help="Conditions: a file of config/presets (packing), or a preset of the cell (palletizing)."
-        ),
+        typer.Option(help="Conditions: a file of config/presets, in the folder of the cell."),
     ] = "",
     calibration: Annotated[
         Path | None,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
+import yaml
 from pydantic import model_validator
 
 from pack_bringup.graph.executables import find_executable
@@ -150,3 +151,20 @@ def preset_overrides(cell: str, name: str) -> dict[str, dict[str, str]]:
         raise ConfigError(f"cell '{cell}' has no presets; allowed: {', '.join(cells_with('preset'))}")
     overrides: dict[str, dict[str, str]] = part(name)
     return overrides
+
+
+def flat_parameters(section: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
+    """A preset's section as a node takes it: nested keys as dotted names, values as YAML text."""
+    found: dict[str, str] = {}
+    for key, value in section.items():
+        name = prefix + key
+        found |= (
+            flat_parameters(value, f"{name}.") if isinstance(value, Mapping) else {name: yaml_line(value)}
+        )
+    return found
+
+
+def yaml_line(value: Any) -> str:
+    """YAML in one line."""
+    text: str = yaml.safe_dump(value, default_flow_style=True, default_style=None, width=float("inf"))
+    return text.removesuffix("...\n").strip()

@@ -75,7 +75,7 @@ def launch_parameters(cell: str, preset: str, settings: Iterable[str]) -> dict[s
 
     Args:
         cell: one of the register's cells.
-        preset: name of a file of config/presets; empty: none.
+        preset: name of a file of config/presets/<cell>; empty: none.
         settings: `node.parameter=value` each; they go over the preset.
 
     Raises:

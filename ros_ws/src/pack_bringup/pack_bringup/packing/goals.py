@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import yaml
-
-from pack_bringup.graph.graph import conditions
+from pack_bringup.graph.graph import conditions, flat_parameters, yaml_line
 from pack_bringup.job import Progress, recorder_parameters
 from pack_core.config import merged
 from pack_core.packing.cell import PackingCell
@@ -131,7 +128,7 @@ class PackingJob(PackingGoal):
         folder: of the run; nodes.log, bag/, run.yaml and scene.yaml go there.
         real_time_factor: None: that of config/nodes/packing/sim.yaml.
         command: the command line, for run.yaml.
-        preset: of config/presets; empty: the configuration files as they are.
+        preset: of config/presets/packing; empty: the configuration files as they are.
     """
 
     folder: Path = field(kw_only=True)
@@ -196,21 +193,6 @@ def preset_overrides(name: str) -> dict[str, dict[str, str]]:
     preset = load_preset(name)
     preset.packing_cell()
     lockstep_config(preset)
-    facts = {"cell": _text(_text(preset.cell))} if preset.cell else {}
-    nodes = {node: {**facts, **_parameters(getattr(preset, node))} for node in NODES}
-    return {**nodes, RECORDER: {"preset": _text(name)}}
-
-
-def _parameters(section: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
-    """Nested keys as dotted names."""
-    found: dict[str, str] = {}
-    for key, value in section.items():
-        name = prefix + key
-        found |= _parameters(value, f"{name}.") if isinstance(value, Mapping) else {name: _text(value)}
-    return found
-
-
-def _text(value: Any) -> str:
-    """YAML in one line."""
-    text: str = yaml.safe_dump(value, default_flow_style=True, default_style=None, width=float("inf"))
-    return text.removesuffix("...\n").strip()
+    facts = {"cell": yaml_line(yaml_line(preset.cell))} if preset.cell else {}
+    nodes = {node: {**facts, **flat_parameters(getattr(preset, node))} for node in NODES}
+    return {**nodes, RECORDER: {"preset": yaml_line(name)}}

@@ -56,7 +56,7 @@ def palletizing(
     from pack_core.paths import bags_path
     from pack_lockstep.palletizing.settings import set_up
 
-    setup = set_up(profile="blended", motion="shipped", preset=preset, vision=True)
+    setup = set_up(preset=preset)
     if check is not None:
         _check(setup, seed, check)
         return

@@ -132,7 +132,7 @@ def demo(
     ] = "",
     preset: Annotated[
         str,
-        typer.Option(help="What the cell is like: a preset of the cell. Default: the ideal one."),
+        typer.Option(help="Conditions, a file of config/presets. Default: those of `rigid`."),
     ] = "",
     calibration: Annotated[
         Path | None,
@@ -182,14 +182,18 @@ def benchmark(
         int, typer.Option(min=1, help="Number of runs of each order, with the seeds 0, 1, 2, ...")
     ] = 1,
     profile: Annotated[
-        str, typer.Option(help="`blended` moves through; `thesis` stops and checks at each state.")
-    ] = "blended",
+        str,
+        typer.Option(
+            help="`blended` moves through; `thesis` stops and checks at each state. Default: the preset's."
+        ),
+    ] = "",
     motion: Annotated[
-        str, typer.Option(help="Parameters of the motion controller, a file of config/motion.")
-    ] = "shipped",
+        str,
+        typer.Option(help="Gains of the motion, a file of config/motion. Default: the preset's."),
+    ] = "",
     preset: Annotated[
         str,
-        typer.Option(help="What the cell is like: a preset of the cell; `rigid` is the ideal one."),
+        typer.Option(help="Conditions, a file of config/presets; `rigid` is the cell as configured."),
     ] = "rigid",
     vision: Annotated[
         bool,
@@ -198,11 +202,12 @@ def benchmark(
         ),
     ] = True,
     limits: Annotated[
-        bool,
+        bool | None,
         typer.Option(
-            help="Keep the limits of joints and grip, or (--no-limits) simulate without, as the thesis does."
+            "--limits/--no-limits",
+            help="Keep the limits of joints and grip, or simulate without. Default: the preset's.",
         ),
-    ] = True,
+    ] = None,
     visitors: Annotated[
         str,
         typer.Option(
@@ -220,7 +225,7 @@ def benchmark(
         bool, typer.Option(help="Calibrate first where the preset needs it, or (--no-calibrate) do without.")
     ] = True,
     gap: Annotated[
-        float | None, typer.Option(metavar="MM", min=0.0, help="Between neighbours. Default: layout.yaml's.")
+        float | None, typer.Option(metavar="MM", min=0.0, help="Between neighbours. Default: the preset's.")
     ] = None,
     first_seed: Annotated[int, typer.Option(min=0, help="The first of the seeds.")] = 0,
     jobs: Jobs = 1,
@@ -240,6 +245,7 @@ def benchmark(
     - `pack benchmark palletizing --profile thesis --no-vision`
     - `pack benchmark palletizing --visitors random --no-vision --seeds 2`
     - `pack benchmark palletizing --preset real --seeds 5`
+    - `pack benchmark palletizing --preset thesis`
     """
     from pack_bringup.palletizing.calibration import calibrations_for
     from pack_core.paths import config_path

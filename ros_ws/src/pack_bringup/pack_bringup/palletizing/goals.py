@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pack_bringup.graph.graph import conditions
+from pack_bringup.graph.graph import conditions, flat_parameters
 from pack_bringup.job import Progress, recorder_parameters
 from pack_core.config import merged
 from pack_core.palletizing.calibration import known_cell
-from pack_core.palletizing.cell import palletizing_cell
 from pack_core.paths import config_path
 
 if TYPE_CHECKING:
@@ -124,7 +123,7 @@ class PalletizingJob(PalletizingGoal):
         real_time_factor: None: that of config/nodes/palletizing/sim.yaml.
         command: the command line, for run.yaml.
         visitors: who comes near the arm: a file of config/visitors, `random`, or nobody.
-        preset: what the cell is like; empty: the configuration files as they are.
+        preset: of config/presets/palletizing; empty: the configuration files as they are.
         calibration: its calibration file; None: none.
     """
 
@@ -152,13 +151,19 @@ RECORDER = "recorder"
 
 
 def preset_overrides(name: str) -> dict[str, dict[str, str]]:
-    """What a preset of config/cells/palletizing.yaml changes, by node and parameter, as YAML text.
+    """What a preset changes, by node and parameter, as YAML text.
+
+    Nodes that know the cell are told the preset's name and read the cell's facts themselves.
 
     Raises:
-        ConfigError: there is no such preset.
+        ConfigError: there is no such preset, or it changes what is not there.
     """
-    palletizing_cell(name)
-    return {node: {"preset": json.dumps(name)} for node in (*NODES, RECORDER)}
+    from pack_lockstep.palletizing.settings import CORES, checked_preset, set_up
+
+    set_up(preset=name)
+    preset = checked_preset(name)
+    named = {node: {"preset": json.dumps(name)} for node in (*NODES, RECORDER)}
+    return merged({node: flat_parameters(getattr(preset, node)) for node in CORES}, named)
 
 
 def calibration_overrides(preset: str, file: Path) -> dict[str, dict[str, str]]:

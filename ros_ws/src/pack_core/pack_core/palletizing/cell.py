@@ -10,10 +10,11 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, SerializeAsAny, model_validator
 
 from pack_core.camera import LensDistortion, PinholeCamera, focal_length
-from pack_core.config import Config, load_values, validate_config
+from pack_core.config import Config, load_values, merged, validate_config
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.grip import GripLimits
-from pack_core.palletizing.imperfections import NOWHERE, ArmPreset, Displacement
+from pack_core.palletizing.imperfections import NOWHERE, Displacement, Imperfections
+from pack_core.palletizing.preset import palletizing_preset
 from pack_core.palletizing.scanner import ScannerMount, Scanners
 from pack_core.paths import config_path
 from pack_core.robots.joint_properties import JointServoGains
@@ -141,26 +142,16 @@ class PalletizingCell(Config):
     spawn: Spawn
     servo: JointServoGains
     contact: BoxContact
-    presets: dict[str, ArmPreset]
+    imperfections: Imperfections
+    """How the real cell differs from this one."""
     preset: str = "rigid"
-    """Name of the preset that describes how the real cell differs from this one."""
+    """Name of the preset that changed these facts."""
 
     @model_validator(mode="after")
     def _parts_fit(self) -> Self:
         if len(self.servo.inertia) != 6:
             raise ValueError(f"servo.inertia has {len(self.servo.inertia)} values; allowed: 6")
         return self
-
-    @model_validator(mode="after")
-    def _preset_exists(self) -> Self:
-        if self.preset not in self.presets:
-            raise ValueError(f"preset is '{self.preset}'; there are: {', '.join(self.presets)}")
-        return self
-
-    @property
-    def imperfections(self) -> ArmPreset:
-        """How the real cell differs from the ideal one."""
-        return self.presets[self.preset]
 
     @property
     def overhead_camera(self) -> PinholeCamera:
@@ -200,8 +191,9 @@ def _block(name: str, place: BoxTable | PalletPlace) -> Obstacle:
 
 @cache
 def palletizing_cell(preset: str = "rigid") -> PalletizingCell:
-    """The palletizing cell as configured, with one of its presets of the arm."""
+    """The palletizing cell as configured, with the changes of a preset; raises ConfigError."""
     path = config_path("cells", "palletizing.yaml")
-    values = load_values(path)
+    values = merged(load_values(path), palletizing_preset(preset).cell)
     tool = gripper_tool(values.get("tool", {}), f"{path}, section tool")
-    return validate_config(PalletizingCell, {**values, "tool": tool, "preset": preset}, str(path))
+    given = f"{path} with the preset '{preset}'"
+    return validate_config(PalletizingCell, {**values, "tool": tool, "preset": preset}, given)

@@ -99,7 +99,7 @@ class CameraErrors(Config):
     """Shortest and longest time from exposure to detection, evenly distributed [s]."""
 
 
-class ArmPreset(Config):
+class Imperfections(Config):
     """How the real cell differs from the ideal one."""
 
     gears: Gears | None

@@ -2,46 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import yaml
 from pydantic import BaseModel, Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.config import Config, load_config, merged, validate_config
+from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell, packing_cell
-from pack_core.paths import config_path
-from pack_lockstep.node_parameters import parameters_of
+from pack_core.presets import Preset, Section, read_preset
+from pack_lockstep.node_parameters import load_parameters
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_planner.placement.placement_planner import PlacementPlannerConfig
 from pack_sim.packing.simulator import SimulatorConfig
 
 C = TypeVar("C", bound=BaseModel)
-Section = dict[str, Any]
-SECTIONS = ("cell", "sim", "perception", "planner", "mpc")
 
 
-class PackingPreset(Config):
-    """Differences from the configuration files, by the keys of these files.
+class PackingPreset(Preset):
+    """Differences from the configuration files of the packing cell.
 
     Attributes:
-        base: the preset that this one changes; empty: none.
-        cell: overrides config/cells/packing.yaml.
         sim: overrides config/nodes/packing/sim.yaml; the other nodes likewise.
     """
 
-    base: str = ""
-    cell: Section = Field(default_factory=dict)
     sim: Section = Field(default_factory=dict)
     perception: Section = Field(default_factory=dict)
     planner: Section = Field(default_factory=dict)
     mpc: Section = Field(default_factory=dict)
-
-    def over(self, section: str, values: Mapping[str, Any]) -> PackingPreset:
-        """A copy of the preset in which `values` override one of its sections."""
-        return self.model_copy(update={section: merged(getattr(self, section), values)})
 
     def packing_cell(self) -> PackingCell:
         """The packing cell with this preset's changes."""
@@ -57,33 +46,12 @@ class PackingPreset(Config):
         if unknown := sorted(set(own) - set(cls.model_fields)):
             allowed = ", ".join(cls.model_fields)
             raise ConfigError(f"preset: '{node}' has no {', '.join(unknown)}; allowed: {allowed}")
-        given, source = parameters_of(f"packing/{node}")
-        known = {key: value for key, value in given.items() if key in cls.model_fields}
-        return validate_config(cls, merged(known, own), f"{source} with a preset")
+        return load_parameters(f"packing/{node}", cls, own)
 
 
-def load_preset(name: str, above: tuple[str, ...] = ()) -> PackingPreset:
-    """The preset `config/presets/<name>.yaml`, over the one that it names as its base.
-
-    Args:
-        name: of the file.
-        above: presets that lie over this one, the uppermost first.
-
-    Raises:
-        ConfigError: there is none, it has a section that is not allowed, or it is its own base.
-    """
-    if name in above:
-        raise ConfigError(f"presets are based on each other in a ring: {' on '.join((*above, name))}")
-    path = config_path("presets", f"{name}.yaml")
-    if not path.is_file():
-        known = ", ".join(sorted(item.stem for item in path.parent.glob("*.yaml")))
-        wanted = f", the base of '{above[-1]}'" if above else ""
-        raise ConfigError(f"no preset '{name}'{wanted}; allowed: {known} (files in {path.parent})")
-    preset = load_config(PackingPreset, path)
-    if not preset.base:
-        return preset
-    base = load_preset(preset.base, (*above, name))
-    return preset.model_copy(update={s: merged(getattr(base, s), getattr(preset, s)) for s in SECTIONS})
+def load_preset(name: str) -> PackingPreset:
+    """The preset `config/presets/packing/<name>.yaml`; raises ConfigError."""
+    return read_preset(PackingPreset, "packing", name)
 
 
 class LockstepConfig(Config):

@@ -166,7 +166,7 @@ MOMENTS: dict[str, tuple[str, State, str, tuple[str, ...]]] = {
 def run_case(case: Disturbance, seed: int) -> DisturbanceReport:
     """Build the order, and disturb it as the case says."""
     worked, state, meant, _ = MOMENTS[case.when]
-    setup = set_up(profile="blended", motion="shipped", preset="rigid", vision=case.what in IN_PICTURES)
+    setup = set_up(vision=case.what in IN_PICTURES)
     order = load_order(ORDER, setup.cell)
     cell = PalletLockstep(setup.cell, order, plan_order(order, setup.layout), setup.config, seed)
     disturber = PalletDisturber(CHANGES[case.what], PalletSite(cell, meant), (worked, state))

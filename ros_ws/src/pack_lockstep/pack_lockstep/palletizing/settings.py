@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pack_core.config import Config
+from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.preset import PalletizingPreset, palletizing_preset
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.palletizing.benchmark import PalletSetup
 from pack_lockstep.palletizing.box_finder import BoxFinderConfig
@@ -26,44 +28,82 @@ class PalletSensorParameters(Config):
     scanner: PlaceScannerConfig = PlaceScannerConfig()
 
 
+class PalletMotionParameters(Config):
+    """The part of the motion controller's parameters that decides how the arm moves."""
+
+    parameters: str
+
+
+CORES: dict[str, tuple[type[Config], ...]] = {
+    "sim": (PalletSimulatorConfig, PalletSensorParameters),
+    "vision": (VisionConfig,),
+    "layout": (LayoutConfig,),
+    "motion": (PalletMotionParameters,),
+    "fsm": (PalletizerConfig,),
+}
+"""Configuration classes of the cores of each node, whose parameters a preset may change."""
+
+
+def checked_preset(name: str) -> PalletizingPreset:
+    """The preset called `name`; raises ConfigError if there is none, or no core knows a parameter of it."""
+    preset = palletizing_preset(name)
+    for node, classes in CORES.items():
+        known = [field for cls in classes for field in cls.model_fields]
+        if unknown := sorted(set(getattr(preset, node)) - set(known)):
+            raise ConfigError(
+                f"preset '{name}': '{node}' has no {', '.join(unknown)}; allowed: {', '.join(known)}"
+            )
+    return preset
+
+
 def set_up(
-    *, profile: str, motion: str, preset: str, vision: bool, visitors: str = "",
-    gap_mm: float | None = None, has_limits: bool = True,
+    *, preset: str = "rigid", profile: str = "", motion: str = "", vision: bool = True, visitors: str = "",
+    gap_mm: float | None = None, has_limits: bool | None = None,
 ) -> PalletSetup:  # fmt: skip
     """Read the settings that the options of a command refer to.
 
     Args:
-        profile: blended or thesis.
-        motion: a set of config/motion.
-        preset: what the cell is like.
+        preset: what the cell is like, and what its nodes do.
+        profile: blended or thesis; empty: as the preset has it.
+        motion: a set of config/motion; empty: likewise.
         vision: whether boxes are found in pictures.
         visitors: who comes near the arm; empty: nobody.
-        gap_mm: between neighbours; by default that of the layout's parameters.
-        has_limits: whether joints and grip have limits, as they have not in the thesis.
+        gap_mm: between neighbours; None: as the preset has it.
+        has_limits: whether joints and grip have limits, as they have not in the thesis; None: likewise.
 
     Raises:
         ConfigError: there is no such profile, motion set, preset or visitor.
     """
-    profile_of(profile)
-    motion_set(motion)
     visitors_of(visitors, 0)
-    sensors = load_parameters("palletizing/sim", PalletSensorParameters)
-    machine = load_parameters("palletizing/fsm", PalletizerConfig).model_copy(update={"profile": profile})
-    sight = BoxFinderConfig(
-        by="vision" if vision else "noise",
-        camera=sensors.camera,
-        vision=load_parameters("palletizing/vision", VisionConfig),
-    )
-    config = PalletLockstepConfig(
-        motion=motion, palletizer=machine, sight=sight, scanner=sensors.scanner,
-        simulator=load_parameters("palletizing/sim", PalletSimulatorConfig).model_copy(
-            update={"has_limits": has_limits}
-        ),
-    )  # fmt: skip
-    name = f"{profile} {motion} {preset} {'vision' if vision else 'noise'}"
-    name += (f" {visitors}" if visitors else "") + ("" if has_limits else " unlimited")
-    layout = load_parameters("palletizing/layout", LayoutConfig)
+    given = checked_preset(preset)
+    if profile:
+        given = given.over("fsm", {"profile": profile})
+    if motion:
+        given = given.over("motion", {"parameters": motion})
+    if has_limits is not None:
+        given = given.over("sim", {"has_limits": has_limits})
     if gap_mm is not None:
-        separator = layout.separator.model_copy(update={"gap": 1e-3 * gap_mm})
-        layout = layout.model_copy(update={"separator": separator})
+        given = given.over("layout", {"separator": {"gap": 1e-3 * gap_mm}})
+    config = _lockstep_config(given, vision=vision)
+    profile_of(config.palletizer.profile)
+    motion_set(config.motion)
+    name = f"{config.palletizer.profile} {config.motion} {preset} {'vision' if vision else 'noise'}"
+    name += (f" {visitors}" if visitors else "") + ("" if config.simulator.has_limits else " unlimited")
+    layout = load_parameters("palletizing/layout", LayoutConfig, given.layout)
     return PalletSetup(name, palletizing_cell(preset), config, layout, visitors)
+
+
+def _lockstep_config(preset: PalletizingPreset, *, vision: bool) -> PalletLockstepConfig:
+    """The configuration of all nodes from `config/nodes`, with a preset's changes."""
+    sensors = load_parameters("palletizing/sim", PalletSensorParameters, preset.sim)
+    return PalletLockstepConfig(
+        motion=load_parameters("palletizing/motion", PalletMotionParameters, preset.motion).parameters,
+        palletizer=load_parameters("palletizing/fsm", PalletizerConfig, preset.fsm),
+        sight=BoxFinderConfig(
+            by="vision" if vision else "noise",
+            camera=sensors.camera,
+            vision=load_parameters("palletizing/vision", VisionConfig, preset.vision),
+        ),
+        scanner=sensors.scanner,
+        simulator=load_parameters("palletizing/sim", PalletSimulatorConfig, preset.sim),
+    )

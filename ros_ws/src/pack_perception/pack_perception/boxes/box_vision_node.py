@@ -65,7 +65,7 @@ class VisionNodeConfig(VisionConfig):
     """Parameters of the node `vision`."""
 
     pictures: str = Field("", description="folder for the debug images of every detection; empty: none")
-    preset: str = Field("rigid", description="what the cell is like, see config/cells/palletizing.yaml")
+    preset: str = Field("rigid", description="of config/presets/palletizing")
     calibration: str = Field("", description="calibration file of the cell; empty: none")
 
 

@@ -31,9 +31,7 @@ class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
     """Parameters of the node `sim` of the palletizing cell."""
 
     seed: int = Field(default=0, ge=0, description="of where boxes arrive, and where the arm really stands")
-    preset: str = Field(
-        default="rigid", description="what the arm is like, see config/cells/palletizing.yaml"
-    )
+    preset: str = Field(default="rigid", description="of config/presets/palletizing")
     calibration: str = Field(
         default="", description="calibration file; the driver compensates the gears as it says. Empty: none"
     )
