@@ -139,5 +139,34 @@ def test_dear_collisions_make_a_regrasp_worth_it(alpha_3: float, actions: int) -
     assert int(found.blocks).bit_count() == 2 - actions
 
 
+def test_a_metre_of_the_way_costs_its_price_for_either_action() -> None:
+    priced = Prices(1.0, 1.5, 2.0, distance=4.0)
+    assert edge(START, ASIDE, prices=priced)[0] == pytest.approx(1.0 + 4.0 * np.hypot(0.3, 0.25))
+    assert edge(START, AHEAD, prices=priced._replace(push=0.9))[:2] == pytest.approx(
+        (0.9 + 4.0 * 0.06, PUSHED)
+    )
+
+
+def test_a_metre_of_pushing_costs_more_than_a_metre_of_carrying() -> None:
+    """A push that is cheaper than a carry as such loses once 6 cm of pushing cost more than they differ."""
+    prices = Prices(1.0, 0.9, 2.0, distance=4.0, push_length=1.0)
+    assert edge(START, AHEAD, prices=prices)[:2] == pytest.approx((0.9 + 5.0 * 0.06, PUSHED))
+    assert edge(START, AHEAD, prices=prices._replace(push_length=2.0))[:2] == pytest.approx((1.24, 0))
+
+
+def test_with_a_price_of_distance_the_nearer_pose_between_is_taken() -> None:
+    """A regrasp by way of one of two free poses, which cost the same by Eq. 1."""
+    c, s = np.cos(ASIDE[2]), np.sin(ASIDE[2])
+    reach = SIDE + 0.004
+    beside_end = (ASIDE[0] + c * reach, ASIDE[1] + s * reach, ASIDE[2])
+    far, near = (-0.3, -0.2, 0.0), (0.12, 0.12, 0.0)
+    nodes = [START, ASIDE, far, near]
+    found = [
+        way(nodes, BESIDE_Y, beside_end, prices=Prices(1.0, 1.5, 8.0, distance=price), fixed=0b11).poses[1]
+        for price in (0.0, 1.0)
+    ]
+    np.testing.assert_array_equal(found, [far, near])
+
+
 def test_no_way_has_no_edges() -> None:
     assert len(way([START, ASIDE], BESIDE_X, BESIDE_Y, fixed=0b11).grasps) == 0

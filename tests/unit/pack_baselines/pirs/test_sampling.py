@@ -10,7 +10,7 @@ from pack_baselines.pirs.roadmap import (
     Way,
     draw_on_line,
     draw_pose,
-    sample_clear_poses,
+    sample_clear_pose,
     sample_nodes,
     way_hits,
 )
@@ -106,20 +106,31 @@ def test_the_same_seed_gives_the_same_poses_and_another_one_others() -> None:
     assert not np.array_equal(nodes(seed=3)[2:], nodes(seed=4)[2:])
 
 
-def clear_poses(seed: int, way: Way, blocks: Array, tries: int = 200) -> Array:
+def clear_poses(seed: int, way: Way, blocks: Array, wanted: int = 1, tries: int = 200) -> Array:
     rng = np.random.default_rng(seed)
     others = np.uint64((1 << len(blocks)) - 1)
-    return sample_clear_poses(way, others, tries, SIZES, blocks, HALF_PLANES, CORNERS, rng)
+    return sample_clear_pose(START, way, others, wanted, tries, SIZES, blocks, HALF_PLANES, CORNERS, rng)
 
 
-def test_a_cleared_block_hits_nothing_and_is_not_in_the_way() -> None:
+@pytest.mark.parametrize("wanted", [1, 8])
+def test_a_cleared_block_hits_nothing_and_is_not_in_the_way(wanted: int) -> None:
     blocks = squares(np.array([[0.5, 0.0, 0.0], [0.7, 0.2, 0.5]]), SIDE)
     carry = Way(np.array([START, END]), np.zeros(1, np.int64), np.uint64(0))
     for seed in range(40):
-        (pose,) = clear_poses(seed, carry, blocks)
+        (pose,) = clear_poses(seed, carry, blocks, wanted)
         assert is_inside(pose, SIZES, HALF_PLANES)
         assert not block_hits(pose, SIZES, blocks)
         assert not way_hits(carry, SIZES, squares(pose[None], SIDE))
+
+
+def test_the_nearest_of_eight_clear_poses_is_half_as_far_away() -> None:
+    """The first of them is among the eight, so none is farther; the mean distance falls by more than half."""
+    first, nearest = (
+        np.array([np.hypot(*(clear_poses(seed, NO_WAY, NONE, wanted)[0] - START)[:2]) for seed in range(60)])
+        for wanted in (1, 8)
+    )
+    assert (nearest <= first).all()
+    assert nearest.mean() < 0.5 * first.mean()
 
 
 def test_no_pose_is_told_where_there_is_no_room() -> None:

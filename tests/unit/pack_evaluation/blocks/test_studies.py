@@ -5,7 +5,8 @@ def line(**changes: object) -> dict[str, object]:
     values = {
         "status": "FEASIBLE", "is_solved": True, "faults": [], "first_plan_ms": 5.0, "first_actions": 6,
         "total_ms": 100.0, "actions": 5,
-        "lower_bound": 5, "pushes": 1, "pushed_m": 0.05, "travel_m": 1.0, "execution": None,
+        "lower_bound": 5, "pushes": 1, "pushed_m": 0.05, "travel_m": 1.0, "cleared": 1, "regrasps": 0,
+        "execution": None,
     }  # fmt: skip
     return {**values, **changes}
 

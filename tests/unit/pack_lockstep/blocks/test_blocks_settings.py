@@ -77,3 +77,22 @@ def test_a_value_that_is_not_allowed_is_named_with_its_file(monkeypatch, tmp_pat
     )
     with pytest.raises(ConfigError, match=r"fsm\.yaml: key 'hover' is -1\.0"):
         lockstep_config()
+
+
+def test_parameters_of_planners_are_changed_by_dotted_name() -> None:
+    planner = lockstep_config({"pirs": {"costs.collision": "8", "clear_to_goal": "true"}}).planner
+    assert (planner.pirs.costs.collision, planner.pirs.clear_to_goal) == (8.0, True)
+    assert planner.beam == lockstep_config().planner.beam
+
+
+@pytest.mark.parametrize(
+    ("changes", "part"),
+    [
+        ({"pirs": {"patient": "2"}}, "patient"),
+        ({"magic": {"depth": "2"}}, "magic"),
+        ({"pirs": {"depth": "0"}}, "depth"),
+    ],
+)
+def test_a_planner_parameter_that_is_not_allowed_is_named(changes: dict, part: str) -> None:
+    with pytest.raises(ConfigError, match=part):
+        lockstep_config(changes)

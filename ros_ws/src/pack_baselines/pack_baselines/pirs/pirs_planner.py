@@ -15,6 +15,10 @@ Bekris, "Dealing with difficult instances of object rearrangement". What is mend
 - Nothing bounds the recursion. Here its depth is bounded, and a search that has planned many paths in vain
   starts again with other random choices, and more patience.
 
+Section V proposes three changes, which are options here and off by default: a price of distance (a block that
+makes way then takes the nearest of several poses), a price of a push's length, and a block that makes way
+trying its goal first. A block that has come home that way needs no path in its turn.
+
 Not mended, since it is the method: a block that was brought home stays there, so that a bad order is noticed
 only when no way into the grid is left.
 """
@@ -22,27 +26,45 @@ only when no way into the grid is left.
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, PositiveFloat, PositiveInt
+from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from pack_baselines.pirs.geometry import Sizes
-from pack_baselines.pirs.roadmap import PUSHED, Prices, Way, sample_clear_poses, sample_nodes, shortest_way
+from pack_baselines.pirs.roadmap import (
+    PUSHED,
+    Prices,
+    Way,
+    is_clear,
+    sample_clear_pose,
+    sample_nodes,
+    shortest_way,
+)
 from pack_core.blocks.plan import Action, Push
-from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.planar import PlanarPose, turn_between
 from pack_core.blocks.primitive_action import is_refused
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_planner.rearrangement.footprints import squares
 from pack_planner.rearrangement.lower_bound import sharper_bound
 from pack_planner.rearrangement.rearrangement_planner import Found, PlanningTimer, RearrangementPlanner
-from pack_planner.rearrangement.snapped_problem import SnappedProblem, carried
+from pack_planner.rearrangement.snapped_problem import FITTING, SnappedProblem, carried
+
+NEAREST_OF = 8
+"""Clear poses of which a block that makes way takes the nearest, where distance has a price."""
 
 
 class Costs(Config):
-    """What the edges of a roadmap cost, Eq. 1."""
+    """What the edges of a roadmap cost, Eq. 1 and Section V."""
 
     pick_place: PositiveFloat = Field(1.0, description="alpha_1")
     push: PositiveFloat = Field(1.5, description="alpha_2; a push is less precise")
     collision: PositiveFloat = Field(2.0, description="alpha_3, for every block in the way")
+    distance: NonNegativeFloat = Field(0.0, description="of a block's way, Section V [1/m]")
+    push_length: NonNegativeFloat = Field(0.0, description="of a push's length beyond that, Section V [1/m]")
+
+    @property
+    def prices(self) -> Prices:
+        """As compiled code takes them."""
+        return Prices(self.pick_place, self.push, self.collision, self.distance, self.push_length)
 
 
 class PirsPlanner(RearrangementPlanner):
@@ -53,6 +75,7 @@ class PirsPlanner(RearrangementPlanner):
     bias: float = Field(0.5, ge=0.0, le=1.0, description="epsilon, share of them on push lines")
     depth: PositiveInt = Field(8, description="calls of CLEAR within each other")
     tries: PositiveInt = Field(200, description="poses drawn for a block to be cleared")
+    clear_to_goal: bool = Field(False, description="a block to be cleared tries its goal first, Section V")
     patience: PositiveInt = Field(20, description="paths planned a block before the first new start")
     impatience: PositiveFloat = Field(1.3, description="growth of the patience at every new start")
 
@@ -107,12 +130,12 @@ class PirsSearch:
     ) -> None:
         self._snapped, self._timer, self._rng, self._config = snapped, timer, rng, config
         self._patience, self._sizes = patience, Sizes.of(snapped.side, snapped.gripper)
-        self._prices = Prices(config.costs.pick_place, config.costs.push, config.costs.collision)
+        self._prices = config.costs.prices
         self._corners = np.array(snapped.problem.workspace, dtype=float)
 
     def pirs(self, o: int, O_R: frozenset[int], alpha_C: Array) -> PirsOutcome:
         """Algorithm 1: bring o home, then the remaining ones O_R."""
-        way = self._prm(o, alpha_C, self._snapped.goals[o], O_R)
+        way = self._way_home(o, alpha_C, O_R)
         if way is None:
             return None
         if not way.blocks:
@@ -132,6 +155,8 @@ class PirsSearch:
 
     def _clear(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: Way, depth: int) -> PirsOutcome:
         """Algorithm 2: move o to where it is not in a way, together with what is in its own way."""
+        if self._config.clear_to_goal and (home := self._clear_to_goal(o, O_R, alpha_C, keep_free)):
+            return home
         pose = self._sample_new_pose(o, alpha_C, keep_free)
         way = None if pose is None else self._prm(o, alpha_C, pose, O_R)
         if way is None:
@@ -144,6 +169,28 @@ class PirsSearch:
                 if rest := self._clear(o, O_R, alpha, keep_free, depth - 1):
                     return pi + rest[0], rest[1]
         return None
+
+    def _clear_to_goal(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: Way) -> PirsOutcome:
+        """Section V: bring o home where its goal is free, not in the way, and reached without more clearing."""
+        goal, others = self._snapped.goals[o], np.uint64((1 << self._snapped.n) - 1 & ~(1 << o))
+        blocks = squares(alpha_C, self._snapped.side)
+        if not is_clear(goal, keep_free, others, self._sizes, blocks, self._snapped.half_planes):
+            return None
+        way = self._prm(o, alpha_C, goal, O_R)
+        return None if way is None or way.blocks or not len(way.grasps) else self._act(o, way, alpha_C)
+
+    def _way_home(self, o: int, alpha_C: Array, O_R: frozenset[int]) -> Way | None:
+        """The way of o to its goal; without edges where it has come home as it made way."""
+        goal = self._snapped.goals[o]
+        if self._config.clear_to_goal and self._is_home(o, alpha_C):
+            # The action of a path from a pose to itself would pick the block up and put it down again.
+            return Way(alpha_C[o][None], np.empty(0, np.int64), np.uint64(0))
+        return self._prm(o, alpha_C, goal, O_R)
+
+    def _is_home(self, o: int, alpha_C: Array) -> bool:
+        pose, goal = PlanarPose(*alpha_C[o].tolist()), PlanarPose(*self._snapped.goals[o].tolist())
+        turn = turn_between(pose, goal, self._snapped.problem.symmetry)
+        return pose.distance_to(goal) < FITTING and abs(turn) < FITTING
 
     def _prm(self, o: int, alpha_C: Array, end: Array, O_R: frozenset[int]) -> Way | None:
         """PRM(o, alpha_C, alpha_F, O_R), where alpha_F differs by the pose `end` of o."""
@@ -168,9 +215,10 @@ class PirsSearch:
     def _sample_new_pose(self, o: int, alpha_C: Array, keep_free: Way) -> Array | None:
         """SAMPLE_NEW_POSE(o, alpha_C): hits no block, and does not lie on the way to be kept free."""
         others = np.uint64((1 << self._snapped.n) - 1 & ~(1 << o))
-        poses = sample_clear_poses(
-            keep_free, others, self._config.tries, self._sizes, squares(alpha_C, self._snapped.side),
-            self._snapped.half_planes, self._corners, self._rng,
+        poses = sample_clear_pose(
+            alpha_C[o], keep_free, others, NEAREST_OF if self._prices.distance else 1, self._config.tries,
+            self._sizes, squares(alpha_C, self._snapped.side), self._snapped.half_planes, self._corners,
+            self._rng,
         )  # fmt: skip
         return poses[0] if len(poses) else None
 

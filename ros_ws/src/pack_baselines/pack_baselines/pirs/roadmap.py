@@ -30,11 +30,21 @@ PUSHED = 4
 
 
 class Prices(NamedTuple):
-    """The parameters alpha_1, alpha_2 and alpha_3 of Eq. 1."""
+    """The parameters alpha_1, alpha_2 and alpha_3 of Eq. 1, and the prices that Section V proposes.
+
+    Attributes:
+        pick_place: alpha_1.
+        push: alpha_2.
+        collision: alpha_3.
+        distance: of a metre that the block is moved, by either action [1/m].
+        push_length: of a metre of pushing, beyond `distance` [1/m].
+    """
 
     pick_place: float
     push: float
     collision: float
+    distance: float = 0.0
+    push_length: float = 0.0
 
 
 class Way(NamedTuple):
@@ -111,15 +121,18 @@ def cheapest_edge(
 ) -> tuple[float, int, np.uint64]:  # fmt: skip
     """Price, kind and blocks in the way of the cheapest action from pose to pose; infinite for none."""
     best, kind, in_the_way = np.inf, -1, np.uint64(0)
+    length = np.hypot(end[0] - start[0], end[1] - start[1])
+    carry = prices.pick_place + prices.distance * length
     for k in range(2):
         for turned in range(1 + is_symmetric):
             blocks = picks[k] | places[k ^ turned]
-            price = prices.pick_place + prices.collision * _count(blocks & movable)
+            price = carry + prices.collision * _count(blocks & movable)
             if not blocks & fixed and price < best:
                 best, kind, in_the_way = price, 2 * k + (k ^ turned), blocks & movable
-    if prices.push < best and is_push(start, end, is_symmetric, sizes):
+    push = prices.push + (prices.distance + prices.push_length) * length
+    if push < best and is_push(start, end, is_symmetric, sizes):
         blocks = push_hits(start, end, sizes, squares)
-        price = prices.push + prices.collision * _count(blocks & movable)
+        price = push + prices.collision * _count(blocks & movable)
         if not blocks & fixed and price < best:
             best, kind, in_the_way = price, PUSHED, blocks & movable
     return best, kind, in_the_way
@@ -215,18 +228,36 @@ def sample_nodes(
 
 
 @njit(cache=True)
-def sample_clear_poses(
-    way: Way, others: np.uint64, tries: int, sizes: Sizes, squares: Array, half_planes: Array, corners: Array,
-    rng: np.random.Generator,
+def sample_clear_pose(
+    start: Array, way: Way, others: np.uint64, wanted: int, tries: int, sizes: Sizes, squares: Array,
+    half_planes: Array, corners: Array, rng: np.random.Generator,
 ) -> Array:  # fmt: skip
-    """A pose at which a block hits none of the `others` and is not in the way `(1, 3)`; else `(0, 3)`."""
+    """A pose at which a block hits none of the `others` and is not in the way `(1, 3)`; else `(0, 3)`.
+
+    Of up to `wanted` such poses, from `tries` draws at most, it is the one nearest to `start` `(3,)`.
+    """
+    nearest, least, found = np.empty((1, 3)), np.inf, 0
+    for _ in range(tries):
+        if found == wanted:
+            break
+        pose = draw_pose(corners, rng)
+        if is_clear(pose, way, others, sizes, squares, half_planes):
+            found += 1
+            distance = np.hypot(pose[0] - start[0], pose[1] - start[1])
+            if distance < least:
+                least = distance
+                nearest[0] = pose
+    return nearest[: min(found, 1)]
+
+
+@njit(cache=True)
+def is_clear(
+    pose: Array, way: Way, others: np.uint64, sizes: Sizes, squares: Array, half_planes: Array
+) -> bool:
+    """A block at the pose is inside the workspace, hits none of the `others` and is not in the way."""
+    if not is_inside(pose, sizes, half_planes) or block_hits(pose, sizes, squares) & others:
+        return False
     half = sizes.side / 2
     square = np.empty((1, 6))
-    poses = np.empty((1, 3))
-    for _ in range(tries):
-        poses[0] = draw_pose(corners, rng)
-        if is_inside(poses[0], sizes, half_planes) and not block_hits(poses[0], sizes, squares) & others:
-            square[0] = rectangle_at(poses[0], 0.0, 0.0, half, half)
-            if not way_hits(way, sizes, square):
-                return poses
-    return poses[:0]
+    square[0] = rectangle_at(pose, 0.0, 0.0, half, half)
+    return not way_hits(way, sizes, square)

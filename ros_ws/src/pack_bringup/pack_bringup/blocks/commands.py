@@ -40,7 +40,7 @@ ProblemFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Solve the problem of this file instead of a generated one."),
 ]
-Method = Annotated[str, typer.Option(help="Planner by its name, e.g. `beam`.")]
+Method = Annotated[str, typer.Option("--method", "--planner", help="Planner by its name, e.g. `beam`.")]
 
 
 def goal(
@@ -122,7 +122,13 @@ def benchmark(
     ] = None,
     method: Annotated[
         list[str] | None,
-        typer.Option(help="Planner by its name, e.g. `beam`; may be repeated."),
+        typer.Option("--method", "--planner", help="Planner by its name, e.g. `beam`; may be repeated."),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="PLANNER.PARAM=VALUE", help="Change a planner's parameter; may be repeated."
+        ),
     ] = None,
     price: Annotated[
         str | None,
@@ -154,10 +160,13 @@ def benchmark(
     - `pack benchmark blocks --blocks 9 --method beam --method pirs` compares both planners
     - `pack benchmark blocks --blocks 16 --density 0.2 --instances 100 --json summary.json`
     - `pack benchmark blocks --price paper` has `beam` avoid pushes, above all long ones
+    - `pack benchmark blocks --method pirs --set pirs.costs.collision=8` makes clearing dear (alpha_3)
     - `pack benchmark blocks --problem config/scenarios/blocks/example.yaml` plans an own instance
     - `pack benchmark blocks --blocks 4 --instances 100 --execute` has the arm do it
     """
+    from pack_bringup.graph.graph import parse_overrides
     from pack_core.blocks.cell import blocks_cell
+    from pack_core.config import merged
     from pack_lockstep.blocks.benchmark import BlocksBenchmark, BlocksSetup, PlanJob
     from pack_lockstep.blocks.benchmark_instances import wanted_instances
     from pack_lockstep.blocks.settings import lockstep_config
@@ -166,5 +175,6 @@ def benchmark(
     methods = list(dict.fromkeys(METHODS.checked(name) for name in method or [DEFAULT_METHOD]))
     found = wanted_instances(blocks, density, range(seed, seed + instances), problem or [])
     wanted = tuple(PlanJob(name, instance) for instance in found for name in methods)
-    setup = BlocksSetup(blocks_cell(), lockstep_config(price), budget, execute)
+    planners = merged({"beam": {"price": price}} if price else {}, parse_overrides(settings or []))
+    setup = BlocksSetup(blocks_cell(), lockstep_config(planners), budget, execute)
     run(BlocksBenchmark(setup, wanted), RunOptions(jobs, ray, output, fresh, json_file, pictures))

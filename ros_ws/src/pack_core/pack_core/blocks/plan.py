@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from itertools import pairwise, zip_longest
 from typing import Any
 
 import numpy as np
 
 from pack_core.blocks.planar import QUARTER, PlanarPose, wrapped
+
+AT_GOAL = 1e-6
+"""An action that ends this near a goal ends at it [m]; planned poses are exact but for rounding."""
 
 
 class PlanStatus(IntEnum):
@@ -142,6 +146,18 @@ class Plan:
     def turns(self) -> float:
         """Turns of the wrist while it holds a block, summed [rad]."""
         return sum(abs(float(wrapped(a.end.yaw - a.start.yaw))) for a in self.actions)
+
+    def cleared(self, goals: Mapping[str, PlanarPose]) -> int:
+        """How often a block is brought elsewhere than to its goal, by one action or several in a row."""
+        last = [a for a, b in zip_longest(self.actions, self.actions[1:]) if b is None or a.block != b.block]
+        return sum(a.end.distance_to(goals[a.block]) > AT_GOAL for a in last)
+
+    def regrasps(self) -> int:
+        """How often a block that was just put down is picked up again, by the other grasp or elsewhere."""
+        carries = [isinstance(a, PickPlace) for a in self.actions]
+        blocks = [a.block for a in self.actions]
+        steps = zip(pairwise(blocks), pairwise(carries), strict=True)
+        return sum(first == second and all(both) for (first, second), both in steps)
 
 
 def to_record(actions: Iterable[Action]) -> list[dict[str, Any]]:

@@ -27,6 +27,8 @@ OF_PLANS = {
     "pushes": "pushes among them",
     "pushed_m": "length of these pushes, summed [m]",
     "travel_m": "travel of the gripper [m]",
+    "cleared": "blocks brought elsewhere than to their goals",
+    "regrasps": "blocks put down and picked up again at once",
 }
 OF_EXECUTIONS = {
     "error_mm": "farthest block from its goal [mm]",

@@ -85,6 +85,7 @@ def _measures(problem: Problem, made: Plan) -> dict[str, Any]:
         "lower_bound": made.lower_bound, "travel_m": made.travel(),
         "pushes": sum(isinstance(action, Push) for action in made.actions),
         "pushed_m": sum(action.distance for action in made.actions if isinstance(action, Push)),
+        "cleared": made.cleared(problem.goals), "regrasps": made.regrasps(),
         "plan": to_record(made.actions),
     }  # fmt: skip
 

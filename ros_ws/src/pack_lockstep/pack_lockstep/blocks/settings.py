@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from block_fsm.executor_config import ExecutorConfig, RequestTimeouts
 from pack_core.config import Config, merged, validate_config
+from pack_core.parameter_fields import nested
+from pack_core.text.yaml_text import parse_yaml
 from pack_lockstep.blocks.lockstep import BlocksLockstepConfig
 from pack_lockstep.node_parameters import load_parameters
 from pack_perception.tags.tag_vision import TagVisionConfig
@@ -30,11 +34,11 @@ class MotionParameters(Config):
     period: float
 
 
-def lockstep_config(price: str | None = None) -> BlocksLockstepConfig:
+def lockstep_config(planners: Mapping[str, Mapping[str, str]] | None = None) -> BlocksLockstepConfig:
     """Read `config/nodes/blocks`.
 
     Args:
-        price: what the beam planner's plans are to have least of, instead of what the file says.
+        planners: parameters of planners to take instead of the file's: YAML text by dotted name, by planner.
 
     Raises:
         ConfigError: a value is not allowed.
@@ -47,14 +51,18 @@ def lockstep_config(price: str | None = None) -> BlocksLockstepConfig:
         shadows=load_parameters("blocks/sim", BlocksCameraParameters).shadows,
         simulator=load_parameters("blocks/sim", BlocksSimulatorConfig),
         vision=load_parameters("blocks/tags", TagVisionConfig),
-        planner=_planners(price),
+        planner=_planners(planners or {}),
         executor=load_parameters("blocks/fsm", ExecutorConfig),
     )  # fmt: skip
 
 
-def _planners(price: str | None) -> RearrangementConfig:
+def _planners(changes: Mapping[str, Mapping[str, str]]) -> RearrangementConfig:
     planners = load_parameters("blocks/rearrangement", RearrangementConfig)
-    if price is None:
+    if not changes:
         return planners
-    values = merged(planners.model_dump(), {"beam": {"price": price}})
-    return validate_config(RearrangementConfig, values, "price of the blocks planner")
+    source = "parameters of the blocks planners"
+    values = {
+        planner: nested({name: parse_yaml(text, source) for name, text in parameters.items()})
+        for planner, parameters in changes.items()
+    }
+    return validate_config(RearrangementConfig, merged(planners.model_dump(), values), source)

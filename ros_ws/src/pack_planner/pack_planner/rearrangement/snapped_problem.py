@@ -106,7 +106,7 @@ def _snapped(problem: Problem, block: str, pose: PlanarPose) -> tuple[PlanarPose
 
 
 FITTING = 1e-6
-"""A block that is turned by less than this against its goal is turned as its goal asks [rad]."""
+"""A block that is off its goal by less than this stands as its goal asks [m, rad]."""
 
 
 def carried(
