@@ -171,7 +171,7 @@ class PirsSearch:
         return None
 
     def _clear_to_goal(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: Way) -> PirsOutcome:
-        """Section V: bring o home where its goal is free, not in the way, and reached without more clearing."""
+        """Section V: bring o home where its goal is free, not in the way, and reached without clearing."""
         goal, others = self._snapped.goals[o], np.uint64((1 << self._snapped.n) - 1 & ~(1 << o))
         blocks = squares(alpha_C, self._snapped.side)
         if not is_clear(goal, keep_free, others, self._sizes, blocks, self._snapped.half_planes):
