@@ -68,24 +68,30 @@ def _words(action: Action) -> str:
 
 
 def _draw_state(axes: Axes, problem: Problem, poses: Mapping[str, PlanarPose], action: Action | None) -> None:
+    moved = action.block if action is not None else ""
+    draw_table(axes, problem, poses, moved, PUSH if isinstance(action, Push) else MOVING)
+    if action is not None:
+        _draw_action(axes, problem, action)
+
+
+def draw_table(
+    axes: Axes, problem: Problem, poses: Mapping[str, PlanarPose], moved: str, moving: str
+) -> None:
+    """Draw workspace, goals and blocks; the block `moved` has the colour `moving`."""
     corners = np.array(problem.workspace)
     axes.add_patch(Polygon(corners, facecolor=TABLE, edgecolor="#d9d3c5", lw=0.8))
     for goal in problem.goals.values():
         outline = _square(goal, problem.side)
         axes.add_patch(Polygon(outline, fill=False, edgecolor="#b6ab93", lw=0.6, ls=(0, (3, 2))))
     for name, pose in poses.items():
-        is_moved = action is not None and name == action.block
-        colour = MOVING if is_moved else HOME if _is_home(problem, name, pose) else WAITING
-        if is_moved and isinstance(action, Push):
-            colour = PUSH
+        is_moved = name == moved
+        colour = moving if is_moved else HOME if _is_home(problem, name, pose) else WAITING
         square = _square(pose, problem.side)
         axes.add_patch(Polygon(square, facecolor=colour, edgecolor=PAPER, lw=0.7, zorder=2))
         axes.text(
             pose.x, pose.y, name, ha="center", va="center", fontsize=5.5, zorder=4,
             color=PAPER if is_moved else INK, rotation=_upright(pose.yaw),
         )  # fmt: skip
-    if action is not None:
-        _draw_action(axes, problem, action)
     (x0, y0), (x1, y1) = corners.min(0), corners.max(0)
     pad = 0.03 * max(x1 - x0, y1 - y0)
     axes.set(xlim=(x0 - pad, x1 + pad), ylim=(y0 - pad, y1 + pad), aspect="equal")

@@ -13,6 +13,7 @@ from pack_core.blocks.problem_file import parse_problem
 from pack_evaluation.blocks.from_bag import load_blocks_run
 from pack_evaluation.blocks.measures import BlocksMeasures, measure
 from pack_evaluation.blocks.plan_drawing import write_plan
+from pack_evaluation.blocks.reach_drawing import write_reach
 from pack_evaluation.spread import PARTS, mean_p95_max, spread_text
 from pack_evaluation.study import RECORDINGS, KeptTrials, ShownRun, Study, StudyEvaluator
 from pack_evaluation.table import TextTable, column_a_study, measure_rows
@@ -180,8 +181,13 @@ def drawn_plans(studies: Sequence[BlocksStudy], folder: Path, count: int, videos
                 Diagnosis(trial["message"]),
             )  # fmt: skip
             path = folder / "plans" / f"{i}_{trial['name']}.png"
-            write_plan(parse_problem(trial["problem"], trial["name"]), made, path)
+            problem = parse_problem(trial["problem"], trial["name"])
+            write_plan(problem, made, path)
             drawn.append(ShownRun(trial["name"], image=path))
+            if made.actions:
+                reach = folder / "plans" / f"{i}_{trial['name']}_reach.png"
+                write_reach(problem, made, reach)
+                drawn.append(ShownRun(f"{trial['name']}: within reach of one action", image=reach))
     return drawn
 
 
