@@ -19,7 +19,10 @@ setup(
             "ilqr = pack_baselines.ilqr.ilqr_optimizer:IlqrOptimizer",
             "judo = pack_baselines.judo_optimizer:JudoOptimizer",
         ],
-        "pack_planner.placement_planners": ["random = pack_baselines.random_pose_planner:RandomPosePlanner"],
+        "pack_planner.placement_planners": [
+            "algorithm_1_literal = pack_baselines.literal_planner:LiteralPlanner",
+            "random = pack_baselines.random_pose_planner:RandomPosePlanner",
+        ],
         "pack_planner.rearrangement_planners": ["pirs = pack_baselines.pirs.pirs_planner:PirsPlanner"],
     },
 )

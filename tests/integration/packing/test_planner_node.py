@@ -143,7 +143,14 @@ def test_bad_requests_are_refused_in_words_and_the_next_one_is_served(
     assert [response.status for response in refusals] == [Response.INVALID_INPUT] * len(refusals)
     for response, part in zip(
         refusals,
-        ["not finite", "soup_can", "algorithm_1, random", "not finite", "avoid_radius", "lean is 2.0"],
+        [
+            "not finite",
+            "soup_can",
+            "algorithm_1, algorithm_1_literal, random",
+            "not finite",
+            "avoid_radius",
+            "lean is 2.0",
+        ],
         strict=True,
     ):
         assert part in response.message

@@ -6,7 +6,7 @@ import pytest
 
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.model import HELD_POSITION
-from pack_core.rotations import Array
+from pack_core.rotations import Array, normalize
 from pack_mpc.plant import STATE, PackingPlant
 
 
@@ -41,6 +41,34 @@ def test_derivatives_agree_with_central_differences(plant: PackingPlant, traject
         ]
         expected = (ends[0][0, 1, columns] - ends[1][0, 1, columns]) / (2 * h)
         np.testing.assert_allclose(lin.A[t, :, j], expected, atol=2e-4)
+
+
+def test_derivatives_of_the_full_state_of_spinning_objects_are_those_that_mujoco_finds(
+    plant: PackingPlant, joints, state
+) -> None:
+    rng, at, names = np.random.default_rng(0), plant.layout, plant.scene.names
+    x0 = plant.state(joints, state)
+    for height, name in enumerate(names, start=1):
+        # in the air, as at rest on the base tiny steps of a pose switch contacts on and off
+        x0[at.object_p[name][2]] += height
+        x0[at.object_r[name][0] - 1 :][:4] = normalize(rng.normal(size=4))
+        x0[at.object_w[name]] = rng.normal(0.0, 3.0, 3)
+    us = rng.normal(0.0, 2.0, (1, 7))
+    columns = plant.columns(names, turning=True)
+    lin = plant.linearize(plant.rollout(x0, us[None])[0][0], us, columns, np.arange(2))
+
+    nv, data = plant.model.nv, mujoco.MjData(plant.model)
+    mujoco.mj_setState(plant.model, data, x0, STATE)
+    data.ctrl[:] = us[0]
+    A, B = np.empty((2 * nv, 2 * nv)), np.empty((2 * nv, plant.nu))
+    mujoco.mjd_transitionFD(plant.model, data, 1e-6, True, A, B, None, None)
+    freedoms = [(plant.model.joint(joint).dofadr[0], 1) for joint in plant.arm.joints]
+    freedoms += [(plant.model.joint(name).dofadr[0], 6) for name in names]
+    dofs = np.concatenate([first + np.arange(count) for first, count in freedoms])
+    order = np.concatenate([dofs, nv + dofs])
+    assert len(columns) == len(order) == 2 * (7 + 6 * len(names))
+    np.testing.assert_allclose(lin.A[0], A[np.ix_(order, order)], atol=1e-5)
+    np.testing.assert_allclose(lin.B[0], B[order], atol=1e-5)
 
 
 def test_output_derivatives_are_the_jacobian_of_the_held_object(plant: PackingPlant, trajectory) -> None:

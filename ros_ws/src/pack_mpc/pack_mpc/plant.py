@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 
 import mujoco
 import numpy as np
@@ -13,12 +14,14 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.rollouts import SleepingRollouts
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array
+from pack_core.rotations import Array, conjugate, multiply
 from pack_core.states import SceneState
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 EPSILON = 1e-6
 """Step of the finite differences, in each component's unit: larger steps straddle contacts that switch on."""
+_TURNS = np.hstack([np.ones((3, 1)), 0.5 * EPSILON * np.eye(3)])
+"""Quaternions of rotations by `EPSILON` [rad] about x, y and z."""
 
 
 @dataclass(frozen=True)
@@ -29,13 +32,17 @@ class Layout:
         q: positions of the arm's joints `(7,)`.
         v: velocities of the arm's joints `(7,)`.
         object_p: position `(3,)` of each object by its name.
+        object_r: vector part `(3,)` of each object's quaternion wxyz by its name.
         object_v: linear velocity `(3,)` of each object by its name.
+        object_w: angular velocity `(3,)` of each object by its name.
     """
 
     q: np.ndarray
     v: np.ndarray
     object_p: dict[str, np.ndarray]
+    object_r: dict[str, np.ndarray]
     object_v: dict[str, np.ndarray]
+    object_w: dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -74,6 +81,10 @@ class PackingPlant:
         self._sleeping = SleepingRollouts(self.model, threads)
         self.nx = mujoco.mj_stateSize(self.model, STATE)
         self.layout = self._find_layout()
+        # Place in its quaternion, 1 to 3, of each component of a vector part.
+        self._axes = {
+            int(c): i for part in self.layout.object_r.values() for i, c in enumerate(part, start=1)
+        }
         self.limits = self.model.actuator_ctrlrange[:, 1].copy()
 
     def sensor(self, name: str) -> slice:
@@ -141,7 +152,9 @@ class PackingPlant:
         Args:
             xs: `(T + 1, nx)`.
             us: `(T, nu)`.
-            columns: indices of the n state components that take part.
+            columns: indices of the n state components that take part. The vector part of a quaternion stands
+                for a small rotation [rad] about the object's own axes, as components of a quaternion do not
+                vary one by one.
             keypoints: step indices in rising order, the first 0 and the last T.
         """
         n, m, k = len(columns), self.nu, len(keypoints)
@@ -150,36 +163,57 @@ class PackingPlant:
         u = np.concatenate([us, us[-1:]])[keypoints]
         states = np.repeat(xs[keypoints], width, axis=0).reshape(k, width, -1)
         controls = np.repeat(u, width, axis=0).reshape(k, width, m)
-        states[:, np.arange(1, n + 1), columns] += EPSILON
+        for i, column in enumerate(columns):
+            if (axis := self._axes.get(int(column))) is None:
+                states[:, 1 + i, column] += EPSILON
+            else:
+                q, first = states[:, 1 + i], int(column) - axis
+                q[:, first : first + 4] = multiply(q[:, first : first + 4], _TURNS[axis - 1])
         controls[:, np.arange(n + 1, width), np.arange(m)] += EPSILON
         nexts, ys = self._rollout.rollout(
             self.model, self._datas, states.reshape(k * width, -1), controls.reshape(k * width, 1, m)
         )
-        nexts = nexts.reshape(k, width, -1)[:, :, columns]
+        changes = self._changes(nexts.reshape(k, width, -1), columns)
         ys = ys.reshape(k, width, -1)
-        fx = (nexts[:, 1:] - nexts[:, :1]).swapaxes(1, 2) / EPSILON
+        fx = changes[:, 1:].swapaxes(1, 2) / EPSILON
         yx = (ys[:, 1:] - ys[:, :1]).swapaxes(1, 2) / EPSILON
         f, y = (_interpolate(values, keypoints, len(xs)) for values in (fx, yx))
         return Linearization(A=f[:-1, :, :n], B=f[:-1, :, n:], C=y[:, :, :n], D=y[:-1, :, n:])
 
-    def columns(self, objects: list[str]) -> np.ndarray:
+    def columns(self, objects: list[str], *, turning: bool = False) -> np.ndarray:
         """Indices of the reduced state: the arm's q and v, and position and velocity of the given objects.
 
-        Objects that nothing touches, and how objects turn, are left out: each component costs a simulated
-        step at every key-point.
+        Objects that nothing touches, and how objects turn unless `turning`, are left out: each component
+        costs a simulated step at every key-point.
         """
-        parts = [self.layout.q, *(self.layout.object_p[name] for name in objects)]
-        parts += [self.layout.v, *(self.layout.object_v[name] for name in objects)]
-        return np.concatenate(parts)
+        at = self.layout
+        poses = [[at.object_p[name], *([at.object_r[name]] if turning else [])] for name in objects]
+        twists = [[at.object_v[name], *([at.object_w[name]] if turning else [])] for name in objects]
+        return np.concatenate([at.q, *chain(*poses), at.v, *chain(*twists)])
+
+    def _changes(self, states: Array, columns: np.ndarray) -> Array:
+        """What differs in states `(k, w, nx)` from the first of each key-point, by columns `(k, w, n)`."""
+        changes = (states - states[:, :1])[:, :, columns]
+        for i, column in enumerate(columns):
+            if (axis := self._axes.get(int(column))) is not None:
+                q = states[..., int(column) - axis :][..., :4]
+                # twice the vector part of q0^-1 q is the small rotation from q0 to q, about its own axes
+                changes[..., i] = 2.0 * multiply(conjugate(q[:, :1]), q)[..., axis]
+        return changes
 
     def _find_layout(self) -> Layout:
         model, nq = self.model, self.model.nq
         joints = {name: model.joint(name) for name in (*self.arm.joints, *self.scene.names)}
+        own = {
+            name: (1 + joints[name].qposadr[0], 1 + nq + joints[name].dofadr[0]) for name in self.scene.names
+        }
         return Layout(
             q=np.array([1 + joints[name].qposadr[0] for name in self.arm.joints]),
             v=np.array([1 + nq + joints[name].dofadr[0] for name in self.arm.joints]),
-            object_p={name: 1 + joints[name].qposadr[0] + np.arange(3) for name in self.scene.names},
-            object_v={name: 1 + nq + joints[name].dofadr[0] + np.arange(3) for name in self.scene.names},
+            object_p={name: q + np.arange(3) for name, (q, _) in own.items()},
+            object_r={name: q + np.arange(4, 7) for name, (q, _) in own.items()},
+            object_v={name: v + np.arange(3) for name, (_, v) in own.items()},
+            object_w={name: v + np.arange(3, 6) for name, (_, v) in own.items()},
         )
 
 

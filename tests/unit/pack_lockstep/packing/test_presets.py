@@ -93,6 +93,14 @@ def test_a_misspelt_or_impossible_value_is_refused(preset: PackingPreset, error:
         preset.parameters("sim", SimulatorConfig)
 
 
+def test_the_steps_from_the_papers_system_lead_to_what_ships() -> None:
+    shipped = lockstep_config(load_preset("ideal"))
+    trigger = {"governor": {"trigger": shipped.simulator.governor.trigger}}
+    ilqr = shipped.session.controller.ilqr.model_dump()  # which plans no more
+    last = load_preset("paper_press").over("sim", trigger).over("mpc", {"controller": {"ilqr": ilqr}})
+    assert lockstep_config(last) == shipped
+
+
 def test_an_unknown_preset_is_refused_with_those_that_exist() -> None:
     with pytest.raises(ConfigError, match=r"no preset 'perfect'; allowed: .*ideal"):
         load_preset("perfect")

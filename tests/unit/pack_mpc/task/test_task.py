@@ -112,6 +112,16 @@ def test_a_placement_that_comes_while_the_object_is_on_its_way_out_does_not_turn
     assert task.machine.target.p_WN[2] > scene.rim
 
 
+def test_without_retries_a_stall_changes_nothing(scene: Scene) -> None:
+    task = placed(PackingTask(scene, TaskConfig(retries=False), 10.0))
+    task.update(11.0, Pose(task.machine.target.p_WN))
+    for time in np.arange(11.0, 20.0, 0.5):
+        assert not task.update(float(time), at(0.08)) or time == 11.0
+    assert task.machine.is_stalled
+    assert task.machine.stage is Stage.INSERT
+    assert not task.needs_placement
+
+
 def test_after_a_stall_the_object_waits_over_the_container_for_its_placement(task: PackingTask) -> None:
     placed(task).update(11.0, Pose(task.machine.target.p_WN))
     task.update(11.1, at(0.12))

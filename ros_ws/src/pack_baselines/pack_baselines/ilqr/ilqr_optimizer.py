@@ -32,6 +32,10 @@ class IlqrOptimizerConfig(Config):
     touched: NonNegativeFloat = Field(
         default=0.0005, description="an object that moves further over the horizon is in the state [m]"
     )
+    full_state: bool = Field(
+        default=False,
+        description="the state is the paper's: every object, touched or not, with its orientation",
+    )
     iteration: IlqrConfig = IlqrConfig()
     explorers: ExplorerConfig = ExplorerConfig()
 
@@ -55,10 +59,16 @@ class IlqrOptimizer(Optimizer):
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from the state `x0`, along the last plan or a cheaper explorer."""
         nominal, warning = self._nominal(x0, cost, stage, target)
-        columns = self.plant.columns(self.touched(nominal))
+        columns = self._columns(nominal)
         result = iterate(self.plant, cost, nominal, columns, self._regularisation, self._config.iteration)
         self._last, self._regularisation = result.trajectory, result.regularisation
         return self._solution(result, warning)
+
+    def _columns(self, nominal: Rollout) -> np.ndarray:
+        """Components of the state that take part in the backward pass."""
+        if self._config.full_state:
+            return self.plant.columns(self.plant.scene.names, turning=True)
+        return self.plant.columns(self.touched(nominal))
 
     def touched(self, nominal: Rollout) -> list[str]:
         """Names of the objects that move along the nominal trajectory; only these are differentiated."""

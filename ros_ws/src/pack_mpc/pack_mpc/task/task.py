@@ -35,6 +35,9 @@ class TaskConfig(Config):
     placement_tries: PositiveInt = Field(
         default=3, description="refused placements in a row that end the goal"
     )
+    retries: bool = Field(
+        default=True, description="whether an attempt that has stalled is followed by one elsewhere"
+    )
     landing_reach: NonNegativeFloat = Field(
         default=0.0,
         description="an object this near to a placement may be landed on: the way down is slow [m]",
@@ -219,7 +222,7 @@ class PackingTask:
             self.finish(
                 PackingExitReason.PLACED, time, f"within {self._config.stages.placed_distance * 1e3:.0f} mm"
             )
-        elif machine.is_stalled:
+        elif machine.is_stalled and self._config.retries:
             changed = self._retreat(machine, time, X_WN)
         self.expire(time)
         return changed

@@ -155,7 +155,8 @@ class PlacementEvaluation:
         teleported = self._settling.teleport(now, sampled)
         states = self._settling.settle(teleported, self._config.steps)
         before, settled = self._settling.poses(teleported), self._settling.poses(states)
-        penetration = np.array([self._lasting_penetration(row) for row in states])
+        resting = self._config.resting_penetration
+        penetration = np.array([self.penetration(row, resting) for row in states])
         costs = self.disturbance(before, settled) + self._config.beta * penetration
         if near is not None:
             aside = settled[:, -1, :2] - near.p[:2]  # the new object is the last
@@ -178,13 +179,19 @@ class PlacementEvaluation:
         displacements = (settled - before)[..., :3] * np.array(self._config.weights)
         return np.asarray(np.linalg.norm(displacements, axis=-1).sum(axis=-1))
 
-    def _lasting_penetration(self, state: Array) -> float:
-        """K of Eq. 6 [m]: depth summed over touching pairs, each less that of resting contact.
+    def at_rest(self, scene: Array) -> Array:
+        """The physics state `(nstate,)` with all objects at rest at X_WO `(objects, 7)`, the new one last."""
+        names = self._settling.names
+        return self._settling.start({n: Pose(x[:3], x[3:]) for n, x in zip(names, scene, strict=True)})
 
-        The paper takes nothing off; here resting objects, which sink in a little, count as parted.
+    def penetration(self, state: Array, resting: float) -> float:
+        """K of Eq. 6 [m]: depth summed over touching pairs, each less `resting` [m].
+
+        The paper takes nothing off. With the depth of a resting contact, as objects that stand sink in a
+        little, they count as parted.
         """
         depths = np.array(list(self._settling.penetrations(state).values()))
-        return float(np.maximum(depths - self._config.resting_penetration, 0.0).sum())
+        return float(np.maximum(depths - resting, 0.0).sum())
 
 
 def sample_poses(

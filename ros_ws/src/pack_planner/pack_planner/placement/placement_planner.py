@@ -68,7 +68,8 @@ class PlacementPlannerConfig(PlacementConfig):
 
     variant: Annotated[str, NEXT_REQUEST, AfterValidator(PLACEMENT_PLANNERS.known)] = Field(
         "physics",
-        description="physics: Algorithm 1 with rehearsed entries; algorithm_1: it alone; random: any pose",
+        description="physics: Algorithm 1 with rehearsed entries; algorithm_1: it alone; "
+        "algorithm_1_literal: line by line as printed; random: any pose",
     )
 
     arrangement: ArrangementConfig = ArrangementConfig()
