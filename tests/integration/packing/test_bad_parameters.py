@@ -55,7 +55,7 @@ def last_words(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str
         ("perception", "min_rate:=0.0", ("min_rate", "0.0", "greater than 0")),
         ("planner", "samples:=0", ("samples", "0", "greater than")),
         ("mpc", "controller.threads:=0", ("controller.threads", "0", "greater than or equal to 1")),
-        ("mpc", "weights:=heavy", ("weights", "heavy", "table_1, table_1_norms, tuned")),
+        ("mpc", "weights:=heavy", ("weights", "heavy", "table_1, table_1_integral, table_1_norms, tuned")),
     ],
 )
 def test_a_bad_parameter_is_named_with_its_value_and_what_is_allowed(

@@ -26,6 +26,14 @@ def test_table_1_is_the_papers() -> None:
     assert insert.running["obstacle"] == insert.terminal["obstacle"] == 1
 
 
+@pytest.mark.parametrize("stage", [Stage.PRE_PACK, Stage.INSERT, Stage.FINE_TUNE])
+def test_table_1_as_an_integral_has_the_running_weights_times_the_time_step(stage: Stage) -> None:
+    printed, integral = (load_weights(name).of(stage) for name in ("table_1", "table_1_integral"))
+    assert integral.terminal == printed.terminal
+    for name, weight in printed.running.items():
+        np.testing.assert_allclose(integral.running[name], 0.006 * np.array(weight), rtol=1e-12)
+
+
 def test_the_papers_weights_neither_give_way_nor_tighten() -> None:
     table_1 = load_weights("table_1")
     assert table_1.force_relief == table_1.precision == 1.0
