@@ -54,6 +54,9 @@ PARTS = {
     "seeded_goal": CellPart(
         "pack_bringup.{cell}.goals", "seeded_goal", "a goal by a seed, for benchmarks of faults and of hours"
     ),
+    "seeded_job": CellPart(
+        "pack_bringup.{cell}.goals", "seeded_job", "the same goal with nodes that are started for it"
+    ),
     "benchmark": CellPart("pack_bringup.{cell}.commands", "benchmark", "the command `pack benchmark CELL`"),
     "disturbances": CellPart(
         "pack_lockstep.{cell}.disturbances", "DISTURBANCES", "the rows of `pack benchmark hands CELL`",

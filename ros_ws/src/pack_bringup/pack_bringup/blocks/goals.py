@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pack_bringup.graph.graph import conditions
 from pack_bringup.job import Progress, recorder_parameters
 from pack_core.errors import ConfigError
 
@@ -116,3 +117,24 @@ class BlocksJob(BlocksGoal):
         if self.real_time_factor is not None:
             sim["real_time_factor"] = str(float(self.real_time_factor))
         return {"sim": sim, "recorder": recorder_parameters(self, self.seed, self.command)}
+
+
+def seeded_job(
+    seed: int, folder: Path, *, real_time_factor: float | None, preset: str, command: str
+) -> BlocksJob:
+    """The goal of a seed in the folder of a run, with nodes that are started for it.
+
+    Args:
+        seed: of the goal.
+        folder: of the run.
+        real_time_factor: None: that of the simulator's parameter file.
+        preset: this cell has none.
+        command: the command line, for run.yaml.
+
+    Raises:
+        ConfigError: a preset is given.
+    """
+    conditions("blocks", preset, None)
+    return BlocksJob(
+        seeded_goal(seed).problem, seed, folder=folder, real_time_factor=real_time_factor, command=command
+    )

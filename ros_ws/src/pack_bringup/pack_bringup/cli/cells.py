@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from pack_bringup.robustness.commands import faults, hands
+from pack_bringup.robustness.commands import faults, hands, live
 from pack_core.cells import CELLS, cell_part
 
 app = typer.Typer()
@@ -18,8 +18,8 @@ goals = typer.Typer(
 )
 benchmarks = typer.Typer(
     no_args_is_help=True,
-    help="Measure many runs of a cell without ROS, on simulated time; or a running cell, under faults. "
-    "Results are kept in a folder.",
+    help="Measure many runs of a cell without ROS, on simulated time; or a running cell, in real time or "
+    "under faults. Results are kept in a folder.",
 )
 for group, name in ((demos, "demo"), (goals, "goal"), (benchmarks, "benchmark")):
     app.add_typer(group, name=name)
@@ -35,5 +35,6 @@ def _watch() -> None:
     watch()
 
 
+benchmarks.command("live")(live)
 benchmarks.command("faults")(faults)
 benchmarks.command("hands")(hands)

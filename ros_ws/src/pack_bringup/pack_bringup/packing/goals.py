@@ -147,6 +147,21 @@ class PackingJob(PackingGoal):
         return merged(conditions(self.cell, self.preset, None), {"sim": sim, "recorder": recorder})
 
 
+def seeded_job(
+    seed: int, folder: Path, *, real_time_factor: float | None, preset: str, command: str
+) -> PackingJob:
+    """The goal of a seed in the folder of a run, with nodes that are started for it.
+
+    Args:
+        seed: of the goal.
+        folder: of the run.
+        real_time_factor: None: that of the simulator's parameter file.
+        preset: of config/presets; empty: the configuration files as they are.
+        command: the command line, for run.yaml.
+    """
+    return PackingJob(seed, folder=folder, real_time_factor=real_time_factor, preset=preset, command=command)
+
+
 START = "start.yaml"
 """Scene file, in the run's folder, with which the simulator begins: an empty container."""
 

@@ -144,6 +144,24 @@ class PalletizingJob(PalletizingGoal):
         return merged(given, {"sim": sim, "recorder": recorder})
 
 
+def seeded_job(
+    seed: int, folder: Path, *, real_time_factor: float | None, preset: str, command: str
+) -> PalletizingJob:
+    """The goal of a seed in the folder of a run, with nodes that are started for it.
+
+    Args:
+        seed: of the goal.
+        folder: of the run.
+        real_time_factor: None: that of the simulator's parameter file.
+        preset: what the cell is like; empty: the configuration files as they are.
+        command: the command line, for run.yaml.
+    """
+    return PalletizingJob(
+        seeded_goal(seed).order, seed, folder=folder, real_time_factor=real_time_factor, preset=preset,
+        command=command,
+    )  # fmt: skip
+
+
 NODES = ("sim", "vision", "fsm")
 """The nodes that know the cell: its driver, its eye, and the machine that places boxes."""
 RECORDER = "recorder"
