@@ -20,11 +20,12 @@ setup: ## make .venv, install and build; does only what has changed
 demo: setup ## run and report (CELL=packing, palletizing, blocks; SEED; ARGS)
 	@$(IN_ENV) pack demo $(CELL) --seed $(SEED) $(ARGS)
 
+# PYTHONDONTWRITEBYTECODE=: pytest keeps the tests that it has rewritten; else every worker rewrites all, for 10 s.
 test: setup ## tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
 	@echo "Compiling what moves arms and plans rearrangements (a minute the first time)"
 	@$(IN_ENV) python -m pack_bringup.compiling
-	@$(IN_ENV) pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --benchmark-disable \
-		-m "not benchmark and not long" $(ARGS)
+	@$(IN_ENV) PYTHONDONTWRITEBYTECODE= pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder \
+		--benchmark-disable --durations=30 -m "not benchmark and not long" $(ARGS)
 
 slow: setup ## tests that take minutes: cells in a browser, blocks demo
 	@$(IN_ENV) pytest -m long $(ARGS)

@@ -16,7 +16,7 @@ DEFINITIONS = """
 tuning_seeds: {blocks: {first: 1000, last: 1999}}
 trends: {plans: {success: verified, of: instances}}
 benchmarks:
-  blocks/four: {command: blocks --blocks 4 --instances 2 --budget 0.1, trend: plans, minutes: 1, jobs: 1}
+  blocks/four: {command: blocks --blocks 4 --instances 2 --budget 5, trend: plans, minutes: 1, jobs: 1}
   blocks/refused: {command: blocks --blocks 99, trend: plans, minutes: 0.1}
 """
 
@@ -44,7 +44,7 @@ def test_a_missing_result_is_measured_published_and_valid_until_a_source_changes
     assert code == 0, shown
     file = folder / "blocks" / "four.json"
     values = json.loads(file.read_text())
-    assert values["command"] == "pack benchmark blocks --blocks 4 --instances 2 --budget 0.1"
+    assert values["command"] == "pack benchmark blocks --blocks 4 --instances 2 --budget 5"
     assert values["summary"]["instances"] == values["summary"]["verified"] == 2
     assert values["machine"].endswith("GiB")
     assert "config/cells/blocks.yaml" in values["sources"]

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
 from pathlib import Path
-from typing import cast
+from typing import NamedTuple, cast
 
-from mcap.records import Channel, Schema
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import ConnectionExtRosbag2, Qos
 from rosbags.rosbag2.metadata import parse_qos
@@ -26,6 +27,14 @@ DEFINITIONS = ("ros2msg", "ros2idl")
 """Encodings of definitions of ROS 2 messages in MCAP."""
 DIGITS = 5
 """The most that the number of a bag's file has; longer ones are dates."""
+
+
+class _Definition(NamedTuple):
+    """Definition of a message type, as a recording has it."""
+
+    name: str
+    encoding: str
+    data: bytes
 
 
 @dataclass(frozen=True)
@@ -169,17 +178,15 @@ def _parts(file: Path) -> tuple[str, float]:
 
 
 def _read_mcap_files(bag: Path, files: _Files, topics: Collection[str] | None) -> RawBag:
-    types = get_typestore(Stores.EMPTY)
+    contents = [_content_of(file) for file in files.there]
+    left_out_of = [_left_out(content) for content in contents]
+    definitions = [_definitions(*read) for read in zip(contents, left_out_of, strict=True)]
+    types, broken = _typestore(tuple(dict.fromkeys(chain.from_iterable(definitions))))
     found: dict[str, Topic] = {}
     messages: list[RawMessage] = []
-    is_cut, damaged = False, files.missing
+    is_cut, damaged = False, files.missing + broken
     notes = dict.fromkeys(files.notes)  # as a set that keeps its order
-    for file in files.there:
-        try:
-            content = read_mcap(file.read_bytes())
-        except OSError as error:
-            raise BagError(f"{file}: cannot be read: {error.strerror}") from error
-        left_out = _left_out(content)
+    for content, left_out in zip(contents, left_out_of, strict=True):
         notes |= {
             f"topic {content.channels[number].topic} was left out: {why}": None
             for number, why in left_out.items()
@@ -219,35 +226,60 @@ def _left_out(content: McapContent) -> dict[int, str]:
     return found
 
 
-def _topics_of(content: McapContent, types: Typestore, left_out: Collection[int]) -> dict[int, Topic]:
-    """The topics by their channels' numbers, as far as their types can be read, which are registered."""
+def _content_of(file: Path) -> McapContent:
+    try:
+        return read_mcap(file.read_bytes())
+    except OSError as error:
+        raise BagError(f"{file}: cannot be read: {error.strerror}") from error
+
+
+def _definitions(content: McapContent, left_out: Collection[int]) -> list[_Definition]:
+    """Definitions of the types whose messages are read."""
     wanted = {channel.schema_id for number, channel in content.channels.items() if number not in left_out}
-    for schema in content.schemas.values():
-        if schema.id not in wanted:
-            continue
+    return [
+        _Definition(schema.name, schema.encoding, schema.data)
+        for schema in content.schemas.values()
+        if schema.id in wanted
+    ]
+
+
+@lru_cache(maxsize=16)
+def _typestore(definitions: tuple[_Definition, ...]) -> tuple[Typestore, int]:
+    """The types that are defined, and how many of the definitions are damaged.
+
+    Recordings of one cell have the same types, and so share what rosbags generates to read them: it takes as
+    long as reading a short recording.
+    """
+    types, broken = get_typestore(Stores.EMPTY), 0
+    for name, encoding, data in definitions:
         try:
-            _register(schema, types)
+            text = data.decode()
+            types.register(
+                get_types_from_idl(text) if encoding == "ros2idl" else get_types_from_msg(text, name)
+            )
         except Exception:  # rosbags raises whatever its parser meets in a damaged definition
-            content.damaged += 1
+            broken += 1
+    return types, broken
+
+
+def _topics_of(content: McapContent, types: Typestore, left_out: Collection[int]) -> dict[int, Topic]:
+    """The topics by their channels' numbers, as far as their types are known."""
     topics = {}
     for number, channel in content.channels.items():
         if number in left_out:
             continue
         its_schema = content.schemas.get(channel.schema_id)
         if its_schema is not None and its_schema.name in types.fielddefs:
-            topics[number] = Topic(channel.topic, its_schema.name, _qos(channel))
+            qos = _qos(channel.metadata.get("offered_qos_profiles", ""))
+            topics[number] = Topic(channel.topic, its_schema.name, qos)
     return topics
 
 
-def _register(schema: Schema, types: Typestore) -> None:
-    text = schema.data.decode()
-    is_idl = schema.encoding == "ros2idl"
-    types.register(get_types_from_idl(text) if is_idl else get_types_from_msg(text, schema.name))
-
-
-def _qos(channel: Channel) -> tuple[Qos, ...]:
+@lru_cache(maxsize=64)
+def _qos(profiles: str) -> tuple[Qos, ...]:
+    """Profiles as a recording has them, YAML: most topics have the same, and rosbags reads them slowly."""
     try:
-        return tuple(parse_qos(channel.metadata.get("offered_qos_profiles", "")))
+        return tuple(parse_qos(profiles))
     except Exception:  # as above: a damaged profile is as good as none
         return ()
 

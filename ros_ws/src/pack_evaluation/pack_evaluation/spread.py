@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import mannwhitneyu
 
 Values = Sequence[float] | npt.NDArray[np.float64]
 PARTS = {"mean": "mean", "p95": "95th percentile", "max": "largest"}
@@ -60,12 +59,13 @@ def split(success: Values, failure: Values) -> Split:
 
 def auc(success: Values, failure: Values) -> float | None:
     """P(failure > success) + P(equal) / 2 over all pairs (Mann and Whitney); None for no pair."""
-    low, high = _numbers(success), _numbers(failure)
+    low, high = np.sort(_numbers(success)), _numbers(failure)
     if not low.size or not high.size:
         return None
-    # U of Mann and Whitney counts the pairs; its p-value is not asked for, and the quickest one is computed.
-    pairs_won = mannwhitneyu(high, low, method="asymptotic").statistic
-    return float(pairs_won / (low.size * high.size))
+    # Successes below each failure, and below or equal; the mean of both counts an equal pair as half.
+    # scipy.stats.mannwhitneyu counts the same, but takes a second to import.
+    below, not_above = (np.searchsorted(low, high, side) for side in ("left", "right"))
+    return float(0.5 * (below + not_above).sum() / (low.size * high.size))
 
 
 def mean(values: Sequence[float]) -> float | None:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from pack_core.palletizing.calibration import FitResiduals
 from pack_core.rotations import Array
@@ -75,6 +74,8 @@ def estimate(model: CellModel, measured: Measurements) -> CalibrationFit:
     Each view's corners share the error of the arm that holds the board. They are weighted by the covariance
     of both: corners are first fitted as if the arm were exact, which tells how they depend on its joints.
     """
+    from scipy.optimize import least_squares  # half a second, which a node that never calibrates saves
+
     views, contacts = measured.views, measured.contacts
     held = [model.sag(view.q, loaded=True) for view in views]
     free = [sag_at(model, contact) for contact in contacts]

@@ -94,7 +94,7 @@ def test_a_person_who_walks_through_the_way_is_kept_clear_of_and_the_move_is_fin
 
     def world(time: float) -> list[Obstacle]:
         now = person(2.6 - v * (time - moved), -v, x=0.9)
-        p = loop.tool[-1]
+        p = arm.chain.forward_matrix(loop.q[-1])[1]
         gaps.append(box_distance(p, np.eye(3), now.X_WO.p, 0.5 * SIZE)[0])
         slowest.append(loop.controller.status().reason)
         return [now]

@@ -16,6 +16,7 @@ from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.typesys.store import Typestore
 
 from pack_core.bag_topic import Topic
+from pack_core.text.yaml_text import parse_yaml
 
 INFORMATION = "rosbag2_bagfile_information"
 
@@ -113,9 +114,10 @@ class BagWriter:
         self._writer.close()
         self._finished_size += numbered.stat().st_size
         # It names this file alone. While it stood there, readers would leave out the files that follow.
-        metadata = yaml.safe_load(self._writer.metapath.read_text())[INFORMATION]
+        path = self._writer.metapath
+        metadata = parse_yaml(path.read_text(), str(path))[INFORMATION]
         self._finished = merged_metadata(self._finished, metadata) if self._finished else metadata
-        self._writer.metapath.unlink()
+        path.unlink()
 
     def _begin_next_file(self) -> None:
         self._finish_file()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 import numpy as np
-from scipy.signal import lfilter
 
 from pack_core.packing.topics import WRENCH_RATE
 from pack_core.rotations import Array
@@ -28,10 +29,10 @@ def low_pass(times: Array, values: Array) -> Array:
     if values.size < 2:
         return values.copy()
     period = float(np.median(np.diff(times)))
-    keep = np.exp(-period / FILTER_TIME)
-    # y[k] = keep y[k-1] + (1 - keep) x[k]; zi makes the first output equal to the first value
-    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * values[0]])
-    return np.asarray(filtered)
+    keep = float(np.exp(-period / FILTER_TIME))
+    # y[k] = keep y[k-1] + (1 - keep) x[k]; scipy.signal.lfilter would take a second to import
+    filtered = accumulate(values.tolist(), lambda y, x: (1.0 - keep) * x + keep * y)
+    return np.fromiter(filtered, dtype=float, count=values.size)
 
 
 def chatter(times: Array, force: Array) -> float:
