@@ -42,6 +42,24 @@ def test_only_objects_that_move_are_in_the_state(optimizer, cost, joints, state)
     assert optimizer.touched(trajectory) == ["tea_box"]
 
 
+def test_the_full_state_has_what_nothing_touches_and_finds_the_same_free_motion(
+    optimizer, cost, joints, state, scene: Scene
+) -> None:
+    full = IlqrOptimizer(scene.description(), packing_cell(), IlqrOptimizerConfig(full_state=True), threads=2)
+    x0 = full.plant.state(joints, state)
+    weights = load_weights("tuned")
+    of_all = PackingCost(Residuals(full.plant, weights, ABOVE), weights.pre_pack, weights.torque)
+    solutions = [
+        full.improve(x0, of_all, Stage.PRE_PACK, ABOVE),
+        optimizer.improve(x0, cost, Stage.PRE_PACK, ABOVE),
+    ]
+    # objects at rest far below the arm add nothing but numerical noise to its plan
+    np.testing.assert_allclose(solutions[0].setpoints.q, solutions[1].setpoints.q, atol=1e-4)
+    trajectory = cheapest(full.plant, of_all, x0, np.zeros((100, 7))[None])[0]
+    assert len(full._columns(trajectory)) == 2 * (7 + 6 * len(scene.names))
+    assert len(optimizer._columns(trajectory)) == 2 * 7
+
+
 def test_a_plan_that_diverges_is_replaced_by_gravity_compensation(optimizer, cost, joints, state) -> None:
     x0 = optimizer.plant.state(joints, state)
     optimizer.improve(x0, cost, Stage.PRE_PACK, ABOVE)
