@@ -54,13 +54,14 @@ def test_blended_moves_come_down_along_the_pallets_vertical(displacement: Displa
         assert on_pallet(cell, leg.move.hover.direction) == pytest.approx(UP)
 
 
-def test_way_points_over_the_pallet_are_along_its_vertical() -> None:
-    cell, config = cell_with(ASKEW), ThesisConfig()
-    now = Situation(Goals(cell, ToolPoseConfig()), config, held_item(), Pose(np.zeros(3), from_yaw(0.0)))
-    over, beside = targets_of(State.ABOVE_PALLET, now), targets_of(State.PRE_DEPOSIT, now)
-    for above, before in zip(over, beside, strict=True):
+def test_way_points_over_the_pallet_are_along_its_axes() -> None:
+    cell, config, item = cell_with(ASKEW), ThesisConfig(), held_item()
+    now = Situation(Goals(cell, ToolPoseConfig()), config, item, Pose(np.zeros(3), from_yaw(0.0)))
+    over, close = targets_of(State.ABOVE_PALLET, now), targets_of(State.PRE_DEPOSIT, now)
+    for above, before in zip(over, close, strict=True):
         rise = on_pallet(cell, above.X_WT.p - before.X_WT.p)
-        assert rise == pytest.approx([0.0, 0.0, config.above])
+        start = item.plan.insertion.corridor * item.plan.insertion.outward
+        assert rise == pytest.approx(start + (config.above - config.final_height) * UP)
 
 
 def test_the_empty_tool_rises_along_the_pallets_vertical_in_both_profiles() -> None:

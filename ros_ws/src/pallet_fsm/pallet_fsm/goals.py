@@ -77,12 +77,14 @@ class Leg:
         X_WT: pose of the tool at its end.
         end: the state in which it ends.
         approach: approach direction of the tool at the end, where it stands a box up `(3,)`; else None.
+        is_checked: whether the clearance of the whole move is checked before it starts.
     """
 
     move: Move
     X_WT: Pose
     end: State
     approach: Array | None = None
+    is_checked: bool = True
 
 
 class Goals:

@@ -152,7 +152,15 @@ class Mover:
         carried, obstacles = self._surroundings
         number = self._follower.begin(newest, time)
         return PursueTarget(
-            MotionTarget(number, self.leg.move, carried, obstacles, contacts, TOLERANCES[check])
+            MotionTarget(
+                number,
+                self.leg.move,
+                carried,
+                obstacles,
+                contacts,
+                TOLERANCES[check],
+                is_checked=self.leg.is_checked,
+            )
         )
 
     def _arrive(self, status: MotionStatus) -> Event | None:
@@ -223,6 +231,7 @@ class LegRunner:
         stop_after: Callable[[State], State],
     ) -> None:  # fmt: skip
         self._book, self._stop_after = book, stop_after
+        self._leads_to_next = profile.is_blended  # the way back from the pallet is the one to the next box
         self._mover = Mover(profile, config.mover)
         goals = Goals(cell, config.poses)
         self._moves = (
@@ -265,7 +274,7 @@ class LegRunner:
 
     def _begin(self, state: State, item: WorkItem, seen: PalletObservation) -> Event | PursueTarget:
         target: WorkItem | None = item
-        if state in (State.RETREAT, State.RETURN):
+        if self._leads_to_next and state in (State.RETREAT, State.RETURN):
             target = self._book.upcoming if item.is_finished else None
         legs = [
             (leg, self._touched | self._touched_at(leg.end, target))

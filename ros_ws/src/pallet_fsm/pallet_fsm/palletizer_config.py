@@ -69,8 +69,9 @@ class ThesisConfig(Config):
     step_back: PositiveFloat = Field(default=0.20, description="from a box on table B [m]")
     before_table: PositiveFloat = Field(default=0.10, description="over the place on table B [m]")
     final_height: PositiveFloat = Field(default=0.01, description="of the pre-deposit over the place [m]")
-    standoff: PositiveFloat | None = Field(
-        default=None, description="where an insertion begins, beside the place [m]; None: as Eq. 6.6 has it"
+    is_planned: bool = Field(
+        default=True,
+        description="whether lines are straight and moves are clear, or the motion is sent the goal alone",
     )
     speed: PositiveFloat = Field(default=0.25, description="of lines [m/s]")
     acceleration: PositiveFloat = Field(default=2.5, description="of lines [m/s^2]")

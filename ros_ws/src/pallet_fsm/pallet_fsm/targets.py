@@ -15,6 +15,7 @@ from pack_core.rotations import Array, Pose
 from pallet_fsm.goals import Goals, raised
 from pallet_fsm.order_book import WorkItem
 from pallet_fsm.palletizer_config import ThesisConfig
+from pallet_fsm.report import BoxOutcome
 from pallet_fsm.states import State
 
 
@@ -38,7 +39,7 @@ class Situation:
     Attributes:
         goals: finds tool poses over boxes and places.
         config: way-points and distances.
-        box: the box in work; None where the tool only leaves one that is placed.
+        box: the box in work; None where there is none.
         X_WT: present pose of the tool.
     """
 
@@ -71,9 +72,17 @@ def _up(now: Situation) -> list[ToolTarget]:
     return _at([raised(now.X_WT, now.config.above * UP)])
 
 
-def _up_from_pallet(now: Situation) -> list[ToolTarget]:
-    """Up along the pallet's own vertical."""
-    return _at([raised(now.X_WT, now.goals.in_world(now.config.above * UP))])
+def _up_turned(now: Situation) -> list[ToolTarget]:
+    """Straight up, with the orientation in which the box on table B is gripped next; else as it is."""
+    p = now.X_WT.p + now.config.above * UP
+    return [*_at([Pose(p, X_WT.q) for X_WT in now.goals.grasps(now.item, now.X_WT)]), *_up(now)]
+
+
+def _from_place(now: Situation) -> list[ToolTarget]:
+    """Back to where the tool came from over a place, or up along the pallet's own vertical."""
+    was_placed = now.box is not None and now.box.outcome is BoxOutcome.PLACED
+    offset = _over_insertion(now) if was_placed else now.config.above * UP
+    return _at([raised(now.X_WT, now.goals.in_world(offset))])
 
 
 def _over_box(now: Situation) -> list[ToolTarget]:
@@ -132,12 +141,12 @@ def _turned_to_place(now: Situation) -> list[Pose]:
 
 
 def _over_place(now: Situation) -> list[ToolTarget]:
-    offset = now.goals.in_world(_before_insertion(now) + now.config.above * UP)
+    offset = now.goals.in_world(_over_insertion(now))
     return _at([raised(X_WT, offset) for X_WT in now.goals.placements(now.item, now.X_WT)])
 
 
-def _beside_place(now: Situation) -> list[ToolTarget]:
-    offset = now.goals.in_world(_before_insertion(now))
+def _close_over_place(now: Situation) -> list[ToolTarget]:
+    offset = now.goals.in_world(now.config.final_height * UP)
     return _at([raised(X_WT, offset) for X_WT in now.goals.placements(now.item, now.X_WT)])
 
 
@@ -145,13 +154,12 @@ def _on_place(now: Situation) -> list[ToolTarget]:
     return _at(now.goals.placements(now.item, now.X_WT))
 
 
-def _before_insertion(now: Situation) -> Array:
-    """From the box's place to where its insertion begins, along the pallet's axes `(3,)` [m].
+def _over_insertion(now: Situation) -> Array:
+    """From a box's place to `place_inter`, over where its insertion begins `(3,)` [m], in the pallet's axes.
 
     Eq. 6.6, p_start = c + L d.
     """
-    standoff = np.inf if now.config.standoff is None else now.config.standoff
-    return now.item.plan.insertion.offset(standoff, now.config.final_height)
+    return now.item.plan.insertion.offset(np.inf, now.config.above)
 
 
 TARGETS: dict[State, Finder] = {
@@ -163,16 +171,16 @@ TARGETS: dict[State, Finder] = {
     State.ROTATE: _over_table,
     State.RELEASE_TABLE: _on_table,
     State.STEP_BACK: _back,
-    State.RISE: _up,
+    State.RISE: _up_turned,
     State.ABOVE_TABLE: _over_box,
     State.REGRASP: _on_box,
     State.LIFT_TABLE: _up,
     State.LEAVE_TABLE: _leave_table,
     State.TRANSFER: _safe_pallet,
     State.ABOVE_PALLET: _over_place,
-    State.PRE_DEPOSIT: _beside_place,
+    State.PRE_DEPOSIT: _close_over_place,
     State.DEPOSIT: _on_place,
-    State.RETREAT: _up_from_pallet,
+    State.RETREAT: _from_place,
     State.RETURN: _return,
 }
 """What finds the tool's targets, for every state in which the arm moves."""
