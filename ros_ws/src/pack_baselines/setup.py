@@ -23,6 +23,8 @@ setup(
             "algorithm_1_literal = pack_baselines.literal_planner:LiteralPlanner",
             "random = pack_baselines.random_pose_planner:RandomPosePlanner",
         ],
+        "pack_planner.insertion_rules": ["longest = pack_baselines.thesis.longest_corridor:longest_corridor"],
+        "pack_planner.separators": ["pairwise = pack_baselines.thesis.pairwise_separator:PairwiseSeparator"],
         "pack_planner.rearrangement_planners": ["pirs = pack_baselines.pirs.pirs_planner:PirsPlanner"],
     },
 )

@@ -17,7 +17,7 @@ from pack_planner.layout.insertion_direction import (
     choose_insertion,
     ray_to_rectangle,
 )
-from unit.pack_planner.layout.blocks import block, grids
+from unit.pack_planner.layout.blocks import PALLET, block, grids
 
 CONFIG = InsertionConfig()
 TARGET = block("target", 0.5, 0.3)
@@ -26,7 +26,7 @@ NORTH, SOUTH = block("north", 0.5, 0.502), block("south", 0.5, 0.098)
 
 
 def chosen(*placed: PlacedBox) -> Insertion:
-    return choose_insertion(TARGET, placed, CONFIG)
+    return choose_insertion(TARGET, placed, CONFIG, PALLET)
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_neighbours_further_than_the_inflation_do_not_count() -> None:
 
 def test_boxes_that_do_not_reach_into_its_height_do_not_count() -> None:
     upper = TARGET.moved((0, 0, 0.2))
-    assert choose_insertion(upper, [EAST, NORTH, TARGET], CONFIG).direction == "Center"
+    assert choose_insertion(upper, [EAST, NORTH, TARGET], CONFIG, PALLET).direction == "Center"
 
 
 def test_a_corridor_ends_at_the_inflated_outline_of_what_is_in_the_way() -> None:
@@ -115,7 +115,8 @@ def test_a_box_at_a_corner_is_left_along_the_axis_that_parts_them_more(
 
 
 def test_a_corridor_as_short_as_may_be_is_of_use() -> None:
-    assert choose_insertion(TARGET, [EAST], InsertionConfig(reach=0.02, min_corridor=0.02)).corridor == 0.02
+    config = InsertionConfig(reach=0.02, min_corridor=0.02)
+    assert choose_insertion(TARGET, [EAST], config, PALLET).corridor == 0.02
 
 
 def test_the_longest_corridor_wins_over_the_straightest_way() -> None:
@@ -130,7 +131,7 @@ def test_a_corridor_too_short_to_be_of_use_is_not_taken() -> None:
 
 def test_beyond_the_pallets_border_the_way_is_free() -> None:
     target = block("target", 0.9, 0.3)
-    assert choose_insertion(target, [block("west", 0.598, 0.3)], CONFIG).corridor == CONFIG.reach
+    assert choose_insertion(target, [block("west", 0.598, 0.3)], CONFIG, PALLET).corridor == CONFIG.reach
 
 
 def test_offsets_stay_within_the_corridor() -> None:
@@ -154,7 +155,7 @@ def test_a_ray_that_only_touches_a_corner_misses() -> None:
 def test_on_its_way_in_a_box_meets_nothing(boxes: list[PlacedBox], data: st.DataObject) -> None:
     target = data.draw(st.sampled_from(boxes))
     others = [item for item in boxes if item is not target]
-    insertion = choose_insertion(target, others, CONFIG)
+    insertion = choose_insertion(target, others, CONFIG, PALLET)
     for share in np.linspace(0.0, 1.0, 25):
         moved = target.moved(share * insertion.corridor * insertion.outward)
         assert not any(moved.overlaps(other) for other in others)

@@ -284,28 +284,42 @@ def layout(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the pictures.")
     ] = Path("bags/layout"),
+    preset: Annotated[
+        str, typer.Option(help="Conditions, a file of config/presets; `rigid` is the layout as configured.")
+    ] = "rigid",
+    json_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--json", metavar="FILE", help="Also write the order with its boxes at their new places."
+        ),
+    ] = None,
 ) -> None:
     """Plan the layout of an order and draw it: every layer with its gaps, and each box's way in.
 
-    Nothing is simulated. The planner's parameters are those of config/nodes/palletizing/layout.yaml.
+    Nothing is simulated. The planner's parameters are those of config/nodes/palletizing/layout.yaml. What
+    --json writes is an order file: places with gaps, in the sequence of placing, and where boxes come from.
 
     - `pack layout config/orders/order_03.json --output /tmp/layout`
+    - `pack layout config/orders/order_03.json --preset thesis --json /tmp/order_03_parted.json`
     """
     make_output_folder(output)
     from pack_core.errors import OrderError
     from pack_core.palletizing.cell import palletizing_cell
-    from pack_core.palletizing.orders.layout_plan import LayoutStatus
+    from pack_core.palletizing.orders.layout_plan import LayoutStatus, laid_out
     from pack_core.palletizing.orders.order_file import load_order
     from pack_evaluation.palletizing.drawings import write_pictures
-    from pack_lockstep.node_parameters import load_parameters
-    from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
+    from pack_lockstep.palletizing.settings import set_up
+    from pack_planner.layout.layout_planner import LayoutPlanner
 
     given = load_order(order, palletizing_cell())
-    plan = LayoutPlanner(load_parameters("palletizing/layout", LayoutConfig)).plan(given)
+    plan = LayoutPlanner(set_up(preset=preset).layout).plan(given)
     if plan.status is not LayoutStatus.SUCCESS:
         raise OrderError(f"{order}: no layout: {plan.reason}")
     for path in write_pictures(given, plan, output):
         typer.echo(str(path))
+    if json_file is not None:
+        json_file.write_text(laid_out(given, plan).model_dump_json(indent=1, exclude_none=True) + "\n")
+        typer.echo(str(json_file))
 
 
 APPS = (calibration.app, app, order_command.app)

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.config import Config
+from pack_core.palletizing.orders.order import Order
 from pack_core.rotations import Array, angle_between
 from pack_evaluation.palletizing.run import BoxRecord, PalletRun, ToolTrack
 from pack_evaluation.palletizing.state_times import StateTime, near_contact_peak, state_times, tool_speeds
@@ -145,6 +146,19 @@ def measure_order(run: PalletRun, criteria: PlacementCriteria | None = None) -> 
         true_position_mm=_true_errors(run.tool), states=state_times(run), visitors=measure_visitors(run),
         way_point_mm=_of_way_points([point.position_mm for point in run.way_points]),
         way_point_deg=_of_way_points([point.orientation_deg for point in run.way_points]),
+    )  # fmt: skip
+
+
+def measures_of_unbuilt(order: Order, reason: str) -> OrderMeasures:
+    """The measures of an order of which nothing was built, for a reason."""
+    boxes = tuple(
+        BoxMeasures(box.id, box.turn.handling.value, "pending", False, None, None, None, None, None, None)
+        for box in order.boxes
+    )
+    return OrderMeasures(
+        is_complete=False, reward=0, penalty=len(boxes), boxes=boxes, position_mm=(0.0, 0.0),
+        orientation_deg=(0.0, 0.0), goal_mm=(0.0, 0.0), shift_mm=(), drops=0, touches=0, interruptions=0,
+        faults=(reason,), duration_s=0.0,
     )  # fmt: skip
 
 

@@ -74,7 +74,7 @@ def orders(name: str, summary: Summary) -> TextTable:
         (
             order, f"{s['complete']} of {s['runs']}", f"{s['boxes_ok']} of {s['boxes']}",
             spread_text(s["error_mm"]), optional_number(s["cycle_s"]),
-            optional_number(s["tracking_mm"]["max"]), "; ".join(s["faults"]),
+            optional_number((s["tracking_mm"] or {"max": None})["max"]), "; ".join(s["faults"]),
         )
         for order, s in summary["per_order"].items()
     )  # fmt: skip

@@ -159,10 +159,13 @@ def _order(runs: Sequence[OrderTrial]) -> dict[str, Any]:
 
 
 def _tracking(trials: Sequence[OrderTrial], key: str) -> dict[str, float] | None:
-    """Mean, weighted by the runs' durations, and largest value of a tracking error; None without a run."""
-    if not trials:
-        return None
+    """Mean, weighted by the runs' durations, and largest value of a tracking error; None without a run.
+
+    An order of which nothing was built took no time and counts for nothing.
+    """
     weights = [trial.measures["duration_s"] for trial in trials]
+    if not any(weights):
+        return None
     means = [trial.measures[key][0] for trial in trials]
     return {
         "mean": float(np.average(means, weights=weights)),

@@ -15,7 +15,7 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
-from pack_evaluation.palletizing.measures import measure_order
+from pack_evaluation.palletizing.measures import measure_order, measures_of_unbuilt
 from pack_evaluation.palletizing.plots import visitors_picture
 from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
@@ -99,9 +99,18 @@ def _refusal(path: Path, cell: PalletizingCell) -> str:
 
 
 def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
-    """Plan and build an order; the result is a line of the results file, as plain values."""
+    """Plan and build an order; the result is a line of the results file, as plain values.
+
+    An order without a layout counts as not built.
+    """
     order = load_order(job.path)
-    plan, calibration = plan_order(order, setup.layout), setup.calibrations.get(job.seed)
+    plan, calibration = LayoutPlanner(setup.layout).plan(order), setup.calibrations.get(job.seed)
+    if plan.status is not LayoutStatus.SUCCESS:
+        unbuilt = asdict(measures_of_unbuilt(order, f"no layout: {plan.reason}"))
+        return {
+            "name": job.name, "order": job.path.stem, "seed": job.seed, "reason": plan.reason,
+            "measures": unbuilt, "hold_mm": None,
+        }  # fmt: skip
     KnownCell(setup.cell, calibration).check_gap(plan.gap)
     config = setup.config.model_copy(update={"visitors": visitors_of(setup.visitors, job.seed)})
     lockstep = PalletLockstep(setup.cell, order, plan, config, job.seed, calibration)

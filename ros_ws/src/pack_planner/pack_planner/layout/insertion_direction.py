@@ -9,16 +9,19 @@ above the deck.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat
+from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.errors import PackError
 from pack_core.palletizing.orders.layout_plan import Insertion
+from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
+from pack_core.register import Register
 from pack_core.rotations import Array
 
 CENTER = Insertion("Center", np.zeros(3), 0.0)
@@ -30,9 +33,24 @@ SIDES = {
 """The sides that a box may come from: east is the pallet's x axis, north its y axis."""
 
 
+InsertionRule = Callable[[PlacedBox, Sequence[PlacedBox], "InsertionConfig", OrderPallet], Insertion]
+"""Chooses the insertion of a box that comes to its place beside boxes that are placed already, on a pallet;
+raises PackError where the box shares space with one of them."""
+
+INSERTION_RULES: Register[InsertionRule] = Register(
+    "insertion rule",
+    "pack_planner.insertion_rules",
+    {"opened_gaps": "pack_planner.layout.insertion_direction:choose_insertion"},
+)
+"""The rules by their names, the default first."""
+
+
 class InsertionConfig(Config):
     """Parameters of the direction selection."""
 
+    rule: Annotated[str, AfterValidator(INSERTION_RULES.known)] = Field(
+        "opened_gaps", description="which of the admissible sides is taken"
+    )
     inflation: NonNegativeFloat = Field(0.01, description="boxes nearer than this count as touched [m]")
     reach: PositiveFloat = Field(0.5, description="corridors are not followed further [m]")
     min_corridor: PositiveFloat = Field(0.02, description="shorter corridors are no use [m]")
@@ -55,7 +73,9 @@ class DirectionCandidate:
     directness: float
 
 
-def choose_insertion(target: PlacedBox, placed: Sequence[PlacedBox], config: InsertionConfig) -> Insertion:
+def choose_insertion(
+    target: PlacedBox, placed: Sequence[PlacedBox], config: InsertionConfig, _: OrderPallet
+) -> Insertion:
     """The admissible side with the longest corridor, Eq. 6.5, among those that open the most gaps.
 
     The result is Center, straight down, where no box is touched or no side is admissible.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
@@ -11,11 +12,11 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_core.errors import PackError
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus, PlannedBox, resequence
-from pack_core.palletizing.orders.order import Order
+from pack_core.palletizing.orders.order import Order, OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
-from pack_planner.layout.insertion_direction import InsertionConfig, choose_insertion
-from pack_planner.layout.pallet_separator import PalletSeparator, Separation, SeparatorConfig
+from pack_planner.layout.insertion_direction import INSERTION_RULES, InsertionConfig
+from pack_planner.layout.pallet_separator import SEPARATORS, Separation, SeparatorConfig
 
 MAX_GAP = 0.05
 """Largest gap that a request may ask for, the bound of the configured ones as well [m]."""
@@ -68,9 +69,10 @@ class LayoutPlanner:
     def _with_gap(self, order: Order, wanted: float) -> LayoutPlan:
         if not 0.0 <= wanted <= MAX_GAP:
             raise PackError(f"gap is {wanted} m; allowed: 0 to {MAX_GAP} m")
-        separation = PalletSeparator(order.pallet, self._config.separator).separate(order.placed, wanted)
+        config = self._config.separator
+        separation = SEPARATORS[config.method](order.pallet, config).separate(order.placed, wanted)
         status, reason = self._judge(separation, wanted)
-        boxes = self._planned(separation.boxes) if status is LayoutStatus.SUCCESS else ()
+        boxes = self._planned(separation.boxes, order.pallet) if status is LayoutStatus.SUCCESS else ()
         return LayoutPlan(status, reason, boxes, wanted, separation.virtual_margin)
 
     def _judge(self, separation: Separation, gap: float) -> tuple[LayoutStatus, str]:
@@ -80,18 +82,26 @@ class LayoutPlanner:
                 f"{separation.virtual_margin * 1e3:g} mm over the pallet's edge and displaced by up to "
                 f"{self._config.separator.max_shift:g} gaps; allowed: a smaller gap, or a looser layout"
             )
+        if overlaps := overlapping(separation.boxes):
+            pairs = "; ".join(f"'{one}' and '{other}'" for one, other in overlaps)
+            return LayoutStatus.INFEASIBLE, f"with gaps of {gap * 1e3:g} mm boxes share space: {pairs}"
         unstable = unstable_boxes(separation.boxes, self._config.support)
         if unstable:
             reasons = "; ".join(f"box '{name}': {problem}" for name, problem in unstable.items())
             return LayoutStatus.UNSTABLE, f"with gaps of {gap * 1e3:g} mm: {reasons}"
         return LayoutStatus.SUCCESS, ""
 
-    def _planned(self, boxes: Sequence[PlacedBox]) -> tuple[PlannedBox, ...]:
-        sequence = resequence(boxes, self._config.rise)
+    def _planned(self, boxes: Sequence[PlacedBox], pallet: OrderPallet) -> tuple[PlannedBox, ...]:
+        sequence, config = resequence(boxes, self._config.rise), self._config.insertion
+        choose = INSERTION_RULES[config.rule]
         return tuple(
-            PlannedBox(item, choose_insertion(item, sequence[:k], self._config.insertion))
-            for k, item in enumerate(sequence)
+            PlannedBox(item, choose(item, sequence[:k], config, pallet)) for k, item in enumerate(sequence)
         )
+
+
+def overlapping(boxes: Sequence[PlacedBox]) -> list[tuple[str, str]]:
+    """Names of the boxes that share space, in pairs: a separator may part some boxes and not others."""
+    return [(one.id, other.id) for one, other in combinations(boxes, 2) if one.overlaps(other)]
 
 
 def _steps(first: float, last: float, step: float) -> list[float]:

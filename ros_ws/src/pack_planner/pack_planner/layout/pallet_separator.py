@@ -9,24 +9,46 @@ boxes that overlap in height, not those of one layer alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Annotated, Protocol
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
+from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
 from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.register import Register
 from pack_core.rotations import Array
 from pack_planner.layout.axis_program import AxisProgram, Relation
 from pack_planner.layout.choices import Search
 
 
+class Separator(Protocol):
+    """Makes gaps in layouts for one kind of pallet."""
+
+    def separate(self, boxes: Sequence[PlacedBox], gap: float | None = None) -> Separation:
+        """Part the boxes by `gap` [m]; None: by the configured gap."""
+
+
+MakeSeparator = Callable[[OrderPallet, "SeparatorConfig"], Separator]
+
+SEPARATORS: Register[MakeSeparator] = Register(
+    "separator",
+    "pack_planner.separators",
+    {"least_displacement": "pack_planner.layout.pallet_separator:PalletSeparator"},
+)
+"""The ways to part boxes by their names, the default first."""
+
+
 class SeparatorConfig(Config):
     """Parameters of the separation."""
 
+    method: Annotated[str, AfterValidator(SEPARATORS.known)] = Field(
+        "least_displacement", description="how boxes are parted"
+    )
     gap: NonNegativeFloat = Field(0.002, le=0.05, description="free distance between neighbours [m]")
     least_gap: NonNegativeFloat = Field(
         0.001, le=0.05, description="what the gap may shrink to where there is no room for it [m]"

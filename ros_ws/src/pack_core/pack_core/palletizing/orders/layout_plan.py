@@ -9,6 +9,7 @@ from itertools import groupby
 
 import numpy as np
 
+from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
 
@@ -74,6 +75,26 @@ class LayoutPlan:
     boxes: tuple[PlannedBox, ...]
     gap: float
     virtual_margin: float
+
+
+def laid_out(order: Order, plan: LayoutPlan) -> Order:
+    """An order with its boxes at their places in a layout, in the sequence of placing.
+
+    All else that the order says of a box stays. `source` has the gap, how far boxes stand over the edge, and
+    the side that each box comes from.
+    """
+    boxes = [
+        order.box(item.placed.id).model_copy(
+            update={"position": tuple(np.round(item.placed.lower, 6).tolist()), "seq": number}
+        )
+        for number, item in enumerate(plan.boxes, start=1)
+    ]
+    insertions = {
+        item.placed.id: {"from": item.insertion.direction, "corridor": round(item.insertion.corridor, 6)}
+        for item in plan.boxes
+    }
+    layout = {"gap": plan.gap, "virtual_margin": plan.virtual_margin, "insertions": insertions}
+    return order.model_copy(update={"boxes": tuple(boxes), "source": {**order.source, "layout": layout}})
 
 
 def layers_of(boxes: Sequence[PlacedBox]) -> list[tuple[PlacedBox, ...]]:
