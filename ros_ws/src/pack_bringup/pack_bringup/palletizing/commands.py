@@ -228,6 +228,12 @@ def benchmark(
         float | None, typer.Option(metavar="MM", min=0.0, help="Between neighbours. Default: the preset's.")
     ] = None,
     first_seed: Annotated[int, typer.Option(min=0, help="The first of the seeds.")] = 0,
+    plots: Annotated[
+        bool,
+        typer.Option(
+            "--plots", help="Keep each run's figures and trajectories (JSON) in plots/ beside the results."
+        ),
+    ] = False,
     jobs: Jobs = 1,
     ray: Ray = None,
     output: BenchmarkFolder = None,
@@ -245,7 +251,7 @@ def benchmark(
     - `pack benchmark palletizing --profile thesis --no-vision`
     - `pack benchmark palletizing --visitors random --no-vision --seeds 2`
     - `pack benchmark palletizing --preset real --seeds 5`
-    - `pack benchmark palletizing --preset thesis`
+    - `pack benchmark palletizing --preset thesis --plots`
     """
     from pack_bringup.palletizing.calibration import calibrations_for
     from pack_core.paths import config_path
@@ -261,7 +267,7 @@ def benchmark(
     numbers = range(first_seed, first_seed + seeds)
     if calibrate or calibration is not None:
         setup = calibrations_for(setup, numbers, calibration, output, fresh=fresh)
-    run(PalletBenchmark(setup, tuple(wanted)), RunOptions(jobs, ray, output, fresh, json_file))
+    run(PalletBenchmark(setup, tuple(wanted), plots), RunOptions(jobs, ray, output, fresh, json_file))
 
 
 app = typer.Typer()

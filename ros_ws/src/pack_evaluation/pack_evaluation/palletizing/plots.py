@@ -52,12 +52,16 @@ def _plot_of(run: PalletRun, draw: Draw) -> Figure:
 
 
 def draw_position(figure: Figure, run: PalletRun) -> None:
-    """Commanded and measured position; slow phases are shaded, as in Fig. 9.2."""
+    """Commanded and measured position; slow phases are shaded, as in Fig. 9.2.
+
+    Commanded are the targets of the states, where they are known, else the setpoints.
+    """
     axes, tool = figure.add_subplot(), run.tool
     axes.set(title="Tool position: measured (solid) and commanded (dashed)", ylabel="[m]", xlabel="time [s]")
+    p_wanted, _ = _commanded(run)
     for i, (name, colour) in enumerate(zip("xyz", AXES, strict=True)):
         axes.plot(tool.times[::STRIDE], tool.p[::STRIDE, i], color=colour, lw=1.2, label=name)
-        axes.plot(tool.times[::STRIDE], tool.p_ref[::STRIDE, i], color=INK, lw=0.8, ls="--")
+        axes.plot(tool.times[::STRIDE], p_wanted[::STRIDE, i], color=INK, lw=0.8, ls="--")
     _shade(axes, run)
     axes.legend(loc="upper right", ncols=3)
 
@@ -66,13 +70,25 @@ def draw_orientation(figure: Figure, run: PalletRun) -> None:
     """Commanded and measured orientation as quaternions; slow phases are shaded."""
     axes, tool = figure.add_subplot(), run.tool
     axes.set(title="Tool orientation, quaternion: measured (solid) and commanded (dashed)", xlabel="time [s]")
-    q = continuous(tool.q)
-    q_ref = tool.q_ref * np.where(np.sum(tool.q_ref * q, axis=1) < 0.0, -1.0, 1.0)[:, None]
+    q, (_, q_wanted) = continuous(tool.q), _commanded(run)
+    q_ref = q_wanted * np.where(np.sum(q_wanted * q, axis=1) < 0.0, -1.0, 1.0)[:, None]
     for i, (name, colour) in enumerate(zip("wxyz", ("#7a4bb0", *AXES), strict=True)):
         axes.plot(tool.times[::STRIDE], q[::STRIDE, i], color=colour, lw=1.2, label=name)
         axes.plot(tool.times[::STRIDE], q_ref[::STRIDE, i], color=INK, lw=0.8, ls="--")
     _shade(axes, run)
     axes.legend(loc="upper right", ncols=4)
+
+
+def _commanded(run: PalletRun) -> tuple[Array, Array]:
+    """Commanded positions `(n, 3)` and orientations `(n, 4)` at the times of the tool."""
+    tool = run.tool
+    if not run.targets:
+        return tool.p_ref, tool.q_ref
+    newest = np.searchsorted([target.time for target in run.targets], tool.times, side="right") - 1
+    is_before = newest < 0
+    p = np.array([target.X_WT.p for target in run.targets])[newest]
+    q = np.array([target.X_WT.q for target in run.targets])[newest]
+    return np.where(is_before[:, None], tool.p_ref, p), np.where(is_before[:, None], tool.q_ref, q)
 
 
 def continuous(q: Array) -> Array:

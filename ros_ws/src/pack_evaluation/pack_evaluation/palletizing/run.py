@@ -90,6 +90,14 @@ class WayPoint:
 
 
 @dataclass(frozen=True)
+class ToolTarget:
+    """A target that the machine sent: when [s], and the pose of the tool at the end of its move."""
+
+    time: float
+    X_WT: Pose
+
+
+@dataclass(frozen=True)
 class VisitorTrack:
     """A visitor at n moments.
 
@@ -168,6 +176,7 @@ class PalletRun(RecordedRun):
         visitors: who came near the arm, by name; empty where nobody did or it was not recorded.
         stands: where everything truly was.
         slow: from when to when the motion was in the mode SLOW [s], in order.
+        targets: what the machine sent the motion, in order; empty where it was not recorded.
     """
 
     order: str
@@ -185,6 +194,7 @@ class PalletRun(RecordedRun):
     way_points: tuple[WayPoint, ...] = ()
     stands: StandingCell = field(default_factory=StandingCell)
     slow: tuple[tuple[float, float], ...] = ()
+    targets: tuple[ToolTarget, ...] = ()
 
 
 def intervals(times: Sequence[float], holds: Sequence[bool]) -> tuple[tuple[float, float], ...]:

@@ -15,6 +15,7 @@ from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
+from pack_evaluation.palletizing.chapter_9 import chapter_9
 from pack_evaluation.palletizing.measures import measure_order, measures_of_unbuilt
 from pack_evaluation.palletizing.plots import visitors_picture
 from pack_evaluation.palletizing.run import PalletRun
@@ -24,8 +25,8 @@ from pack_lockstep.palletizing.stack_hold import hold_shift_mm
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 from pack_sim.palletizing.crossings import visitors_of
 
-PICTURE = "visitors_picture"
-"""Key of a result that becomes a file, and no part of the results."""
+FILES = "files"
+"""Key of what a result has of files, by their paths, which are no part of the results."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ def _refusal(path: Path, cell: PalletizingCell) -> str:
     return ""
 
 
-def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
+def run_order(setup: PalletSetup, job: OrderJob, *, has_plots: bool = False) -> dict[str, Any]:
     """Plan and build an order; the result is a line of the results file, as plain values.
 
     An order without a layout counts as not built.
@@ -121,8 +122,17 @@ def run_order(setup: PalletSetup, job: OrderJob) -> dict[str, Any]:
     predicted = {} if calibration is None else {"predicted_mm": calibration.predicted.model_dump()}
     return {
         "name": job.name, "order": job.path.stem, "seed": job.seed, "reason": run.reason,
-        "measures": measures, "hold_mm": hold_mm, **predicted, PICTURE: visitors_picture(run),
+        "measures": measures, "hold_mm": hold_mm, **predicted, FILES: _files(job, run, has_plots=has_plots),
     }  # fmt: skip
+
+
+def _files(job: OrderJob, run: PalletRun, *, has_plots: bool) -> dict[str, bytes]:
+    """The plot of a run's visitors, if there were any, and figures and trajectories if they are wanted."""
+    picture = visitors_picture(run)
+    files = {} if picture is None else {f"visitors/{job.name}.png": picture}
+    if has_plots:
+        files |= {f"plots/{job.name}/{name}": data for name, data in chapter_9(run).items()}
+    return files
 
 
 def plan_order(order: Order, config: LayoutConfig) -> LayoutPlan:
@@ -145,9 +155,12 @@ class PalletBenchmark(Benchmark[OrderJob, dict[str, Any]]):
     """A benchmark of orders with one setup."""
 
     cell: ClassVar[str] = "palletizing"
+    files: ClassVar[tuple[str, ...]] = ("visitors/*.png", "plots/*/*")
 
     setup: PalletSetup
     jobs: tuple[OrderJob, ...]
+    has_plots: bool = False
+    """Whether figures and trajectories of every trial are kept beside the results."""
 
     @property
     def folder_name(self) -> str:
@@ -161,15 +174,15 @@ class PalletBenchmark(Benchmark[OrderJob, dict[str, Any]]):
     @property
     def work(self) -> Callable[[OrderJob], dict[str, Any]]:
         """The function that plans and builds an order."""
-        return partial(run_order, self.setup)
+        return partial(run_order, self.setup, has_plots=self.has_plots)
 
     def keep(self, result: dict[str, Any], folder: Path) -> Mapping[str, Any]:
-        """The measures of the trial; the plot of its visitors, if there were any, is kept as a file."""
-        if (picture := result.get(PICTURE)) is not None:
-            plots = folder / "visitors"
-            plots.mkdir(parents=True, exist_ok=True)
-            (plots / f"{result['name']}.png").write_bytes(picture)
-        return {key: value for key, value in result.items() if key != PICTURE}
+        """The measures of the trial; its files are written."""
+        for name, data in result.get(FILES, {}).items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+        return {key: value for key, value in result.items() if key != FILES}
 
     def verdict(self, trial: Mapping[str, Any]) -> Verdict:
         """One line: placed boxes, largest error, mean cycle time, tracking error, contacts and all faults."""

@@ -157,7 +157,8 @@ class PalletLockstep:
             case TakePicture() | ScanPlace():
                 self._look(command, finder)
             case PursueTarget(target):
-                self.motion.command(target)
+                if self.motion.command(target).is_accepted:
+                    self._log.note_target(self.motion.plan.X_WT)
             case StopArm():
                 self.motion.stop()
             case CloseGripper():

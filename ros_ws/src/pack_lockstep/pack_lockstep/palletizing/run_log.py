@@ -17,6 +17,7 @@ from pack_evaluation.palletizing.run import (
     PalletRun,
     StandingCell,
     StateVisit,
+    ToolTarget,
     ToolTrack,
     UnwantedTouch,
     VisitorTrack,
@@ -49,6 +50,7 @@ class PalletRunLog:
         self._truth: list[SceneState] = []
         self._peaks: dict[str, GripLoad] = {}
         self._way_points: list[WayPoint] = []
+        self._targets: list[ToolTarget] = []
         self._visitors: dict[str, list[tuple[float, float, float]]] = {}
 
     def note(self, q_ref: Array, mode: Mode) -> None:
@@ -70,6 +72,10 @@ class PalletRunLog:
             for name, (distance, speed) in simulator.visitor_distances().items():
                 self._visitors.setdefault(name, []).append((truth.time, distance, speed))
 
+    def note_target(self, X_WT: Pose) -> None:
+        """Record that the motion pursues a target with this pose of the tool at its end."""
+        self._targets.append(ToolTarget(self._simulator.time, X_WT))
+
     def note_way_point(self, state: State, status: MotionStatus) -> None:
         """Record that a state's target was confirmed, with the status on which that was done."""
         errors = 1e3 * status.position_error, float(np.rad2deg(status.orientation_error))
@@ -90,6 +96,7 @@ class PalletRunLog:
             way_points=tuple(self._way_points),
             stands=StandingCell(self._simulator.cell, self._simulator.X_WB),
             slow=intervals(self._times, self._is_slow),
+            targets=tuple(self._targets),
         )  # fmt: skip
 
     def _tool(self) -> ToolTrack:
