@@ -25,6 +25,9 @@ setup(
         ],
         "pack_planner.insertion_rules": ["longest = pack_baselines.thesis.longest_corridor:longest_corridor"],
         "pack_planner.separators": ["pairwise = pack_baselines.thesis.pairwise_separator:PairwiseSeparator"],
+        "pack_perception.locators": [
+            "rectangle = pack_baselines.thesis.rectangle_locator:locate_by_rectangle"
+        ],
         "pack_planner.rearrangement_planners": ["pirs = pack_baselines.pirs.pirs_planner:PirsPlanner"],
     },
 )
