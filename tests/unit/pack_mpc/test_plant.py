@@ -4,9 +4,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from pack_core.packing.cell import packing_cell
-from pack_core.packing.model import HELD_POSITION
-from pack_core.rotations import Array, normalize
+from pack_core.packing.cell import Tip, packing_cell
+from pack_core.packing.model import HELD_POSITION, ArmRole
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array, Pose, exp, multiply, normalize
+from pack_core.states import ObjectState, SceneState
 from pack_mpc.plant import STATE, PackingPlant
 
 
@@ -118,3 +120,53 @@ def test_a_plant_without_objects_has_only_the_arm(scene, joints, state) -> None:
     bare = PackingPlant(known, packing_cell(), timestep=0.006, threads=1)
     assert bare.nx == 1 + 7 + 7
     assert bare.state(joints, state).shape == (15,)
+
+
+SOFT = Tip(lateral=6000.0, axial=8000.0, bending=15.0, twist=20.0, damping_time=0.006)
+
+
+def hanging(scene: Scene, timestep: float = 0.012) -> PackingPlant:
+    """A plant whose cup gives way."""
+    cell = packing_cell().model_copy(update={"tip": SOFT})
+    return PackingPlant(scene.description(), cell, timestep=timestep, threads=1, arm=ArmRole.SERVO)
+
+
+def test_on_a_compliant_tip_the_object_is_where_it_is_seen(scene: Scene, joints, state) -> None:
+    compliant = hanging(scene)
+    name = scene.new_object.name
+    rigid = state.objects[name].X_WO
+    seen = Pose(
+        rigid.p + np.array([0.002, -0.001, 0.0005]), multiply(exp(np.array([0.06, -0.04, 0.02])), rigid.q)
+    )
+    objects = {**state.objects, name: ObjectState(seen, np.zeros(3), np.zeros(3))}
+    x = compliant.state(joints, SceneState(state.time, objects))
+    np.testing.assert_allclose(compliant.held_position(x), seen.p, atol=1e-9)
+
+
+@pytest.mark.parametrize("timestep", [0.006, 0.012, 0.025])
+def test_what_hangs_still_stays_so_and_what_is_bent_springs_back(
+    scene: Scene, joints, state, timestep: float
+) -> None:
+    compliant = hanging(scene, timestep)
+    x = compliant.state(joints, state)
+    hold = np.tile(np.concatenate([joints.q, np.zeros(7)]), (1, round(0.5 / timestep), 1))
+    at_rest = compliant.held_position(compliant.rollout(x, hold)[0][0, -1])
+    np.testing.assert_allclose(at_rest, compliant.held_position(x), atol=5e-4)
+    tip = 1 + compliant.model.joint("tip_roll").qposadr[0]
+    bent = x.copy()
+    bent[tip] = 0.1
+    xs = compliant.rollout(bent, hold)[0][0]
+    assert np.abs(xs[:, tip]).max() <= 0.1 + 1e-9
+    assert abs(xs[-1, tip]) < 0.01
+
+
+def test_a_tip_gives_way_by_force_over_stiffness(scene: Scene, joints, state) -> None:
+    compliant = hanging(scene)
+    data = mujoco.MjData(compliant.model)
+    mujoco.mj_setState(compliant.model, data, compliant.state(joints, state), STATE)
+    data.ctrl[:] = np.concatenate([joints.q, np.zeros(7)])
+    tip = compliant.model.joint("tip_roll")
+    data.qfrc_applied[tip.dofadr[0]] = 0.6
+    for _ in range(100):
+        mujoco.mj_step(compliant.model, data)
+    assert data.qpos[tip.qposadr[0]] == pytest.approx(0.6 / SOFT.bending, rel=0.05)

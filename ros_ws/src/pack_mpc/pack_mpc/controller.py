@@ -35,6 +35,9 @@ class ControllerConfig(Config):
 
     optimizer: OptimizerName = Field(default="sgn", description="what plans; its name in pack_mpc/optimizers")
     threads: int = Field(default=2, ge=1, description="threads of the rollouts")
+    compliant_tip: bool = Field(
+        default=False, description="whether the model has the compliance of the cell's cup, or a rigid grip"
+    )
     published: PositiveFloat = Field(
         default=0.24, description="part of the horizon that is sent to the driver [s]"
     )
@@ -112,8 +115,9 @@ class PackingController:
         self.scene = scene
         self._config, self._weights = config, weights
         own = getattr(config, config.optimizer)
-        self._optimizer = OPTIMIZERS[config.optimizer](scene, cell, own, config.threads)
-        self._predictor = Predictor(scene, cell)
+        modelled = cell if config.compliant_tip else cell.model_copy(update={"tip": None})
+        self._optimizer = OPTIMIZERS[config.optimizer](scene, modelled, own, config.threads)
+        self._predictor = Predictor(scene, modelled)
         self._in_flight: tuple[Setpoints, ...] = ()
 
     def change_cost(self) -> None:

@@ -9,12 +9,21 @@ import mujoco
 import numpy as np
 from mujoco.rollout import Rollout
 
+from pack_core.bodies import body_pose
 from pack_core.joints import JointSample
-from pack_core.packing.cell import PackingCell
-from pack_core.packing.model import ArmRole, HeldRole, build_model
+from pack_core.packing.cell import PackingCell, Tip
+from pack_core.packing.model import (
+    TIP_JOINTS,
+    ArmRole,
+    HeldRole,
+    build_model,
+    cup_point,
+    held_pose,
+    tip_coordinates,
+)
 from pack_core.packing.rollouts import SleepingRollouts
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array, conjugate, multiply
+from pack_core.rotations import Array, Pose, conjugate, multiply
 from pack_core.states import SceneState
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -63,7 +72,8 @@ class PackingPlant:
 
     Args:
         scene: shapes, sizes and masses; poses come with each state.
-        cell: the cell's physical facts.
+        cell: the cell's physical facts. With a `tip` the object hangs on its springs, without one it is
+            fixed to the cup.
         timestep: time step of the model [s].
         threads: number of threads for rollouts.
         arm: whether u is torques `(7,)`, or positions and velocities `(14,)` for the driver's servos.
@@ -73,7 +83,8 @@ class PackingPlant:
         self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, arm: ArmRole = ArmRole.DRIVEN
     ) -> None:
         self.scene, self.arm = scene, cell.robot.arm
-        self.model = build_model(scene, cell, timestep=timestep, arm=arm, held=HeldRole.RIGID)
+        self._is_compliant = cell.tip is not None
+        self.model = _compiled(scene, cell, timestep, arm)
         self.nu = int(self.model.nu)
         self.timestep = timestep
         self._datas = [mujoco.MjData(self.model) for _ in range(threads)]
@@ -85,6 +96,8 @@ class PackingPlant:
         self._axes = {
             int(c): i for part in self.layout.object_r.values() for i, c in enumerate(part, start=1)
         }
+        tip = TIP_JOINTS if self._is_compliant else ()
+        self._tip = np.array([1 + self.model.joint(name).qposadr[0] for name in tip], dtype=int)
         self.limits = self.model.actuator_ctrlrange[:, 1].copy()
 
     def sensor(self, name: str) -> slice:
@@ -110,7 +123,17 @@ class PackingPlant:
             # Three of position and four of the quaternion follow one another in qpos.
             x[p[0] : p[0] + 7] = [*item.X_WO.p, *item.X_WO.q]
             x[v] = item.v_WO_W
+        if self._is_compliant:
+            x[self._tip] = self._bent(joints.q, scene.objects[self.scene.new_object.name].X_WO)
         return x
+
+    def _bent(self, q: Array, X_WN: Pose) -> Array:
+        """Coordinates `(6,)` [m, rad] of the tip with which the object is at X_WN, the joints at `q`."""
+        data = self._datas[0]
+        data.qpos[self.layout.q - 1] = q
+        mujoco.mj_kinematics(self.model, data)
+        X_TN = body_pose(data, "tool").inverse() @ X_WN
+        return tip_coordinates(held_pose(self.scene), X_TN, cup_point(self.scene))
 
     def held_position(self, x: Array) -> Array:
         """Position `(3,)` [m] of the held object in a state `(nx,)`."""
@@ -215,6 +238,25 @@ class PackingPlant:
             object_v={name: v + np.arange(3) for name, (_, v) in own.items()},
             object_w={name: v + np.arange(3, 6) for name, (_, v) in own.items()},
         )
+
+
+def _compiled(scene: Scene, cell: PackingCell, timestep: float, arm: ArmRole) -> mujoco.MjModel:
+    """The model; what hangs on a tip has no weight in it, as the driver of the arm compensates it."""
+    if cell.tip is None:
+        return build_model(scene, cell, timestep=timestep, arm=arm, held=HeldRole.RIGID)
+    steady = cell.model_copy(update={"tip": _steady(cell.tip, timestep)})
+    model = build_model(scene, steady, timestep=timestep, arm=arm, held=HeldRole.COMPLIANT)
+    model.body_gravcomp[model.body(scene.new_object.name).id] = 1.0
+    return model
+
+
+def _steady(tip: Tip, timestep: float) -> Tip:
+    """The same stiffness, damped so that any mass is stable at this step.
+
+    The integrator has damping c = T k implicitly and stiffness k explicitly: with a mass m it is stable for
+    k h^2 <= 4 m + 2 T k h, which holds for every m if T is at least half of the step h.
+    """
+    return tip.model_copy(update={"damping_time": max(tip.damping_time, 0.5 * timestep)})
 
 
 def _interpolate(values: Array, keypoints: np.ndarray, length: int) -> Array:

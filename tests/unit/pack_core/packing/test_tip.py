@@ -131,3 +131,15 @@ def test_a_rigid_grip_stays_rigid_in_a_cell_with_springs() -> None:
         for cell in (packing_cell(), CELL)
     ]
     assert rigid[0].nq == rigid[1].nq
+
+
+def test_what_is_steered_on_a_tip_gives_way_as_both_springs_together() -> None:
+    """1 / k = 1 / k1 + 1 / k2 of the joints' servos and the cup."""
+    scene = packing_cell().scene.model_copy(update={"objects": []}).description()
+    tip = Tip(lateral=500.0, axial=4000.0, bending=10.0, twist=30.0, damping_time=0.006)
+    gains = {}
+    for name, springs in (("rigid", None), ("compliant", tip)):
+        cell = packing_cell().model_copy(update={"tip": springs})
+        model = build_model(scene, cell, timestep=0.006, arm=ArmRole.ABSENT, held=HeldRole.STEERED)
+        gains[name] = np.array([model.actuator(f"steering_{i}").gainprm[0] for i in range(6)])
+    np.testing.assert_allclose(1.0 / gains["compliant"], 1.0 / gains["rigid"] + 1.0 / np.array(tip.stiffness))

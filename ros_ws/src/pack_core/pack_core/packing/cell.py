@@ -45,6 +45,11 @@ class Tip(Config):
     twist: PositiveFloat
     damping_time: PositiveFloat
 
+    @property
+    def stiffness(self) -> tuple[float, ...]:
+        """Along the axes x, y and z of an object that hangs upright [N/m], then about them [N m/rad]."""
+        return self.lateral, self.lateral, self.axial, self.bending, self.bending, self.twist
+
 
 class PushLimits(Config):
     """How hard the arm may push with what it holds; rehearsals of entries push as hard.

@@ -63,11 +63,12 @@ class HeldRole(Enum):
     RIGID = "rigid"
     """Fixed to the cup, its weight compensated."""
     COMPLIANT = "compliant"
-    """On the springs of the cup, its weight not compensated; for the simulator that stands for reality."""
+    """On the springs of the cup, its weight not compensated."""
     FREE = "free"
     """A free body that nothing holds."""
     STEERED = "steered"
-    """A body of its own without weight, pulled by springs to a pose that the caller commands."""
+    """A body of its own without weight, pulled by springs to a pose that the caller commands: those
+    of the joints' servos and, behind them, of the cup where it has any."""
     ABSENT = "absent"
 
 
@@ -163,7 +164,7 @@ def _add_new_object(
         body = spec.worldbody.add_body(name=item.name, gravcomp=is_steered)
         _add_object(spec, body, item, scene, free=True)
         if is_steered:
-            _add_steering(spec, body, cell.push.force, cell.push.moment)
+            _add_steering(spec, body, cell)
     elif held is not HeldRole.ABSENT and tool is not None:
         X_TN, is_rigid = held_pose(scene), held is HeldRole.RIGID
         body = tool.add_body(name=item.name, pos=X_TN.p, quat=X_TN.q, gravcomp=is_rigid)
@@ -223,12 +224,15 @@ def _add_container(spec: mujoco.MjSpec, container: Container, friction: float) -
         )  # fmt: skip
 
 
-def _add_steering(spec: mujoco.MjSpec, body: mujoco.MjsBody, force: float, moment: float) -> None:
+def _add_steering(spec: mujoco.MjSpec, body: mujoco.MjsBody, cell: PackingCell) -> None:
     """Add six actuators whose controls are the body's desired position [m] and rotation vector [rad].
 
-    Along each axis they pull with up to `force` [N], and turn about it with up to `moment` [N m].
+    Along each axis they pull with up to the cell's push force, and turn about it with up to its moment.
     """
-    limits = np.repeat([force, moment], 3)
+    limits = np.repeat([cell.push.force, cell.push.moment], 3)
+    stiffness = STEERING_STIFFNESS
+    if cell.tip is not None:  # springs one behind the other: 1 / k = 1 / k1 + 1 / k2
+        stiffness = 1.0 / (1.0 / stiffness + 1.0 / np.array(cell.tip.stiffness))
     spec.worldbody.add_site(name=WORLD_SITE)
     body.add_site(name=body.name)
     # gear k selects direction k of the site's transform: three translations, then three rotations
@@ -237,7 +241,7 @@ def _add_steering(spec: mujoco.MjSpec, body: mujoco.MjsBody, force: float, momen
             name=f"steering_{i}", target=body.name, refsite=WORLD_SITE, trntype=mujoco.mjtTrn.mjTRN_SITE,
             gear=gear, forcelimited=True, forcerange=(-limits[i], limits[i]),
         )  # fmt: skip
-        actuator.set_to_position(kp=STEERING_STIFFNESS[i], kv=STEERING_DAMPING[i])
+        actuator.set_to_position(kp=stiffness[i], kv=STEERING_DAMPING[i])
 
 
 def add_tip(body: mujoco.MjsBody, tip: Tip | None, p_NP: Array) -> None:
@@ -254,11 +258,10 @@ def add_tip(body: mujoco.MjsBody, tip: Tip | None, p_NP: Array) -> None:
     if tip is None:
         raise ConfigError("a compliant grip needs stiffnesses; give `tip` in config/cells/packing.yaml")
     kinds = [mujoco.mjtJoint.mjJNT_SLIDE] * 3 + [mujoco.mjtJoint.mjJNT_HINGE] * 3
-    stiffness = [tip.lateral, tip.lateral, tip.axial, tip.bending, tip.bending, tip.twist]
     for i, name in enumerate(TIP_JOINTS):
         body.add_joint(
-            name=name, type=kinds[i], axis=np.eye(3)[i % 3], pos=p_NP, stiffness=stiffness[i],
-            damping=tip.damping_time * stiffness[i],
+            name=name, type=kinds[i], axis=np.eye(3)[i % 3], pos=p_NP, stiffness=tip.stiffness[i],
+            damping=tip.damping_time * tip.stiffness[i],
         )  # fmt: skip
 
 

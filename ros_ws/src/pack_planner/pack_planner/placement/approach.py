@@ -60,6 +60,9 @@ class ApproachConfig(Config):
     deviation: tuple[PositiveFloat, PositiveFloat] = Field(
         (0.006, 0.1), description="standard deviation of variations: position [m] and yaw [rad]"
     )
+    compliant_tip: bool = Field(
+        False, description="whether rehearsals have the compliance of the cell's cup, or a rigid grip"
+    )
     sides: PositiveInt = Field(8, description="directions in which the object may lean")
     finalists: PositiveInt = Field(
         6, description="best entries of a round that are rehearsed again, perturbed"
@@ -81,7 +84,8 @@ class ApproachPlanner:
 
     def __init__(self, scene: Scene, cell: PackingCell, config: ApproachConfig, threads: int) -> None:
         self._scene, self._config = scene, config
-        self._rehearsal = Rehearsal(scene, cell, threads)
+        modelled = cell if config.compliant_tip else cell.model_copy(update={"tip": None})
+        self._rehearsal = Rehearsal(scene, modelled, threads)
 
     def choose(
         self,
