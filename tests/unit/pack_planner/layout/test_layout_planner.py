@@ -11,7 +11,7 @@ from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.paths import config_path
-from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
+from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner, overlapping
 from pack_planner.layout.pallet_separator import SeparatorConfig
 from unit.pack_planner.layout.blocks import block
 
@@ -83,3 +83,9 @@ def test_the_same_order_gets_the_same_plan() -> None:
 def test_layers_are_boxes_with_their_bases_at_one_height() -> None:
     boxes = [block("top", 0, 0, z=0.2), block("a", 0, 0), block("b", 0.3, 0.0, z=0.0004)]
     assert [[item.id for item in layer] for layer in layers_of(boxes)] == [["a", "b"], ["top"]]
+
+
+def test_boxes_that_share_space_are_named_in_pairs() -> None:
+    apart, beside, within = block("apart", 0.9, 0.3), block("beside", 0.3, 0.3), block("within", 0.35, 0.3)
+    assert overlapping([apart, beside, within]) == [("beside", "within")]
+    assert overlapping([apart, beside]) == []
