@@ -2,6 +2,7 @@
 
 import ast
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 from pack_core.paths import project_root
@@ -19,10 +20,17 @@ def modules() -> list[Path]:
     return [path for package in SOURCES.glob("*/setup.py") for path in sorted(package.parent.rglob("*.py"))]
 
 
+@cache
+def nodes_of(path: Path) -> list[ast.AST]:
+    """What the tests of this file ask of a module's syntax tree: its classes and imports."""
+    kinds = (ast.ClassDef, ast.Import, ast.ImportFrom)
+    return [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, kinds)]
+
+
 def test_no_class_name_stands_in_two_modules() -> None:
     places = defaultdict(set)
     for path in modules():
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes_of(path):
             if isinstance(node, ast.ClassDef):
                 places[node.name].add(str(path.relative_to(SOURCES)))
     assert {name: sorted(paths) for name, paths in places.items() if len(paths) > 1} == {}
@@ -43,7 +51,7 @@ def importers() -> dict[str, set[str]]:
     known = {module_of(path) for path in modules()}
     found: dict[str, set[str]] = defaultdict(set)
     for path in modules():
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes_of(path):
             if isinstance(node, ast.ImportFrom) and node.module:
                 names = {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
             elif isinstance(node, ast.Import):
@@ -55,6 +63,7 @@ def importers() -> dict[str, set[str]]:
     return found
 
 
+@cache
 def small_modules_of_one_importer() -> dict[str, str]:
     """Modules below the bound that exactly one other module imports, with that one."""
     used_by = importers()

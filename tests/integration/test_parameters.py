@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from typing import Annotated, Any
 
 import pytest
@@ -35,10 +36,15 @@ class Caught(Exception):
         self.cls = cls
 
 
+@cache
+def executables() -> dict[str, EntryPoint]:
+    """What the packages install, by name."""
+    return {point.name: point for point in entry_points(group="console_scripts")}
+
+
 def config_of(package: str, executable: str, graph: Graph, patch: pytest.MonkeyPatch) -> type[BaseModel]:
     """The configuration class with which a node reads its parameters, found by starting it halfway."""
-    (point,) = entry_points(group="console_scripts", name=executable)
-    module = import_module(point.value.partition(":")[0])
+    module = import_module(executables()[executable].module)
     assert module.__name__.split(".")[0] == package
 
     def catch(_: CellNode, cls: type[BaseModel], *__: object) -> None:

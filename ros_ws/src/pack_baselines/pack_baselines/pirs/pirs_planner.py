@@ -210,7 +210,8 @@ class PirsSearch:
             nodes, blocks, np.uint64(movable), np.uint64(fixed), snapped.problem.symmetry == 4, self._prices,
             self._sizes,
         )  # fmt: skip
-        return way if len(way.grasps) else None
+        # Numba gives an int for an unsigned integer, and would compile anew what takes a way with one.
+        return way._replace(blocks=np.uint64(way.blocks)) if len(way.grasps) else None
 
     def _sample_new_pose(self, o: int, alpha_C: Array, keep_free: Way) -> Array | None:
         """SAMPLE_NEW_POSE(o, alpha_C): hits no block, and does not lie on the way to be kept free."""
