@@ -294,7 +294,8 @@ def replay(
     """Feed what a node of the packing cell received in a recording to its core, and compare the answers.
 
     Messages are counted first: a recording that lacks some is refused. The exit code is 0 only if the core
-    does what the node did.
+    does what the node did. The nodes mpc and fsm cannot be replayed: they move the arm, so that all they
+    receive follows from what they answered before.
 
     - `pack replay bags/packing_20260101_120000_seed0 --node perception`
     - `pack replay bags/samples/packing --node planner --seed 5`
