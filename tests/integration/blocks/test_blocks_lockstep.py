@@ -63,7 +63,7 @@ def test_a_grasp_that_the_arm_refuses_is_planned_around(monkeypatch: pytest.Monk
 def test_a_block_that_a_hand_moves_during_an_action_is_seen_and_planned_for_anew() -> None:
     cell, config = blocks_cell(), lockstep_config()
     problem = make_instance(2, 0.1, 0, centre=cell.workspace.centre)
-    task = RearrangeTask(problem.goals, problem.workspace, problem.side, problem.symmetry, problem.gripper)
+    task = RearrangeTask.of(problem)
     planner = CountedPlanner(CountedPlannerConfig(), config.planner)
     lockstep = BlocksLockstep(cell, task, problem.starts, planner, config)
     shifted: list[str] = []

@@ -17,7 +17,7 @@ from pack_core.blocks.gripper import FingerState, FingerStatus
 from pack_core.blocks.plan import Action, PickPlace, Plan, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import is_refused
-from pack_core.blocks.problem import Problem
+from pack_core.blocks.problem import CUBES, Problem
 from pack_core.motion.moves import Line, PoseMove
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.rotations import Pose, yaw_of
@@ -72,9 +72,9 @@ class Table:
     tool: Pose = TOOL_AT_LOOK
 
     def run(self, goals: Mapping[str, PlanarPose], config: ExecutorConfig | None = None) -> Outcome:
-        task, config = RearrangeTask(goals, SQUARE, SIDE), config or ExecutorConfig()
-        motions = Motions(config, SIDE, task.gripper, np.zeros(6), TOOL_AT_LOOK)
-        executor = Executor(task, config, motions, TableObstacles(blocks_cell(), SIDE), 60.0)
+        task, config = RearrangeTask(goals, SQUARE), config or ExecutorConfig()
+        motions = Motions(config, CUBES, task.gripper, np.zeros(6), TOOL_AT_LOOK)
+        executor = Executor(task, config, motions, TableObstacles(blocks_cell()), 60.0)
         request: ExecutorRequest | None = executor.start()
         while request is not None:
             self.asked.append(request)

@@ -8,13 +8,14 @@ from block_fsm.motions import Motions
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.plan import PickPlace, Push
 from pack_core.blocks.planar import PlanarPose, wrapped
+from pack_core.blocks.problem import CUBES, BlockSize
 from pack_core.motion.moves import Line
 from pack_core.rotations import rotate, yaw_of
 from unit.block_fsm.table import SIDE, TOOL_AT_LOOK
 
 GRIPPER = GripperFootprint()
 CONFIG = ExecutorConfig()
-MOTIONS = Motions(CONFIG, SIDE, GRIPPER, np.zeros(6), TOOL_AT_LOOK)
+MOTIONS = Motions(CONFIG, CUBES, GRIPPER, np.zeros(6), TOOL_AT_LOOK)
 angles = st.floats(-np.pi, np.pi)
 places = st.builds(PlanarPose, st.floats(0.4, 0.9), st.floats(-0.3, 0.3), angles)
 
@@ -70,3 +71,26 @@ def test_a_carried_block_passes_over_standing_ones(start: PlanarPose, end: Plana
     assert isinstance(across, Line)
     bottom = across.X_WT.p[2] - (SIDE - GRIPPER.insertion)
     assert bottom > SIDE + 0.01
+
+
+SIZES = {"a": BlockSize(0.04, 0.07, 0.045), "b": BlockSize(0.05, 0.05, 0.065)}
+OF_MIXED = Motions(CONFIG, SIZES, GRIPPER, np.zeros(6), TOOL_AT_LOOK)
+
+
+@pytest.mark.parametrize(("turn", "extent"), [(0.0, 0.04), (np.pi / 2, 0.07), (np.pi, 0.04)])
+def test_an_oblong_block_is_pushed_from_behind_the_face_that_is_pushed(turn: float, extent: float) -> None:
+    goal = PlanarPose(0.6, 0.0, 0.3)
+    push = Push("a", goal.moved(-0.05, goal.yaw + turn), goal)
+    _, end = OF_MIXED.pushes(push)
+    behind = np.hypot(*(end.p[:2] - goal.p))
+    assert behind == pytest.approx((extent + GRIPPER.finger_width) / 2)
+    assert end.p[2] == pytest.approx(0.045 - GRIPPER.insertion)
+
+
+@given(places, places)
+def test_every_block_passes_over_the_tallest(start: PlanarPose, end: PlanarPose) -> None:
+    for block, size in SIZES.items():
+        grip, release = OF_MIXED.grasps(PickPlace(block, start, end, 0))
+        across = OF_MIXED.carry(grip, release).segments[1]
+        assert isinstance(across, Line)
+        assert across.X_WT.p[2] - (size.z - GRIPPER.insertion) > 0.065 + 0.01

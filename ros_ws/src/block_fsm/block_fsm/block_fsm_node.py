@@ -109,17 +109,14 @@ class BlockFsmNode(GoalNode):
 
     def _make(self, request: Rearrange.Goal) -> Executor:
         problem = parse_problem(request.problem, "goal", self._cell, goals_only=True)
-        block = self._cell.block
-        size = np.full(3, block.edge)
-        self._goals.publish(
-            goal_markers({name: (size, goal.pose(block.half)) for name, goal in problem.goals.items()})
-        )
-        task = RearrangeTask(
-            problem.goals, problem.workspace, self._cell.block.edge, problem.symmetry, problem.gripper
-        )
+        task, sizes = RearrangeTask.of(problem), problem.sizes
+        self._goals.publish(goal_markers({
+            name: (np.array(sizes[name]), goal.pose(0.5 * sizes[name].z))
+            for name, goal in problem.goals.items()
+        }))  # fmt: skip
         view = np.array(self._cell.robot.look)
-        motions = Motions(self._config, task.side, task.gripper, view, self._chain.forward(view))
-        obstacles = TableObstacles(self._cell, task.side)
+        motions = Motions(self._config, task.sizes, task.gripper, view, self._chain.forward(view))
+        obstacles = TableObstacles(self._cell, task.sizes)
         return Executor(task, self._config, motions, obstacles, self._cell.gripper.force)
 
     def _step(self) -> None:

@@ -15,6 +15,7 @@ from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.plan import PickPlace, Push
 from pack_core.blocks.planar import QUARTER, PlanarPose, wrapped
+from pack_core.blocks.problem import CUBE, CUBES, BlockSize, BlockSizes
 from pack_core.motion.moves import JointMove, Line, Path, PoseMove
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, Pose, from_yaw, multiply, yaw_of
@@ -25,7 +26,7 @@ THICKNESS = 0.04
 TOUCHING = 0.001
 """Blocks that are seen this near to each other may touch [m]."""
 CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
-"""Of a square of half a side 1, seen from above `(4, 2)`."""
+"""Of a rectangle of half an edge 1, seen from above `(4, 2)`."""
 
 
 class TableObstacles:
@@ -33,38 +34,45 @@ class TableObstacles:
 
     Args:
         cell: whose table it is.
-        side: of a block [m].
+        sizes: of the blocks that are not cubes, by id.
     """
 
-    def __init__(self, cell: BlocksCell, side: float) -> None:
+    def __init__(self, cell: BlocksCell, sizes: BlockSizes = CUBES) -> None:
         (x, y), size = cell.table.centre, cell.table.size
         self._table = Obstacle(TABLE, Pose(np.array([x, y, -0.5 * THICKNESS])), np.array([*size, THICKNESS]))
-        self._side = side
+        self._sizes = sizes
 
     def among(self, poses: Mapping[str, PlanarPose], without: str = "") -> tuple[Obstacle, ...]:
         """The table and the blocks at these poses but for one."""
-        size, z = np.full(3, self._side), 0.5 * self._side
-        blocks = (Obstacle(name, pose.pose(z), size) for name, pose in poses.items() if name != without)
+        blocks = (
+            Obstacle(name, pose.pose(0.5 * self._size(name).z), np.array(self._size(name)))
+            for name, pose in poses.items() if name != without
+        )  # fmt: skip
         return (self._table, *blocks)
 
-    def carried(self, X_WT: Pose, block: PlanarPose) -> CarriedBox:
+    def carried(self, X_WT: Pose, block: str, pose: PlanarPose) -> CarriedBox:
         """A block that goes with the tool from where both are now."""
-        return CarriedBox(X_WT.inverse() @ block.pose(0.5 * self._side), np.full(3, self._side))
+        size = self._size(block)
+        return CarriedBox(X_WT.inverse() @ pose.pose(0.5 * size.z), np.array(size))
 
     def beside(self, block: str, poses: Mapping[str, PlanarPose]) -> frozenset[str]:
         """The table and the other blocks that a block may touch where it stands."""
         others = [name for name in poses if name != block]
-        near = {name for name in others if self._gap(poses[block], poses[name]) < TOUCHING}
+        near = {name for name in others if self._gap(block, name, poses) < TOUCHING}
         return frozenset({TABLE, *near})
 
-    def _gap(self, a: PlanarPose, b: PlanarPose) -> float:
-        """Between two blocks on the table [m]: from the corners of one to the sides of the other."""
-        return min(self._reach(a, b), self._reach(b, a))
+    def _size(self, block: str) -> BlockSize:
+        return self._sizes.get(block, CUBE)
 
-    def _reach(self, a: PlanarPose, b: PlanarPose) -> float:
-        half = 0.5 * self._side
-        corners = a.p + half * CORNERS @ _turn(a.yaw).T
-        beyond = np.maximum(np.abs((corners - b.p) @ _turn(b.yaw)) - half, 0.0)
+    def _gap(self, a: str, b: str, poses: Mapping[str, PlanarPose]) -> float:
+        """Between two blocks on the table [m]: from the corners of one to the sides of the other."""
+        return min(self._reach(a, b, poses), self._reach(b, a, poses))
+
+    def _reach(self, a: str, b: str, poses: Mapping[str, PlanarPose]) -> float:
+        at, to = poses[a], poses[b]
+        half_a, half_b = (0.5 * np.array(self._size(block)[:2]) for block in (a, b))
+        corners = at.p + (half_a * CORNERS) @ _turn(at.yaw).T
+        beyond = np.maximum(np.abs((corners - to.p) @ _turn(to.yaw)) - half_b, 0.0)
         return float(np.linalg.norm(beyond, axis=1).min())
 
 
@@ -77,6 +85,8 @@ POINTING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """The tool's orientation at heading 0, as a quaternion wxyz: half a turn about x."""
 TOUCH_DISTANCE = 0.01
 """Length of the last segment above the table, which is slow where a block is put down [m]."""
+CARRY_CLEARANCE = 0.015
+"""Between a carried block and the tallest one, at least [m]."""
 CORNER = 0.03
 """Length by which the corners between going up, across and down are cut [m]."""
 
@@ -86,17 +96,17 @@ class Motions:
 
     Args:
         config: heights and speeds.
-        side: of a block [m].
+        sizes: of the blocks that are not cubes, by id.
         gripper: how deep it reaches, and how it pushes.
         view: joint positions at which the camera sees past the arm `(6,)` [rad].
         X_WL: where the tool is there; the wrist turns from its heading as little as it can.
     """
 
     def __init__(
-        self, config: ExecutorConfig, side: float, gripper: GripperFootprint, view: Array, X_WL: Pose
+        self, config: ExecutorConfig, sizes: BlockSizes, gripper: GripperFootprint, view: Array, X_WL: Pose
     ) -> None:
-        self._config, self._gripper = config, gripper
-        self._half, self._depth = 0.5 * side, side - gripper.insertion
+        self._config, self._sizes, self._gripper = config, sizes, gripper
+        self._tallest = max((size.z for size in sizes.values()), default=CUBE.z)
         self._view, self._neutral = view, yaw_of(X_WL.q)
 
     def grasps(self, action: PickPlace) -> tuple[Pose, Pose]:
@@ -106,20 +116,22 @@ class Motions:
             (action.pick_yaw, action.pick_yaw + np.pi),
             key=lambda yaw: max(abs(self._off(yaw)), abs(self._off(yaw) + turn)),
         )
+        depth = self._depth(action.block)
         return (
-            self._tool(action.start, pick, self._depth),
-            self._tool(action.end, pick + turn, self._depth + self._config.release_height),
+            self._tool(action.start, pick, depth),
+            self._tool(action.end, pick + turn, depth + self._config.release_height),
         )
 
     def pushes(self, action: Push) -> tuple[Pose, Pose]:
         """X_WT from which a block is pushed, and at which it has arrived."""
         sides = (action.direction + QUARTER, action.direction - QUARTER)
         across = min(sides, key=lambda heading: abs(self._off(heading)))
-        behind = self._half + 0.5 * self._gripper.finger_width
+        _, along = self._size(action.block).across_and_along(action.start, action.direction)
+        behind, depth = 0.5 * along + 0.5 * self._gripper.finger_width, self._depth(action.block)
         start = action.start.moved(-behind - self._gripper.push_standoff, action.direction)
         return (
-            self._tool(start, across, self._depth),
-            self._tool(action.end.moved(-behind, action.direction), across, self._depth),
+            self._tool(start, across, depth),
+            self._tool(action.end.moved(-behind, action.direction), across, depth),
         )
 
     def clear_view(self) -> Path:
@@ -140,7 +152,9 @@ class Motions:
 
     def carry(self, X_WT: Pose, X_WG: Pose) -> Path:
         """Up with a block, across, and down to where it is let go."""
-        speed, height = self._config.speed, self._config.carry_height
+        # The block reaches as far below the tips as they are above the table now.
+        speed = self._config.speed
+        height = max(self._config.carry_height, self._tallest + float(X_WT.p[2]) + CARRY_CLEARANCE)
         acceleration = speed.carry_acceleration
         near = self._raised(X_WG, X_WG.p[2] + TOUCH_DISTANCE)
         return Path((
@@ -159,6 +173,13 @@ class Motions:
         along = X_WG.p - X_WT.p
         back = Pose(X_WG.p - self._config.back_off * along / np.linalg.norm(along), X_WG.q)
         return Path((Line(back, self._config.speed.push, label="back off"), self._up(back), self._home()))
+
+    def _size(self, block: str) -> BlockSize:
+        return self._sizes.get(block, CUBE)
+
+    def _depth(self, block: str) -> float:
+        """Height of the tips over the table where they grasp or push a block [m]."""
+        return self._size(block).z - self._gripper.insertion
 
     def _home(self) -> JointMove:
         speed = self._config.speed

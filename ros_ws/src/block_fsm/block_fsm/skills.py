@@ -53,7 +53,7 @@ class Skills:
         force: float,
     ) -> None:
         self._config, self._motions, self._obstacles = config, motions, obstacles
-        self._gripper, self._side, self._force = task.gripper, task.side, force
+        self._gripper, self._task, self._force = task.gripper, task, force
         self._opening, self._failed_in_a_row = task.gripper.max_opening, 0
         self.phase = Phase.IDLE
         self.seen: Poses = {}
@@ -92,18 +92,19 @@ class Skills:
     def _pick_and_place(self, action: PickPlace) -> Asking:
         grip, release = self._motions.grasps(action)
         grasp, place = primitives_of(action)
-        self.phase, wide = Phase.PICK, self._gripper.grasp_opening(self._side)
+        self.phase, width = Phase.PICK, self._task.size(action.block)[action.grasp]
+        wide = self._gripper.grasp_opening(width)
         yield from self._fingers(wide)
         try:
             yield from self._move(self._motions.approach(grip), primitive=grasp)
         except Blocked as blocked:
             yield from self._withdraw(grip, blocked)
             return
-        if not (yield from self._hold()):
+        if not (yield from self._hold(width)):
             yield from self._let_go(grip, wide, action.block, action.start)
             return
         self.phase = Phase.PLACE
-        carried = self._obstacles.carried(grip, action.start)
+        carried = self._obstacles.carried(grip, action.block, action.start)
         try:
             yield from self._move(self._motions.carry(grip, release), action.block, carried, primitive=place)
         except Refused:
@@ -114,7 +115,7 @@ class Skills:
             yield from self._let_go(grip, wide, action.block, action.start)
             self._note_failure(ExitReason.MOTION_FAILED, str(blocked))
             return
-        if (yield from self._hold()):
+        if (yield from self._hold(width)):
             self._failed_in_a_row = 0
         yield from self._let_go(release, wide, action.block, action.end)
 
@@ -129,7 +130,7 @@ class Skills:
         (push,) = primitives_of(action)
         self.phase = Phase.PUSH
         yield from self._fingers(self._gripper.push_gap)
-        at, carried = start, self._obstacles.carried(end, action.end)
+        at, carried = start, self._obstacles.carried(end, action.block, action.end)
         try:
             yield from self._move(self._motions.approach(start), primitive=push)
             at = end
@@ -158,9 +159,9 @@ class Skills:
         if self._failed_in_a_row >= self._config.grasps:
             raise Ended(reason, message)
 
-    def _hold(self) -> Generator[ExecutorRequest, Any, bool]:
-        """Close the fingers; False where they hold nothing."""
-        state = yield from self._fingers(self._side - self._config.grasp_squeeze)
+    def _hold(self, width: float) -> Generator[ExecutorRequest, Any, bool]:
+        """Close the fingers on a block of a width [m]; False where they hold nothing."""
+        state = yield from self._fingers(width - self._config.grasp_squeeze)
         if state.status is FingerStatus.HOLDING:
             return True
         self.failed_grasps += 1

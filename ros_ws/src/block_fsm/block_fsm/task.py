@@ -10,7 +10,7 @@ import numpy as np
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import PlanarPose, turn_between
 from pack_core.blocks.primitive_action import PrimitiveAction
-from pack_core.blocks.problem import PlacedBlock, Point, Problem
+from pack_core.blocks.problem import CUBE, BlockSize, BlockSizes, PlacedBlock, Point, Problem
 
 
 @dataclass(frozen=True)
@@ -20,16 +20,25 @@ class RearrangeTask:
     Attributes:
         goals: X_WB by id.
         workspace: corners [m] of the convex polygon in which blocks may be put down.
-        side: of a block [m].
+        sizes: of the blocks that are not cubes, by id; blocks that nobody knows are taken for cubes.
         symmetry: after how many equal turns a block looks alike.
         gripper: its room on the table.
     """
 
     goals: Mapping[str, PlanarPose]
     workspace: tuple[Point, ...]
-    side: float
+    sizes: BlockSizes = field(default_factory=dict)
     symmetry: int = 1
     gripper: GripperFootprint = field(default_factory=GripperFootprint)
+
+    @classmethod
+    def of(cls, problem: Problem) -> RearrangeTask:
+        """What a problem is to achieve."""
+        return cls(problem.goals, problem.workspace, problem.sizes, problem.symmetry, problem.gripper)
+
+    def size(self, block: str) -> BlockSize:
+        """Of a block."""
+        return self.sizes.get(block, CUBE)
 
     def problem(self, poses: Mapping[str, PlanarPose], refused: tuple[PrimitiveAction, ...] = ()) -> Problem:
         """What the planner is asked, from where the blocks are now, without what the arm `refused`.
@@ -37,8 +46,8 @@ class RearrangeTask:
         Blocks that nobody knows are obstacles.
         """
         return Problem(
-            blocks=tuple(PlacedBlock(name, pose) for name, pose in poses.items()), goals=self.goals,
-            workspace=self.workspace, side=self.side, symmetry=self.symmetry, gripper=self.gripper,
+            blocks=tuple(PlacedBlock(name, pose, self.size(name)) for name, pose in poses.items()),
+            goals=self.goals, workspace=self.workspace, symmetry=self.symmetry, gripper=self.gripper,
             starts_may_be_outside=True, refused=refused,
         )  # fmt: skip
 

@@ -26,7 +26,7 @@ def plans(planner: PirsPlanner) -> list[Plan]:
 
 
 @pytest.fixture(scope="module")
-def of_the_paper() -> list[Plan]:
+def of_the_paper(compiled: None) -> list[Plan]:
     return plans(PirsPlanner())
 
 

@@ -14,10 +14,11 @@ from pack_baselines.pirs.roadmap import (
     shortest_way,
 )
 from pack_core.blocks.gripper import GripperFootprint
-from pack_planner.rearrangement.footprints import squares
+from pack_planner.rearrangement.footprints import outlines
 
 SIDE = 0.0508
-SIZES = Sizes.of(SIDE, GripperFootprint())
+SHAPE = np.array([SIDE, SIDE, 0.0])
+SIZES = Sizes.of(SHAPE, GripperFootprint())
 PRICES = Prices(pick_place=1.0, push=1.5, collision=2.0)
 START, AHEAD, ASIDE = (0.0, 0.0, 0.0), (0.06, 0.0, 0.0), (0.3, 0.25, 0.4)
 BESIDE_X, BESIDE_Y = (SIDE + 0.004, 0.0, 0.0), (0.0, SIDE + 0.004, 0.0)
@@ -26,7 +27,7 @@ Pose = tuple[float, float, float]
 
 
 def blocks_at(*poses: Pose) -> npt.NDArray[np.float64]:
-    return squares(np.array(poses).reshape(-1, 3), SIDE)
+    return outlines(np.array(poses).reshape(-1, 3), SHAPE)
 
 
 def edge(

@@ -16,10 +16,11 @@ from pack_baselines.pirs.roadmap import (
 )
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import QUARTER
-from pack_planner.rearrangement.footprints import edges, squares
+from pack_planner.rearrangement.footprints import edges, outlines
 
 SIDE = 0.0508
-SIZES = Sizes.of(SIDE, GripperFootprint())
+SHAPE = np.array([SIDE, SIDE, 0.0])
+SIZES = Sizes.of(SHAPE, GripperFootprint())
 CORNERS = np.array([[0.2, -0.4], [1.0, -0.4], [1.0, 0.4], [0.2, 0.4]])
 HALF_PLANES = edges(tuple(map(tuple, CORNERS.tolist())))
 START, END = np.array([0.4, -0.1, 0.3]), np.array([0.8, 0.1, -0.2])
@@ -78,7 +79,7 @@ def test_all_poses_are_inside_the_workspace() -> None:
 
 def test_poses_hit_no_block_that_stays_but_may_hit_one_that_moves() -> None:
     """Section III-B: poses that collide with blocks outside O_R are thrown out and drawn again."""
-    blocks = squares(np.array([[0.6, 0.0, 0.1], [0.8, -0.25, 0.0]]), SIDE)
+    blocks = outlines(np.array([[0.6, 0.0, 0.1], [0.8, -0.25, 0.0]]), SHAPE)
     hit = [int(block_hits(pose, SIZES, blocks)) for pose in nodes(blocks=blocks, fixed=0b01)[2:]]
     assert not any(h & 0b01 for h in hit)
     assert any(h & 0b10 for h in hit)
@@ -109,18 +110,20 @@ def test_the_same_seed_gives_the_same_poses_and_another_one_others() -> None:
 def clear_poses(seed: int, way: Way, blocks: Array, wanted: int = 1, tries: int = 200) -> Array:
     rng = np.random.default_rng(seed)
     others = np.uint64((1 << len(blocks)) - 1)
-    return sample_clear_pose(START, way, others, wanted, tries, SIZES, blocks, HALF_PLANES, CORNERS, rng)
+    return sample_clear_pose(
+        START, way, SIZES, others, wanted, tries, SIZES, blocks, HALF_PLANES, CORNERS, rng
+    )
 
 
 @pytest.mark.parametrize("wanted", [1, 8])
 def test_a_cleared_block_hits_nothing_and_is_not_in_the_way(wanted: int) -> None:
-    blocks = squares(np.array([[0.5, 0.0, 0.0], [0.7, 0.2, 0.5]]), SIDE)
+    blocks = outlines(np.array([[0.5, 0.0, 0.0], [0.7, 0.2, 0.5]]), SHAPE)
     carry = Way(np.array([START, END]), np.zeros(1, np.int64), np.uint64(0))
     for seed in range(40):
         (pose,) = clear_poses(seed, carry, blocks, wanted)
         assert is_inside(pose, SIZES, HALF_PLANES)
         assert not block_hits(pose, SIZES, blocks)
-        assert not way_hits(carry, SIZES, squares(pose[None], SIDE))
+        assert not way_hits(carry, SIZES, outlines(pose[None], SHAPE))
 
 
 def test_the_nearest_of_eight_clear_poses_is_half_as_far_away() -> None:
@@ -134,5 +137,5 @@ def test_the_nearest_of_eight_clear_poses_is_half_as_far_away() -> None:
 
 
 def test_no_pose_is_told_where_there_is_no_room() -> None:
-    as_large_as_the_workspace = squares(np.array([[0.6, 0.0, 0.0]]), 0.8)
+    as_large_as_the_workspace = outlines(np.array([[0.6, 0.0, 0.0]]), [0.8, 0.8, 0.0])
     assert clear_poses(0, NO_WAY, as_large_as_the_workspace).shape == (0, 3)

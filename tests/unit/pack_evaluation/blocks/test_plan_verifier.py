@@ -10,7 +10,7 @@ from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.plan import PickPlace, Plan, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import primitives_of
-from pack_core.blocks.problem import PlacedBlock, Problem
+from pack_core.blocks.problem import CUBE_SIDE, BlockSize, PlacedBlock, Problem
 from pack_evaluation.blocks.plan_verifier import verify
 from unit.problems import make_problem
 
@@ -130,11 +130,14 @@ def beside(pose: PlanarPose, x: float, y: float) -> PlanarPose:
     return PlanarPose(pose.x + c * x - s * y, pose.y + s * x + c * y, pose.yaw)
 
 
-def hits(action: PickPlace | Push, obstacle: PlanarPose) -> set[str]:
+CUBE = BlockSize(SIDE, SIDE, SIDE)
+
+
+def hits(action: PickPlace | Push, obstacle: PlanarPose, size: BlockSize = CUBE) -> set[str]:
     """What of the action a block that stands there is in the way of."""
     problem = Problem(
-        blocks=(PlacedBlock("a", action.start), PlacedBlock("b", obstacle)),
-        goals={"a": action.end}, workspace=((-1, -1), (1, -1), (1, 1), (-1, 1)), side=SIDE, gripper=GRIPPER,
+        blocks=(PlacedBlock("a", action.start, size), PlacedBlock("b", obstacle, CUBE)),
+        goals={"a": action.end}, workspace=((-1, -1), (1, -1), (1, 1), (-1, 1)), gripper=GRIPPER,
     )  # fmt: skip
     found = (re.search("the (.*) hits b", fault) for fault in verify(problem, plan_of(action)))
     return {match[1] for match in found if match}
@@ -228,7 +231,7 @@ def test_the_shortest_and_the_longest_push_are_allowed(length: float, heading: f
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_block_may_stand_at_the_border_and_not_over_it(problem: Problem, sign: float) -> None:
     for over, is_fault in ((0.0, False), (1e-5, True)):
-        end = PlanarPose(-0.2, sign * (0.3 - problem.side / 2 + over))
+        end = PlanarPose(-0.2, sign * (0.3 - CUBE_SIDE / 2 + over))
         assert ("outside the workspace" in faults(problem, PickPlace("a", HERE, end, 0))) is is_fault
 
 
@@ -289,3 +292,42 @@ def test_a_block_that_counts_as_at_its_goal_is_taken_to_stand_there_exactly() ->
     plan = plan_of(PickPlace("a", start, aside, 0), PickPlace("a", aside, PlanarPose(0.1, 0.0), 0))
     assert verify(problem, plan) == []
     assert "starts at" in "".join(verify(replace(problem, symmetry=1), plan))
+
+
+@pytest.mark.parametrize(("grasp", "edge"), [(0, 0.04), (1, 0.07)])
+def test_the_fingers_stand_beside_the_faces_of_an_oblong_block(grasp: int, edge: float) -> None:
+    action, size = PickPlace("a", START, PlanarPose(0.3, 0.2, 1.1), grasp), BlockSize(0.04, 0.07, SIDE)
+    for way, is_hit in ((-EDGE, True), (EDGE, False)):
+        away = edge / 2 + 0.022 + HALF + way
+        where = beside(START, *((away, 0.0) if grasp == 0 else (0.0, away)))
+        assert ("gripper at the pick" in hits(action, where, size)) == is_hit
+
+
+def test_fingers_are_thicker_beside_a_taller_block() -> None:
+    """10 mm above the top of their own block they are 5 mm thicker, with a taper of 0.5."""
+    action, low = PickPlace("a", START, PlanarPose(0.3, 0.2, 1.1), 0), BlockSize(SIDE, SIDE, SIDE - 0.010)
+    for way, is_hit in ((-EDGE, True), (EDGE, False)):
+        where = beside(START, HALF + 0.027 + HALF + way, 0.0)
+        assert ("gripper at the pick" in hits(action, where, low)) == is_hit
+
+
+@pytest.mark.parametrize(("turn", "along", "across"), [(0, 0.04, 0.07), (1, 0.07, 0.04)])
+def test_an_oblong_block_sweeps_what_its_pushed_face_is_wide(turn: int, along: float, across: float) -> None:
+    direction = START.yaw + turn * np.pi / 2
+    action = Push("a", START, START.moved(WAY, direction))
+    size, ahead = BlockSize(0.04, 0.07, SIDE), PlanarPose(START.x, START.y, direction)
+    for way, is_hit in ((-EDGE, True), (EDGE, False)):
+        in_front = beside(ahead, WAY + along / 2 + 0.001 + HALF + way, 0.0)
+        aside = beside(ahead, WAY, across / 2 + 0.001 + HALF + way)
+        assert ("block pushed" in hits(action, in_front, size)) == is_hit
+        assert ("block pushed" in hits(action, aside, size)) == is_hit
+
+
+def test_a_grasp_wider_than_the_gripper_opens_is_a_fault() -> None:
+    wide = BlockSize(0.04, 0.09, SIDE)
+    for grasp, is_fault in ((0, False), (1, True)):
+        action = PickPlace("a", START, PlanarPose(0.3, 0.2, 1.1), grasp)
+        problem = Problem(
+            (PlacedBlock("a", START, wide),), {"a": action.end}, ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        )
+        assert any("needs an opening" in fault for fault in verify(problem, plan_of(action))) == is_fault

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from pack_core.blocks.planar import PlanarPose, turn_between
+from pack_core.blocks.problem import CUBE, BlockSize
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
 from pack_sim.blocks.overhead_camera import OverheadCamera
+from pack_sim.blocks.simulator import BlocksSimulator
 from unit.pack_perception.tags.scenes import CELL, photograph, scattered
 
 TAGS = {f"b{number}": number for number in range(9)}
@@ -99,3 +101,20 @@ def test_a_block_that_nobody_knows_is_told_with_its_pose(camera: OverheadCamera)
     assert sighting.is_complete
     assert sighting.unknown == (7,)
     assert sighting.poses["tag 7"].distance_to(poses["b7"]) < 0.3e-3
+
+
+def test_blocks_of_other_sizes_are_found_by_tags_that_fit_their_tops() -> None:
+    """Of several heights and oblong: tags are square on every top, and each lies at its block's height."""
+    sizes = {"b0": BlockSize(0.04, 0.06, 0.045), "b1": BlockSize(0.072, 0.04, 0.06), "b2": CUBE}
+    tags = {name: number for number, name in enumerate(sizes)}
+    poses = {
+        "b0": PlanarPose(0.55, 0.1, 0.4), "b1": PlanarPose(0.7, -0.1, -1.2), "b2": PlanarPose(0.6, 0.0, 2.0),
+    }  # fmt: skip
+    vision = TagVision(TagVisionConfig(), CELL.block, tags, sizes)
+    with OverheadCamera(CELL, tags, timestep=0.001, sizes=sizes) as camera:
+        snapshot = BlocksSimulator(CELL, tags, poses, sizes=sizes).snapshot()
+        sighting = vision.find(camera.picture(snapshot), CAMERA, 0.0)
+    assert sighting.is_complete
+    for name, pose in poses.items():
+        assert sighting.poses[name].distance_to(pose) < 0.4e-3
+        assert abs(np.rad2deg(turn_between(sighting.poses[name], pose))) < 0.9

@@ -9,7 +9,7 @@ import pytest
 from pack_core.blocks.plan import PickPlace, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveKind, primitives_of
-from pack_core.blocks.problem import PlacedBlock, Problem
+from pack_core.blocks.problem import BlockSize, PlacedBlock, Problem
 from pack_core.errors import PackError
 from pack_evaluation.blocks.plan_verifier import verify
 from pack_planner.rearrangement.beam.beam_planner import BeamPlanner
@@ -208,3 +208,25 @@ def test_a_state_lists_every_block_after_every_action() -> None:
     for state, action in zip(states[1:], made.actions, strict=True):
         assert state[action.block] == action.end
     assert isinstance(states[0]["b1"], PlanarPose)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("n", "seed"), [(4, 1001), (6, 1000)])
+def test_plans_of_mixed_cuboids_are_valid(method: str, n: int, seed: int) -> None:
+    problem = make_instance(n, 0.15, seed, mixed=True)
+    assert len(set(problem.sizes.values())) > 1
+    made = plan(problem, method=method, budget_s=60.0, seed=seed, config=SHORT)
+    assert made.is_solved
+    assert verify(problem, made) == []
+    assert len(made.actions) >= made.lower_bound
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_oblong_block_ends_lengthwise_as_its_goal_asks(method: str, make) -> None:
+    problem = make(
+        {"a": (0, 0, 1.4)}, {"a": (150, 100, 0.2)}, sizes={"a": BlockSize(0.04, 0.07, 0.05)}, symmetry=2
+    )
+    made = plan(problem, method=method, budget_s=60.0)
+    assert verify(problem, made) == []
+    turn = made.actions[-1].end.yaw - 0.2
+    assert abs((turn + np.pi / 2) % np.pi - np.pi / 2) < 1e-6

@@ -6,7 +6,7 @@ import pytest
 
 from pack_core.blocks.plan import PlanStatus
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import PlacedBlock, Problem
+from pack_core.blocks.problem import BlockSize, PlacedBlock, Problem
 from pack_planner.rearrangement.instances import square_workspace
 from pack_planner.rearrangement.planning import plan
 
@@ -79,7 +79,8 @@ def test_poses_that_are_not_finite_are_named(make, broken: float) -> None:
 
 
 def test_blocks_too_wide_for_the_gripper_are_refused(make) -> None:
-    text, _ = refusal(make(STARTS, GOALS, side=0.0775))
+    wide = BlockSize(0.0775, 0.0775, 0.05)
+    text, _ = refusal(make(STARTS, GOALS, sizes=dict.fromkeys(STARTS, wide)))
     assert "need an opening of 85.5 mm; the gripper opens 85.0 mm" in text
 
 
@@ -105,3 +106,24 @@ def test_more_blocks_than_a_method_takes_are_refused(make) -> None:
 
 def test_symmetry_is_one_two_or_four(make) -> None:
     assert "allowed: 1, 2, 4" in refusal(make(STARTS, GOALS, symmetry=3))[0]
+
+
+@pytest.mark.parametrize(
+    ("size", "fields", "part"),
+    [
+        (BlockSize(0.04, 0.0, 0.05), {}, "above 0"),
+        (BlockSize(0.04, math.nan, 0.05), {}, "above 0"),
+        (BlockSize(0.04, 0.05, 0.02), {}, "20.0 mm high"),
+        (BlockSize(0.04, 0.05, 0.05), {"symmetry": 4}, "longer than wide"),
+        (BlockSize(0.08, 0.09, 0.05), {}, "need an opening of 88.0 mm"),
+    ],
+)
+def test_a_size_that_no_gripper_handles_is_refused(make, size: BlockSize, fields: dict, part: str) -> None:
+    text, blocks = refusal(make({"a": (0, 0)}, {"a": (100, 0)}, sizes={"a": size}, **fields))
+    assert part in text
+    assert blocks == ("a",)
+
+
+def test_a_block_that_fits_the_gripper_one_way_only_is_grasped_that_way(make) -> None:
+    made = plan(make({"a": (0, 0)}, {"a": (100, 100)}, sizes={"a": BlockSize(0.1, 0.05, 0.05)}))
+    assert [action.grasp for action in made.actions] == [1]

@@ -25,6 +25,8 @@ only when no way into the grid is left.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
@@ -43,7 +45,7 @@ from pack_core.blocks.planar import PlanarPose, turn_between
 from pack_core.blocks.primitive_action import is_refused
 from pack_core.config import Config
 from pack_core.rotations import Array
-from pack_planner.rearrangement.footprints import squares
+from pack_planner.rearrangement.footprints import outlines
 from pack_planner.rearrangement.lower_bound import sharper_bound
 from pack_planner.rearrangement.rearrangement_planner import Found, PlanningTimer, RearrangementPlanner
 from pack_planner.rearrangement.snapped_problem import FITTING, SnappedProblem, carried
@@ -117,6 +119,13 @@ PirsOutcome = tuple[list[Action], Array] | None
 """Actions and the configuration `(n, 3)` that they lead to; None for a failure."""
 
 
+class KeptWay(NamedTuple):
+    """The way of a block, to be kept free of others."""
+
+    block: int
+    way: Way
+
+
 class PirsSearch:
     """One start of the search; sets of blocks are called as in the paper."""
 
@@ -129,7 +138,8 @@ class PirsSearch:
         patience: int,
     ) -> None:
         self._snapped, self._timer, self._rng, self._config = snapped, timer, rng, config
-        self._patience, self._sizes = patience, Sizes.of(snapped.side, snapped.gripper)
+        self._patience = patience
+        self._sizes = [Sizes.of(shape, snapped.gripper) for shape in snapped.shapes]
         self._prices = config.costs.prices
         self._corners = np.array(snapped.problem.workspace, dtype=float)
 
@@ -147,13 +157,15 @@ class PirsSearch:
                     return pi_U + rest[0], rest[1]
             return None
         for o_b in self.shuffled(_members(way.blocks)):
-            if cleared := self._clear(o_b, (O_R | {o}) - {o_b}, alpha_C, way, self._config.depth):
+            if cleared := self._clear(o_b, (O_R | {o}) - {o_b}, alpha_C, KeptWay(o, way), self._config.depth):
                 pi, alpha = cleared
                 if rest := self.pirs(o, O_R, alpha):
                     return pi + rest[0], rest[1]
         return None
 
-    def _clear(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: Way, depth: int) -> PirsOutcome:
+    def _clear(
+        self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: KeptWay, depth: int
+    ) -> PirsOutcome:
         """Algorithm 2: move o to where it is not in a way, together with what is in its own way."""
         if self._config.clear_to_goal and (home := self._clear_to_goal(o, O_R, alpha_C, keep_free)):
             return home
@@ -164,17 +176,20 @@ class PirsSearch:
         if not way.blocks:
             return self._act(o, way, alpha_C)
         for o_b in self.shuffled(_members(way.blocks)):
-            if depth > 1 and (cleared := self._clear(o_b, (O_R | {o}) - {o_b}, alpha_C, way, depth - 1)):
+            if depth > 1 and (
+                cleared := self._clear(o_b, (O_R | {o}) - {o_b}, alpha_C, KeptWay(o, way), depth - 1)
+            ):
                 pi, alpha = cleared
                 if rest := self._clear(o, O_R, alpha, keep_free, depth - 1):
                     return pi + rest[0], rest[1]
         return None
 
-    def _clear_to_goal(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: Way) -> PirsOutcome:
+    def _clear_to_goal(self, o: int, O_R: frozenset[int], alpha_C: Array, keep_free: KeptWay) -> PirsOutcome:
         """Section V: bring o home where its goal is free, not in the way, and reached without clearing."""
         goal, others = self._snapped.goals[o], np.uint64((1 << self._snapped.n) - 1 & ~(1 << o))
-        blocks = squares(alpha_C, self._snapped.side)
-        if not is_clear(goal, keep_free, others, self._sizes, blocks, self._snapped.half_planes):
+        blocks = outlines(alpha_C, self._snapped.shapes)
+        of_way, sizes = self._sizes[keep_free.block], self._sizes[o]
+        if not is_clear(goal, keep_free.way, of_way, others, sizes, blocks, self._snapped.half_planes):
             return None
         way = self._prm(o, alpha_C, goal, O_R)
         return None if way is None or way.blocks or not len(way.grasps) else self._act(o, way, alpha_C)
@@ -201,24 +216,25 @@ class PirsSearch:
         snapped, config = self._snapped, self._config
         movable = sum(1 << i for i in O_R)
         fixed = (1 << snapped.n) - 1 & ~movable & ~(1 << o)
-        blocks = squares(alpha_C, snapped.side)
+        blocks = outlines(alpha_C, snapped.shapes)
         nodes = sample_nodes(
-            alpha_C[o], end, config.samples, config.bias, np.uint64(fixed), self._sizes, blocks,
+            alpha_C[o], end, config.samples, config.bias, np.uint64(fixed), self._sizes[o], blocks,
             snapped.half_planes, self._corners, self._rng,
         )  # fmt: skip
         way = shortest_way(
             nodes, blocks, np.uint64(movable), np.uint64(fixed), snapped.problem.symmetry == 4, self._prices,
-            self._sizes,
+            self._sizes[o],
         )  # fmt: skip
         # Numba gives an int for an unsigned integer, and would compile anew what takes a way with one.
         return way._replace(blocks=np.uint64(way.blocks)) if len(way.grasps) else None
 
-    def _sample_new_pose(self, o: int, alpha_C: Array, keep_free: Way) -> Array | None:
+    def _sample_new_pose(self, o: int, alpha_C: Array, keep_free: KeptWay) -> Array | None:
         """SAMPLE_NEW_POSE(o, alpha_C): hits no block, and does not lie on the way to be kept free."""
         others = np.uint64((1 << self._snapped.n) - 1 & ~(1 << o))
         poses = sample_clear_pose(
-            alpha_C[o], keep_free, others, NEAREST_OF if self._prices.distance else 1, self._config.tries,
-            self._sizes, squares(alpha_C, self._snapped.side), self._snapped.half_planes, self._corners,
+            alpha_C[o], keep_free.way, self._sizes[keep_free.block], others,
+            NEAREST_OF if self._prices.distance else 1, self._config.tries, self._sizes[o],
+            outlines(alpha_C, self._snapped.shapes), self._snapped.half_planes, self._corners,
             self._rng,
         )  # fmt: skip
         return poses[0] if len(poses) else None

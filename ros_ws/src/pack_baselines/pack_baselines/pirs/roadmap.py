@@ -127,7 +127,8 @@ def cheapest_edge(
         for turned in range(1 + is_symmetric):
             blocks = picks[k] | places[k ^ turned]
             price = carry + prices.collision * _count(blocks & movable)
-            if not blocks & fixed and price < best:
+            can_grasp = sizes.can_grasp[k] and sizes.can_grasp[k ^ turned]
+            if can_grasp and not blocks & fixed and price < best:
                 best, kind, in_the_way = price, 2 * k + (k ^ turned), blocks & movable
     push = prices.push + (prices.distance + prices.push_length) * length
     if push < best and is_push(start, end, is_symmetric, sizes):
@@ -229,8 +230,8 @@ def sample_nodes(
 
 @njit(cache=True)
 def sample_clear_pose(
-    start: Array, way: Way, others: np.uint64, wanted: int, tries: int, sizes: Sizes, squares: Array,
-    half_planes: Array, corners: Array, rng: np.random.Generator,
+    start: Array, way: Way, way_sizes: Sizes, others: np.uint64, wanted: int, tries: int, sizes: Sizes,
+    squares: Array, half_planes: Array, corners: Array, rng: np.random.Generator,
 ) -> Array:  # fmt: skip
     """A pose at which a block hits none of the `others` and is not in the way `(1, 3)`; else `(0, 3)`.
 
@@ -241,7 +242,7 @@ def sample_clear_pose(
         if found == wanted:
             break
         pose = draw_pose(corners, rng)
-        if is_clear(pose, way, others, sizes, squares, half_planes):
+        if is_clear(pose, way, way_sizes, others, sizes, squares, half_planes):
             found += 1
             distance = np.hypot(pose[0] - start[0], pose[1] - start[1])
             if distance < least:
@@ -252,12 +253,15 @@ def sample_clear_pose(
 
 @njit(cache=True)
 def is_clear(
-    pose: Array, way: Way, others: np.uint64, sizes: Sizes, squares: Array, half_planes: Array
-) -> bool:
-    """A block at the pose is inside the workspace, hits none of the `others` and is not in the way."""
+    pose: Array, way: Way, way_sizes: Sizes, others: np.uint64, sizes: Sizes, squares: Array,
+    half_planes: Array,
+) -> bool:  # fmt: skip
+    """A block at the pose is inside the workspace, hits none of the `others` and is not in the way.
+
+    The way is that of another block, of `way_sizes`.
+    """
     if not is_inside(pose, sizes, half_planes) or block_hits(pose, sizes, squares) & others:
         return False
-    half = sizes.side / 2
-    square = np.empty((1, 6))
-    square[0] = rectangle_at(pose, 0.0, 0.0, half, half)
-    return not way_hits(way, sizes, square)
+    outline = np.empty((1, 6))
+    outline[0] = rectangle_at(pose, 0.0, 0.0, sizes.edges[0] / 2, sizes.edges[1] / 2)
+    return not way_hits(way, way_sizes, outline)

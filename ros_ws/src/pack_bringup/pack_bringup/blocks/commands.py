@@ -36,6 +36,7 @@ Density = Annotated[
     float, typer.Option(min=0.01, max=0.4, help="Share of the workspace that the blocks cover.")
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of the generated problem and of the planner.")]
+Mixed = Annotated[bool, typer.Option("--mixed", help="Cuboids of several sizes instead of equal cubes.")]
 ProblemFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Solve the problem of this file instead of a generated one."),
@@ -47,6 +48,7 @@ def goal(
     blocks: Blocks = 9,
     density: Density = 0.2,
     seed: Seed = 0,
+    mixed: Mixed = False,
     problem: ProblemFile = None,
     method: Method = "",
     reset: Reset = True,
@@ -63,7 +65,7 @@ def goal(
     """
     from pack_bringup.blocks.goals import BlocksGoal, problem_of
 
-    wanted = BlocksGoal(problem_of(problem, blocks, density, seed), seed, _checked(method))
+    wanted = BlocksGoal(problem_of(problem, blocks, density, seed, mixed), seed, _checked(method))
     run_goal(wanted, reset=reset, domain=domain, network=network)
 
 
@@ -78,6 +80,7 @@ def demo(
     blocks: Blocks = 9,
     density: Density = 0.2,
     seed: Seed = 0,
+    mixed: Mixed = False,
     problem: ProblemFile = None,
     method: Method = "",
     real_time_factor: RealTimeFactor = None,
@@ -93,11 +96,12 @@ def demo(
     configuration and the nodes' log. The exit code is 0 only if every block is at its goal.
 
     - `pack demo blocks --blocks 4 --seed 3`
+    - `pack demo blocks --blocks 4 --mixed`
     - `pack demo blocks --problem config/scenarios/blocks/example.yaml --method pirs`
     """
     from pack_bringup.blocks.goals import BlocksJob, problem_of
 
-    text = problem_of(problem, blocks, density, seed)
+    text = problem_of(problem, blocks, density, seed, mixed)
     folder = output or default_folder("blocks", seed, datetime.now())
     job = BlocksJob(
         text, seed, _checked(method), folder=folder, real_time_factor=real_time_factor, command=command_line()
@@ -114,6 +118,7 @@ def benchmark(
         int, typer.Option(min=1, help="Number of instances, with seeds from --seed on.")
     ] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first instance and of its planner.")] = 0,
+    mixed: Mixed = False,
     problem: Annotated[
         list[Path] | None,
         typer.Option(
@@ -161,6 +166,7 @@ def benchmark(
     - `pack benchmark blocks --blocks 16 --density 0.2 --instances 100 --json summary.json`
     - `pack benchmark blocks --price paper` has `beam` avoid pushes, above all long ones
     - `pack benchmark blocks --method pirs --set pirs.costs.collision=8` makes clearing dear (alpha_3)
+    - `pack benchmark blocks --mixed` plans for cuboids of several sizes
     - `pack benchmark blocks --problem config/scenarios/blocks/example.yaml` plans an own instance
     - `pack benchmark blocks --blocks 4 --instances 100 --execute` has the arm do it
     """
@@ -173,7 +179,7 @@ def benchmark(
     from pack_planner.rearrangement.methods import DEFAULT_METHOD, METHODS
 
     methods = list(dict.fromkeys(METHODS.checked(name) for name in method or [DEFAULT_METHOD]))
-    found = wanted_instances(blocks, density, range(seed, seed + instances), problem or [])
+    found = wanted_instances(blocks, density, range(seed, seed + instances), problem or [], mixed=mixed)
     wanted = tuple(PlanJob(name, instance) for instance in found for name in methods)
     planners = merged({"beam": {"price": price}} if price else {}, parse_overrides(settings or []))
     setup = BlocksSetup(blocks_cell(), lockstep_config(planners), budget, execute)

@@ -62,13 +62,13 @@ def seeded_goal(seed: int) -> BlocksGoal:
     return BlocksGoal(problem_of(None, blocks=4, density=0.2, seed=seed), seed=seed)
 
 
-def problem_of(file: Path | None, blocks: int, density: float, seed: int) -> str:
+def problem_of(file: Path | None, blocks: int, density: float, seed: int, mixed: bool = False) -> str:
     """The text of a problem file, or of a generated problem where there is no file.
 
     Raises:
         ConfigError: there is no such file, it is no problem file, or the problem contradicts itself.
     """
-    return _generated(blocks, density, seed) if file is None else _text_of(file)
+    return _generated(blocks, density, seed, mixed) if file is None else _text_of(file)
 
 
 def _text_of(path: Path) -> str:
@@ -84,12 +84,13 @@ def _text_of(path: Path) -> str:
     return text
 
 
-def _generated(blocks: int, density: float, seed: int) -> str:
+def _generated(blocks: int, density: float, seed: int, mixed: bool) -> str:
     from pack_core.blocks.cell import blocks_cell
     from pack_core.blocks.problem_file import problem_text
     from pack_planner.rearrangement.instances import make_instance
 
-    return problem_text(make_instance(blocks, density, seed, centre=blocks_cell().workspace.centre))
+    centre = blocks_cell().workspace.centre
+    return problem_text(make_instance(blocks, density, seed, centre=centre, mixed=mixed))
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,13 @@ import yaml
 from pydantic import Field
 
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import CUBES, BlockSize, BlockSizes
 from pack_core.blocks.topics import TAGS
 from pack_core.config import Config, parse_config
 from pack_core.text.limits import MOST_BLOCKS, BlockName
 
+Edge = Annotated[float, Field(gt=0.0, le=1.0)]
+"""Of a block [m]."""
 TagNumber = Annotated[int, Field(ge=0, le=10_000)]
 
 
@@ -62,13 +65,20 @@ def unknown_id(number: int) -> str:
 
 class _Tags(Config):
     tags: Annotated[dict[BlockName, TagNumber], Field(max_length=MOST_BLOCKS)]
+    sizes: dict[BlockName, tuple[Edge, Edge, Edge]] = Field({}, max_length=MOST_BLOCKS)
 
 
-def tags_text(tags: Mapping[str, int]) -> str:
-    """The text, from the number of every block's tag."""
-    return yaml.safe_dump({"tags": dict(tags)})
+def tags_text(tags: Mapping[str, int], sizes: BlockSizes = CUBES) -> str:
+    """The text, from the number of every block's tag, and the sizes [m] of those that are not cubes."""
+    own = {name: list(size) for name, size in sizes.items() if size != BlockSize()}
+    return yaml.safe_dump({"tags": dict(tags), **({"sizes": own} if own else {})})
 
 
-def parse_tags(text: str) -> dict[str, int]:
-    """The number of every block's tag, by the block's id; raises ConfigError."""
-    return dict(parse_config(_Tags, text, TAGS).tags)
+def parse_tags(text: str) -> tuple[dict[str, int], dict[str, BlockSize]]:
+    """The number of every block's tag, and the sizes [m] of those that are not cubes, by id.
+
+    Raises:
+        ConfigError: the text is none of these.
+    """
+    read = parse_config(_Tags, text, TAGS)
+    return dict(read.tags), {name: BlockSize(*edges) for name, edges in read.sizes.items()}

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from pydantic import Field, PositiveFloat
 
+from pack_core.blocks.problem import BlockSize
 from pack_core.camera import PinholeCamera, focal_length
 from pack_core.config import Config, load_config
 from pack_core.paths import config_path
@@ -34,7 +35,7 @@ class Gripper(Config):
 
 
 class Block(Config):
-    """A cube with a tag on top."""
+    """A cube with a tag on top; a cuboid of another size is of the same wood, and its tag fits its top."""
 
     edge: Annotated[float, Field(gt=0.02, lt=0.08)]
     mass: PositiveFloat
@@ -42,9 +43,17 @@ class Block(Config):
     friction: PositiveFloat
 
     @property
-    def half(self) -> float:
-        """Half an edge [m]."""
-        return 0.5 * self.edge
+    def cube(self) -> BlockSize:
+        """Size of a block of which nothing else is said."""
+        return BlockSize(self.edge, self.edge, self.edge)
+
+    def mass_of(self, size: BlockSize) -> float:
+        """Mass of a block of a size [kg]."""
+        return self.mass * (size.x * size.y * size.z) / self.edge**3
+
+    def tag_edge_of(self, size: BlockSize) -> float:
+        """Edge of the black square of a block's tag [m]: in proportion to the shorter edge of its top."""
+        return self.tag_edge * (min(size.x, size.y) / self.edge)
 
 
 class Table(Config):

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.problem import CUBES, BlockSize, BlockSizes
 from pack_core.drawing.room import Light, add_lights, add_sky, add_table, add_tiles
 from pack_core.drawing.textures import add_material, cube_faces
 from pack_core.robots.robotiq_2f85 import PADS, TIPS, add_robotiq_2f85
@@ -29,13 +30,19 @@ def block_name(block: str) -> str:
 
 
 def build_model(
-    cell: BlocksCell, tags: Mapping[str, int], *, timestep: float, visuals: bool = False
+    cell: BlocksCell,
+    tags: Mapping[str, int],
+    sizes: BlockSizes = CUBES,
+    *,
+    timestep: float,
+    visuals: bool = False,
 ) -> mujoco.MjModel:
     """Compile the cell.
 
     Args:
         cell: its physical facts.
         tags: the number of every block's tag, by the block's id.
+        sizes: of those blocks that are not the cell's cubes, by id.
         timestep: of the integrator [s].
         visuals: add tags, table top, room and lights, for pictures.
 
@@ -47,7 +54,7 @@ def build_model(
     _set_solver(spec, cell, timestep)
     _add_table(spec, cell, visuals)
     for block, tag in tags.items():
-        _add_block(spec, cell, block, tag if visuals else None)
+        _add_block(spec, cell, block, sizes.get(block, cell.block.cube), tag if visuals else None)
     flange = add_ur10e(spec, cell.robot.base.to_pose(), contype=ROBOT, conaffinity=0)
     add_motors(spec)
     friction = cell.gripper.pad_friction
@@ -107,18 +114,19 @@ def _add_table(spec: mujoco.MjSpec, cell: BlocksCell, visuals: bool) -> None:
     )  # fmt: skip
 
 
-def _add_block(spec: mujoco.MjSpec, cell: BlocksCell, block: str, tag: int | None) -> None:
+def _add_block(spec: mujoco.MjSpec, cell: BlocksCell, block: str, size: BlockSize, tag: int | None) -> None:
     name, facts = block_name(block), cell.block
-    body = spec.worldbody.add_body(name=name, pos=(0, 0, facts.half))
+    half = tuple(0.5 * edge for edge in size)
+    body = spec.worldbody.add_body(name=name, pos=(0, 0, half[2]))
     body.add_freejoint(name=name)
     geom = body.add_geom(
-        name=name, type=mujoco.mjtGeom.mjGEOM_BOX, size=(facts.half,) * 3, mass=facts.mass, condim=4,
+        name=name, type=mujoco.mjtGeom.mjGEOM_BOX, size=half, mass=facts.mass_of(size), condim=4,
         friction=(facts.friction, *ROTATION), contype=THINGS, conaffinity=ROBOT | THINGS,
         rgba=(0.78, 0.64, 0.45, 1) if tag is None else (1, 1, 1, 1),
     )  # fmt: skip
     if tag is not None:
         geom.material = f"tag of {block}"
-        faces = cube_faces(tag, facts.tag_edge, facts.edge)
+        faces = cube_faces(tag, facts.tag_edge_of(size), (size.x, size.y))
         add_material(spec, geom.material, faces, specular=0.0, shininess=0.0)
 
 

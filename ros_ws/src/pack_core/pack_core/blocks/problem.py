@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import NamedTuple
 
 from pydantic import Field, NonNegativeFloat
 
 from pack_core.blocks.gripper import GripperFootprint
-from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.planar import QUARTER, PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveAction
 from pack_core.config import Config
 
@@ -18,12 +19,39 @@ CUBE_SIDE = 0.0508
 Point = tuple[float, float]
 
 
+class BlockSize(NamedTuple):
+    """Edges of a cuboid along its own x, y and z [m]; z points up."""
+
+    x: float = CUBE_SIDE
+    y: float = CUBE_SIDE
+    z: float = CUBE_SIDE
+
+    @property
+    def is_square(self) -> bool:
+        """Whether the block looks alike after a quarter turn."""
+        return self.x == self.y
+
+    def across_and_along(self, pose: PlanarPose, heading: float) -> tuple[float, float]:
+        """Extents [m] of a block at a pose, across and along a heading [rad] that one of its axes has."""
+        axis = round((heading - pose.yaw) / QUARTER) % 2
+        return self[1 - axis], self[axis]
+
+
+CUBE = BlockSize()
+"""A 2-inch cube."""
+BlockSizes = Mapping[str, BlockSize]
+"""BlockSizes of blocks by id."""
+CUBES: BlockSizes = MappingProxyType({})
+"""BlockSizes where no block has one of its own."""
+
+
 @dataclass(frozen=True)
 class PlacedBlock:
-    """A block and where it stands on the table."""
+    """A block, where it stands on the table, and its size."""
 
     id: str
     pose: PlanarPose
+    size: BlockSize = CUBE
 
 
 class Tolerance(Config):
@@ -40,10 +68,9 @@ class Problem:
     """Blocks to be rearranged.
 
     Attributes:
-        blocks: ids and measured poses; one that has no goal is an obstacle, which stays where it is.
+        blocks: ids, measured poses and sizes; one without a goal is an obstacle, which stays where it is.
         goals: pose at the end of every block that may be moved, by id.
         workspace: corners [m] of a convex polygon in which blocks may be put down.
-        side: of every cube [m].
         symmetry: after how many equal turns a block looks alike: 1, 2 or 4 (any face may be in front).
         gripper: its room on the table.
         tolerance: what counts as in place.
@@ -54,7 +81,6 @@ class Problem:
     blocks: tuple[PlacedBlock, ...]
     goals: Mapping[str, PlanarPose]
     workspace: tuple[Point, ...]
-    side: float = CUBE_SIDE
     symmetry: int = 1
     gripper: GripperFootprint = field(default_factory=GripperFootprint)
     tolerance: Tolerance = field(default_factory=Tolerance)
@@ -68,6 +94,16 @@ class Problem:
     def starts(self) -> dict[str, PlanarPose]:
         """Measured pose of every block by id."""
         return {block.id: block.pose for block in self.blocks}
+
+    @property
+    def sizes(self) -> dict[str, BlockSize]:
+        """Size of every block by id."""
+        return {block.id: block.size for block in self.blocks}
+
+    @property
+    def tallest(self) -> float:
+        """Height of the tallest block [m]; 0 without blocks."""
+        return max((block.size.z for block in self.blocks), default=0.0)
 
     @property
     def obstacles(self) -> dict[str, PlanarPose]:

@@ -18,7 +18,7 @@ from shapely import affinity
 
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import PlacedBlock, Problem
+from pack_core.blocks.problem import BlockSize, PlacedBlock, Problem
 from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.text.limits import MOST_BLOCKS, MOST_CORNERS, AngleDeg, BlockName, Number
@@ -28,6 +28,10 @@ from pack_core.text.shown import listed
 Millimetres = Annotated[Number, Field(ge=-10_000.0, le=10_000.0)]
 Place = tuple[Millimetres, Millimetres, AngleDeg]
 """x [mm], y [mm], yaw [deg]."""
+TopEdge = Annotated[Number, Field(ge=38.0, le=120.0)]
+"""Of a block's top [mm]: a tag on a smaller one has too few pixels to be read."""
+HeightMm = Annotated[Number, Field(ge=40.0, le=70.0)]
+"""Of a block [mm]: the fingers reach 20 mm below its top, and past the top of the tallest one."""
 DIGITS = 6
 """Behind the point, of places in a file that is written [mm, deg]."""
 ROUNDING = 1e-6
@@ -44,6 +48,8 @@ class BlockEntry(Config):
     id: BlockName
     start: Place
     goal: Place
+    size: tuple[TopEdge, TopEdge, HeightMm] | None = None
+    """Edges along the block's own x, y and z [mm]; left out: the cell's cube."""
 
 
 class ProblemFile(Config):
@@ -88,7 +94,7 @@ def parse_problem(
     """
     file = parse_config(ProblemFile, text, source)
     problem = Problem(
-        blocks=tuple(PlacedBlock(block.id, _pose(block.start)) for block in file.blocks),
+        blocks=tuple(PlacedBlock(block.id, _pose(block.start), _size(block)) for block in file.blocks),
         goals={block.id: _pose(block.goal) for block in file.blocks},
         workspace=tuple((x / 1000, y / 1000) for x, y in file.workspace),
         symmetry=file.symmetry, starts_may_be_outside=True,
@@ -102,6 +108,7 @@ def problem_text(problem: Problem) -> str:
     """The file's text of a problem."""
     blocks = [
         {"id": block.id, "start": _place(block.pose), "goal": _place(problem.goals[block.id])}
+        | ({} if block.size == BlockSize() else {"size": _rounded([1000 * edge for edge in block.size])})
         for block in problem.blocks
     ]
     corners = [_rounded(1000 * np.array(corner)) for corner in problem.workspace]
@@ -112,6 +119,10 @@ def problem_text(problem: Problem) -> str:
 def _pose(place: Place) -> PlanarPose:
     x, y, yaw_deg = place
     return PlanarPose(x / 1000, y / 1000, float(np.deg2rad(yaw_deg)))
+
+
+def _size(block: BlockEntry) -> BlockSize:
+    return BlockSize() if block.size is None else BlockSize(*(edge / 1000 for edge in block.size))
 
 
 def _place(pose: PlanarPose) -> list[float]:
@@ -131,47 +142,67 @@ def problems_of(problem: Problem, cell: BlocksCell | None = None, *, goals_only:
         goals_only: leave the starts out, where a camera measures them.
     """
     workspace = shapely.Polygon(problem.workspace)
-    if wrong := _wrong_workspace(workspace, problem.side):
+    if wrong := _wrong_workspace(workspace, problem):
         return [f"key 'workspace' {wrong}; allowed: the corners of a convex polygon, in order"]
     goals = dict(problem.goals)
     poses = {"goal": goals} if goals_only else {"start": problem.starts, "goal": goals}
-    found = [text for what in poses for text in _overlaps(what, poses[what], problem)]
+    found = [*_unlike_themselves(problem), *_too_wide(problem)]
+    found += [text for what in poses for text in _overlaps(what, poses[what], problem)]
     grown = workspace.buffer(ROUNDING)
     for name, pose in goals.items():
-        if not grown.covers(_square(pose, problem.side)):
+        if not grown.covers(_outline(pose, problem.sizes[name])):
             found.append(
                 f"the goal of {name} {_shown(pose)} is outside the workspace; allowed: inside, whole"
             )
-    return found if cell is None else [*found, *_out_of_reach(poses, problem.side, cell)]
+    return found if cell is None else [*found, *_out_of_reach(poses, problem, cell)]
 
 
-def _wrong_workspace(workspace: shapely.Polygon, side: float) -> str:
+def _wrong_workspace(workspace: shapely.Polygon, problem: Problem) -> str:
     if not workspace.is_valid:
         return f"is no simple polygon: {shapely.is_valid_reason(workspace)}"
-    if workspace.area < side**2:
+    if workspace.area < max(size.x * size.y for size in problem.sizes.values()):
         return f"has an area of {1e6 * workspace.area:.0f} mm^2, less than a block"
     if workspace.convex_hull.area - workspace.area > ROUNDING:
         return "is not convex"
     return ""
 
 
+def _unlike_themselves(problem: Problem) -> Iterator[str]:
+    oblong = [name for name, size in problem.sizes.items() if not size.is_square]
+    if problem.symmetry == 4 and oblong:
+        yield (
+            f"key 'symmetry' is 4, and {', '.join(oblong)} is longer than wide; allowed: 1 or 2, as it looks "
+            "another after a quarter turn"
+        )
+
+
+def _too_wide(problem: Problem) -> Iterator[str]:
+    widest = problem.gripper.max_opening - 2 * problem.gripper.opening_clearance
+    for name, size in problem.sizes.items():
+        if min(size.x, size.y) > widest:
+            yield (
+                f"{name} is {1e3 * size.x:.1f} mm by {1e3 * size.y:.1f} mm; allowed: one of both up to "
+                f"{1e3 * widest:.1f} mm, that the gripper opens around it"
+            )
+
+
 def _overlaps(what: str, poses: Mapping[str, PlanarPose], problem: Problem) -> Iterator[str]:
     allowed = problem.tolerance.overlap
-    squares = {name: _square(pose, problem.side - allowed) for name, pose in poses.items()}
-    for first, second in combinations(squares, 2):
-        if squares[first].intersects(squares[second]):
+    outlines = {name: _outline(pose, problem.sizes[name], allowed) for name, pose in poses.items()}
+    for first, second in combinations(outlines, 2):
+        if outlines[first].intersects(outlines[second]):
             yield f"the {what}s of {first} and {second} overlap; allowed: up to {1e3 * allowed:g} mm"
 
 
 def _out_of_reach(
-    poses_by_kind: Mapping[str, Mapping[str, PlanarPose]], side: float, cell: BlocksCell
+    poses_by_kind: Mapping[str, Mapping[str, PlanarPose]], problem: Problem, cell: BlocksCell
 ) -> Iterator[str]:
     (x, y), (length, width) = cell.table.centre, cell.table.size
     table = shapely.box(x - length / 2, y - width / 2, x + length / 2, y + width / 2)
     base = PlanarPose(*cell.robot.base.position[:2])
-    nearest = BASE_RADIUS + side / 2
     for what, poses in poses_by_kind.items():
         for name, pose in poses.items():
+            nearest = BASE_RADIUS + max(problem.sizes[name][:2]) / 2
             place = f"the {what} of {name} {_shown(pose)}"
             if not table.covers(shapely.Point(pose.x, pose.y)):
                 yield f"{place} is off the table; allowed: {_extent(table)} (config/cells/blocks.yaml: table)"
@@ -182,8 +213,10 @@ def _out_of_reach(
                 )
 
 
-def _square(pose: PlanarPose, side: float) -> shapely.Polygon:
-    centred = shapely.box(-side / 2, -side / 2, side / 2, side / 2)
+def _outline(pose: PlanarPose, size: BlockSize, less: float = 0.0) -> shapely.Polygon:
+    """What a block covers, its edges `less` shorter [m]."""
+    x, y = (size.x - less) / 2, (size.y - less) / 2
+    centred = shapely.box(-x, -y, x, y)
     turned = affinity.rotate(centred, pose.yaw, origin=(0, 0), use_radians=True)
     return affinity.translate(turned, pose.x, pose.y)
 

@@ -102,26 +102,31 @@ def _print_arrows(face: Picture, brown: tuple[int, int, int]) -> None:
         cv2.rectangle(face, (x - size // 36, size // 2), (x + size // 36, 2 * size // 3), ink, -1)
 
 
-def tag_face(number: int, tag_edge: float, block_edge: float) -> Picture:
-    """The upper face of a block, `(n, n, 3)` RGB: the tag with its white margin, as large as the face.
+def tag_face(number: int, tag_edge: float, face: tuple[float, float]) -> Picture:
+    """The upper face of a block, `(height, width, 3)` RGB: the tag with its white margin, as large as it.
 
     Args:
         number: of the tag.
         tag_edge: of the black square [m].
-        block_edge: of the face [m].
+        face: width and height of the face [m].
     """
-    size = round(TAG_MODULES * MODULE_PIXELS * block_edge / tag_edge)
+    width, height = (round(TAG_MODULES * MODULE_PIXELS * edge / tag_edge) for edge in face)
     dictionary = cv2.aruco.getPredefinedDictionary(TAG_FAMILY)
     tag = cv2.aruco.generateImageMarker(dictionary, number, TAG_MODULES * MODULE_PIXELS)
-    first = (size - len(tag)) // 2
-    face = np.full((size, size, 3), 255, dtype=np.uint8)
-    face[first : first + len(tag), first : first + len(tag)] = tag[..., None]
-    return face
+    left, upper = (width - len(tag)) // 2, (height - len(tag)) // 2
+    picture = np.full((height, width, 3), 255, dtype=np.uint8)
+    picture[upper : upper + len(tag), left : left + len(tag)] = tag[..., None]
+    return picture
 
 
-def cube_faces(number: int, tag_edge: float, block_edge: float) -> Picture:
-    """The six faces `(6 n, n, 3)` of a cube texture whose front face, a box's +z, carries the tag."""
-    top = tag_face(number, tag_edge, block_edge)
+def cube_faces(number: int, tag_edge: float, face: tuple[float, float]) -> Picture:
+    """The six faces `(6 n, n, 3)` of a cube texture whose front face, a box's +z, carries the tag.
+
+    A box stretches a square picture over each of its faces, so that of an oblong face is compressed before.
+    """
+    top = tag_face(number, tag_edge, face)
+    if (pixels := max(top.shape[:2])) > min(top.shape[:2]):
+        top = np.asarray(cv2.resize(top, (pixels, pixels), interpolation=cv2.INTER_NEAREST), dtype=np.uint8)
     side = np.empty_like(top)
     side[:] = BLOCK_COLOUR
     return np.concatenate([side, side, side, side, top, side])

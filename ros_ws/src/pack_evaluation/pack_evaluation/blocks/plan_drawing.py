@@ -80,14 +80,14 @@ def draw_table(
     """Draw workspace, goals and blocks; the block `moved` has the colour `moving`."""
     corners = np.array(problem.workspace)
     axes.add_patch(Polygon(corners, facecolor=TABLE, edgecolor="#d9d3c5", lw=0.8))
-    for goal in problem.goals.values():
-        outline = _square(goal, problem.side)
+    for name, goal in problem.goals.items():
+        outline = _outline(problem, name, goal)
         axes.add_patch(Polygon(outline, fill=False, edgecolor="#b6ab93", lw=0.6, ls=(0, (3, 2))))
     for name, pose in poses.items():
         is_moved = name == moved
         colour = moving if is_moved else HOME if _is_home(problem, name, pose) else WAITING
-        square = _square(pose, problem.side)
-        axes.add_patch(Polygon(square, facecolor=colour, edgecolor=PAPER, lw=0.7, zorder=2))
+        outline = _outline(problem, name, pose)
+        axes.add_patch(Polygon(outline, facecolor=colour, edgecolor=PAPER, lw=0.7, zorder=2))
         axes.text(
             pose.x, pose.y, name, ha="center", va="center", fontsize=5.5, zorder=4,
             color=PAPER if is_moved else INK, rotation=_upright(pose.yaw),
@@ -100,7 +100,7 @@ def draw_table(
 def _draw_action(axes: Axes, problem: Problem, action: Action) -> None:
     """Draw the block before the action, its way, and the fingers."""
     colour = PUSH if isinstance(action, Push) else CARRY
-    ghost = _square(action.start, problem.side)
+    ghost = _outline(problem, action.block, action.start)
     axes.add_patch(Polygon(ghost, facecolor=colour, alpha=0.14, edgecolor=colour, lw=0.7, zorder=1))
     arrow = FancyArrowPatch(
         (action.start.x, action.start.y), (action.end.x, action.end.y), arrowstyle="-|>", mutation_scale=7,
@@ -114,12 +114,13 @@ def _draw_action(axes: Axes, problem: Problem, action: Action) -> None:
 
 def _fingers(problem: Problem, action: Action) -> list[Array]:
     """Outlines of both fingers at the end of the action."""
-    gripper, half = problem.gripper, problem.side / 2
+    gripper, size = problem.gripper, problem.sizes[action.block]
     if isinstance(action, PickPlace):
         heading, ahead = action.end.yaw + action.grasp * QUARTER, 0.0
-        inner = half
+        inner = size[action.grasp] / 2
     else:
-        heading, ahead = action.direction + QUARTER, -half - gripper.finger_width / 2
+        _, along = size.across_and_along(action.start, action.direction)
+        heading, ahead = action.direction + QUARTER, -along / 2 - gripper.finger_width / 2
         inner = gripper.push_gap / 2
     centre = action.end.moved(ahead, heading - QUARTER)
     outlines = []
@@ -129,8 +130,9 @@ def _fingers(problem: Problem, action: Action) -> list[Array]:
     return outlines
 
 
-def _square(pose: PlanarPose, side: float) -> Array:
-    return _rectangle(pose, pose.yaw, side, side)
+def _outline(problem: Problem, name: str, pose: PlanarPose) -> Array:
+    size = problem.sizes[name]
+    return _rectangle(pose, pose.yaw, size.x, size.y)
 
 
 def _rectangle(centre: PlanarPose, heading: float, length: float, width: float) -> Array:

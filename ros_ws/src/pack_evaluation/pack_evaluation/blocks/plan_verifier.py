@@ -53,14 +53,18 @@ def _faults(
     yield from _jump(problem, poses[action.block], action.start, has_moved)
     if is_refused(action, problem.refused):
         yield "is what the arm refused"
-    if not Polygon(problem.workspace).buffer(EXACT).covers(_block(problem, action.end)):
+    if not Polygon(problem.workspace).buffer(EXACT).covers(_block(problem, action.block, action.end)):
         yield "ends outside the workspace"
+    if isinstance(action, PickPlace):
+        opening = problem.gripper.grasp_opening(problem.sizes[action.block][action.grasp])
+        if opening > problem.gripper.max_opening + EXACT:
+            yield f"needs an opening of {1e3 * opening:.1f} mm, more than the gripper has"
     sweeps = _push_sweeps if isinstance(action, Push) else _grasp_sweeps
     if isinstance(action, Push):
         yield from _push_faults(problem, action)
     for what, polygon in sweeps(problem, action):
         for name, pose in poses.items():
-            if name != action.block and _overlap(polygon, _block(problem, pose)):
+            if name != action.block and _overlap(polygon, _block(problem, name, pose)):
                 yield f"the {what} hits {name}"
 
 
@@ -86,16 +90,21 @@ def _push_faults(problem: Problem, push: Push) -> Iterator[str]:
 def _grasp_sweeps(problem: Problem, action: Action) -> Iterator[tuple[str, Polygon]]:
     assert isinstance(action, PickPlace)
     for what, pose in (("gripper at the pick", action.start), ("gripper at the place", action.end)):
-        for finger in _fingers(problem, pose, action.grasp):
+        for finger in _fingers(problem, action.block, pose, action.grasp):
             yield what, finger
-    yield "block put down", _block(problem, action.end, problem.gripper.block_margin)
+    yield "block put down", _block(problem, action.block, action.end, problem.gripper.block_margin)
 
 
-def _fingers(problem: Problem, pose: PlanarPose, grasp: int) -> Iterator[Polygon]:
-    gripper, face = problem.gripper, problem.side / 2
+def _thickness(problem: Problem, block: str) -> float:
+    """Of a finger at the top of the tallest block; it reaches `insertion` below that of its own [m]."""
+    gripper, above = problem.gripper, problem.tallest - problem.sizes[block].z
+    return gripper.finger_tip_thickness + gripper.finger_taper * (gripper.insertion + above)
+
+
+def _fingers(problem: Problem, block: str, pose: PlanarPose, grasp: int) -> Iterator[Polygon]:
+    gripper, face = problem.gripper, problem.sizes[block][grasp] / 2
     half = gripper.finger_width / 2 + gripper.safety_margin
-    thickness = gripper.finger_tip_thickness + gripper.finger_taper * gripper.insertion
-    outer = face + gripper.opening_clearance + thickness + gripper.safety_margin
+    outer = face + gripper.opening_clearance + _thickness(problem, block) + gripper.safety_margin
     for low, high in ((face, outer), (-outer, -face)):
         slab = box(low, -half, high, half)
         yield _at(affinity.rotate(slab, 90 * grasp, origin=(0, 0)), pose)
@@ -103,21 +112,22 @@ def _fingers(problem: Problem, pose: PlanarPose, grasp: int) -> Iterator[Polygon
 
 def _push_sweeps(problem: Problem, action: Action) -> Iterator[tuple[str, Polygon]]:
     """Areas swept by the pushed block, and by the fingers behind it from touchdown to lift-off."""
-    gripper, half = problem.gripper, problem.side / 2
+    gripper, size = problem.gripper, problem.sizes[action.block]
     assert isinstance(action, Push)
-    grown = half + gripper.block_margin
+    across, half = (extent / 2 for extent in size.across_and_along(action.start, action.direction))
+    grown, beside = half + gripper.block_margin, across + gripper.block_margin
     distance = action.distance
     along = PlanarPose(action.start.x, action.start.y, action.direction)
-    yield "block pushed", _at(box(-half, -grown, distance + grown, grown), along)
-    thickness = gripper.finger_tip_thickness + gripper.finger_taper * gripper.insertion
-    wide = gripper.push_gap / 2 + thickness + gripper.safety_margin
+    yield "block pushed", _at(box(-half, -beside, distance + grown, beside), along)
+    wide = gripper.push_gap / 2 + _thickness(problem, action.block) + gripper.safety_margin
     rear = -half - gripper.push_standoff - gripper.finger_width - gripper.safety_margin
     yield "gripper pushing", _at(box(rear, -wide, distance - half, wide), along)
 
 
-def _block(problem: Problem, pose: PlanarPose, margin: float = 0.0) -> Polygon:
-    half = problem.side / 2 + margin
-    return _at(box(-half, -half, half, half), pose)
+def _block(problem: Problem, name: str, pose: PlanarPose, margin: float = 0.0) -> Polygon:
+    size = problem.sizes[name]
+    x, y = size.x / 2 + margin, size.y / 2 + margin
+    return _at(box(-x, -y, x, y), pose)
 
 
 def _at(shape: Polygon, pose: PlanarPose) -> Polygon:

@@ -66,10 +66,10 @@ def write_reach(problem: Problem, plan: Plan, path: Path) -> Path:
 
 def carry_reach(problem: Problem, poses: Poses, block: str) -> BaseGeometry:
     """Positions [m] at which a block can be put down in one action, at some yaw."""
-    blocks = {name: _block(problem, pose) for name, pose in poses.items() if name != block}
+    blocks = {name: _block(problem, name, pose) for name, pose in poses.items() if name != block}
     regions = [
-        _free_centres(problem, list(blocks.values()), yaw, grasp)
-        for grasp in _grasps(problem, poses[block], shapely.union_all(list(blocks.values())))
+        _free_centres(problem, block, list(blocks.values()), yaw, grasp)
+        for grasp in _grasps(problem, block, poses[block], shapely.union_all(list(blocks.values())))
         # The goal's yaw is among them, the only one at which a dense grid has room.
         for yaw in problem.goals[block].yaw + np.linspace(0.0, np.pi, YAWS, endpoint=False)
     ]
@@ -79,35 +79,39 @@ def carry_reach(problem: Problem, poses: Poses, block: str) -> BaseGeometry:
 def push_reach(problem: Problem, poses: Poses, block: str) -> BaseGeometry:
     """What a block covers in all pushes that are possible from where it stands [m]."""
     start, gripper = poses[block], problem.gripper
-    others = shapely.union_all([_block(problem, pose) for name, pose in poses.items() if name != block])
+    others = shapely.union_all([_block(problem, name, pose) for name, pose in poses.items() if name != block])
     lengths = np.arange(gripper.min_push, gripper.max_push + PUSH_STEP / 2, PUSH_STEP)
     covered = []
     for heading in start.yaw + QUARTER * np.arange(4):
         along = PlanarPose(start.x, start.y, float(heading))
         for length in lengths:
-            end = _at(_box(problem, 0.0), start.moved(float(length), along.yaw))
+            end = _at(_box(problem, block, 0.0), start.moved(float(length), along.yaw))
             if not shapely.Polygon(problem.workspace).covers(end):
                 break
-            if _at(_push_box(problem, float(length)), along).intersects(others):
+            if _at(_push_box(problem, block, along.yaw - start.yaw, float(length)), along).intersects(others):
                 break
             covered.append(end)
     return shapely.union_all(covered)
 
 
-def _grasps(problem: Problem, pose: PlanarPose, others: BaseGeometry) -> Iterator[int]:
+def _grasps(problem: Problem, block: str, pose: PlanarPose, others: BaseGeometry) -> Iterator[int]:
     """The grasps by which a block can be picked up where it stands."""
     for grasp in (0, 1):
-        if not any(_at(finger, pose).intersects(others) for finger in _fingers(problem, grasp)):
+        opening = problem.gripper.grasp_opening(problem.sizes[block][grasp])
+        fingers = [_at(finger, pose) for finger in _fingers(problem, block, grasp)]
+        if opening <= problem.gripper.max_opening and not any(f.intersects(others) for f in fingers):
             yield grasp
 
 
-def _free_centres(problem: Problem, blocks: list[shapely.Polygon], yaw: float, grasp: int) -> BaseGeometry:
+def _free_centres(
+    problem: Problem, block: str, blocks: list[shapely.Polygon], yaw: float, grasp: int
+) -> BaseGeometry:
     """Positions of a block at a yaw that keep block and fingers clear of the others, in the workspace."""
     turned = PlanarPose(0.0, 0.0, yaw)
-    shapes = [_at(_box(problem, problem.gripper.block_margin), turned)]
-    shapes += [_at(finger, turned) for finger in _fingers(problem, grasp)]
-    hit = shapely.union_all([_minkowski(block, shape) for block in blocks for shape in shapes])
-    return _inset(problem, _at(_box(problem, 0.0), turned)).difference(hit)
+    shapes = [_at(_box(problem, block, problem.gripper.block_margin), turned)]
+    shapes += [_at(finger, turned) for finger in _fingers(problem, block, grasp)]
+    hit = shapely.union_all([_minkowski(other, shape) for other in blocks for shape in shapes])
+    return _inset(problem, _at(_box(problem, block, 0.0), turned)).difference(hit)
 
 
 def _minkowski(block: shapely.Polygon, shape: shapely.Polygon) -> BaseGeometry:
@@ -123,27 +127,38 @@ def _inset(problem: Problem, shape: shapely.Polygon) -> BaseGeometry:
     return shapely.intersection_all(moved)
 
 
-def _box(problem: Problem, margin: float) -> shapely.Polygon:
-    half = problem.side / 2 + margin
-    return shapely.box(-half, -half, half, half)
+def _box(problem: Problem, block: str, margin: float) -> shapely.Polygon:
+    size = problem.sizes[block]
+    x, y = size.x / 2 + margin, size.y / 2 + margin
+    return shapely.box(-x, -y, x, y)
 
 
-def _block(problem: Problem, pose: PlanarPose) -> shapely.Polygon:
-    return _at(_box(problem, 0.0), pose)
+def _block(problem: Problem, block: str, pose: PlanarPose) -> shapely.Polygon:
+    return _at(_box(problem, block, 0.0), pose)
 
 
-def _fingers(problem: Problem, grasp: int) -> list[shapely.Polygon]:
+def _thicker(problem: Problem, block: str) -> float:
+    """By how much a finger is thicker at the top of the tallest block than at that of its own [m]."""
+    return problem.gripper.finger_taper * (problem.tallest - problem.sizes[block].z)
+
+
+def _fingers(problem: Problem, block: str, grasp: int) -> list[shapely.Polygon]:
     """What must be free beside a block at the origin, to grasp it there or to let it go."""
-    face, gripper = problem.side / 2, problem.gripper
-    outer, half = face + gripper.slab_thickness, gripper.slab_width / 2
+    face, gripper = problem.sizes[block][grasp] / 2, problem.gripper
+    outer, half = face + gripper.slab_thickness + _thicker(problem, block), gripper.slab_width / 2
     slabs = [shapely.box(face, -half, outer, half), shapely.box(-outer, -half, -face, half)]
     return [shapely.affinity.rotate(slab, 90 * grasp, origin=(0, 0)) for slab in slabs]
 
 
-def _push_box(problem: Problem, length: float) -> shapely.Polygon:
-    """The room of a push along x, from the fingers behind the block to the block where it stops."""
-    half, gripper = problem.side / 2, problem.gripper
-    wide = max(half + gripper.block_margin, gripper.push_width / 2 + gripper.safety_margin)
+def _push_box(problem: Problem, block: str, turn: float, length: float) -> shapely.Polygon:
+    """The room of a push along x, from the fingers behind the block to the block where it stops.
+
+    The block is turned by `turn` against the push [rad], by quarters.
+    """
+    gripper, level = problem.gripper, PlanarPose(0.0, 0.0)
+    across, half = (edge / 2 for edge in problem.sizes[block].across_and_along(level, turn))
+    behind = gripper.push_width / 2 + _thicker(problem, block) + gripper.safety_margin
+    wide = max(across + gripper.block_margin, behind)
     return shapely.box(-half - gripper.push_tail, -wide, length + half + gripper.block_margin, wide)
 
 

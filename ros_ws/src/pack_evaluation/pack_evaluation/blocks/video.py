@@ -36,7 +36,7 @@ class RunView(ModelView):
     def __init__(self, run: BlocksRun, size: tuple[int, int]) -> None:
         self._run, cell = run, blocks_cell()
         tags = {block.id: number for number, block in enumerate(run.problem.blocks)}
-        super().__init__(build_model(cell, tags, timestep=0.001, visuals=True), *size)
+        super().__init__(build_model(cell, tags, run.problem.sizes, timestep=0.001, visuals=True), *size)
         # At the side of the work area, over the table's edge.
         self._camera = orbit_camera((*cell.workspace.centre, 0.12), 1.25, 145.0, -32.0)
 

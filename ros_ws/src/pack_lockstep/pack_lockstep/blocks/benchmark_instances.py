@@ -56,20 +56,24 @@ class ScatteredInstance:
     blocks: int
     density: float
     seed: int
+    mixed: bool = False
+    """Cuboids of several sizes instead of equal cubes."""
 
     @property
     def name(self) -> str:
-        """Number, density and seed, which decide it."""
-        return f"{self.blocks}_{self.density:g}_seed{self.seed}"
+        """Number, kind of blocks, density and seed, which decide it."""
+        kind = "_mixed" if self.mixed else ""
+        return f"{self.blocks}{kind}_{self.density:g}_seed{self.seed}"
 
     @property
     def kind(self) -> str:
-        """Number and density."""
-        return f"{self.blocks} blocks, density {self.density:g}"
+        """Number, kind of blocks and density."""
+        return f"{self.blocks} {'mixed ' if self.mixed else ''}blocks, density {self.density:g}"
 
     def problem(self, cell: BlocksCell) -> Problem:
         """The problem of the seed."""
-        return make_instance(self.blocks, self.density, self.seed, centre=cell.workspace.centre)
+        centre = cell.workspace.centre
+        return make_instance(self.blocks, self.density, self.seed, centre=centre, mixed=self.mixed)
 
     @property
     def warm_up(self) -> ScatteredInstance:
@@ -119,9 +123,9 @@ class FileInstance:
 
 
 def wanted_instances(
-    blocks: int, density: float, seeds: Sequence[int], files: Sequence[Path]
+    blocks: int, density: float, seeds: Sequence[int], files: Sequence[Path], *, mixed: bool = False
 ) -> list[Instance]:
     """The instances of a benchmark; files take the place of generated ones."""
     if files:
         return [FileInstance.read(path, seeds[0]) for path in files]
-    return [ScatteredInstance(blocks, density, seed) for seed in seeds]
+    return [ScatteredInstance(blocks, density, seed, mixed) for seed in seeds]

@@ -12,7 +12,7 @@ from block_fsm.requests import ExecutorRequest, Look, MoveArm, MoveFingers, Plan
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.planar import PlanarPose, turn_between
-from pack_core.blocks.problem import Problem
+from pack_core.blocks.problem import CUBE, Problem
 from pack_core.blocks.problem_file import load_problem
 from pack_core.paths import config_path
 from pack_core.rotations import Array, Pose
@@ -51,7 +51,7 @@ class BlocksSite:
 
     def move(self, block: str, pose: PlanarPose) -> None:
         """Put a block somewhere on the table."""
-        self.cell.simulator.put(block, pose.pose(0.5 * self.problem.side))
+        self.cell.simulator.put(block, pose.pose(0.5 * self.problem.sizes.get(block, CUBE).z))
 
     def bring(self, pose: PlanarPose) -> None:
         """Put the foreign block somewhere on the table."""
@@ -97,7 +97,7 @@ def _silence_camera(site: BlocksSite) -> None:
 def _lattice(problem: Problem) -> list[PlanarPose]:
     """Places within the workspace, its outermost ones left out."""
     corners: Array = np.array(problem.workspace)
-    low, high = corners.min(axis=0) + problem.side, corners.max(axis=0) - problem.side
+    low, high = corners.min(axis=0) + CUBE.x, corners.max(axis=0) - CUBE.x
     return [PlanarPose(x, y, 0.3) for x in np.linspace(low[0], high[0], 15)
             for y in np.linspace(low[1], high[1], 15)]  # fmt: skip
 
@@ -195,7 +195,7 @@ class BlocksDisturber:
 def run_case(case: Disturbance, seed: int) -> DisturbanceReport:
     """Carry out the problem, and disturb it as the case says."""
     cell, problem, config = blocks_cell(), load_problem(PROBLEM), lockstep_config()
-    task = RearrangeTask(problem.goals, problem.workspace, problem.side, problem.symmetry, problem.gripper)
+    task = RearrangeTask.of(problem)
     planner = CountedPlanner(CountedPlannerConfig(seed=seed), config.planner)
     lockstep = BlocksLockstep(cell, task, problem.starts, planner, config, {FOREIGN: AWAY})
     site = BlocksSite(lockstep, problem, next(iter(problem.goals)))

@@ -132,7 +132,7 @@ def execute(
     problem: Problem, cell: BlocksCell, planner: CountedPlannerConfig, config: BlocksLockstepConfig
 ) -> Execution:
     """Carry out a problem in lockstep."""
-    task = RearrangeTask(problem.goals, problem.workspace, problem.side, problem.symmetry, problem.gripper)
+    task = RearrangeTask.of(problem)
     lockstep = BlocksLockstep(cell, task, problem.starts, CountedPlanner(planner, config.planner), config)
     monitor = ExecutionMonitor()
 

@@ -127,15 +127,17 @@ class BlocksLockstep:
         tags = {name: number for number, name in enumerate(task.goals)}
         there = {**starts, **(foreign or {})}
         all_tags = {**tags, **{name: len(tags) + k for k, name in enumerate(foreign or {})}}
-        self.simulator = BlocksSimulator(cell, all_tags, there, config.simulator)
-        self.camera = OverheadCamera(cell, all_tags, config.simulator.timestep, shadows=config.shadows)
+        self.simulator = BlocksSimulator(cell, all_tags, there, config.simulator, sizes=task.sizes)
+        self.camera = OverheadCamera(
+            cell, all_tags, config.simulator.timestep, shadows=config.shadows, sizes=task.sizes
+        )
         self.camera_is_silent = False
-        self._vision = TagVision(config.vision, cell.block, tags)
+        self._vision = TagVision(config.vision, cell.block, tags, task.sizes)
         arm, q = load_arm("blocks"), np.array(cell.robot.look)
         self.motion = MotionController(arm, motion_set(config.motion), self.simulator.time, q)
         self._arm = DrivenArm(self.motion, self.simulator, q, config.period, self._fail)
-        motions = Motions(config.executor, task.side, task.gripper, q, arm.chain.forward(q))
-        obstacles = TableObstacles(cell, task.side)
+        motions = Motions(config.executor, task.sizes, task.gripper, q, arm.chain.forward(q))
+        obstacles = TableObstacles(cell, task.sizes)
         self.executor = Executor(task, config.executor, motions, obstacles, cell.gripper.force)
         self._targets = 0
         self._on_step: Callable[[], None] | None = None

@@ -34,7 +34,7 @@ class TagPerceptionNode(CellNode):
         self.watch(("sim",))
 
     def _on_tags(self, message: String) -> None:
-        self._vision = TagVision(self._config, self._cell.block, from_tags(message))
+        self._vision = TagVision(self._config, self._cell.block, *from_tags(message))
 
     def _on_camera(self, message: CameraInfo) -> None:
         self._camera = from_camera_info(message, self._cell.camera.pinhole.X_WC)

@@ -1,6 +1,6 @@
 """Poses of blocks from the AprilTags on top of them.
 
-The tags lie in a known plane, the blocks' upper faces, so a corner's pixel is a point of that plane and
+Every tag lies in a known plane, its block's upper face, so a corner's pixel is a point of that plane and
 a block's pose is that of a square fitted to four points. A free pose from one small tag would be
 millimetres off, and tilted.
 """
@@ -17,6 +17,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.blocks.block_sighting import BlockSighting, unknown_id
 from pack_core.blocks.cell import Block
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import CUBES, BlockSizes
 from pack_core.camera import PinholeCamera
 from pack_core.config import Config
 from pack_core.drawing.textures import TAG_FAMILY
@@ -44,12 +45,15 @@ class TagVision:
 
     Args:
         config: parameters.
-        block: size of a block and its tag.
+        block: size of a block and its tag, also of blocks that nobody knows.
         tags: the number of every block's tag, by the block's id.
+        sizes: of the blocks that are not cubes, by id.
     """
 
-    def __init__(self, config: TagVisionConfig, block: Block, tags: Mapping[str, int]) -> None:
-        self._config, self._block = config, block
+    def __init__(
+        self, config: TagVisionConfig, block: Block, tags: Mapping[str, int], sizes: BlockSizes = CUBES
+    ) -> None:
+        self._config, self._block, self._sizes = config, block, sizes
         self._ids = {number: name for name, number in tags.items()}
         parameters = cv2.aruco.DetectorParameters()
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
@@ -74,7 +78,9 @@ class TagVision:
             if int(number) not in self._ids:
                 unknown.add(int(number))
                 seen.setdefault(name, [])
-            if (pose := self._fit(camera.at_height(pixels.reshape(4, 2), self._block.edge))) is not None:
+            size = self._sizes.get(name, self._block.cube)
+            corners_W = camera.at_height(pixels.reshape(4, 2), size.z)
+            if (pose := self._fit(corners_W, self._block.tag_edge_of(size))) is not None:
                 seen[name].append(pose)
         return BlockSighting(
             time, {name: poses[0] for name, poses in seen.items() if len(poses) == 1},
@@ -83,19 +89,16 @@ class TagVision:
             unknown=tuple(sorted(unknown)),
         )  # fmt: skip
 
-    def _fit(self, corners_W: Array) -> PlanarPose | None:
-        """Pose of the square of the tag's size that fits corners `(4, 3)` best, if they are of one."""
-        p, square = corners_W[:, :2], CORNERS * self._block.tag_edge
+    def _fit(self, corners_W: Array, tag_edge: float) -> PlanarPose | None:
+        """Pose of the square of the tag's edge [m] that fits corners `(4, 3)` best, if they are of one."""
+        p, square = corners_W[:, :2], CORNERS * tag_edge
         centre = p.mean(axis=0)
         q = p - centre
         yaw = float(np.arctan2(np.sum(_cross(square, q)), np.sum(square * q)))
         c, s = np.cos(yaw), np.sin(yaw)
         residual = np.sqrt(np.mean(np.sum((q - square @ np.array([[c, s], [-s, c]])) ** 2, axis=1)))
         edge = np.linalg.norm(np.roll(p, -1, axis=0) - p, axis=1).mean()
-        if (
-            residual > self._config.max_residual
-            or abs(edge - self._block.tag_edge) > self._config.max_edge_error
-        ):
+        if residual > self._config.max_residual or abs(edge - tag_edge) > self._config.max_edge_error:
             return None
         return PlanarPose(float(centre[0]), float(centre[1]), yaw)
 

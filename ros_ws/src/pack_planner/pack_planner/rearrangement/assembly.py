@@ -22,7 +22,7 @@ from numba import njit
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import QUARTER
 from pack_core.rotations import Array
-from pack_planner.rearrangement.footprints import Words, hits, placings, squares, sweeps
+from pack_planner.rearrangement.footprints import Words, hits, outlines, placings, sweeps
 
 LOW = 6
 """Goals that are told apart within a word: a word of 64 bits has one for every set of 6 goals."""
@@ -157,14 +157,14 @@ class GoalAccess:
     push: BlockingSets
 
     @classmethod
-    def of(cls, goals: Array, side: float, gripper: GripperFootprint) -> GoalAccess:
-        """Find what bars the access to goals at poses `(n, 3)`."""
+    def of(cls, goals: Array, shapes: Array, gripper: GripperFootprint) -> GoalAccess:
+        """Find what bars the access to goals at poses `(n, 3)` for blocks of shapes `(n, 3)`."""
         headings = goals[:, 2, None] + QUARTER * np.arange(4)
         ends = np.repeat(goals[:, None], 4, axis=1)
-        pushes = sweeps(ends, headings, 0.0, side, gripper)[..., None, :]
-        blocks = squares(goals, side)
+        pushes = sweeps(ends, headings, 0.0, shapes[:, None], gripper)[..., None, :]
+        blocks = outlines(goals, shapes)
         return cls(
-            BlockingSets.of(sets_of_others(hits(placings(goals, side, gripper), blocks))),
+            BlockingSets.of(sets_of_others(hits(placings(goals, shapes, gripper), blocks))),
             BlockingSets.of(sets_of_others(hits(pushes, blocks))),
         )
 

@@ -18,7 +18,7 @@ import numpy as np
 from pack_core.blocks.plan import Diagnosis
 from pack_core.blocks.planar import QUARTER
 from pack_planner.rearrangement.assembly import sets_of_others
-from pack_planner.rearrangement.footprints import fingers, hits, squares, sweeps
+from pack_planner.rearrangement.footprints import fingers, hits, outlines, sweeps
 from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 MOST = 3
@@ -45,14 +45,14 @@ def find_certificate(snapped: SnappedProblem) -> Diagnosis | None:
 
 def immobile(snapped: SnappedProblem) -> list[int]:
     """Blocks that cannot move, whatever the others do."""
-    gripper, side = snapped.gripper, snapped.side
+    gripper, shapes = snapped.gripper, snapped.shapes
     headings = snapped.starts[:, 2, None] + QUARTER * np.arange(4)
     ends = np.repeat(snapped.starts[:, None], 4, axis=1)
     ends[..., 0] += gripper.min_push * np.cos(headings)
     ends[..., 1] += gripper.min_push * np.sin(headings)
-    pushes = sweeps(ends, headings, gripper.min_push, side, gripper)[..., None, :]
-    blocks = squares(snapped.starts, side)
-    picked, pushed = hits(fingers(snapped.starts, side, gripper), blocks), hits(pushes, blocks)
+    pushes = sweeps(ends, headings, gripper.min_push, shapes[:, None], gripper)[..., None, :]
+    blocks = outlines(snapped.starts, shapes)
+    picked, pushed = hits(fingers(snapped.starts, shapes, gripper), blocks), hits(pushes, blocks)
     ways = sets_of_others(np.concatenate([picked, pushed], axis=1))
     return _peeled(ways, fixed=set())
 

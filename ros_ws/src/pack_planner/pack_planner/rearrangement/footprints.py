@@ -1,11 +1,14 @@
 """What blocks and actions cover on the table, whether it lies in the workspace, and what overlaps.
 
 What an action sweeps is a union of oriented rectangles. A rectangle is a row: centre x, y [m], cosine and
-sine of its heading, half extents along and across it [m]. Poses are rows x, y, yaw. Blocks are of one height
-and are carried above the others, so that only where the gripper and the block come down matters.
+sine of its heading, half extents along and across it [m]. Poses are rows x, y, yaw. Blocks are carried above
+the others, so that only where the gripper and the block come down matters.
+
+A block's shape is a row, too: its edges along its own x and y, and its rise, by which the tallest block of
+the problem stands above it [m]. Fingers are wedges: the more a neighbour may rise, the thicker they count.
 
 Blocks may be put down in a convex polygon. Which blocks an action would hit is found by separating axes and
-kept as bits: bit `q` of a word row says that the footprint overlaps square `q`; touching is not overlapping.
+kept as bits: bit `q` of a word row says that the footprint overlaps block `q`; touching is not overlapping.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ from numba import njit
 
 from pack_core.blocks.gripper import GripperFootprint
 from pack_core.blocks.planar import QUARTER, PlanarPose
-from pack_core.blocks.problem import Point
+from pack_core.blocks.problem import BlockSize, Point
 from pack_core.rotations import Array
 
 SLACK = 1e-9
@@ -50,39 +53,59 @@ def rectangles(
     return rows
 
 
-def squares(poses: npt.ArrayLike, side: float, margin: float = 0.0) -> Array:
-    """The blocks themselves, grown by a margin [m], `(..., 6)`."""
-    half = side / 2 + margin
-    return rectangles(poses, half, half)
+def shapes_of(sizes: Iterable[BlockSize], tallest: float) -> Array:
+    """Shapes of blocks `(n, 3)`: edges along x and y, and how much the tallest block stands above [m]."""
+    return np.array([(size.x, size.y, tallest - size.z) for size in sizes], dtype=float).reshape(-1, 3)
 
 
-def fingers(poses: npt.ArrayLike, side: float, gripper: GripperFootprint) -> Array:
+def outlines(poses: npt.ArrayLike, shapes: npt.ArrayLike, margin: float = 0.0) -> Array:
+    """The blocks themselves, of shapes `(..., 3)`, grown by a margin [m], `(..., 6)`."""
+    half = np.asarray(shapes)[..., :2] / 2 + margin
+    return rectangles(poses, half[..., 0], half[..., 1])
+
+
+def fingers(poses: npt.ArrayLike, shapes: npt.ArrayLike, gripper: GripperFootprint) -> Array:
     """Beside the faces that a grasp touches: `(..., grasp, finger, 6)` for both grasps and fingers."""
-    thickness, width = gripper.slab_thickness, gripper.slab_width
-    reach = (side + thickness) / 2 * np.array([1.0, -1.0])
-    return rectangles(_turned(poses)[..., None, :], thickness / 2, width / 2, reach)
+    shape = np.asarray(shapes)
+    thickness = (gripper.slab_thickness + gripper.finger_taper * shape[..., 2])[..., None, None]
+    reach = (shape[..., :2, None] + thickness) / 2 * np.array([1.0, -1.0])
+    return rectangles(_turned(poses)[..., None, :], thickness / 2, gripper.slab_width / 2, reach)
 
 
-def placings(poses: npt.ArrayLike, side: float, gripper: GripperFootprint) -> Array:
+def placings(poses: npt.ArrayLike, shapes: npt.ArrayLike, gripper: GripperFootprint) -> Array:
     """Fingers and block where it is put down, `(..., grasp, 3, 6)`."""
-    block = squares(_turned(poses), side, gripper.block_margin)
-    return np.concatenate([fingers(poses, side, gripper), block[..., None, :]], axis=-2)
+    beside = fingers(poses, shapes, gripper)
+    # By whichever grasp, the block covers the same: its own rectangle, not one turned with the gripper.
+    block = np.broadcast_to(
+        outlines(poses, shapes, gripper.block_margin)[..., None, None, :], (*beside.shape[:-2], 1, 6)
+    )
+    return np.concatenate([beside, block], axis=-2)
+
+
+def too_wide(shapes: npt.ArrayLike, gripper: GripperFootprint) -> npt.NDArray[np.bool_]:
+    """Which of both grasps the gripper does not open enough for, `(..., 2)`."""
+    opening = np.asarray(shapes)[..., :2] + 2 * gripper.opening_clearance
+    return np.asarray(opening > gripper.max_opening + SLACK)
 
 
 def sweeps(
-    ends: npt.ArrayLike, headings: npt.ArrayLike, distances: npt.ArrayLike, side: float,
+    ends: npt.ArrayLike, headings: npt.ArrayLike, distances: npt.ArrayLike, shapes: npt.ArrayLike,
     gripper: GripperFootprint,
 ) -> Array:  # fmt: skip
     """The whole room of pushes that end at poses `(..., 3)`, `(..., 6)`.
 
     From the gripper's rear where it comes down to the block's front where it stops; as wide as the block,
-    behind which the almost closed gripper hides.
+    behind which the almost closed gripper hides, unless the block is narrow.
     """
-    pose = np.array(ends, dtype=float)
+    pose, shape = np.array(ends, dtype=float), np.asarray(shapes)
+    is_along_y = np.round((np.asarray(headings) - pose[..., 2]) / QUARTER) % 2 == 1
+    along = np.where(is_along_y, shape[..., 1], shape[..., 0])
+    across = np.where(is_along_y, shape[..., 0], shape[..., 1])
     pose[..., 2] = headings
-    front = side / 2 + gripper.block_margin
-    rear = np.asarray(distances) + side / 2 + gripper.push_tail
-    half_width = max(front, gripper.push_width / 2 + gripper.safety_margin)
+    front = along / 2 + gripper.block_margin
+    rear = np.asarray(distances) + along / 2 + gripper.push_tail
+    gripper_half_width = gripper.push_width / 2 + gripper.finger_taper * shape[..., 2] + gripper.safety_margin
+    half_width = np.maximum(across / 2 + gripper.block_margin, gripper_half_width)
     return rectangles(pose, (front + rear) / 2, half_width, (front - rear) / 2)
 
 
@@ -122,46 +145,46 @@ def is_convex(corners: Sequence[Point]) -> bool:
     return bool(np.all(half_planes[:, :2] @ points.T <= half_planes[:, 2:] + SLACK))
 
 
-def corners_of(poses: Array, side: float) -> Array:
-    """Corners `(..., 4, 2)` of blocks at poses `(..., 3)`."""
-    signs = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * side / 2
+def corners_of(poses: Array, shapes: npt.ArrayLike) -> Array:
+    """Corners `(..., 4, 2)` of blocks of shapes `(..., 3)` at poses `(..., 3)`."""
+    signs = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * (np.asarray(shapes)[..., None, :2] / 2)
     cosine, sine = np.cos(poses[..., 2, None]), np.sin(poses[..., 2, None])
-    x = poses[..., 0, None] + cosine * signs[:, 0] - sine * signs[:, 1]
-    y = poses[..., 1, None] + sine * signs[:, 0] + cosine * signs[:, 1]
+    x = poses[..., 0, None] + cosine * signs[..., 0] - sine * signs[..., 1]
+    y = poses[..., 1, None] + sine * signs[..., 0] + cosine * signs[..., 1]
     return np.stack([x, y], axis=-1)
 
 
-def are_inside(poses: Array, side: float, half_planes: Array) -> npt.NDArray[np.bool_]:
-    """Blocks at poses `(..., 3)` stand inside with all corners `(...)`."""
-    heights = corners_of(poses, side) @ half_planes[:, :2].T
+def are_inside(poses: Array, shapes: npt.ArrayLike, half_planes: Array) -> npt.NDArray[np.bool_]:
+    """Blocks of shapes `(..., 3)` at poses `(..., 3)` stand inside with all corners `(...)`."""
+    heights = corners_of(poses, shapes) @ half_planes[:, :2].T
     return np.asarray(np.all(heights <= half_planes[:, 2] + SLACK, axis=(-2, -1)))
 
 
-def hits(footprints: Array, squares: Array) -> Words:
-    """Which squares each footprint overlaps, as bits.
+def hits(footprints: Array, outlines: Array) -> Words:
+    """Which blocks' outlines each footprint overlaps, as bits.
 
     Args:
         footprints: `(..., rectangles, 6)`, each the union of its rectangles.
-        squares: `(Q, 6)`
+        outlines: `(Q, 6)`
 
     Returns:
         Words `(..., ceil(Q / 64))`.
     """
     *shape, n, _ = footprints.shape
     flat = np.ascontiguousarray(footprints).reshape(-1, n, 6)
-    words = hit_words(flat, np.ascontiguousarray(squares))
+    words = hit_words(flat, np.ascontiguousarray(outlines))
     return words.reshape(*shape, words.shape[-1])
 
 
 @njit(cache=True)
-def hit_words(footprints: Array, squares: Array) -> Words:
+def hit_words(footprints: Array, outlines: Array) -> Words:
     """`hits` of footprints `(F, rectangles, 6)`."""
-    count = (squares.shape[0] + BITS - 1) // BITS
+    count = (outlines.shape[0] + BITS - 1) // BITS
     words = np.zeros((footprints.shape[0], count), dtype=np.uint64)
     for f in range(footprints.shape[0]):
         for r in range(footprints.shape[1]):
-            for q in range(squares.shape[0]):
-                if overlap(footprints[f, r], squares[q]):
+            for q in range(outlines.shape[0]):
+                if overlap(footprints[f, r], outlines[q]):
                     words[f, q // BITS] |= np.uint64(1) << np.uint64(q % BITS)
     return words
 
@@ -184,7 +207,7 @@ def overlap(a: Array, b: Array) -> bool:
 
 @njit(cache=True, inline="always")
 def is_free(footprint: Words, occupied: Words) -> bool:
-    """The footprint hits none of the squares that are occupied, both `(words,)`."""
+    """The footprint hits none of the spots that are occupied, both `(words,)`."""
     hit = np.uint64(0)
     for w in range(occupied.shape[0]):
         hit |= footprint[w] & occupied[w]

@@ -25,7 +25,7 @@ from numba import njit
 from pack_core.blocks.planar import QUARTER
 from pack_core.rotations import Array
 from pack_planner.rearrangement.assembly import MAX_GOALS, NEVER, PLANES, assembly_planes, pushes
-from pack_planner.rearrangement.footprints import Words, fingers, hits, placings, squares, sweeps
+from pack_planner.rearrangement.footprints import Words, fingers, hits, outlines, placings, sweeps
 from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 MOST_BLOCKS = 10
@@ -94,11 +94,11 @@ def _largest(can_finish: npt.NDArray[np.bool_], allowed: int) -> int:
 
 def _ways(snapped: SnappedProblem) -> tuple[Words, Words]:
     """Alternatives `(n, ways)` of what must not be there: for a single action, and for a last action."""
-    n, side, gripper = snapped.n, snapped.side, snapped.gripper
+    n, shapes, gripper = snapped.n, snapped.shapes, snapped.gripper
     blocks = np.full((GOALS + n, 6), 1e6)
-    blocks[:n], blocks[GOALS:] = squares(snapped.starts, side), squares(snapped.goals, side)
-    pick = hits(fingers(snapped.starts, side, gripper), blocks)[..., 0]
-    place = hits(placings(snapped.goals, side, gripper), blocks)[..., 0]
+    blocks[:n], blocks[GOALS:] = outlines(snapped.starts, shapes), outlines(snapped.goals, shapes)
+    pick = hits(fingers(snapped.starts, shapes, gripper), blocks)[..., 0]
+    place = hits(placings(snapped.goals, shapes, gripper), blocks)[..., 0]
     push = hits(_pushes(snapped, np.zeros(n)), blocks)[..., 0]
     is_symmetric = snapped.problem.symmetry == 4
     carried = [pick[:, k] | place[:, end] for k in range(2) for end in range(2) if k == end or is_symmetric]
@@ -120,7 +120,8 @@ def _headings(snapped: SnappedProblem) -> Array:
 def _pushes(snapped: SnappedProblem, distances: Array) -> Array:
     """Footprints `(n, 4, 1, 6)` of pushes into the goals."""
     ends = np.repeat(snapped.goals[:, None], 4, axis=1)
-    return sweeps(ends, _headings(snapped), distances[:, None], snapped.side, snapped.gripper)[..., None, :]
+    shapes = snapped.shapes[:, None]
+    return sweeps(ends, _headings(snapped), distances[:, None], shapes, snapped.gripper)[..., None, :]
 
 
 def _distances(snapped: SnappedProblem) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,7 +15,7 @@ from pack_core.blocks.planar import QUARTER, PlanarPose, turn_between, wrapped
 from pack_core.blocks.problem import Problem
 from pack_core.rotations import Array
 from pack_planner.rearrangement.assembly import GoalAccess
-from pack_planner.rearrangement.footprints import edges, rows_of, squares
+from pack_planner.rearrangement.footprints import edges, outlines, rows_of, shapes_of
 
 
 @dataclass(frozen=True)
@@ -64,17 +65,27 @@ class SnappedProblem:
     @cached_property
     def goal_access(self) -> GoalAccess:
         """What must be unfilled for a goal to be filled."""
-        return GoalAccess.of(self.goals, self.side, self.gripper)
+        return GoalAccess.of(self.goals, self.shapes, self.gripper)
 
     @cached_property
     def obstacles(self) -> Array:
         """What stands on the table and stays there, as rectangles `(obstacles, 6)`."""
-        return squares(rows_of(self.problem.obstacles.values()), self.side)
+        obstacles = self.problem.obstacles
+        return outlines(rows_of(obstacles.values()), self._shapes_of(obstacles))
 
-    @property
-    def side(self) -> float:
-        """Length of a block's side [m]."""
-        return self.problem.side
+    @cached_property
+    def shapes(self) -> Array:
+        """Shape of every block `(n, 3)`, see `footprints`."""
+        return self._shapes_of(self.ids)
+
+    @cached_property
+    def is_square(self) -> npt.NDArray[np.bool_]:
+        """Whether a block looks alike after a quarter turn `(n,)`."""
+        return np.asarray(self.shapes[:, 0] == self.shapes[:, 1])
+
+    def _shapes_of(self, ids: Iterable[str]) -> Array:
+        sizes = self.problem.sizes
+        return shapes_of([sizes[name] for name in ids], self.problem.tallest)
 
     @property
     def gripper(self) -> GripperFootprint:
@@ -114,7 +125,8 @@ def carried(
 ) -> PickPlace:
     """A block at `pose` is carried to the place `end` `(3,)`.
 
-    Places are squares, so that their yaws count by quarters only. The gripper closes along `axes` of the
+    Places of square blocks are squares, so that their yaws count by quarters only; those of oblong ones have
+    the block's own axes. The gripper closes along `axes` of the
     place where the block stands, `spot` `(3,)`, and of `end`. That leaves open whether the block is turned
     by half a turn more: it ends as its goal asks, if it can, and else by the smaller turn.
     """

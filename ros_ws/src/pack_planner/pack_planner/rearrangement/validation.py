@@ -9,15 +9,18 @@ import numpy as np
 
 from pack_core.blocks.plan import Diagnosis
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import Problem
+from pack_core.blocks.problem import PlacedBlock, Problem
+from pack_core.rotations import Array
 from pack_planner.rearrangement.footprints import (
     are_inside,
     corners_of,
     edges,
     hits,
     is_convex,
+    outlines,
     rows_of,
-    squares,
+    shapes_of,
+    too_wide,
 )
 
 SYMMETRIES = (1, 2, 4)
@@ -46,13 +49,31 @@ def _check_numbers(problem: Problem) -> Iterator[Diagnosis]:
             yield Diagnosis(f"the {what} of {_list(broken)} is not finite", broken)
     if problem.symmetry not in SYMMETRIES:
         yield Diagnosis(f"symmetry is {problem.symmetry}; allowed: {_list(map(str, SYMMETRIES))}")
-    if not np.isfinite(problem.side) or problem.side <= 0:
-        yield Diagnosis(f"the blocks' side is {problem.side} m; allowed: above 0")
-    elif (opening := problem.gripper.grasp_opening(problem.side)) > problem.gripper.max_opening:
+    for block in problem.blocks:
+        yield from _check_size(problem, block)
+
+
+def _check_size(problem: Problem, block: PlacedBlock) -> Iterator[Diagnosis]:
+    size, gripper = block.size, problem.gripper
+    if not np.isfinite(size).all() or min(size) <= 0:
         yield Diagnosis(
-            f"blocks {1e3 * problem.side:.1f} mm wide need an opening of {1e3 * opening:.1f} mm; "
-            f"the gripper opens {1e3 * problem.gripper.max_opening:.1f} mm",
-            tuple(block.id for block in problem.blocks),
+            f"the edges of {block.id} are {_list(map(str, size))} m; allowed: above 0", (block.id,)
+        )
+    elif size.z <= gripper.insertion:
+        yield Diagnosis(
+            f"{block.id} is {1e3 * size.z:.1f} mm high; allowed: above {1e3 * gripper.insertion:.1f} mm, by "
+            "which the fingers reach below its top",
+            (block.id,),
+        )
+    elif problem.symmetry == 4 and not size.is_square:
+        yield Diagnosis(f"symmetry is 4; allowed: 1 or 2, as {block.id} is longer than wide", (block.id,))
+    elif too_wide(size, gripper).all():
+        width = min(size.x, size.y)
+        opening = gripper.grasp_opening(width)
+        yield Diagnosis(
+            f"blocks {1e3 * width:.1f} mm wide need an opening of {1e3 * opening:.1f} mm; "
+            f"the gripper opens {1e3 * gripper.max_opening:.1f} mm",
+            tuple(other.id for other in problem.blocks if other.size == size),
         )
 
 
@@ -69,9 +90,9 @@ def _check_inside(problem: Problem) -> Iterator[Diagnosis]:
         if what == "start" and problem.starts_may_be_outside:
             continue
         grown = half_planes + slack if what == "start" else half_planes
-        rows = rows_of(poses.values())
-        for i in np.flatnonzero(~are_inside(rows, problem.side, grown)):
-            corners, name = corners_of(rows[i], problem.side), list(poses)[i]
+        rows, shapes = rows_of(poses.values()), _shapes(problem, poses)
+        for i in np.flatnonzero(~are_inside(rows, shapes, grown)):
+            corners, name = corners_of(rows[i], shapes[i]), list(poses)[i]
             heights = (corners @ grown[:, :2].T - grown[:, 2]).max(axis=1)
             x, y = corners[int(np.argmax(heights))]
             yield Diagnosis(
@@ -88,7 +109,7 @@ def _check_overlaps(problem: Problem) -> Iterator[Diagnosis]:
         "goal": f"are less than {2e3 * problem.gripper.block_margin:.1f} mm apart",
     }
     for what, poses in _poses(problem):
-        grown = squares(rows_of(poses.values()), problem.side, margins[what])
+        grown = outlines(rows_of(poses.values()), _shapes(problem, poses), margins[what])
         words, names = hits(grown[:, None], grown), list(poses)
         for i, j in combinations(range(len(names)), 2):
             if int(words[i, j // 64]) >> (j % 64) & 1:
@@ -99,9 +120,11 @@ def _check_overlaps(problem: Problem) -> Iterator[Diagnosis]:
 
 def _check_obstacles(problem: Problem) -> Iterator[Diagnosis]:
     obstacles, goals = problem.obstacles, dict(problem.goals)
-    standing = squares(rows_of(obstacles.values()), problem.side, problem.gripper.block_margin)
+    shapes = _shapes(problem, obstacles)
+    standing = outlines(rows_of(obstacles.values()), shapes, problem.gripper.block_margin)
     for goal, pose in goals.items():
-        is_hit = np.any(hits(standing[:, None], squares(rows_of([pose]), problem.side)), axis=-1).tolist()
+        there = outlines(rows_of([pose]), _shapes(problem, [goal]))
+        is_hit = np.any(hits(standing[:, None], there), axis=-1).tolist()
         if in_way := tuple(name for name, hit in zip(obstacles, is_hit, strict=True) if hit):
             yield Diagnosis(f"{_list(in_way)} stands on the goal of {goal}: take it away", (goal, *in_way))
 
@@ -114,6 +137,11 @@ CHECKS: Sequence[Callable[[Problem], Iterator[Diagnosis]]] = (
 
 def _poses(problem: Problem) -> Iterable[tuple[str, dict[str, PlanarPose]]]:
     return ("start", problem.starts), ("goal", dict(problem.goals))
+
+
+def _shapes(problem: Problem, ids: Iterable[str]) -> Array:
+    sizes = problem.sizes
+    return shapes_of([sizes[name] for name in ids], problem.tallest)
 
 
 def _list(names: Iterable[str]) -> str:

@@ -66,9 +66,9 @@ class BlocksSimNode(PhysicsNode):
 
     def _build(self, problem: Problem, start: float) -> BlocksSimulator:
         tags = {block.id: number for number, block in enumerate(problem.blocks)}
-        self._camera.open(tags)
-        self._tags.publish(to_tags(tags))
-        return BlocksSimulator(self._cell, tags, problem.starts, self._config, start)
+        self._camera.open(tags, problem.sizes)
+        self._tags.publish(to_tags(tags, problem.sizes))
+        return BlocksSimulator(self._cell, tags, problem.starts, self._config, start, problem.sizes)
 
     def _command_fingers(
         self, request: JawCommand.Request, response: JawCommand.Response

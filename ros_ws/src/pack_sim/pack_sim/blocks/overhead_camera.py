@@ -10,6 +10,7 @@ import mujoco
 
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.model import CAMERA, build_model
+from pack_core.blocks.problem import CUBES, BlockSizes
 from pack_core.camera import Picture
 from pack_core.drawing.renderer import open_renderer
 from pack_core.errors import PackError
@@ -26,16 +27,18 @@ class OverheadCamera:
         tags: the number of every block's tag, as the simulator has them.
         timestep: as the simulator has it.
         shadows: draw them, which takes about twice as long.
+        sizes: of the blocks that are not cubes, by id.
 
     Raises:
         PackError: on entering, where there is no OpenGL to draw with.
     """
 
     def __init__(
-        self, cell: BlocksCell, tags: Mapping[str, int], timestep: float, *, shadows: bool = False
-    ) -> None:
+        self, cell: BlocksCell, tags: Mapping[str, int], timestep: float, *, shadows: bool = False,
+        sizes: BlockSizes = CUBES,
+    ) -> None:  # fmt: skip
         self._camera, self._shadows = cell.camera, shadows
-        self._model = build_model(cell, tags, timestep=timestep, visuals=True)
+        self._model = build_model(cell, tags, sizes, timestep=timestep, visuals=True)
         self._data = mujoco.MjData(self._model)
         self._renderer: mujoco.Renderer | None = None
 

@@ -12,6 +12,7 @@ from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.gripper import FingerState
 from pack_core.blocks.model import TOOL, arm_model, block_name, build_model
 from pack_core.blocks.planar import PlanarPose
+from pack_core.blocks.problem import CUBES, BlockSizes
 from pack_core.bodies import body_pose, set_object_poses
 from pack_core.config import Config
 from pack_core.joints import JointSample, Setpoints
@@ -45,6 +46,7 @@ class BlocksSimulator:
         starts: X_WB of every block at the start, by id.
         config: rates and limits.
         time: what the clock shows at the start [s].
+        sizes: of the blocks that are not cubes, by id.
     """
 
     def __init__(
@@ -54,11 +56,12 @@ class BlocksSimulator:
         starts: Mapping[str, PlanarPose],
         config: BlocksSimulatorConfig | None = None,
         time: float = 0.0,
+        sizes: BlockSizes = CUBES,
     ) -> None:
-        self.cell, self.tags = cell, dict(tags)
+        self.cell, self.tags, self._sizes = cell, dict(tags), sizes
         self.config = config or BlocksSimulatorConfig()
         timestep = self.config.timestep
-        self.model = build_model(cell, tags, timestep=timestep)
+        self.model = build_model(cell, tags, sizes, timestep=timestep)
         self.data = mujoco.MjData(self.model)
         self.data.time = time
         self._q = np.array([self.model.joint(name).qposadr[0] for name in JOINTS])
@@ -126,11 +129,13 @@ class BlocksSimulator:
         return state
 
     def _put(self, starts: Mapping[str, PlanarPose]) -> None:
-        half = self.cell.block.half
         self.data.qpos[self._q] = self.cell.robot.look
         for name in FINGER_JOINTS:
             self.data.joint(name).qpos = 0.5 * START_OPENING
-        poses = {block_name(block): starts[block].pose(half) for block in self.tags}
+        cube = self.cell.block.cube
+        poses = {
+            block_name(block): starts[block].pose(0.5 * self._sizes.get(block, cube).z) for block in self.tags
+        }
         set_object_poses(self.model, self.data, poses)
         mujoco.mj_forward(self.model, self.data)
 

@@ -12,6 +12,7 @@ from pack_core.blocks import topics
 from pack_core.blocks.block_sighting import parse_tags
 from pack_core.blocks.cell import blocks_cell
 from pack_core.blocks.model import block_name, build_model
+from pack_core.blocks.problem import CUBES, BlockSizes
 from pack_core.motion import topics as motion
 from pack_core.robots.robotiq_2f85 import FINGER_JOINTS
 from pack_core.robots.ur10e import JOINTS
@@ -24,7 +25,7 @@ from pack_viewer.news import News, Topics
 GOAL = (0.0, 0.62, 0.45, 0.45)
 """Colour of a goal: red, green, blue, opacity. What is behind it stays visible."""
 GOAL_THICKNESS = 0.002
-"""Goals lie on the table as thin squares [m]."""
+"""Goals lie on the table as thin rectangles [m]."""
 
 
 class BlocksScene(CellScene):
@@ -36,6 +37,7 @@ class BlocksScene(CellScene):
         self._scene, self._cell = scene, blocks_cell()
         self._tags = ""
         self._names: set[str] = set()
+        self._sizes: BlockSizes = CUBES
         self._drawn = ModelScene(scene, build_model(self._cell, {}, timestep=0.001, visuals=True))
         self._goals: list[GlbHandle] = []
         self._goals_wanted = True
@@ -61,10 +63,11 @@ class BlocksScene(CellScene):
         """Mark where the plan's last action on each block leaves it."""
         for handle in self._goals:
             handle.remove()
-        half = self._cell.block.half
-        glb = box_glb(self._drawn.model, np.array([half, half, 0.5 * GOAL_THICKNESS]), rgba=GOAL)
         self._goals = []
         for block, end in {action.end.id: action.end for action in plan}.items():
+            size = self._sizes.get(block, self._cell.block.cube)
+            half = 0.5 * np.array([size.x, size.y, GOAL_THICKNESS])
+            glb = box_glb(self._drawn.model, half, rgba=GOAL)
             handle = self._scene.add_glb(
                 f"/goals/{scene_name(block)}", glb, position=(end.x, end.y, GOAL_THICKNESS),
                 wxyz=(np.cos(0.5 * end.yaw), 0.0, 0.0, np.sin(0.5 * end.yaw)), visible=self._goals_wanted,
@@ -80,7 +83,9 @@ class BlocksScene(CellScene):
 
     def _rebuild(self, text: str) -> None:
         self._tags = text
-        tags = parse_tags(text)
+        tags, self._sizes = parse_tags(text)
         self._names = set(tags)
         self._drawn.remove()
-        self._drawn = ModelScene(self._scene, build_model(self._cell, tags, timestep=0.001, visuals=True))
+        self._drawn = ModelScene(
+            self._scene, build_model(self._cell, tags, self._sizes, timestep=0.001, visuals=True)
+        )

@@ -15,7 +15,8 @@ from pack_core.ros.contracts.shared import SHARED
 # fmt: off
 TAGS = Contract(
     topics.TAGS, String, ("sim",), ("tags", "recorder", "user"),
-    "the number of every block's tag by the block's id, as YAML", qos=LATCHED, rate="at reset", recorded=True)
+    "every block's tag and, unless it is a cube, size [m], by its id, as YAML", qos=LATCHED, rate="at reset",
+    recorded=True)
 JAW_STATE = Contract(
     topics.JAW_STATE, JawState, ("sim",), ("fsm", "recorder", "user"),
     "where the fingers are, how hard they press, whether they hold something",

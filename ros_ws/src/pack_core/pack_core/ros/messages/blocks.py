@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from geometry_msgs.msg import Point
+from geometry_msgs.msg import Point, Vector3
 from pack_interfaces.msg import BlockAction, BlockDeed, BlockPose, BlockTolerance
 from pack_interfaces.msg import BlockSighting as BlockSightingMsg
 from pack_interfaces.msg import GripperFootprint as GripperFootprintMsg
@@ -18,19 +18,19 @@ from pack_core.blocks.gripper import FingerState, FingerStatus, GripperFootprint
 from pack_core.blocks.plan import Action, Diagnosis, PickPlace, Plan, PlanStatistics, PlanStatus, Push
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveAction, PrimitiveKind
-from pack_core.blocks.problem import PlacedBlock, Problem, Tolerance
+from pack_core.blocks.problem import BlockSize, BlockSizes, PlacedBlock, Problem, Tolerance
 from pack_core.config import validate_config
 from pack_core.errors import ConfigError, MessageError
 from pack_core.ros.messages.conversions import WORLD, finite, from_stamp, to_stamp
 
 
-def to_tags(tags: Mapping[str, int]) -> String:
-    """The number of every block's tag."""
-    return String(data=tags_text(tags))
+def to_tags(tags: Mapping[str, int], sizes: BlockSizes) -> String:
+    """The number of every block's tag, and the blocks' sizes."""
+    return String(data=tags_text(tags, sizes))
 
 
-def from_tags(message: String) -> dict[str, int]:
-    """The number of every block's tag, by the block's id."""
+def from_tags(message: String) -> tuple[dict[str, int], dict[str, BlockSize]]:
+    """The number of every block's tag, and the sizes of those that are not cubes, by id."""
     return parse_tags(message.data)
 
 
@@ -95,7 +95,8 @@ def to_request(
         blocks=[BlockPose(id=b.id, x=b.pose.x, y=b.pose.y, yaw=b.pose.yaw) for b in problem.blocks],
         goals=to_block_poses(problem.goals),
         workspace=[Point(x=float(x), y=float(y)) for x, y in problem.workspace],
-        side=problem.side, symmetry=problem.symmetry,
+        sizes=[Vector3(x=b.size.x, y=b.size.y, z=b.size.z) for b in problem.blocks],
+        symmetry=problem.symmetry,
         gripper=GripperFootprintMsg(**problem.gripper.model_dump()),
         tolerance=BlockTolerance(**problem.tolerance.model_dump()),
         starts_may_be_outside=problem.starts_may_be_outside,
@@ -111,11 +112,16 @@ def from_request(request: PlanRearrangement.Request) -> Problem:
         tolerance = validate_config(Tolerance, _fields(request.tolerance), "tolerance")
     except ConfigError as error:
         raise MessageError(str(error)) from error
+    if len(request.sizes) != len(request.blocks):
+        raise MessageError(f"{len(request.sizes)} sizes of {len(request.blocks)} blocks; allowed: one each")
     return Problem(
-        blocks=tuple(PlacedBlock(b.id, PlanarPose(b.x, b.y, b.yaw)) for b in request.blocks),
+        blocks=tuple(
+            PlacedBlock(b.id, PlanarPose(b.x, b.y, b.yaw), BlockSize(size.x, size.y, size.z))
+            for b, size in zip(request.blocks, request.sizes, strict=True)
+        ),
         goals=from_block_poses(request.goals, "goals"),
         workspace=tuple((corner.x, corner.y) for corner in request.workspace),
-        side=request.side, symmetry=request.symmetry, gripper=gripper, tolerance=tolerance,
+        symmetry=request.symmetry, gripper=gripper, tolerance=tolerance,
         starts_may_be_outside=request.starts_may_be_outside,
         refused=tuple(_from_primitive(primitive) for primitive in request.refused),
     )  # fmt: skip

@@ -14,7 +14,7 @@ from pack_core.blocks.planar import PlanarPose
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_planner.rearrangement.beam.search import Beam, root_state, run_round
-from pack_planner.rearrangement.beam.spots import GOAL, MAX_BLOCKS, POOL, STRAIGHT, Ints, buffer_pool
+from pack_planner.rearrangement.beam.spots import GOAL, MAX_BLOCKS, NO_SPOT, POOL, STRAIGHT, Ints, buffer_pool
 from pack_planner.rearrangement.beam.states import NO_STAGE, PUSHED, BlockMove
 from pack_planner.rearrangement.beam.tables import FREE, PushPrice, Tables, build_tables
 from pack_planner.rearrangement.certificates import with_blockers_released
@@ -131,6 +131,8 @@ def _spots(snapped: SnappedProblem) -> npt.NDArray[np.int16]:
 def _order(tables: Tables, rng: np.random.Generator) -> Ints:
     """Buffer poses in the order in which every block looks at them, with some chance `(n, P)`.
 
+    Those for blocks of its shape; NO_SPOT behind them.
+
     Its own push line first, near its goal where the length of a push has a price, then where it is least in
     the way of the goals.
     """
@@ -140,8 +142,11 @@ def _order(tables: Tables, rng: np.random.Generator) -> Ints:
     goals = tables.poses[GOAL : GOAL + len(cost), None, :2]
     lengths = np.linalg.norm(goals - tables.poses[POOL:, :2], axis=-1)
     cost += np.where(is_off_line, 0.0, tables.push_price.per_metre * lengths)
-    order = np.argsort(cost + rng.uniform(0.0, 1.5, cost.shape), axis=1)
-    return (POOL + order).astype(np.int32)
+    cost += rng.uniform(0.0, 1.5, cost.shape)
+    cost[~tables.fits[:, POOL:]] = np.inf
+    order = np.argsort(cost, axis=1)
+    is_of_shape = np.take_along_axis(tables.fits[:, POOL:], order, axis=1)
+    return np.where(is_of_shape, POOL + order, NO_SPOT).astype(np.int32)
 
 
 def to_actions(snapped: SnappedProblem, tables: Tables, moves: Iterable[BlockMove]) -> list[Action]:

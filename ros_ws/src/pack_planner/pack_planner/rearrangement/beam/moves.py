@@ -11,7 +11,7 @@ from numba import njit
 
 from pack_core.rotations import Array
 from pack_planner.rearrangement.beam.estimates import StateSummary
-from pack_planner.rearrangement.beam.spots import GOAL, NO_GO, Ints
+from pack_planner.rearrangement.beam.spots import GOAL, NO_GO, NO_SPOT, Ints
 from pack_planner.rearrangement.beam.states import NO_STAGE, PUSHED, bit, count_bits, has
 from pack_planner.rearrangement.beam.tables import Tables
 from pack_planner.rearrangement.footprints import Words, is_free
@@ -115,6 +115,8 @@ def buffer_options(
     found, looked = 0, 0
     for rank in range(order.shape[1]):
         spot = order[i, rank]
+        if spot == NO_SPOT:
+            break
         if spot == start or not has(possible, spot) or (is_tight and tables.push_of[i, spot] < 0):
             continue
         pair = _grasps(i, start, spot, can_pick, free, tables)

@@ -1,7 +1,8 @@
 """The poses and pushes that the search knows: where blocks may stand, and how they may be pushed.
 
-Spots are numbered: starts from 0, goals from GOAL, buffer poses from POOL on. A set of occupied spots is a
-row of words, starts and goals in the first.
+Spots are numbered: starts from 0, goals from GOAL, buffer poses from POOL on. A spot is a pose for blocks of
+one shape: a start or a goal is its block's, and every shape has buffer poses of its own. A set of occupied
+spots is a row of words, starts and goals in the first.
 
 Pushes lead into a goal by way of a staging pose, from a spot on a push line, and out of a start. What the arm
 refused before, and what an obstacle bars, hits everything, so that it is impossible to the search.
@@ -17,7 +18,15 @@ import numpy.typing as npt
 from pack_core.blocks.planar import QUARTER, wrapped
 from pack_core.blocks.primitive_action import PrimitiveKind
 from pack_core.rotations import Array
-from pack_planner.rearrangement.footprints import Words, are_inside, fingers, hits, squares, sweeps
+from pack_planner.rearrangement.footprints import (
+    Words,
+    are_inside,
+    fingers,
+    hits,
+    outlines,
+    sweeps,
+    too_wide,
+)
 from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 Ints = npt.NDArray[np.int32]
@@ -29,6 +38,8 @@ GOAL, POOL = 32, 64
 """First numbers of goals and of buffer poses: starts and goals share the first word of 64 bits, half each."""
 NO_GO = 31
 """A spot that counts as occupied always, so that what is impossible hits something even among no blocks."""
+NO_SPOT = -1
+"""Instead of the number of a spot: there is no further one."""
 MAX_BLOCKS = 31
 """Starts that there are numbers for, NO_GO left out."""
 FAR = 1e6
@@ -43,6 +54,33 @@ STRAIGHT = 1e-6
 """Poses count as being on a push line up to this [m, rad]."""
 
 
+@dataclass(frozen=True)
+class BufferPool:
+    """Poses at which blocks can wait, each for blocks of one shape.
+
+    Attributes:
+        poses: `(P, 3)`.
+        shapes: of the blocks that they are for `(P, 3)`.
+    """
+
+    poses: Array
+    shapes: Array
+
+    def __add__(self, other: BufferPool) -> BufferPool:
+        return BufferPool(np.vstack([self.poses, other.poses]), np.vstack([self.shapes, other.shapes]))
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+
+def spot_shapes(snapped: SnappedProblem, pool: BufferPool) -> Array:
+    """Shapes `(POOL + P, 3)` of the blocks that the spots are for."""
+    shapes = np.zeros((POOL + len(pool), 3))
+    shapes[: snapped.n] = shapes[GOAL : GOAL + snapped.n] = snapped.shapes
+    shapes[POOL:] = pool.shapes
+    return shapes
+
+
 def spot_poses(snapped: SnappedProblem, pool: Array) -> Array:
     """Poses `(POOL + P, 3)` of all spots; a block that is home has no start of its own."""
     poses = np.full((POOL + len(pool), 3), FAR)
@@ -55,35 +93,45 @@ def spot_poses(snapped: SnappedProblem, pool: Array) -> Array:
 
 def buffer_pool(
     snapped: SnappedProblem, size: int, rng: np.random.Generator, *, is_over_goals: bool = False
-) -> Array:
-    """Buffer poses `(up to size, 3)`: on the push lines of goals, then spread over the workspace.
+) -> BufferPool:
+    """Up to `size` buffer poses for every shape: on push lines of goals, then spread over the workspace.
 
     A block that waits on the push line of its goal goes home in one action even where it must be pushed. It
     is rarely worth it to wait on a line where it stands on goals as well, `is_over_goals`.
     """
-    lines = _on_lines(snapped)
-    if not is_over_goals:
-        lines = _clear_of_goals(snapped, lines)
-    lines = _thinned(lines, int(LINE_SHARE * size), rng)
-    spread = _lattice(snapped, size - len(lines), rng)
-    return np.vstack([lines, spread])[:size]
+    pool = BufferPool(np.empty((0, 3)), np.empty((0, 3)))
+    for shape in np.unique(snapped.shapes, axis=0):
+        goals = snapped.goals[(snapped.shapes == shape).all(axis=1)]
+        lines = _on_lines(snapped, shape, goals)
+        if not is_over_goals:
+            lines = _clear_of_goals(snapped, shape, lines)
+        lines = _thinned(lines, int(LINE_SHARE * size), rng)
+        spread = _lattice(snapped, shape, goals, size - len(lines), rng)
+        poses = np.vstack([lines, spread])[:size]
+        pool += BufferPool(poses, np.broadcast_to(shape, poses.shape))
+    return pool
 
 
-def _on_lines(snapped: SnappedProblem) -> Array:
-    distances = np.arange(snapped.side / 2, snapped.gripper.max_push + 1e-9, LINE_STEP)
-    headings = snapped.goals[:, 2, None] + QUARTER * np.arange(4)
+def _on_lines(snapped: SnappedProblem, shape: Array, goals: Array) -> Array:
+    distances = np.arange(shape[:2].min() / 2, snapped.gripper.max_push + 1e-9, LINE_STEP)
+    headings = goals[:, 2, None] + QUARTER * np.arange(4)
     ahead = np.stack([np.cos(headings), np.sin(headings)], axis=-1)[:, :, None] * distances[:, None]
     poses = np.empty((*ahead.shape[:-1], 3))
-    poses[..., :2] = snapped.goals[:, None, None, :2] - ahead
-    poses[..., 2] = wrapped(snapped.goals[:, 2], QUARTER)[:, None, None]
+    poses[..., :2] = goals[:, None, None, :2] - ahead
+    poses[..., 2] = wrapped(goals[:, 2], _alike_after(shape))[:, None, None]
     poses = poses.reshape(-1, 3)
-    return np.asarray(poses[are_inside(poses, snapped.side, snapped.half_planes)])
+    return np.asarray(poses[are_inside(poses, shape, snapped.half_planes)])
 
 
-def _clear_of_goals(snapped: SnappedProblem, poses: Array) -> Array:
+def _alike_after(shape: Array) -> float:
+    """Turn after which a place for a block of a shape is the same place [rad]."""
+    return QUARTER if shape[0] == shape[1] else 2 * QUARTER
+
+
+def _clear_of_goals(snapped: SnappedProblem, shape: Array, poses: Array) -> Array:
     """Those that overlap no goal: a block in the grid's way is of little use."""
-    grown = squares(poses, snapped.side, snapped.gripper.block_margin)[:, None]
-    return np.asarray(poses[~hits(grown, squares(snapped.goals, snapped.side)).any(axis=1)])
+    grown = outlines(poses, shape, snapped.gripper.block_margin)[:, None]
+    return np.asarray(poses[~hits(grown, outlines(snapped.goals, snapped.shapes)).any(axis=1)])
 
 
 def _thinned(poses: Array, size: int, rng: np.random.Generator) -> Array:
@@ -93,10 +141,12 @@ def _thinned(poses: Array, size: int, rng: np.random.Generator) -> Array:
     return np.asarray(poses[rng.permutation(np.sort(first))[:size]])
 
 
-def _lattice(snapped: SnappedProblem, size: int, rng: np.random.Generator) -> Array:
+def _lattice(
+    snapped: SnappedProblem, shape: Array, goals: Array, size: int, rng: np.random.Generator
+) -> Array:
     """A lattice over the workspace, as fine as `size` allows, with the yaw of the first goal."""
     corners = np.array(snapped.problem.workspace)
-    yaw = float(wrapped(snapped.goals[0, 2], QUARTER))
+    yaw = float(wrapped(goals[0, 2], _alike_after(shape)))
     step = np.sqrt(np.prod(np.ptp(corners, axis=0)) / (4 * size))
     for _ in range(12):
         offset = rng.uniform(0.0, step, 2)
@@ -104,8 +154,8 @@ def _lattice(snapped: SnappedProblem, size: int, rng: np.random.Generator) -> Ar
                 zip(corners.min(0), corners.max(0), offset, strict=True)]  # fmt: skip
         x, y = (axis.ravel() for axis in np.meshgrid(*axes))
         poses = np.column_stack([x, y, np.full(x.size, yaw)])
-        poses = poses[are_inside(poses, snapped.side, snapped.half_planes)]
-        clear = _clear_of_goals(snapped, poses)
+        poses = poses[are_inside(poses, shape, snapped.half_planes)]
+        clear = _clear_of_goals(snapped, shape, poses)
         if len(clear) <= size:
             return clear
         step *= 1.1
@@ -144,11 +194,13 @@ class Pushes:
         ends: poses `(..., 3)`.
         headings: [rad] `(...)`.
         lengths: [m] `(...)`.
+        shapes: of the blocks that are pushed `(..., 3)`.
     """
 
     ends: Array
     headings: Array
     lengths: Array
+    shapes: Array
 
     @property
     def starts(self) -> Array:
@@ -157,7 +209,7 @@ class Pushes:
 
     def hits(self, snapped: SnappedProblem, blocks: Array) -> Words:
         """Which of the blocks `(Q, 6)` they hit, those that the arm refused all, `(..., W)`."""
-        footprints = sweeps(self.ends, self.headings, self.lengths, snapped.side, snapped.gripper)
+        footprints = sweeps(self.ends, self.headings, self.lengths, self.shapes, snapped.gripper)
         words = hits(footprints[..., None, :], blocks)
         bar_blocked(snapped, footprints[..., None, :], words)
         bar_pushes(snapped, self.starts, self.headings, words)
@@ -184,7 +236,8 @@ def stages(snapped: SnappedProblem) -> Pushes:
     lengths = np.repeat(_lengths_into_goals(snapped), 4)
     headings = snapped.goals[:, 2, None] + QUARTER * np.tile(np.arange(4), len(lengths) // 4)
     ends = np.repeat(snapped.goals[:, None], len(lengths), axis=1)
-    return Pushes(ends, headings, np.broadcast_to(lengths, headings.shape))
+    shapes = np.broadcast_to(snapped.shapes[:, None], ends.shape)
+    return Pushes(ends, headings, np.broadcast_to(lengths, headings.shape), shapes)
 
 
 def _lengths_into_goals(snapped: SnappedProblem) -> Array:
@@ -193,22 +246,29 @@ def _lengths_into_goals(snapped: SnappedProblem) -> Array:
     The shortest leaves just room for a finger between the block and one that stands behind its goal; the
     others for fingers beside the block, clear of its neighbours.
     """
-    slab = snapped.gripper.slab_thickness  # what a finger and its clearances take beside a face
-    beside = (snapped.side + snapped.gripper.slab_width) / 2 + snapped.gripper.block_margin
+    gripper, shapes = snapped.gripper, snapped.shapes
+    # What a finger and its clearances take beside a face, and the half of a block and of a finger beside it.
+    slabs = gripper.slab_thickness + gripper.finger_taper * np.unique(shapes[:, 2])
+    besides = (np.unique(shapes[:, :2]) + gripper.slab_width) / 2 + gripper.block_margin
     # 0.93 of a slab and a grid's gap of 2 mm together are a slab; half a millimetre more than one does
     # without the gap. The longer ones step over neighbours, up to the longest push, to which `inf` is cut.
-    wanted = np.array([0.93 * slab, slab + 0.0005, 1.4 * slab, beside, 1.45 * beside, 1.9 * beside, np.inf])
-    return np.unique(np.minimum(wanted, snapped.gripper.max_push))
+    short = [length for slab in slabs for length in (0.93 * slab, slab + 0.0005, 1.4 * slab)]
+    long = [length for beside in besides for length in (beside, 1.45 * beside, 1.9 * beside)]
+    return np.unique(np.minimum([*short, *long, np.inf], gripper.max_push))
 
 
-def pushes_from_spots(snapped: SnappedProblem, poses: Array) -> tuple[Ints, Pushes]:
-    """Rows of pushes that lead from spots `(Q, 3)` to the blocks' goals `(n, Q)`, and these pushes `(L,)`."""
+def pushes_from_spots(snapped: SnappedProblem, poses: Array, shapes: Array) -> tuple[Ints, Pushes]:
+    """Rows of pushes that lead from spots `(Q, 3)` to the blocks' goals `(n, Q)`, and these pushes `(L,)`.
+
+    The spots are for blocks of shapes `(Q, 3)`.
+    """
     goals, gripper = snapped.goals[:, None], snapped.gripper
     cosine, sine = np.cos(goals[..., 2]), np.sin(goals[..., 2])
     dx, dy = (goals - poses)[..., 0], (goals - poses)[..., 1]
     offsets = np.abs(np.stack([cosine * dx + sine * dy, cosine * dy - sine * dx]))
     length, aside = offsets.max(axis=0), offsets.min(axis=0)
     is_line = (aside < STRAIGHT) & (np.abs(wrapped(goals[..., 2] - poses[:, 2], QUARTER)) < STRAIGHT)
+    is_line &= fits(snapped, shapes) & ~is_crosswise(snapped, poses)
     is_line &= (length >= gripper.min_push - STRAIGHT) & (length <= gripper.max_push + STRAIGHT)
     # Of starts and goals only the starts that were snapped to a push line count as on it.
     is_line[:, :POOL] = False
@@ -217,13 +277,25 @@ def pushes_from_spots(snapped: SnappedProblem, poses: Array) -> tuple[Ints, Push
     push_of = np.full(is_line.shape, -1, dtype=np.int32)
     push_of[block, spot] = np.arange(len(block))
     headings = np.arctan2(dy, dx)[block, spot]
-    return push_of, Pushes(snapped.goals[block], headings, length[block, spot])
+    return push_of, Pushes(snapped.goals[block], headings, length[block, spot], snapped.shapes[block])
+
+
+def fits(snapped: SnappedProblem, shapes: Array) -> npt.NDArray[np.bool_]:
+    """Which blocks the spots of shapes `(Q, 3)` are for `(n, Q)`."""
+    return np.asarray((snapped.shapes[:, None] == shapes).all(axis=-1))
+
+
+def is_crosswise(snapped: SnappedProblem, poses: Array) -> npt.NDArray[np.bool_]:
+    """Whether an oblong block lies across its goal at poses `(Q, 3)`; a square one never does `(n, Q)`."""
+    turns = np.abs(wrapped(snapped.goals[:, 2, None] - poses[:, 2], 2 * QUARTER))
+    return np.asarray(~snapped.is_square[:, None] & (turns > QUARTER / 2))
 
 
 def pushes_out(snapped: SnappedProblem, first_spot: int) -> PushesOut:
     """Pushes away from the starts of blocks that can be grasped by no axis as the others stand now."""
-    beside = fingers(snapped.starts, snapped.side, snapped.gripper)
-    picks = hits(beside, squares(snapped.starts, snapped.side))
+    beside = fingers(snapped.starts, snapped.shapes, snapped.gripper)
+    picks = hits(beside, outlines(snapped.starts, snapped.shapes))
+    picks[too_wide(snapped.shapes, snapped.gripper)] = EVERYTHING
     bar_blocked(snapped, beside, picks)
     bar_grasps(snapped, PrimitiveKind.GRASP, snapped.starts, picks)
     others = ~(np.uint64(1) << np.arange(snapped.n, dtype=np.uint64))
@@ -231,13 +303,14 @@ def pushes_out(snapped: SnappedProblem, first_spot: int) -> PushesOut:
     lengths = np.broadcast_to(np.tile(OUT_LENGTHS, 4), (len(stuck), 4 * len(OUT_LENGTHS)))
     headings = snapped.starts[stuck, 2, None] + QUARTER * np.repeat(np.arange(4), len(OUT_LENGTHS))
     ends = _moved(np.repeat(snapped.starts[stuck, None], lengths.shape[1], axis=1), headings, lengths)
-    is_allowed = are_inside(ends, snapped.side, snapped.half_planes) & (lengths <= snapped.gripper.max_push)
+    shapes = np.broadcast_to(snapped.shapes[stuck, None], ends.shape)
+    is_allowed = are_inside(ends, shapes, snapped.half_planes) & (lengths <= snapped.gripper.max_push)
     counts = np.zeros(snapped.n, dtype=np.int32)
     counts[stuck] = is_allowed.sum(axis=1)
     return PushesOut(
         np.concatenate([[0], np.cumsum(counts)]).astype(np.int32),
         (first_spot + np.arange(is_allowed.sum())).astype(np.int32),
-        Pushes(ends[is_allowed], headings[is_allowed], lengths[is_allowed]),
+        Pushes(ends[is_allowed], headings[is_allowed], lengths[is_allowed], shapes[is_allowed]),
     )  # fmt: skip
 
 

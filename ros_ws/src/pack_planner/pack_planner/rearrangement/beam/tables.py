@@ -16,15 +16,18 @@ from pack_planner.rearrangement.beam.spots import (
     GOAL,
     POOL,
     STRAIGHT,
+    BufferPool,
     Ints,
     bar_blocked,
     bar_grasps,
+    fits,
     pushes_from_spots,
     pushes_out,
     spot_poses,
+    spot_shapes,
     stages,
 )
-from pack_planner.rearrangement.footprints import Words, are_inside, fingers, hits, squares
+from pack_planner.rearrangement.footprints import Words, are_inside, fingers, hits, outlines, too_wide
 from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 MEMO_BITS = 16
@@ -61,6 +64,7 @@ class Tables(NamedTuple):
 
     Attributes:
         poses: of the spots `(Q, 3)`.
+        fits: a spot is for blocks of this one's shape `(n, Q)`.
         pick: of grasping at a spot `(Q, 2, W)`.
         place: of putting down at a spot `(Q, 2, W)`.
         denied: spots at which nothing can be put down while a spot is occupied `(Q, 2, W)`.
@@ -86,6 +90,7 @@ class Tables(NamedTuple):
     """
 
     poses: Array
+    fits: npt.NDArray[np.bool_]
     pick: Words
     place: Words
     denied: Words
@@ -111,22 +116,24 @@ class Tables(NamedTuple):
     push_price: PushPrice
 
 
-def build_tables(snapped: SnappedProblem, pool: Array, push_price: PushPrice = FREE) -> Tables:
-    """Compute the tables of a problem with a buffer pool `(P, 3)`, to which ends of pushes out are added."""
+def build_tables(snapped: SnappedProblem, pool: BufferPool, push_price: PushPrice = FREE) -> Tables:
+    """Compute the tables of a problem with a buffer pool, to which ends of pushes out are added."""
     out = pushes_out(snapped, POOL + len(pool))
-    poses = spot_poses(snapped, np.vstack([pool, out.pushes.ends]))
-    blocks = squares(poses, snapped.side)
-    pick, place = _grasps_at(snapped, poses, blocks)
+    pool += BufferPool(out.pushes.ends, out.pushes.shapes)
+    poses, shapes = spot_poses(snapped, pool.poses), spot_shapes(snapped, pool)
+    blocks = outlines(poses, shapes)
+    pick, place = _grasps_at(snapped, poses, shapes, blocks)
     stage = stages(snapped)
-    _, stage_place = _grasps_at(snapped, stage.starts, blocks)
-    stage_place[~are_inside(stage.starts, snapped.side, snapped.half_planes)] = EVERYTHING
+    _, stage_place = _grasps_at(snapped, stage.starts, stage.shapes, blocks)
+    stage_place[~are_inside(stage.starts, stage.shapes, snapped.half_planes)] = EVERYTHING
     stage_push = stage.hits(snapped, blocks)
-    push_of, from_spots = pushes_from_spots(snapped, poses)
+    push_of, from_spots = pushes_from_spots(snapped, poses, shapes)
     placed = place[GOAL : GOAL + snapped.n]
     into_place, into_push = _ways_into_goals(placed, stage_place, stage_push)
     planes, upper_planes, split = _assembly(into_place, into_push)
     return Tables(
         poses=poses,
+        fits=fits(snapped, shapes),
         pick=pick,
         place=place,
         denied=_turned_round(place),
@@ -153,14 +160,15 @@ def build_tables(snapped: SnappedProblem, pool: Array, push_price: PushPrice = F
     )
 
 
-def _grasps_at(snapped: SnappedProblem, poses: Array, blocks: Array) -> tuple[Words, Words]:
-    """What grasping and what putting down hits at poses `(..., 3)`, `(..., 2, W)` each.
+def _grasps_at(snapped: SnappedProblem, poses: Array, shapes: Array, blocks: Array) -> tuple[Words, Words]:
+    """What grasping and what putting down hits at poses `(..., 3)` of shapes `(..., 3)`, `(..., 2, W)` each.
 
-    What the arm refused, and what would hit an obstacle, hits all.
+    What the arm refused, what would hit an obstacle, and what the gripper does not open enough for, hits all.
     """
-    beside = fingers(poses, snapped.side, snapped.gripper)
-    under = squares(poses, snapped.side, snapped.gripper.block_margin)[..., None, :]
+    beside = fingers(poses, shapes, snapped.gripper)
+    under = outlines(poses, shapes, snapped.gripper.block_margin)[..., None, :]
     pick = hits(beside, blocks)
+    pick[too_wide(shapes, snapped.gripper)] = EVERYTHING
     place = pick | hits(under, blocks)[..., None, :]
     bar_blocked(snapped, beside, pick, place)
     bar_blocked(snapped, under, place)
@@ -173,6 +181,7 @@ def _swaps(snapped: SnappedProblem, poses: Array) -> npt.NDArray[np.bool_]:
     """Where a block that is to end at its goal's yaw lies across: by an odd number of quarters."""
     turns = snapped.goals[:, 2, None] - poses[:, 2]
     is_square = np.abs(wrapped(turns, QUARTER)) < STRAIGHT
+    is_square &= snapped.is_square[:, None]
     swaps = is_square & (np.round(turns / QUARTER) % 2 == 1)
     swaps[:, :POOL] = False
     return np.asarray(swaps)
@@ -187,7 +196,7 @@ def _turned_round(place: Words) -> Words:
 
 
 def _crowds(snapped: SnappedProblem, blocks: Array, placed: Words) -> Words:
-    overlap = hits(squares(snapped.goals, snapped.side, snapped.gripper.block_margin)[:, None], blocks)
+    overlap = hits(outlines(snapped.goals, snapped.shapes, snapped.gripper.block_margin)[:, None], blocks)
     goals = np.uint64(1) << np.arange(snapped.n, dtype=np.uint64)
     sets = [_bits(words)[:, : len(blocks)].T @ goals for words in (overlap, placed[:, 0] & placed[:, 1])]
     return np.stack(sets, axis=1)

@@ -9,6 +9,7 @@ from rosgraph_msgs.msg import Clock
 from pack_core import topics as shared_topics
 from pack_core.blocks import topics
 from pack_core.blocks.cell import BlocksCell
+from pack_core.blocks.problem import BlockSizes
 from pack_core.camera import Picture
 from pack_core.robots.ur10e import JOINTS
 from pack_core.ros.contracts import blocks as contracts
@@ -79,10 +80,10 @@ class CameraPublisher:
         self._thread: CameraThread[Array] | None = None
         self._error = ""
 
-    def open(self, tags: Mapping[str, int]) -> None:
-        """Look at a table with these blocks; the number of each one's tag by its id."""
+    def open(self, tags: Mapping[str, int], sizes: BlockSizes) -> None:
+        """Look at a table with these blocks; the number of each one's tag, and its size, by its id."""
         self.close()
-        camera = OverheadCamera(self._cell, tags, self._timestep, shadows=self._shadows)
+        camera = OverheadCamera(self._cell, tags, self._timestep, shadows=self._shadows, sizes=sizes)
         self._thread = CameraThread(camera, self._publish, self._report)
 
     def expose(self, time: float, snapshot: Array) -> str:
