@@ -16,7 +16,7 @@ from pack_lockstep.blocks.lockstep import BlocksLockstep
 from pack_lockstep.blocks.settings import lockstep_config
 
 LENGTHS_MM = (5, 15, 30, 50, 70, 90, 115)
-REPEATS = 3
+REPEATS = 1
 CENTRE = blocks_cell().workspace.centre
 
 
