@@ -62,7 +62,7 @@ def test_methods_stand_side_by_side_and_proofs_in_words(folder: Path) -> None:
 
 def test_the_report_has_the_tables_and_the_drawn_plans(folder: Path) -> None:
     report = (folder / "own" / "report.html").read_text()
-    assert report.count("data:image/png;base64,") == 2
+    assert report.count("data:image/png;base64,") == 4  # of either method a plan, and what is within reach
     for part in ("<th>beam</th><th>pirs</th>", "OPTIMAL, 5 (5)", "stuck: none of"):
         assert part in report
 
