@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 from pack_core.rotations import IDENTITY, Pose
 from pack_evaluation.palletizing.chapter_9 import STRIDE, chapter_9, trajectories
 from pack_evaluation.palletizing.plots import draw_position
-from pack_evaluation.palletizing.run import PalletRun, ToolTarget
+from pack_evaluation.palletizing.run import PalletRun, SentTarget
 from unit.pack_evaluation.palletizing.known_run import GOALS, TIMES, a_run
 
 FIRST, SECOND = (Pose(np.array([x, 0.5, 2.0]), np.array(IDENTITY)) for x in (1.0, 2.0))
 
 
 def targeted() -> PalletRun:
-    return a_run(targets=(ToolTarget(5.0, FIRST), ToolTarget(20.0, SECOND)), slow=((8.0, 10.0),))
+    return a_run(targets=(SentTarget(5.0, FIRST), SentTarget(20.0, SECOND)), slow=((8.0, 10.0),))
 
 
 def test_there_are_the_figures_and_the_trajectories() -> None:

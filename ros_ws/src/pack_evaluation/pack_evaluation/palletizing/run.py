@@ -90,7 +90,7 @@ class WayPoint:
 
 
 @dataclass(frozen=True)
-class ToolTarget:
+class SentTarget:
     """A target that the machine sent: when [s], and the pose of the tool at the end of its move."""
 
     time: float
@@ -194,7 +194,7 @@ class PalletRun(RecordedRun):
     way_points: tuple[WayPoint, ...] = ()
     stands: StandingCell = field(default_factory=StandingCell)
     slow: tuple[tuple[float, float], ...] = ()
-    targets: tuple[ToolTarget, ...] = ()
+    targets: tuple[SentTarget, ...] = ()
 
 
 def intervals(times: Sequence[float], holds: Sequence[bool]) -> tuple[tuple[float, float], ...]:

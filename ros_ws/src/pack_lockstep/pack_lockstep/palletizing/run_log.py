@@ -15,9 +15,9 @@ from pack_core.topics import steps_between
 from pack_evaluation.palletizing.run import (
     BoxRecord,
     PalletRun,
+    SentTarget,
     StandingCell,
     StateVisit,
-    ToolTarget,
     ToolTrack,
     UnwantedTouch,
     VisitorTrack,
@@ -50,7 +50,7 @@ class PalletRunLog:
         self._truth: list[SceneState] = []
         self._peaks: dict[str, GripLoad] = {}
         self._way_points: list[WayPoint] = []
-        self._targets: list[ToolTarget] = []
+        self._targets: list[SentTarget] = []
         self._visitors: dict[str, list[tuple[float, float, float]]] = {}
 
     def note(self, q_ref: Array, mode: Mode) -> None:
@@ -74,7 +74,7 @@ class PalletRunLog:
 
     def note_target(self, X_WT: Pose) -> None:
         """Record that the motion pursues a target with this pose of the tool at its end."""
-        self._targets.append(ToolTarget(self._simulator.time, X_WT))
+        self._targets.append(SentTarget(self._simulator.time, X_WT))
 
     def note_way_point(self, state: State, status: MotionStatus) -> None:
         """Record that a state's target was confirmed, with the status on which that was done."""
