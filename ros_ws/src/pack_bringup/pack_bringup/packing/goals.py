@@ -156,7 +156,7 @@ def seeded_job(
         seed: of the goal.
         folder: of the run.
         real_time_factor: None: that of the simulator's parameter file.
-        preset: of config/presets; empty: the configuration files as they are.
+        preset: of config/presets/packing; empty: the configuration files as they are.
         command: the command line, for run.yaml.
     """
     return PackingJob(seed, folder=folder, real_time_factor=real_time_factor, preset=preset, command=command)

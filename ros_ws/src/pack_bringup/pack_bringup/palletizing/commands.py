@@ -28,7 +28,7 @@ from pack_bringup.cli.options import (
     Video,
     page_process,
 )
-from pack_bringup.cli.outputs import command_line, make_output_folder
+from pack_bringup.cli.outputs import check_json_file, command_line, make_output_folder
 from pack_bringup.cli.pursue import run_goal, run_live
 from pack_bringup.palletizing import calibration, order_command
 from pack_bringup.recording.run_record import default_folder
@@ -296,7 +296,10 @@ def layout(
     json_file: Annotated[
         Path | None,
         typer.Option(
-            "--json", metavar="FILE", help="Also write the order with its boxes at their new places."
+            "--json",
+            metavar="FILE",
+            help="Also write the order with its boxes at their new places.",
+            callback=check_json_file,
         ),
     ] = None,
 ) -> None:

@@ -153,7 +153,7 @@ def seeded_job(
         seed: of the goal.
         folder: of the run.
         real_time_factor: None: that of the simulator's parameter file.
-        preset: what the cell is like; empty: the configuration files as they are.
+        preset: of config/presets/palletizing; empty: the configuration files as they are.
         command: the command line, for run.yaml.
     """
     return PalletizingJob(

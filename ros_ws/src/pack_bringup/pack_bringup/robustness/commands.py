@@ -17,7 +17,7 @@ import typer
 from pack_bringup.cli.evaluate import evaluate_many
 from pack_bringup.cli.options import BenchmarkFolder, Fresh, JsonFile, RealTimeFactor, prepare_network
 from pack_bringup.cli.outputs import command_line, make_output_folder, write_json
-from pack_bringup.cli.terminal import TrialProgress, end_as_by_ctrl_c, show_table
+from pack_bringup.cli.terminal import TrialProgress, end_as_by_ctrl_c, notice, show_table
 from pack_bringup.robustness.fault_cases import FAULT_COLUMNS, Fault, fault_cases, fault_row
 
 if TYPE_CHECKING:
@@ -128,6 +128,7 @@ def live(
     prepare_network()
     from pack_bringup.robustness.live import GOAL_COLUMNS, goal_row, seeds_of, summary
     from pack_core.cells import check_cell
+    from pack_core.errors import BagError
     from pack_core.paths import bags_path
     from pack_evaluation.provenance import provenance
     from pack_lockstep.benchmarking.results_folder import TrialFile
@@ -147,8 +148,11 @@ def live(
     found = summary(kept)
     show_table(GOAL_COLUMNS, [goal_row(report) for report in kept], title=f"{cell} in real time")
     recordings = [folder / RUNS / f"seed_{seed}" for seed in wanted]
-    # All recordings together are one study.
-    (measured,) = evaluate_many(recordings, folder, pictures=0).values()
+    measured: dict[str, Any] = {}
+    try:  # all recordings together are one study
+        (measured,) = evaluate_many(recordings, folder, pictures=0).values()
+    except BagError as error:  # no goal began its work: that, too, is a result
+        notice(str(error), typer.colors.YELLOW, is_error=True)
     for path in filter(None, (folder / LIVE, json_file)):
         write_json(path, {**measured, "live": {**settings, **found}})
 

@@ -10,7 +10,7 @@ import yaml
 from pydantic import Field
 
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import CUBES, BlockSize, BlockSizes
+from pack_core.blocks.problem import CUBE, CUBES, BlockSize, BlockSizes
 from pack_core.blocks.topics import TAGS
 from pack_core.config import Config, parse_config
 from pack_core.text.limits import MOST_BLOCKS, BlockName
@@ -70,7 +70,7 @@ class _Tags(Config):
 
 def tags_text(tags: Mapping[str, int], sizes: BlockSizes = CUBES) -> str:
     """The text, from the number of every block's tag, and the sizes [m] of those that are not cubes."""
-    own = {name: list(size) for name, size in sizes.items() if size != BlockSize()}
+    own = {name: list(size) for name, size in sizes.items() if size != CUBE}
     return yaml.safe_dump({"tags": dict(tags), **({"sizes": own} if own else {})})
 
 

@@ -40,9 +40,9 @@ class BlockSize(NamedTuple):
 CUBE = BlockSize()
 """A 2-inch cube."""
 BlockSizes = Mapping[str, BlockSize]
-"""BlockSizes of blocks by id."""
+"""Sizes of blocks [m] by id."""
 CUBES: BlockSizes = MappingProxyType({})
-"""BlockSizes where no block has one of its own."""
+"""Sizes where no block has one of its own: all are cubes."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from shapely import affinity
 
 from pack_core.blocks.cell import BlocksCell
 from pack_core.blocks.planar import PlanarPose
-from pack_core.blocks.problem import BlockSize, PlacedBlock, Problem
+from pack_core.blocks.problem import CUBE, BlockSize, PlacedBlock, Problem
 from pack_core.config import Config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.text.limits import MOST_BLOCKS, MOST_CORNERS, AngleDeg, BlockName, Number
@@ -49,7 +49,7 @@ class BlockEntry(Config):
     start: Place
     goal: Place
     size: tuple[TopEdge, TopEdge, HeightMm] | None = None
-    """Edges along the block's own x, y and z [mm]; left out: the cell's cube."""
+    """Edges along the block's own x, y and z [mm]; left out: a 2-inch cube."""
 
 
 class ProblemFile(Config):
@@ -108,7 +108,7 @@ def problem_text(problem: Problem) -> str:
     """The file's text of a problem."""
     blocks = [
         {"id": block.id, "start": _place(block.pose), "goal": _place(problem.goals[block.id])}
-        | ({} if block.size == BlockSize() else {"size": _rounded([1000 * edge for edge in block.size])})
+        | ({} if block.size == CUBE else {"size": _rounded([1000 * edge for edge in block.size])})
         for block in problem.blocks
     ]
     corners = [_rounded(1000 * np.array(corner)) for corner in problem.workspace]
@@ -122,7 +122,7 @@ def _pose(place: Place) -> PlanarPose:
 
 
 def _size(block: BlockEntry) -> BlockSize:
-    return BlockSize() if block.size is None else BlockSize(*(edge / 1000 for edge in block.size))
+    return CUBE if block.size is None else BlockSize(*(edge / 1000 for edge in block.size))
 
 
 def _place(pose: PlanarPose) -> list[float]:

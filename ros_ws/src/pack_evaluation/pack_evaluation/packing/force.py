@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import accumulate
-
 import numpy as np
 
 from pack_core.packing.topics import WRENCH_RATE
@@ -28,11 +26,13 @@ def low_pass(times: Array, values: Array) -> Array:
     """
     if values.size < 2:
         return values.copy()
+    from scipy.signal import lfilter  # a second, which only evaluation takes
+
     period = float(np.median(np.diff(times)))
-    keep = float(np.exp(-period / FILTER_TIME))
-    # y[k] = keep y[k-1] + (1 - keep) x[k]; scipy.signal.lfilter would take a second to import
-    filtered = accumulate(values.tolist(), lambda y, x: (1.0 - keep) * x + keep * y)
-    return np.fromiter(filtered, dtype=float, count=values.size)
+    keep = np.exp(-period / FILTER_TIME)
+    # y[k] = keep y[k-1] + (1 - keep) x[k]; zi makes the first output equal to the first value
+    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * values[0]])
+    return np.asarray(filtered)
 
 
 def chatter(times: Array, force: Array) -> float:

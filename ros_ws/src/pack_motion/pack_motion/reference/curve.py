@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from pack_core.motion.moves import Line
 from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, to_matrix
@@ -98,8 +99,7 @@ class CornerCurve:
         inner = u[:-1, None] + np.diff(u)[:, None] * 0.5 * (nodes + 1.0)
         speeds = np.linalg.norm(self._bezier(inner.ravel(), 1), axis=1).reshape(inner.shape)
         way = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(u) * (speeds @ weights))])
-        self._way = way
-        self._cubics = _hermite(way, u, 1.0 / np.linalg.norm(self._bezier(u, 1), axis=1))
+        self._u_of = CubicHermiteSpline(way, u, 1.0 / np.linalg.norm(self._bezier(u, 1), axis=1))
         self.length = float(way[-1])
         cut_off = float(np.linalg.norm(corner - first) + np.linalg.norm(last - corner))
         # The corner is shorter than what it cuts off the lines, by this share, but the tool turns as far.
@@ -113,9 +113,7 @@ class CornerCurve:
 
     def at(self, s: Array) -> CurvePoints:
         """Tool poses at arc lengths `(T,)` [m]."""
-        row = np.clip(np.searchsorted(self._way, s, "right") - 1, 0, CORNER_ROWS - 2)
-        x, (a, b, c, e) = s - self._way[row], self._cubics[row].T
-        u = np.clip(a + x * (b + x * (c + x * e)), 0.0, 1.0)
+        u = np.clip(self._u_of(s), 0.0, 1.0)
         d, dd = self._bezier(u, 1), self._bezier(u, 2)
         rate = np.linalg.norm(d, axis=1, keepdims=True)
         dp = d / rate
@@ -146,17 +144,6 @@ class CornerCurve:
         for _ in range(degree):
             points = (1.0 - u) * points[:, :-1] + u * points[:, 1:]
         return np.asarray(factor * points[:, 0])
-
-
-def _hermite(x: Array, y: Array, slopes: Array) -> Array:
-    """Cubics a + b d + c d^2 + e d^3 of d = x - x[i] with the given values and slopes `(T,)`: `(T - 1, 4)`.
-
-    They are those of scipy.interpolate.CubicHermiteSpline, which takes a node half a second to import.
-    """
-    h = np.diff(x)
-    chord, first, last = np.diff(y) / h, slopes[:-1], slopes[1:]
-    c, e = (3.0 * chord - 2.0 * first - last) / h, (first + last - 2.0 * chord) / h**2
-    return np.stack([y[:-1], first, c, e], axis=1)
 
 
 def trimmed(X_start: Pose, X_end: Pose, cuts: Sequence[float]) -> StraightCurve:
