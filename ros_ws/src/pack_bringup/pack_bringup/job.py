@@ -74,6 +74,26 @@ class Job(CellGoal, Protocol):
         """Parameters by node, as YAML text."""
 
 
+class SeededJob(Protocol):
+    """Makes the job of a seed: its goal in the folder of a run, with nodes that are started for it."""
+
+    def __call__(
+        self, seed: int, folder: Path, *, real_time_factor: float | None, preset: str, command: str
+    ) -> Job:
+        """The job.
+
+        Args:
+            seed: of the goal.
+            folder: of the run.
+            real_time_factor: None: that of the simulator's parameter file.
+            preset: of config/presets/<cell>; empty: the configuration files as they are.
+            command: the command line, for run.yaml.
+
+        Raises:
+            ConfigError: the cell has no such preset.
+        """
+
+
 def recorder_parameters(job: Job, seed: int, command: str) -> dict[str, str]:
     """The recorder's parameters for a job, as YAML text."""
     # Always: the folder then shows the start, too, and the demo ends shortly after its goal anyhow.

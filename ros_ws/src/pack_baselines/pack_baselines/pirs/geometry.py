@@ -48,11 +48,11 @@ class Sizes(NamedTuple):
 
 
 @njit(cache=True)
-def hit_blocks(rectangle: Array, squares: Array) -> np.uint64:
+def hit_blocks(rectangle: Array, outlines: Array) -> np.uint64:
     """The blocks `(n, 6)` that a rectangle overlaps."""
     blocks = np.uint64(0)
-    for q in range(squares.shape[0]):
-        if overlap(rectangle, squares[q]):
+    for q in range(outlines.shape[0]):
+        if overlap(rectangle, outlines[q]):
             blocks |= np.uint64(1) << np.uint64(q)
     return blocks
 
@@ -65,25 +65,25 @@ def rectangle_at(pose: Array, turn: float, x: float, half_x: float, half_y: floa
 
 
 @njit(cache=True)
-def grasp_hits(pose: Array, grasp: int, sizes: Sizes, squares: Array) -> np.uint64:
+def grasp_hits(pose: Array, grasp: int, sizes: Sizes, outlines: Array) -> np.uint64:
     """What the fingers of a grasp would hit."""
     reach = (sizes.edges[grasp] + sizes.slab_thickness) / 2
     blocks = np.uint64(0)
     for x in (reach, -reach):
         finger = rectangle_at(pose, grasp * QUARTER, x, sizes.slab_thickness / 2, sizes.slab_width / 2)
-        blocks |= hit_blocks(finger, squares)
+        blocks |= hit_blocks(finger, outlines)
     return blocks
 
 
 @njit(cache=True)
-def block_hits(pose: Array, sizes: Sizes, squares: Array) -> np.uint64:
+def block_hits(pose: Array, sizes: Sizes, outlines: Array) -> np.uint64:
     """What a block that is put down would hit."""
     half_x, half_y = sizes.edges[0] / 2 + sizes.block_margin, sizes.edges[1] / 2 + sizes.block_margin
-    return hit_blocks(rectangle_at(pose, 0.0, 0.0, half_x, half_y), squares)
+    return hit_blocks(rectangle_at(pose, 0.0, 0.0, half_x, half_y), outlines)
 
 
 @njit(cache=True)
-def push_hits(start: Array, end: Array, sizes: Sizes, squares: Array) -> np.uint64:
+def push_hits(start: Array, end: Array, sizes: Sizes, outlines: Array) -> np.uint64:
     """What a push would hit."""
     heading = np.arctan2(end[1] - start[1], end[0] - start[0])
     is_along_y = abs(np.sin(heading - end[2])) > abs(np.cos(heading - end[2]))
@@ -92,7 +92,7 @@ def push_hits(start: Array, end: Array, sizes: Sizes, squares: Array) -> np.uint
     rear = np.hypot(end[0] - start[0], end[1] - start[1]) + along / 2 + sizes.push_tail
     half_width = max(across / 2 + sizes.block_margin, sizes.gripper_half_width)
     sweep = rectangle_at(end, heading - end[2], (front - rear) / 2, (front + rear) / 2, half_width)
-    return hit_blocks(sweep, squares)
+    return hit_blocks(sweep, outlines)
 
 
 @njit(cache=True)

@@ -63,12 +63,12 @@ class Way(NamedTuple):
 
 @njit(cache=True)
 def shortest_way(
-    nodes: Array, squares: Array, movable: np.uint64, fixed: np.uint64, is_symmetric: bool, prices: Prices,
+    nodes: Array, outlines: Array, movable: np.uint64, fixed: np.uint64, is_symmetric: bool, prices: Prices,
     sizes: Sizes,
 ) -> Way:  # fmt: skip
     """Dijkstra's algorithm from node 0 to node 1 of `(nodes, 3)`."""
     n = nodes.shape[0]
-    picks, places = grasps_at(nodes, sizes, squares)
+    picks, places = grasps_at(nodes, sizes, outlines)
     cost, parent = np.full(n, np.inf), np.full(n, -1)
     used, hits = np.full(n, -1), np.zeros(n, np.uint64)
     is_done = np.zeros(n, np.bool_)
@@ -88,7 +88,7 @@ def shortest_way(
                     nodes[j],
                     picks[i],
                     places[j],
-                    squares,
+                    outlines,
                     movable,
                     fixed,
                     is_symmetric,
@@ -102,21 +102,21 @@ def shortest_way(
 
 @njit(cache=True)
 def grasps_at(
-    nodes: Array, sizes: Sizes, squares: Array
+    nodes: Array, sizes: Sizes, outlines: Array
 ) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.uint64]]:
     """What picking and placing at the nodes hits, by either grasp `(nodes, 2)` each."""
     picks, places = np.empty((len(nodes), 2), np.uint64), np.empty((len(nodes), 2), np.uint64)
     for i in range(len(nodes)):
-        below = block_hits(nodes[i], sizes, squares)
+        below = block_hits(nodes[i], sizes, outlines)
         for k in range(2):
-            picks[i, k] = grasp_hits(nodes[i], k, sizes, squares)
+            picks[i, k] = grasp_hits(nodes[i], k, sizes, outlines)
             places[i, k] = picks[i, k] | below
     return picks, places
 
 
 @njit(cache=True)
 def cheapest_edge(
-    start: Array, end: Array, picks: npt.NDArray[np.uint64], places: npt.NDArray[np.uint64], squares: Array,
+    start: Array, end: Array, picks: npt.NDArray[np.uint64], places: npt.NDArray[np.uint64], outlines: Array,
     movable: np.uint64, fixed: np.uint64, is_symmetric: bool, prices: Prices, sizes: Sizes,
 ) -> tuple[float, int, np.uint64]:  # fmt: skip
     """Price, kind and blocks in the way of the cheapest action from pose to pose; infinite for none."""
@@ -132,7 +132,7 @@ def cheapest_edge(
                 best, kind, in_the_way = price, 2 * k + (k ^ turned), blocks & movable
     push = prices.push + (prices.distance + prices.push_length) * length
     if push < best and is_push(start, end, is_symmetric, sizes):
-        blocks = push_hits(start, end, sizes, squares)
+        blocks = push_hits(start, end, sizes, outlines)
         price = push + prices.collision * _count(blocks & movable)
         if not blocks & fixed and price < best:
             best, kind, in_the_way = price, PUSHED, blocks & movable
@@ -157,16 +157,16 @@ def _way_back(
 
 
 @njit(cache=True)
-def way_hits(way: Way, sizes: Sizes, squares: Array) -> np.uint64:
+def way_hits(way: Way, sizes: Sizes, outlines: Array) -> np.uint64:
     """Blocks `(n, 6)` in the way, for blocks that stand elsewhere now."""
     blocks = np.uint64(0)
     for edge in range(len(way.grasps)):
         start, end, kind = way.poses[edge], way.poses[edge + 1], way.grasps[edge]
         if kind == PUSHED:
-            blocks |= push_hits(start, end, sizes, squares)
+            blocks |= push_hits(start, end, sizes, outlines)
         else:
-            blocks |= grasp_hits(start, kind // 2, sizes, squares) | block_hits(end, sizes, squares)
-            blocks |= grasp_hits(end, kind % 2, sizes, squares)
+            blocks |= grasp_hits(start, kind // 2, sizes, outlines) | block_hits(end, sizes, outlines)
+            blocks |= grasp_hits(end, kind % 2, sizes, outlines)
     return blocks
 
 
@@ -205,7 +205,7 @@ def draw_on_line(pose: Array, sizes: Sizes, rng: np.random.Generator) -> Array:
 
 @njit(cache=True)
 def sample_nodes(
-    start: Array, end: Array, count: int, bias: float, fixed: np.uint64, sizes: Sizes, squares: Array,
+    start: Array, end: Array, count: int, bias: float, fixed: np.uint64, sizes: Sizes, outlines: Array,
     half_planes: Array, corners: Array, rng: np.random.Generator,
 ) -> Array:  # fmt: skip
     """Start, end and up to `count` poses between them that hit none of the `fixed` blocks `(nodes, 3)`.
@@ -222,7 +222,7 @@ def sample_nodes(
             pose = draw_on_line(end if rng.uniform(0.0, 1.0) < GOAL_SHARE else start, sizes, rng)
         else:
             pose = draw_pose(corners, rng)
-        if is_inside(pose, sizes, half_planes) and not block_hits(pose, sizes, squares) & fixed:
+        if is_inside(pose, sizes, half_planes) and not block_hits(pose, sizes, outlines) & fixed:
             nodes[found] = pose
             found += 1
     return nodes[:found]
@@ -231,7 +231,7 @@ def sample_nodes(
 @njit(cache=True)
 def sample_clear_pose(
     start: Array, way: Way, way_sizes: Sizes, others: np.uint64, wanted: int, tries: int, sizes: Sizes,
-    squares: Array, half_planes: Array, corners: Array, rng: np.random.Generator,
+    outlines: Array, half_planes: Array, corners: Array, rng: np.random.Generator,
 ) -> Array:  # fmt: skip
     """A pose at which a block hits none of the `others` and is not in the way `(1, 3)`; else `(0, 3)`.
 
@@ -242,7 +242,7 @@ def sample_clear_pose(
         if found == wanted:
             break
         pose = draw_pose(corners, rng)
-        if is_clear(pose, way, way_sizes, others, sizes, squares, half_planes):
+        if is_clear(pose, way, way_sizes, others, sizes, outlines, half_planes):
             found += 1
             distance = np.hypot(pose[0] - start[0], pose[1] - start[1])
             if distance < least:
@@ -253,14 +253,14 @@ def sample_clear_pose(
 
 @njit(cache=True)
 def is_clear(
-    pose: Array, way: Way, way_sizes: Sizes, others: np.uint64, sizes: Sizes, squares: Array,
+    pose: Array, way: Way, way_sizes: Sizes, others: np.uint64, sizes: Sizes, outlines: Array,
     half_planes: Array,
 ) -> bool:  # fmt: skip
     """A block at the pose is inside the workspace, hits none of the `others` and is not in the way.
 
     The way is that of another block, of `way_sizes`.
     """
-    if not is_inside(pose, sizes, half_planes) or block_hits(pose, sizes, squares) & others:
+    if not is_inside(pose, sizes, half_planes) or block_hits(pose, sizes, outlines) & others:
         return False
     outline = np.empty((1, 6))
     outline[0] = rectangle_at(pose, 0.0, 0.0, sizes.edges[0] / 2, sizes.edges[1] / 2)

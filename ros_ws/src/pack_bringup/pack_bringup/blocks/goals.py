@@ -123,18 +123,7 @@ class BlocksJob(BlocksGoal):
 def seeded_job(
     seed: int, folder: Path, *, real_time_factor: float | None, preset: str, command: str
 ) -> BlocksJob:
-    """The goal of a seed in the folder of a run, with nodes that are started for it.
-
-    Args:
-        seed: of the goal.
-        folder: of the run.
-        real_time_factor: None: that of the simulator's parameter file.
-        preset: this cell has none.
-        command: the command line, for run.yaml.
-
-    Raises:
-        ConfigError: a preset is given.
-    """
+    """The job of a seed, as `pack_bringup.job.SeededJob` has it; this cell has no presets."""
     conditions("blocks", preset, None)
     return BlocksJob(
         seeded_goal(seed).problem, seed, folder=folder, real_time_factor=real_time_factor, command=command

@@ -150,15 +150,7 @@ class PackingJob(PackingGoal):
 def seeded_job(
     seed: int, folder: Path, *, real_time_factor: float | None, preset: str, command: str
 ) -> PackingJob:
-    """The goal of a seed in the folder of a run, with nodes that are started for it.
-
-    Args:
-        seed: of the goal.
-        folder: of the run.
-        real_time_factor: None: that of the simulator's parameter file.
-        preset: of config/presets/packing; empty: the configuration files as they are.
-        command: the command line, for run.yaml.
-    """
+    """The job of a seed, as `pack_bringup.job.SeededJob` has it."""
     return PackingJob(seed, folder=folder, real_time_factor=real_time_factor, preset=preset, command=command)
 
 

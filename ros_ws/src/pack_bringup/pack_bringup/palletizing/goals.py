@@ -147,15 +147,7 @@ class PalletizingJob(PalletizingGoal):
 def seeded_job(
     seed: int, folder: Path, *, real_time_factor: float | None, preset: str, command: str
 ) -> PalletizingJob:
-    """The goal of a seed in the folder of a run, with nodes that are started for it.
-
-    Args:
-        seed: of the goal.
-        folder: of the run.
-        real_time_factor: None: that of the simulator's parameter file.
-        preset: of config/presets/palletizing; empty: the configuration files as they are.
-        command: the command line, for run.yaml.
-    """
+    """The job of a seed, as `pack_bringup.job.SeededJob` has it."""
     return PalletizingJob(
         seeded_goal(seed).order, seed, folder=folder, real_time_factor=real_time_factor, preset=preset,
         command=command,

@@ -161,17 +161,18 @@ def _run_live(
     cell: str, seeds: Sequence[int], total: int, goals: TrialFile, folder: Path, settings: Mapping[str, Any]
 ) -> None:
     """Run and keep the goals of `seeds`, the recording of each in a folder of its own."""
-    from pack_bringup.job import run_demo
+    from pack_bringup.job import SeededJob, run_demo
     from pack_bringup.robustness.live import busy_processes, goal_report, goal_row
     from pack_core.cells import cell_part
     from pack_core.errors import PackError
     from pack_lockstep.benchmarking.benchmark import Verdict
 
+    make: SeededJob = cell_part(cell, "seeded_job")
     with busy_processes(settings["beside"]), TrialProgress(total, total - len(seeds)) as bar:
         for seed in seeds:
             run = folder / f"seed_{seed}"
             shutil.rmtree(run, ignore_errors=True)
-            job = cell_part(cell, "seeded_job")(
+            job = make(
                 seed, run, real_time_factor=settings["real_time_factor"], preset=settings["preset"],
                 command=command_line(),
             )  # fmt: skip
