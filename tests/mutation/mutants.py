@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import random
 import re
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,9 +57,9 @@ class TableOperator(Operator):  # type: ignore[misc]
         """None: cosmic-ray has them for tests of its own operators."""
         return ()
 
+    @abstractmethod
     def takes(self, node: NodeOrLeaf) -> bool:
         """Whether the node may be replaced."""
-        raise NotImplementedError
 
 
 class RowLeftOut(TableOperator):
