@@ -15,7 +15,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from regression.comparison import run_differences
+from regression.comparison import RunMissingError, run_differences
 
 ORDERS = [part for number in ("01", "05", "09") for part in ("--order", f"config/orders/order_{number}.json")]
 BENCHMARKS = {
@@ -71,13 +71,23 @@ def compare(
     new: Annotated[Path, typer.Argument(help="Folder that `record` wrote after it.")],
     most: Annotated[int, typer.Option(min=1, help="Differences of a run that are shown.")] = 12,
 ) -> None:
-    """Say for each run whether it is the same but for the wall clock; exit code 1 if one is not."""
+    """Say for each run whether it is the same but for the wall clock; exit code 1 if one is not.
+
+    A run that neither folder has is left out; one that one of them lacks, or that did not come to its end,
+    is named.
+    """
     console = Console()
+    recorded = [name for name in [*BENCHMARKS, SAMPLE] if (old / name).is_dir() or (new / name).is_dir()]
+    if not recorded:
+        raise typer.BadParameter(f"neither {old} nor {new} has a run of `record`")
     is_same = True
-    for name in [*BENCHMARKS, SAMPLE]:
-        if not (old / name).is_dir():
+    for name in recorded:
+        try:
+            found = list(run_differences(old / name, new / name))
+        except RunMissingError as error:
+            is_same = False
+            console.print(f"{name}: not compared: {error}", markup=False, soft_wrap=True)
             continue
-        found = list(run_differences(old / name, new / name))
         is_same = is_same and not found
         console.print(f"{name}: {f'{len(found)} differences' if found else 'the same'}")
         for line in found[:most]:

@@ -17,6 +17,10 @@ OF_THE_MACHINE = {
 ABSENT = "(absent)"
 
 
+class RunMissingError(Exception):
+    """A folder lacks a file of results without which a run cannot be compared."""
+
+
 def differences(old: Any, new: Any, place: str = "") -> Iterator[str]:
     """Every place at which two JSON values differ, with both values."""
     if isinstance(old, dict) and isinstance(new, dict):
@@ -50,14 +54,19 @@ def run_differences(old: Path, new: Path) -> Iterator[str]:
     """What differs between two folders of results: the summary, each trial, each run's arrays.
 
     Raises:
-        FileNotFoundError: One of the folders has no summary, so that nothing could be compared.
+        RunMissingError: one of the folders lacks a file of the other, so that nothing could be compared.
     """
     for folder in (old, new):
         if not (folder / "summary.json").is_file():
-            raise FileNotFoundError(f"{folder} has no summary.json: the run did not come to its end")
+            raise RunMissingError(f"{folder} has no summary.json: the run is missing or was cut off")
     summaries = [json.loads((folder / "summary.json").read_text()) for folder in (old, new)]
     yield from differences(*summaries, "summary")
     if (old / "trials.jsonl").is_file():
+        if not (new / "trials.jsonl").is_file():
+            raise RunMissingError(f"{new} has no trials.jsonl")
         yield from differences(trials(old / "trials.jsonl"), trials(new / "trials.jsonl"), "trials")
     for path in sorted(old.glob("runs/*.npz")):
-        yield from (f"{path.name}: {line}" for line in array_differences(path, new / "runs" / path.name))
+        if (other := new / "runs" / path.name).is_file():
+            yield from (f"{path.name}: {line}" for line in array_differences(path, other))
+        else:
+            yield f"{path.name}: {ABSENT} in {new}"

@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from regression.comparison import array_differences, differences, run_differences
+from regression.__main__ import app
+from regression.comparison import RunMissingError, array_differences, differences, run_differences
 
 
 def write_run(folder: Path, force: float, wall_time: float, joints: list[float]) -> None:
@@ -60,5 +62,35 @@ def test_an_array_that_one_run_lacks_is_a_difference(tmp_path: Path) -> None:
 
 def test_a_run_without_results_is_an_error_and_not_the_same(tmp_path: Path) -> None:
     write_run(tmp_path / "old", 10.0, 1.0, [0.1])
-    with pytest.raises(FileNotFoundError, match=r"new has no summary\.json"):
+    with pytest.raises(RunMissingError, match=r"new has no summary\.json"):
         list(run_differences(tmp_path / "old", tmp_path / "new"))
+
+
+def test_the_command_names_a_run_that_one_record_lacks_and_compares_the_others(tmp_path: Path) -> None:
+    for folder, name in (
+        ("old", "packing"),
+        ("new", "packing"),
+        ("old", "packing_fill"),
+        ("new", "blocks_pirs"),
+    ):
+        write_run(tmp_path / folder / name, 10.0, 1.0, [0.1])
+    done = CliRunner().invoke(app, ["compare", str(tmp_path / "old"), str(tmp_path / "new")])
+    assert done.exit_code == 1
+    first, second, third = done.output.splitlines()
+    assert first == "packing: the same"
+    assert second.startswith(f"packing_fill: not compared: {tmp_path}/new/packing_fill has no summary.json")
+    assert third.startswith(f"blocks_pirs: not compared: {tmp_path}/old/blocks_pirs has no summary.json")
+
+
+def test_two_folders_without_runs_are_refused(tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["compare", str(tmp_path / "old"), str(tmp_path / "new")])
+    assert done.exit_code == 2
+    assert "neither" in done.output
+
+
+def test_an_array_file_that_one_run_lacks_is_a_difference(tmp_path: Path) -> None:
+    for folder in ("old", "new"):
+        write_run(tmp_path / folder, 10.0, 1.0, [0.1])
+    (tmp_path / "new" / "runs" / "seed_50.npz").unlink()
+    (found,) = run_differences(tmp_path / "old", tmp_path / "new")
+    assert found == f"seed_50.npz: (absent) in {tmp_path}/new"
