@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from pack_bringup.robustness.live import seeds_of
 from pack_core.paths import project_root
 from pack_evaluation.provenance import project_version
 from pack_lockstep.results.definitions import BenchmarkDefinition, load_definitions, results_path
@@ -45,5 +46,7 @@ def test_no_figure_comes_from_a_seed_for_tuning(name: str) -> None:
 def seeds(cell: str, definition: BenchmarkDefinition) -> range:
     """The seeds that a benchmark runs, where its command gives them as numbers behind options."""
     options = dict(pairwise(definition.arguments))
+    if definition.is_live:
+        return seeds_of(options["--seeds"])
     first = int(options.get(FIRST_SEED[cell], 0))
     return range(first, first + int(options[COUNT[cell]]))

@@ -19,6 +19,7 @@ from pack_bringup.pace import Pace
 from pack_bringup.viewers import PageProcess
 from pack_core.errors import PackError
 from pack_core.text.reader import load_yaml
+from pack_core.used_files import VARIABLE
 
 if TYPE_CHECKING:
     from pack_bringup.ros.goal_client import GoalClient
@@ -106,6 +107,7 @@ def run_demo(
     on_progress: Callable[[Progress], None],
     domain: int | None = None,
     page: PageProcess | None = None,
+    used_files: Path | None = None,
 ) -> tuple[Any, Pace]:
     """Start the nodes, pursue the goal, stop the nodes; the recording is then complete.
 
@@ -114,6 +116,7 @@ def run_demo(
         on_progress: is shown where the goal stands, about ten times a second of wall clock.
         domain: ROS domain id; None: the environment's, else a free one.
         page: a page that shows the run while it goes on; None: none.
+        used_files: folder into which the nodes tell what they use of the project; None: they do not.
 
     Returns:
         The action's result, and whether the machine kept up.
@@ -131,6 +134,7 @@ def run_demo(
     names = [node.name for node in graph.nodes]
     check_domain_is_free(domain, job.cell, names)
     environment = {"ROS_DOMAIN_ID": str(domain), **(page.environment() if page else {})}
+    environment |= {VARIABLE: str(used_files.resolve())} if used_files else {}
     job.folder.mkdir(parents=True, exist_ok=True)
     log = job.folder / LOG
     with log.open("w") as output:

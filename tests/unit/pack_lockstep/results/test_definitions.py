@@ -15,6 +15,7 @@ benchmarks:
   packing/quick: {command: packing --scenes 2, trend: scenes, minutes: 1}
   packing/long: {command: packing --scenes 100, trend: scenes, minutes: 50}
   blocks/plans: {command: blocks, trend: scenes, minutes: 2, jobs: 1}
+  blocks/live: {command: live blocks --seeds 3, trend: scenes, minutes: 0.5}
 """
 
 
@@ -25,9 +26,10 @@ def definitions(text: str, folder: Path) -> Definitions:
 
 def test_the_longest_comes_first(tmp_path: Path) -> None:
     found = definitions(TEXT, tmp_path)
-    assert list(found.chosen([])) == ["packing/long", "blocks/plans", "packing/quick"]
+    assert list(found.chosen([])) == ["packing/long", "blocks/plans", "packing/quick", "blocks/live"]
     assert list(found.chosen(["packing"])) == ["packing/long", "packing/quick"]
-    assert list(found.chosen(["packing/quick", "blocks"])) == ["blocks/plans", "packing/quick"]
+    assert list(found.chosen(["packing/quick", "blocks"])) == ["blocks/plans", "packing/quick", "blocks/live"]
+    assert [name for name, definition in found.benchmarks.items() if definition.is_live] == ["blocks/live"]
     assert found.benchmarks["packing/long"].arguments == ["packing", "--scenes", "100"]
 
 
@@ -41,6 +43,8 @@ def test_an_unknown_name_is_refused_with_those_that_exist(tmp_path: Path) -> Non
     [
         ("blocks/plans:", "cubes/plans:", "cubes/plans; allowed: one of packing, palletizing, blocks"),
         ("command: blocks", "command: packing", "allowed: a command that begins with blocks"),
+        ("live blocks", "live packing", "allowed: a command that begins with blocks or live blocks"),
+        ("live blocks", "live", "allowed: a command that begins with blocks or live blocks"),
         ("trend: scenes, minutes: 2", "trend: orders, minutes: 2", "trend orders; allowed: scenes"),
         ("minutes: 50", "minutes: 0", "greater than 0"),
     ],

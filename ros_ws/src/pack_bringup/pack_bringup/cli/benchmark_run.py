@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from pack_bringup.cli.terminal import TrialProgress, notice
 
 if TYPE_CHECKING:
     from pack_lockstep.benchmarking.benchmark import Benchmark
+    from pack_lockstep.benchmarking.results_folder import ResultsFolder
 
 
 @dataclass(frozen=True)
@@ -48,20 +48,19 @@ def run(benchmark: Benchmark[Any, Any], options: RunOptions) -> None:
     """
     from pack_core.cells import cell_part
     from pack_core.paths import bags_path
+    from pack_core.used_files import used_since_watch
     from pack_evaluation.provenance import provenance
     from pack_lockstep.benchmarking.benchmark import run_benchmark
     from pack_lockstep.benchmarking.pools import open_pool
     from pack_lockstep.benchmarking.results_folder import SUMMARY, ResultsFolder
     from pack_lockstep.benchmarking.side_by_side import CellStudies
-    from pack_lockstep.benchmarking.sources import used_since_watch
 
     set_up_with = used_since_watch()
     folder = ResultsFolder(options.output or bags_path() / "benchmarks" / benchmark.folder_name)
     make_output_folder(folder.path)
     if options.fresh:
         folder.clear(benchmark.files)
-    if changed := folder.changed_sources():
-        _warn_of_other_code(folder.path, changed)
+    warn_of_other_code(folder)
     names, origin = [job.name for job in benchmark.jobs], provenance(command_line())
     with (
         open_pool(options.jobs, options.ray, benchmark.threads) as pool,
@@ -83,10 +82,12 @@ def run(benchmark: Benchmark[Any, Any], options: RunOptions) -> None:
         write_json(path, summary)
 
 
-def _warn_of_other_code(folder: Path, changed: Sequence[str]) -> None:
+def warn_of_other_code(folder: ResultsFolder) -> None:
     """Settings are compared and refused; whoever goes on with other code should know."""
+    if not (changed := folder.changed_sources()):
+        return
     text = (
-        f"the trials in {folder} were made before {changed[0]}"
+        f"the trials in {folder.path} were made before {changed[0]}"
         + (f" and {len(changed) - 1} other files" if len(changed) > 1 else "")
         + " changed, on which they depend; --fresh measures all anew"
     )

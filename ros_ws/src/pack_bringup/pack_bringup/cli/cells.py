@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import typer
 
-from pack_bringup.robustness.commands import faults, hands, live
+from pack_bringup.robustness.commands import faults, hands
+from pack_bringup.robustness.live_command import live
 from pack_core.cells import CELLS, cell_part
 
 app = typer.Typer()
@@ -30,7 +31,7 @@ for group, name in ((demos, "demo"), (goals, "goal"), (benchmarks, "benchmark"))
 @benchmarks.callback()
 def _watch() -> None:
     """Note what the command uses of the project from here on: its results depend on it."""
-    from pack_lockstep.benchmarking.sources import watch
+    from pack_core.used_files import watch
 
     watch()
 

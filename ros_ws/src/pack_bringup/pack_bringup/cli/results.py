@@ -103,7 +103,7 @@ def run(
         return
     failed = []
     for number, (name, definition) in enumerate(wanted.items(), 1):
-        minutes = definition.minutes / (definition.jobs or jobs)
+        minutes = definition.minutes / (1 if definition.is_live else definition.jobs or jobs)
         notice(f"[{number} of {len(wanted)}] {name}, about {minutes:.0f} minutes", typer.colors.CYAN)
         if not _measure(name, definition, definitions, jobs=jobs, ray=ray):
             failed.append(name)
@@ -128,10 +128,10 @@ def _measure(
         prepare = Traced(_pack, name.partition("/")[0], "studies")
         ((_, sources),) = LocalPool(1).run(prepare, [shlex.split(definition.before)])
     command = ["pack", "benchmark", *definition.arguments, "--output", str(folder.path)]
-    command += ["--jobs", str(definition.jobs or jobs)]
-    if ray is not None:
-        command += ["--ray", ray]
-    if ResultsFolder.is_at(folder.path) and (not folder.sources or folder.changed_sources()):
+    if not definition.is_live:
+        command += ["--jobs", str(definition.jobs or jobs)]
+        command += [] if ray is None else ["--ray", ray]
+    if folder.path.is_dir() and (not folder.sources or folder.changed_sources()):
         command.append("--fresh")
     if subprocess.run(command, check=False, cwd=project_root()).returncode != 0:
         return False

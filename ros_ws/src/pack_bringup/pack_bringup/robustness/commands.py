@@ -1,4 +1,4 @@
-"""`pack benchmark live`, `faults` and `hands`, and `pack soak`: a running cell, and what is not foreseen."""
+"""`pack benchmark faults` and `hands`, and `pack soak`: a running cell, and what is not foreseen."""
 
 from __future__ import annotations
 
@@ -14,23 +14,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pack_bringup.cli.evaluate import evaluate_many
 from pack_bringup.cli.options import BenchmarkFolder, Fresh, JsonFile, RealTimeFactor, prepare_network
 from pack_bringup.cli.outputs import command_line, make_output_folder, write_json
-from pack_bringup.cli.terminal import TrialProgress, end_as_by_ctrl_c, notice, show_table
+from pack_bringup.cli.terminal import TrialProgress, end_as_by_ctrl_c, show_table
 from pack_bringup.robustness.fault_cases import FAULT_COLUMNS, Fault, fault_cases, fault_row
 
 if TYPE_CHECKING:
     from pack_bringup.graph.graph import Graph
     from pack_bringup.graph.processes import ProcessGroup
     from pack_bringup.robustness.ros.cell_observer import CellObserver
-    from pack_lockstep.benchmarking.results_folder import TrialFile
 
 LOG = "nodes.log"
-GOALS, RECORDING, SUMMARY, PLOT = "goals.jsonl", "recording", "soak.json", "soak.png"
+GOALS, RECORDING, SOAK, PLOT = "goals.jsonl", "recording", "soak.json", "soak.png"
 """What `pack soak` leaves in its folder besides."""
-RUNS, LIVE = "runs", "live.json"
-"""What `pack benchmark live` leaves in its folder: recordings, and the summary."""
 GOAL_TIMEOUT = 1200.0
 """For a goal of `pack soak` to end [s of wall clock]: several times what the longest takes."""
 app = typer.Typer()
@@ -98,92 +94,6 @@ def hands(
         table.note,
     )  # fmt: skip
     campaign.run(lambda _: nullcontext(lambda case: table.run(case, seed)), output, json_file, fresh=fresh)
-
-
-def live(
-    cell: Annotated[str, typer.Argument(help="Cell to run, e.g. `packing`.")],
-    seeds: Annotated[
-        str, typer.Option(metavar="FIRST..LAST", help="Seeds of the goals, both ends included.")
-    ] = "0..9",
-    beside: Annotated[
-        int, typer.Option(min=0, help="Other programs that each take a processor meanwhile.")
-    ] = 0,
-    preset: Annotated[str, typer.Option(help="Conditions, as of `pack demo`. Default: the files.")] = "",
-    real_time_factor: RealTimeFactor = None,
-    output: BenchmarkFolder = None,
-    fresh: Fresh = False,
-    json_file: JsonFile = None,
-) -> None:
-    """Run the graph of a cell in real time, one goal a seed, and tell how it went and whether time kept up.
-
-    Each goal has nodes of its own, as `pack demo` starts them, and a recording below DIR/runs. The table says
-    how fast time ran, and which share of the controller's iterations took too long. With --beside other
-    programs compete for the processors, at normal priority. How it goes depends on the machine: end what else
-    runs. Interrupted, it goes on where it was.
-
-    - `pack benchmark live packing --seeds 0..9 --json live.json`
-    - `pack benchmark live packing --seeds 0..9 --beside 1`
-    - `pack benchmark live palletizing --seeds 0..3 --real-time-factor 1`
-    """
-    prepare_network()
-    from pack_bringup.robustness.live import GOAL_COLUMNS, goal_row, seeds_of, summary
-    from pack_core.cells import check_cell
-    from pack_core.errors import BagError
-    from pack_core.paths import bags_path
-    from pack_evaluation.provenance import provenance
-    from pack_lockstep.benchmarking.results_folder import TrialFile
-
-    wanted, kind = seeds_of(seeds), f"live_{check_cell(cell)}" + (f"_beside_{beside}" if beside else "")
-    folder = output or bags_path() / "benchmarks" / (kind + (f"_{preset}" if preset else ""))
-    if fresh:
-        shutil.rmtree(folder / RUNS, ignore_errors=True)
-        (folder / GOALS).unlink(missing_ok=True)
-    make_output_folder(folder)
-    end_as_by_ctrl_c()
-    settings = {"beside": beside, "preset": preset, "real_time_factor": real_time_factor}
-    goals = TrialFile(folder / GOALS, cell, settings, provenance(command_line()))
-    left = [seed for seed in wanted if f"seed {seed}" not in goals.trials]
-    _run_live(cell, left, len(wanted), goals, folder / RUNS, settings)
-    kept = [goals.trials[f"seed {seed}"] for seed in wanted]
-    found = summary(kept)
-    show_table(GOAL_COLUMNS, [goal_row(report) for report in kept], title=f"{cell} in real time")
-    recordings = [folder / RUNS / f"seed_{seed}" for seed in wanted]
-    measured: dict[str, Any] = {}
-    try:  # all recordings together are one study
-        (measured,) = evaluate_many(recordings, folder, pictures=0).values()
-    except BagError as error:  # no goal began its work: that, too, is a result
-        notice(str(error), typer.colors.YELLOW, is_error=True)
-    for path in filter(None, (folder / LIVE, json_file)):
-        write_json(path, {**measured, "live": {**settings, **found}})
-
-
-def _run_live(
-    cell: str, seeds: Sequence[int], total: int, goals: TrialFile, folder: Path, settings: Mapping[str, Any]
-) -> None:
-    """Run and keep the goals of `seeds`, the recording of each in a folder of its own."""
-    from pack_bringup.job import SeededJob, run_demo
-    from pack_bringup.robustness.live import busy_processes, goal_report, goal_row
-    from pack_core.cells import cell_part
-    from pack_core.errors import PackError
-    from pack_lockstep.benchmarking.benchmark import Verdict
-
-    make: SeededJob = cell_part(cell, "seeded_job")
-    with busy_processes(settings["beside"]), TrialProgress(total, total - len(seeds)) as bar:
-        for seed in seeds:
-            run = folder / f"seed_{seed}"
-            shutil.rmtree(run, ignore_errors=True)
-            job = make(
-                seed, run, real_time_factor=settings["real_time_factor"], preset=settings["preset"],
-                command=command_line(),
-            )  # fmt: skip
-            job.overrides()  # which refuses conditions that there are not, before anything is counted
-            try:
-                result, pace = run_demo(job, lambda _: None)
-                goals.add(goal_report(seed, result.success, result.message, pace))
-            except PackError as error:
-                goals.add(goal_report(seed, False, str(error), None))
-            report = goals.trials[f"seed {seed}"]
-            bar.add(Verdict(report["name"], report["success"], ", ".join(filter(None, goal_row(report)[1:]))))
 
 
 @dataclass(frozen=True)
@@ -319,7 +229,7 @@ def soak(
     folder = output or bags_path() / "benchmarks" / f"soak_{check_cell(cell)}"
     if fresh:
         shutil.rmtree(folder / RECORDING, ignore_errors=True)
-        for name in (GOALS, LOG, SUMMARY, PLOT):
+        for name in (GOALS, LOG, SOAK, PLOT):
             (folder / name).unlink(missing_ok=True)
     make_output_folder(folder, taken_by=(GOALS, RECORDING))
     settings = {"soak": hours, "seed": seed, "real_time_factor": real_time_factor}
@@ -334,7 +244,7 @@ def soak(
     show_table(GROWTH_COLUMNS, growth_table(samples), title=f"{found['succeeded']} of {found['goals']} goals")
     plot(samples, folder / PLOT)
     typer.echo(f"plot:   {folder / PLOT}")
-    for path in filter(None, (folder / SUMMARY, json_file)):
+    for path in filter(None, (folder / SOAK, json_file)):
         write_json(path, found)
     raise typer.Exit(0 if found["succeeded"] == found["goals"] else 1)
 

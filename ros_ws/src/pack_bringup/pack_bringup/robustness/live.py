@@ -76,11 +76,13 @@ def goal_row(report: Mapping[str, Any]) -> tuple[str, ...]:
 def summary(reports: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """How many goals succeeded, and how fast time ran meanwhile, as plain values."""
     factors = [report["factor"] for report in reports if report["factor"] is not None]
+    wanted = [report["wanted_factor"] for report in reports if report["wanted_factor"] is not None]
     lost = [report for report in reports if not report["success"]]
     return {
         "goals": len(reports),
         "succeeded": len(reports) - len(lost),
         "not_succeeded": [{"seed": report["seed"], "message": report["message"]} for report in lost],
+        "wanted_factor": max(wanted, default=None),
         "factor": asdict(spread(factors)),
         "least_factor": min(factors, default=None),
     }

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from pack_core.errors import PackError
 from pack_core.network import check_bound, enforce, network_warning
 from pack_core.ros.node import CellNode
+from pack_core.used_files import tell_if_asked, watch_if_asked
 
 SWITCH_INTERVAL = 0.001
 """A thread that has to react waits this long for one that computes [s]; Python's default is 0.005."""
@@ -40,12 +41,14 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
     # An interrupt shuts the context down, which ends spinning. Raised as an exception besides, at whatever
     # line it meets, it could leave a lock held, and the end would wait for it.
     signal.signal(signal.SIGINT, lambda *_: None)
+    watch_if_asked()
     executor = node = None
     try:
         start_ros(args=args)
         executor = SingleThreadedExecutor()
         node = make()
         confirm_network()
+        tell_if_asked()  # for a node that is killed
         # What the imports and the constructor made stays; looking through all of it again and again for
         # garbage would hold up every thread, for 50 ms and more at a time.
         gc.collect()
@@ -66,6 +69,7 @@ def run_node(make: Callable[[], Node], args: list[str] | None = None) -> int:
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
+        tell_if_asked()
         gc.unfreeze()  # so that what the node was made of is freed: nanobind (ruckig) reports what is not
         # All is done. A second Ctrl-C would meet the interpreter at its end, which takes its handler away
         # first, and the exit code would tell of a failure.

@@ -64,6 +64,7 @@ def summarize_orders(trials: Sequence[OrderTrial]) -> dict[str, Any]:
         "cycle_s": cycles(boxes),
         "drops": sum(trial.measures["drops"] for trial in trials),
         "unwanted_contacts": sum(trial.measures["touches"] for trial in trials),
+        "interruptions": sum(trial.measures["interruptions"] for trial in trials),
         "stack_hold": {"tested": len(holds), "held": sum(hold < HOLD_LIMIT_MM for hold in holds)},
         "grip": {
             key: max((box[key] for box in boxes if box[key] is not None), default=None)

@@ -1,9 +1,4 @@
-"""Which files of the project a result depends on: modules that were imported, and files that were read.
-
-Python tells an audit hook of every file that is opened and of every folder that is listed (PEP 578). The
-modules of a process are in `sys.modules`. What a result does not depend on is left out: `pack_bringup`, which
-only starts benchmarks and shows what they found.
-"""
+"""Benchmarks whose work tells what of the project it used, and what counts as a change of that."""
 
 from __future__ import annotations
 
@@ -11,85 +6,24 @@ import ast
 import hashlib
 import io
 import json
-import os
-import sys
 import tokenize
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import yaml
 
 from pack_core.cells import cell_part
 from pack_core.paths import project_root
+from pack_core.used_files import used_by_process, watch
 
 JobT = TypeVar("JobT")
 ResultT = TypeVar("ResultT")
 
-EVENTS = frozenset({"open", "os.listdir", "os.scandir"})
-SOURCES, CONFIG = "ros_ws/src", "config"
-COMMANDS = f"{SOURCES}/pack_bringup/"
 DIGITS = 16
 """Hexadecimal digits of a digest: two different files share one with a probability of 1e-19."""
-
-
-_read: set[str] = set()
-"""What this process opened and listed since `watch`, as it named it."""
-_before: frozenset[str] | None = None
-"""Modules that were imported before `watch`; None: it has not been called."""
-
-
-def watch() -> None:
-    """Note from now on what this process reads; an audit hook stays as long as the process lives."""
-    global _before
-    if _before is None:
-        _before = frozenset(sys.modules)
-        sys.addaudithook(_note)
-
-
-def _note(event: str, arguments: tuple[Any, ...]) -> None:
-    if event in EVENTS and isinstance(arguments[0], str):
-        _read.add(arguments[0])
-
-
-def used_since_watch() -> frozenset[str]:
-    """Files of the project that this process imported or read since `watch`; none if it was not called."""
-    if _before is None:
-        return frozenset()
-    return _modules(name for name in list(sys.modules) if name not in _before) | _files(_read)
-
-
-def used_by_process() -> frozenset[str]:
-    """Files of the project that this process imported at any time, or read since `watch`."""
-    return _modules(list(sys.modules)) | _files(_read)
-
-
-def _modules(names: Iterable[str]) -> frozenset[str]:
-    files = (getattr(sys.modules.get(name), "__file__", None) for name in names)
-    inside = (_inside(file) for file in files if file)
-    return frozenset(path for path in inside if path.startswith(SOURCES) and not path.startswith(COMMANDS))
-
-
-def _files(paths: Iterable[str]) -> frozenset[str]:
-    """Files and listed folders (these end with a slash) of the configuration, and data beside the sources."""
-    found = set()
-    for path in list(paths):
-        name = _inside(path)
-        is_data = name.startswith(f"{SOURCES}/") and Path(name).suffix not in {".py", ""}
-        if "__pycache__" in name:
-            continue
-        if is_data or name == CONFIG or name.startswith(f"{CONFIG}/"):
-            found.add(f"{name}/" if (project_root() / name).is_dir() else name)
-    return frozenset(found)
-
-
-def _inside(path: str) -> str:
-    """A path relative to the project, behind all links; empty for one outside of it."""
-    real = os.path.realpath(path)
-    root = os.path.realpath(project_root())
-    return os.path.relpath(real, root) if real.startswith(root + os.sep) else ""
 
 
 @dataclass(frozen=True)
