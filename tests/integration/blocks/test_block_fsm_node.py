@@ -211,5 +211,5 @@ def test_a_goal_that_is_cancelled_stops_the_arm(
     handle = accepted(graph)
     graph.wait_until(lambda: rig.targets)
     handle.cancel_goal_async()
-    assert graph.result_of(handle).exit_reason == "cancelled"
+    assert graph.result_of(handle).exit_reason == "canceled"
     graph.wait_until(lambda: not rig.targets[-1].segments)

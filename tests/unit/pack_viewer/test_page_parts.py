@@ -10,7 +10,7 @@ from pack_viewer.fragments import chips, facts, headline, lines, signed_list
 from pack_viewer.node_board import NodeBoard, level_of
 from pack_viewer.palletizing.order_progress import OrderProgress
 from pack_viewer.run_panel import CellCondition
-from pallet_fsm.states import State
+from pallet_fsm.states import ENDS, State
 
 READY = CellCondition(is_up=True)
 EVIL = '<script>alert("x")</script>&'
@@ -103,6 +103,33 @@ def test_an_error_that_a_node_reports_is_a_fault() -> None:
     assert "no scene" in board.html()
 
 
+def test_the_log_tells_once_of_what_is_refused_again_and_again() -> None:
+    log = EventLog()
+    board = NodeBoard(log, watches_silence=True)
+    for count, since in ((1, 0.3), (2, 0.35), (370, 18.5)):
+        board.take(status("mpc", 1, f"skipped iteration: {count} (seen nothing for {since} s)"), 4.0 + since)
+    assert log.text == "4.30 s  mpc: skipped iteration: 1 (seen nothing for 0.3 s)"
+    assert "skipped iteration: 370 (seen nothing for 18.5 s)" in board.html()
+    board.take(status("mpc", 1, "skipped iteration: 370 (seen nothing for 18.5 s); late plan: 1"), 30.0)
+    assert log.text.splitlines()[0].startswith("30.00 s  mpc: skipped iteration: 370")
+    assert len(log.text.splitlines()) == 2
+
+
+def test_a_warning_leaves_the_board_when_nothing_was_refused_for_a_while_and_an_error_stays() -> None:
+    now = [0.0]
+    board = NodeBoard(EventLog(), watches_silence=False, clock=lambda: now[0])
+    for now[0] in (0.0, 20.0, 29.0):
+        board.take(status("mpc", 1, "skipped iteration: 370 (seen nothing)"))
+        board.take(status("sim", 2, "no scene"))
+        assert "mpc: skipped" in board.html()
+    now[0] = 31.0
+    assert "skipped" not in board.html()
+    assert "mpc" in board.html()
+    assert "no scene" in board.html()
+    board.take(status("mpc", 1, "skipped iteration: 371 (seen nothing)"))
+    assert "mpc: skipped iteration: 371" in board.html()
+
+
 def enter(progress: OrderProgress, box: str, *visits: tuple[State, float]) -> None:
     for state, time in visits:
         progress.enter(state.label, box, "", time)
@@ -120,6 +147,16 @@ def test_another_order_begins_with_nothing_placed() -> None:
     progress = OrderProgress()
     enter(progress, "a", (State.SPAWN, 1.0), (State.RETREAT, 5.0), (State.DONE, 6.0), (State.SPAWN, 9.0))
     assert progress.placed == []
+
+
+def test_an_order_is_under_way_from_its_first_state_to_its_end() -> None:
+    progress = OrderProgress()
+    assert not progress.is_under_way
+    enter(progress, "a", (State.SPAWN, 1.0))
+    assert progress.is_under_way
+    for end in ENDS:
+        enter(progress, "a", (State.RETREAT, 5.0), (end, 6.0))
+        assert not progress.is_under_way
 
 
 def test_a_fault_stays_on_view_with_its_reason() -> None:

@@ -126,7 +126,7 @@ class BlockFsmNode(GoalNode):
             if executor is None or self._pending is None:
                 return
             if self.is_cancel_requested:
-                self._end(ExitReason.CANCELLED, "on request")
+                self._end(ExitReason.CANCELED, "on request")
                 return
             self._pending.go_on()
             if self._pending.failure:

@@ -29,7 +29,7 @@ class ExitReason(Enum):
     NO_PLAN = "no plan"
     MOTION_FAILED = "motion failed"
     NO_PROGRESS = "no progress"
-    CANCELLED = "cancelled"
+    CANCELED = "canceled"
     NODE_SILENT = "node silent"
     ARM_STOPPED = "arm stopped"
 

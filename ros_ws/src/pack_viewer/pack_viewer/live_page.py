@@ -88,7 +88,7 @@ class LivePage:
         if (factor := news.newest(topics.REAL_TIME_FACTOR)) is not None:
             self._factor = factor.data
         for message in news.all(topics.DIAGNOSTICS):
-            self.board.take(message)
+            self.board.take(message, self._time)
 
     def _rows(self) -> list[tuple[str, str]]:
         rows = [("shown", self._origin)]

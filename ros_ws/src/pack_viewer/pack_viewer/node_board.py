@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,17 +13,20 @@ from pack_viewer.fragments import GREEN, ORANGE, RED, signed_list
 
 SILENT = 4.0
 """A node that reports once a second counts as silent after this long [s of wall clock]."""
+WARNED = 30.0
+"""A warning is shown for this long after it last changed [s of wall clock]."""
 OK, WARN = 0, 1
 """Levels of diagnostic_msgs/DiagnosticStatus; those above are errors."""
 
 
 @dataclass
 class NodeHealth:
-    """The last report of a node, and when it came [s of wall clock]."""
+    """The last report of a node, when it came, and when its message last changed [s of wall clock]."""
 
     level: int
     message: str
     heard_at: float
+    changed_at: float
 
 
 class NodeBoard:
@@ -40,14 +44,20 @@ class NodeBoard:
         self._log, self._watches_silence, self._clock = log, watches_silence, clock
         self._nodes: dict[str, NodeHealth] = {}
 
-    def take(self, message: Any) -> None:
-        """Note a message of /diagnostics."""
+    def take(self, message: Any, time: float | None = None) -> None:
+        """Note a message of /diagnostics that came at simulated time `time` [s], where that is known.
+
+        The log is told of what is new; that the same was refused once more shows on the board only.
+        """
         for status in message.status:
-            level = level_of(status.level)
+            level, now = level_of(status.level), self._clock()
             before = self._nodes.get(status.name)
-            if level > OK and (before is None or before.message != status.message):
-                self._log.add(f"{status.name}: {status.message}", "error" if level > WARN else "warning")
-            self._nodes[status.name] = NodeHealth(level, status.message, self._clock())
+            if level > OK and (before is None or _kind(before.message) != _kind(status.message)):
+                self._log.add(
+                    f"{status.name}: {status.message}", "error" if level > WARN else "warning", time
+                )
+            changed_at = before.changed_at if before and before.message == status.message else now
+            self._nodes[status.name] = NodeHealth(level, status.message, now, changed_at)
 
     def forget(self) -> None:
         """As if no node had reported yet."""
@@ -67,12 +77,15 @@ class NodeBoard:
         return bool(self.silent) or any(node.level > WARN for node in self._nodes.values())
 
     def html(self) -> str:
-        """A line for each node that has something to say, and one for all that are well."""
+        """A line for each node that has something to say, and one for all that are well.
+
+        A node counts what it refused for as long as it runs; it is well again once nothing was for a while.
+        """
         silent, rows, well = self.silent, [], []
         for name, node in sorted(self._nodes.items()):
             if name in silent:
                 rows.append(("✕", RED, f"{name}: silent for {self._clock() - node.heard_at:.0f} s"))
-            elif node.level == OK:
+            elif node.level == OK or (node.level == WARN and self._clock() - node.changed_at > WARNED):
                 well.append(name)
             else:
                 sign, colour = ("✕", RED) if node.level > WARN else ("▲", ORANGE)
@@ -80,6 +93,11 @@ class NodeBoard:
         if well:
             rows.append(("✓", GREEN, ", ".join(well)))
         return signed_list(rows, "no node has reported yet")
+
+
+def _kind(message: str) -> str:
+    """What a message says but for its numbers, such as how often something was refused."""
+    return re.sub(r"\d+(\.\d+)?", "#", message)
 
 
 def level_of(level: bytes | int) -> int:

@@ -86,7 +86,7 @@ def test_a_carried_block_that_would_be_put_onto_another_is_refused(bench: Bench)
         if fits:
             bench.planner.plan(at.trajectory.end, target)
         else:
-            with pytest.raises(MoveRefused, match=r"'carried box' would be .* 'b'"):
+            with pytest.raises(MoveRefused, match=r"'carried object' would be .* 'b'"):
                 bench.planner.plan(at.trajectory.end, target)
 
 

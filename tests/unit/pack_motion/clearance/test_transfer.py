@@ -101,7 +101,8 @@ def test_a_neighbour_two_millimetres_away_at_the_place_is_no_hindrance(bench: Be
 
 
 def test_a_place_that_is_taken_is_refused_with_what_where_and_how_near(bench: Bench) -> None:
-    with pytest.raises(MoveRefused, match=r"'carried box' would be \d+ mm inside 'stack' in 'approach'.* at"):
+    words = r"'carried object' would be \d+ mm inside 'stack' in 'approach'.* at"
+    with pytest.raises(MoveRefused, match=words):
         bench.plan(stack(0.25, -0.2 + 0.35))
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from pack_core.blocks import topics
+from pack_core.motion import topics as motion
 from pack_viewer.blocks.blocks_page import BlocksPage
 from pack_viewer.event_log import EventLog
 from pack_viewer.news import News
@@ -42,3 +43,18 @@ def test_a_new_goal_has_no_steps_yet(page: BlocksPage) -> None:
     tell(page, "PICK", actions=2, done=1, plans=1)
     tell(page, "PERCEIVE", actions=0, done=0, plans=0)
     assert "there is no plan yet" in page._plan.content
+
+
+def move(page: BlocksPage, at: float) -> None:
+    motion_status: Any = make("pack_interfaces/msg/MotionStatus", path_error=0.001)
+    page.update(News({motion.MOTION_STATUS: [motion_status]}, at))
+
+
+def test_the_curves_of_a_goal_stay_when_it_has_ended(page: BlocksPage) -> None:
+    move(page, 0.5)
+    tell(page, "PICK", actions=2, done=1, plans=1)
+    for at in (1.5, 2.0):
+        move(page, at)
+    tell(page, "DONE", actions=0, done=0, plans=2)
+    move(page, 99.0)
+    assert page._error.points[:, 0].tolist() == [0.5, 1.0, 1.5, 2.0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -13,6 +13,7 @@ from pack_bringup.cli.evaluate import evaluate_many
 from pack_bringup.cli.options import BenchmarkFolder, Fresh, JsonFile, RealTimeFactor, prepare_network
 from pack_bringup.cli.outputs import command_line, make_output_folder, write_json
 from pack_bringup.cli.terminal import TrialProgress, end_as_by_ctrl_c, notice, show_table
+from pack_core.cells import CELLS
 
 if TYPE_CHECKING:
     from pack_lockstep.benchmarking.results_folder import ResultsFolder, TrialFile
@@ -79,7 +80,7 @@ def live(
         (measured,) = evaluate_many(recordings, folder, pictures=0).values()
     except BagError as error:  # no goal began its work: that, too, is a result
         notice(str(error), typer.colors.YELLOW, is_error=True)
-    results.add_sources(used_since_watch())  # also what made figures of the recordings
+    results.add_sources(_of_cell(cell, used_since_watch()))  # also what made figures of the recordings
     for path in filter(None, (folder / SUMMARY, json_file)):
         write_json(path, {**measured, "live": {**settings, **found}})
 
@@ -114,6 +115,12 @@ def _run_live(
                 report = goal_report(seed, result.success, result.message, pace)
             except PackError as error:
                 report = goal_report(seed, False, str(error), None)
-            results.add_sources(used_since_watch() | parameter_files | told(run / USED))
+            results.add_sources(_of_cell(cell, used_since_watch() | parameter_files | told(run / USED)))
             goals.add(report)
             bar.add(Verdict(report["name"], report["success"], ", ".join(filter(None, goal_row(report)[1:]))))
+
+
+def _of_cell(cell: str, sources: Iterable[str]) -> frozenset[str]:
+    """The sources but for other cells' graphs, which are read to see whether one of them runs already."""
+    others = {f"config/graphs/{other}.yaml" for other in CELLS if other != cell}
+    return frozenset(sources) - others

@@ -22,7 +22,7 @@ class Conflict:
     """A violation of the clearance in a plan.
 
     Attributes:
-        body: name of the arm's body, or of the carried box.
+        body: name of the arm's body, or of the carried object.
         obstacle: name of the obstacle.
         gap: distance between them [m]; negative where they overlap.
         time: time after the start of the move [s].
@@ -100,7 +100,7 @@ PERIOD = 0.02
 """Time between the rows of a plan that are checked [s]."""
 SLACK = 0.0005
 """On a move's first and last lines a gap may be smaller than at that end by this [m]."""
-CARRIED = "carried box"
+CARRIED = "carried object"
 
 
 @dataclass(frozen=True)

@@ -130,8 +130,8 @@ class BlocksPage(CellPage):
         self.headline = Headline(str(result.get("exit_reason", "ended")), message, is_fault=not is_success)
 
     def _plot(self, time: float | None) -> None:
-        if time is None:
-            return
+        if time is None or (self._status is not None and self._status.phase == "DONE"):
+            return  # the curves of a goal that has ended stay
         if self._motion is not None:
             self._error.add(time, 1000.0 * self._motion.path_error)
         if self._jaws is not None:

@@ -114,6 +114,11 @@ class OrderProgress:
         doing = self._reason or WHAT.get(self._state, "")
         return f"{doing}, box {self._box}" if doing and self._box else doing
 
+    @property
+    def is_under_way(self) -> bool:
+        """Whether an order has begun and has not ended."""
+        return bool(self._state) and self._state not in END_LABELS
+
     def placed_text(self, count: int = 0) -> str:
         """How many of `count` boxes (0: not known) are placed, and how long one took on average."""
         text = f"{len(self.placed)} of {count}" if count else str(len(self.placed))

@@ -128,8 +128,8 @@ class PalletizingPage(CellPage):
         )
 
     def _plot(self, time: float | None) -> None:
-        if time is None:
-            return
+        if time is None or not self._progress.is_under_way:
+            return  # the curves of an order that has ended stay
         if self._motion is not None:
             self._error.add(time, 1000.0 * self._motion.path_error)
         if self._grip is not None:
