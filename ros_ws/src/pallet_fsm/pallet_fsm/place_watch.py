@@ -54,13 +54,13 @@ class ArmShadow:
             carried: the box in the hand, if there is one.
         """
         base, wrist, pad = self._X_PW.apply(np.array([self._p_WB, X_WT.apply(self._p_TH), X_WT.p]))[:, :2]
-        arm, hand = self._distance(base, wrist), self._distance(wrist, pad)
-        return min(arm, hand, self._distance(pad, pad) - _radius(X_WT, carried))
+        lines = np.concatenate([base + _ALONG * (wrist - base), wrist + _ALONG * (pad - wrist)])
+        return min(self._distance(lines), self._distance(pad[None]) - _radius(X_WT, carried))
 
-    def _distance(self, start: Array, end: Array) -> float:
-        """Of a line from the place, in its own frame [m]."""
-        beyond = np.maximum(np.abs(start + _ALONG * (end - start)) - self._half, 0.0)
-        return float(np.linalg.norm(beyond, axis=1).min())
+    def _distance(self, points: Array) -> float:
+        """Of the nearest of the points `(n, 2)` from the place, in its own frame [m]."""
+        beyond = np.maximum(np.abs(points) - self._half, 0.0)
+        return float(np.sqrt((beyond * beyond).sum(axis=1).min()))
 
 
 def _radius(X_WT: Pose, carried: CarriedBox | None) -> float:
