@@ -93,7 +93,8 @@ def _check_recording(run: Run) -> None:
 
 
 def test_a_node_that_fails_at_start_ends_the_cell_with_its_reason_and_the_log() -> None:
-    failing = pack("up", "packing", "--domain", str(own_domain()), "--set", "sim.sed=3")
+    some = ("--only", "sim", "--only", "recorder")
+    failing = pack("up", "packing", "--domain", str(own_domain()), *some, "--set", "sim.sed=3")
     said = output_of(failing)
     assert failing.returncode == 2, said
     last = said.splitlines()[-1]

@@ -20,7 +20,7 @@ def trial(
     measures = {
         "is_complete": all(item["is_ok"] for item in boxes), "boxes": boxes, "position_mm": (0.1, 0.5),
         "orientation_deg": (0.01, 0.05), "goal_mm": (0.1, 0.2), "shift_mm": [0.1], "drops": 0, "touches": 0,
-        "faults": [], "duration_s": duration_s,
+        "interruptions": 2, "faults": [], "duration_s": duration_s,
     }  # fmt: skip
     return OrderTrial(order, seed, measures | changes, hold_mm=2.0)
 
@@ -31,6 +31,7 @@ def test_an_order_is_complete_only_if_it_is_with_every_seed() -> None:
     assert (found["orders"], found["orders_complete"]) == (2, 1)
     assert (found["runs"], found["runs_complete"]) == (3, 2)
     assert (found["boxes"], found["boxes_ok"]) == (3, 2)
+    assert found["interruptions"] == 6
 
 
 def test_mean_tracking_is_weighted_by_time_and_the_largest_is_the_largest() -> None:

@@ -14,7 +14,8 @@ BOX = {
 }  # fmt: skip
 ORDER = {
     "is_complete": True, "boxes": [BOX], "position_mm": (0.1, 0.5), "orientation_deg": (0.01, 0.05),
-    "goal_mm": (0.1, 0.2), "shift_mm": [0.1], "drops": 0, "touches": 0, "faults": [], "duration_s": 10.0,
+    "goal_mm": (0.1, 0.2), "shift_mm": [0.1], "drops": 0, "touches": 0, "interruptions": 1,
+    "faults": [], "duration_s": 10.0,
 }  # fmt: skip
 
 
