@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from pack_viewer.event_log import EventLog
-from pack_viewer.fragments import chips, facts, headline, lines, signed_list
+from pack_viewer.fragments import RED, chips, facts, headline, lines, signed_list
 from pack_viewer.node_board import NodeBoard, level_of
 from pack_viewer.palletizing.order_progress import OrderProgress
 from pack_viewer.run_panel import CellCondition
@@ -113,6 +113,12 @@ def test_the_log_tells_once_of_what_is_refused_again_and_again() -> None:
     board.take(status("mpc", 1, "skipped iteration: 370 (seen nothing for 18.5 s); late plan: 1"), 30.0)
     assert log.text.splitlines()[0].startswith("30.00 s  mpc: skipped iteration: 370")
     assert len(log.text.splitlines()) == 2
+
+
+def test_an_error_of_several_lines_is_shown_in_several() -> None:
+    shown = signed_list([("✕", RED, "upload refused: line 2: 'a'\nline 3: <b>")])
+    assert "white-space:pre-line" in shown
+    assert "line 2: &#x27;a&#x27;\nline 3: &lt;b&gt;" in shown
 
 
 def test_a_warning_leaves_the_board_when_nothing_was_refused_for_a_while_and_an_error_stays() -> None:

@@ -40,13 +40,13 @@ def facts(rows: Iterable[tuple[str, str]]) -> str:
 
 
 def signed_list(rows: Iterable[tuple[str, str, str]], empty: str = "") -> str:
-    """A list whose lines begin with a sign: sign, its colour, text."""
+    """A list whose entries begin with a sign: sign, its colour, text, which may have several lines."""
     items = [
         f'<div><span style="color:{colour};font-weight:700">{escape(sign)}</span> {escape(text)}</div>'
         for sign, colour, text in rows
     ]
     body = "".join(items) or f'<div style="opacity:.7">{escape(empty)}</div>'
-    return f'<div style="{FONT};{WIDTH};overflow-wrap:anywhere">{body}</div>'
+    return f'<div style="{FONT};{WIDTH};overflow-wrap:anywhere;white-space:pre-line">{body}</div>'
 
 
 def chips(
