@@ -16,6 +16,7 @@ from integration.simulation_rig import pause, play
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.scene import from_scene
+from pack_mpc.ros.mailbox import PERIOD
 from pack_mpc.target import Stage
 
 FACTOR = 0.3
@@ -44,6 +45,8 @@ def test_a_goal_is_packed_with_feedback_status_and_a_full_result(cell: Cell) -> 
     assert cell.feedback[-1].distance < cell.feedback[0].distance
     statuses = cell.graph.probe.mail[contracts.MPC_STATUS.name]
     assert len(statuses) >= len(cell.feedback)
+    planned_from = np.unique([from_stamp(status.header.stamp) for status in statuses])
+    assert np.diff(planned_from).min() > PERIOD - 1e-6  # however slowly time runs
     assert statuses[-1].target.position.z == pytest.approx(0.09, abs=0.005)
     cell.graph.wait_until(lambda: cell.graph.probe.last(contracts.RESULT))
     outcome = json.loads(cell.graph.probe.last(contracts.RESULT).data)

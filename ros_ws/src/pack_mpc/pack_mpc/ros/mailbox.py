@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Sequence
 
@@ -28,6 +29,10 @@ SCENE_AGE = 0.1
 """Age beyond which an estimate of the scene is not planned from [s]: twelve frames of the cameras."""
 JOINTS_WAIT = 0.05
 """Longest time for which the worker waits for a joint state [s of wall clock]: half the driver's watchdog."""
+PERIOD = 0.024
+"""Least time from one joint state that is planned from to the next [s]: half the latency that is planned for
+at first. At real time an iteration takes about as long; where time runs slowly it keeps the controller from
+planning several times as often, which the arm would not move better for."""
 REPORT_PERIOD = 2.0
 """Time between two checks of what has come while nobody asks, so that bad messages are reported [s of wall
 clock]."""
@@ -90,12 +95,13 @@ class Mailbox(NewestMessages):
         return joints.time if joints is not None else 0.0
 
     def wait_for_joints(self) -> bool:
-        """Whether there is, within `JOINTS_WAIT`, a joint state that was not observed yet."""
-        if self._joints is self._observed:
-            self.wait(JOINTS_WAIT)
+        """Whether there is, within `JOINTS_WAIT`, a joint state to plan from: `PERIOD` after the last one."""
+        deadline = time.monotonic() + JOINTS_WAIT
+        while not self._is_due and (left := deadline - time.monotonic()) > 0.0:
+            self.wait(left)
             self.refresh()
         # A joint state that cannot be used is none: the driver stops an arm that nobody plans for.
-        return self._joints is not self._observed
+        return self._is_due
 
     def missing(self, scene: Scene) -> str:
         """What a goal cannot begin without and is still missing, in words; empty if nothing is.
@@ -142,6 +148,14 @@ class Mailbox(NewestMessages):
             forces = np.array(self._forces)
             self._forces.clear()
         return PackingObservation(joints, scene, forces, self._is_held)
+
+    @property
+    def _is_due(self) -> bool:
+        joints, before = self._joints, self._observed
+        if joints is None or before is None:
+            return joints is not before
+        since = joints.time - before.time
+        return since >= PERIOD or since < 0.0  # the simulator has begun anew
 
     @property
     def _joints(self) -> JointSample | None:
