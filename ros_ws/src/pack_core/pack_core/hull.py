@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import ConvexHull, QhullError
 
 from pack_core.rotations import Array
 
@@ -84,6 +83,8 @@ def hull_of(points: Array) -> Hull:
     Raises:
         ValueError: they have no volume, or are no finite numbers.
     """
+    from scipy.spatial import ConvexHull, QhullError  # 0.3 s and 20 MB, which a node without meshes saves
+
     try:
         found = ConvexHull(points)
     except QhullError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from xml.etree import ElementTree
@@ -10,12 +9,13 @@ from xml.etree.ElementTree import Element, SubElement
 
 import mujoco
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from pack_core.errors import ConfigError
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Array, Pose, to_matrix
 
 WORLD = "world"
+UPRIGHT = 1e-7
+"""Horizontal part of a unit vector below which it points up or down."""
 HIDDEN_GROUP = 3
 """Geoms of this group and above are for collisions alone, and are not drawn."""
 KINDS = {mujoco.mjtJoint.mjJNT_HINGE: "revolute", mujoco.mjtJoint.mjJNT_SLIDE: "prismatic"}
@@ -172,11 +172,13 @@ def _add_origin(parent: Element, X: Pose) -> None:
 
 def _roll_pitch_yaw(X: Pose) -> Array:
     """Angles `(3,)` [rad] about the fixed axes x, y and z, one after the other, as URDF has them."""
-    with warnings.catch_warnings():
-        # With a pitch of 90 degrees, as between many links, roll and yaw turn about one axis, and scipy warns
-        # that it sets one of them to zero.
-        warnings.simplefilter("ignore", UserWarning)
-        return np.asarray(Rotation.from_quat(X.q, scalar_first=True).as_euler("xyz"))
+    R = to_matrix(X.q)
+    level = np.hypot(R[0, 0], R[1, 0])
+    pitch = np.arctan2(-R[2, 0], level)
+    # With a pitch of 90 degrees, as between many links, roll and yaw turn about one axis: yaw is zero then.
+    if level < UPRIGHT:
+        return np.array([np.arctan2(-R[1, 2], R[1, 1]), pitch, 0.0])
+    return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
 
 
 def _text(values: Array) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pack_core.joints import Setpoints
 from pack_core.kinematics.chain import chain_from_model
-from pack_core.kinematics.damping import RedundantFollower
+from pack_core.kinematics.redundant_follower import RedundantFollower
 from pack_core.motion.moves import Line
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import UPSIDE_DOWN
