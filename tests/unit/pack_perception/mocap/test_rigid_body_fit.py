@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from pack_core.packing.cell import packing_cell
-from pack_core.rotations import Array, Pose, angle_between, exp
+from pack_core.rotations import Array, Pose, angle_between, exp, to_matrix
 from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, Mask, align, fit_rigid_bodies
 
 CONFIG = FitConfig()
@@ -182,3 +182,39 @@ def test_a_marker_is_left_out_only_where_all_of_them_together_miss(share: float,
     fits = fit_rigid_bodies(p_BM, p_BM + growth * way, visible, CONFIG)
     assert fits.refusals == (None,)
     assert fits.left_out == [left_out]
+
+
+def kabsch(p_BM: Array, p_WM: Array) -> Array:
+    """The rotation by the textbook: U diag(1, 1, det) V^T of numpy's decomposition."""
+    U, _, Vt = np.linalg.svd((p_WM - p_WM.mean(axis=0)).T @ (p_BM - p_BM.mean(axis=0)))
+    return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt)
+
+
+@given(
+    markers=arrays(float, (6, 3), elements=st.floats(-1.0, 1.0)), flat=st.booleans(), mirrored=st.booleans()
+)
+@settings(max_examples=200)
+def test_the_rotation_is_kabschs_also_of_flat_and_of_mirrored_markers(
+    markers: Array, flat: bool, mirrored: bool
+) -> None:
+    rng = np.random.default_rng(0)
+    p_BM = markers * np.array([1.0, 1.0, 0.0 if flat else 1.0]) + rng.normal(size=(6, 3)) * [0.1, 0.1, 0.0]
+    X_WB = Pose(rng.normal(size=3), exp(rng.normal(size=3)))
+    p_WM = X_WB.apply(p_BM * np.array([1.0, 1.0, -1.0 if mirrored else 1.0])) + rng.normal(0.0, 1e-3, (6, 3))
+    H = (p_WM - p_WM.mean(axis=0)).T @ (p_BM - p_BM.mean(axis=0))
+    moments = np.linalg.svd(H, compute_uv=False)
+    found = align(p_BM[None], p_WM[None], np.ones((1, 6), dtype=bool))
+    assert found.spread[0] == pytest.approx(np.sqrt(moments[1] / 6))
+    R = to_matrix(found.q_WB[0])
+    best = np.trace(kabsch(p_BM, p_WM).T @ H)
+    assert np.trace(R.T @ H) == pytest.approx(best, abs=1e-12)  # the maximum, which two rotations may share
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_of_fewer_than_three_markers_it_still_gives_a_pose_that_fits_them(count: int) -> None:
+    p_BM, visible = ITEMS[0].markers(), np.arange(6) < count
+    X_WB = Pose(np.array([0.5, 0.1, 0.06]), exp(np.array([0.3, 0.0, 0.7])))
+    found = align(p_BM[None], X_WB.apply(p_BM)[None], visible[None])
+    assert np.linalg.norm(found.q_WB[0]) == pytest.approx(1.0)
+    assert np.isfinite(found.p_WB).all()
+    assert found.residual[0] < 1e-9

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import mujoco
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +13,8 @@ from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.model import ArmRole, HeldRole, build_model, parked_pose
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array, Pose, conjugate, exp, multiply, rotate
+from pack_core.rotations import Array, Pose
+from pack_perception.mocap.pose_rows import shift, turned
 
 Rows = npt.NDArray[np.int_]
 
@@ -22,9 +25,7 @@ MAX_SPEED = 3.0
 class GuidedCell:
     """Free objects move by physics, the arm by measured joints.
 
-    Objects are addressed by their row in `free`. A twist `(6,)` is the velocity of an object's origin [m/s]
-    and its angular velocity [rad/s]. A shift `(6,)` is a translation [m] and a rotation vector [rad]. Both
-    are in world axes.
+    Objects are addressed by their row in `free`. Poses, shifts and twists are rows as in `pose_rows`.
 
     Args:
         scene: container and objects; poses are ignored.
@@ -88,8 +89,8 @@ class GuidedCell:
 
     def twists(self) -> Array:
         """Twists of the free objects `(n, 6)`."""
-        v, q = self._data.qvel[self._v], self._data.qpos[self._q[:, 3:]]
-        return np.concatenate([v[:, :3], rotate(q, v[:, 3:])], axis=1)
+        # MuJoCo has a free joint's angular velocity in the body's axes
+        return turned(self.poses(), self._data.qvel[self._v], is_inverse=False)
 
     def stop(self, rows: Rows) -> None:
         """Bring objects to rest."""
@@ -97,14 +98,12 @@ class GuidedCell:
 
     def correct(self, rows: Rows, poses: Array, twists: Array) -> None:
         """Set slightly different poses `(k, 7)` of objects, and add `twists` `(k, 6)` to their twists."""
-        # MuJoCo has a free joint's angular velocity in the body's axes, so it is rotated into them
-        v, w = twists[:, :3], rotate(conjugate(poses[:, 3:]), twists[:, 3:])
         self._data.qpos[self._q[rows]] = poses
-        self._data.qvel[self._v[rows]] += np.concatenate([v, w], axis=1)
+        self._data.qvel[self._v[rows]] += turned(poses, twists, is_inverse=True)
 
     def shift_earlier(self, qpos: Array, rows: Rows, shifts: Array) -> None:
         """Apply `shifts` `(k, 6)` to objects in earlier positions `qpos` `(t, nq)`, in place."""
-        qpos[:, self._q[rows]] = shifted(qpos[:, self._q[rows]], shifts)
+        shift(qpos, self._q[rows], shifts)
 
     def cup_pose(self, qpos: Array) -> Pose:
         """X_WT of the cup in an earlier `qpos`."""
@@ -129,7 +128,11 @@ class GuidedCell:
 
     def _put_back(self, before: Array) -> list[str]:
         data = self._data
-        speeds = np.abs(data.qvel[self._v[:, :3]]).max(axis=1, initial=0.0)
+        speeds = np.abs(data.qvel[self._v[:, :3]])
+        # The sum is finite only if all positions are; written so that nan speeds go on to the closer look.
+        if speeds.max(initial=0.0) < MAX_SPEED and math.isfinite(data.qpos.sum()):
+            return []
+        speeds = speeds.max(axis=1, initial=0.0)
         is_fine = (speeds < MAX_SPEED) & np.isfinite(data.qpos[self._q]).all(axis=1)
         if is_fine.all():
             return []
@@ -138,12 +141,6 @@ class GuidedCell:
         # the solver would start from the diverged accelerations
         data.qacc_warmstart[:] = 0.0
         return [self.free[i] for i in bad]
-
-
-def shifted(poses: Array, shifts: Array) -> Array:
-    """Poses `(..., k, 7)` after `shifts` `(k, 6)` in world axes."""
-    q = multiply(exp(shifts[:, 3:]), poses[..., 3:])
-    return np.concatenate([poses[..., :3] + shifts[:, :3], q], axis=-1)
 
 
 def _addresses(starts: list[int], length: int) -> Rows:

@@ -7,8 +7,10 @@ Together with the direction of the object's z axis they do: as predicted, or upr
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
+import numba
 import numpy as np
 from pydantic import Field, PositiveFloat, PositiveInt
 
@@ -18,10 +20,11 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.model import HeldRole, held_pose
 from pack_core.packing.scene import Scene
-from pack_core.rotations import Array, Pose, conjugate, log, multiply
+from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState, Source
 from pack_perception.mocap.grip_tracker import GripConfig, GripTracker
-from pack_perception.mocap.guided_cell import GuidedCell, PoseHistory, Rows, shifted
+from pack_perception.mocap.guided_cell import GuidedCell, PoseHistory, Rows
+from pack_perception.mocap.pose_rows import pose_errors, shifted
 from pack_perception.mocap.rigid_body_fit import FitConfig, FitRefusal, Mask
 from pack_perception.mocap.sighting import AxisFitConfig, MarkerTable, sight
 
@@ -35,15 +38,9 @@ class CorrectionConfig(Config):
     max_period: PositiveFloat = Field(default=0.03, description="between sights that tell a velocity [s]")
 
 
-def pose_errors(seen: Array, expected: Array) -> Array:
-    """Translation [m] and rotation vector [rad] `(k, 6)` in world axes from `expected` to `seen` poses."""
-    turns = log(multiply(seen[:, 3:], conjugate(expected[:, 3:])))
-    return np.concatenate([seen[:, :3] - expected[:, :3], turns], axis=1)
-
-
 def is_put_anew(errors: Array, periods: Array, config: CorrectionConfig) -> Mask:
     """Which of k objects `(k,)` are set to the measured pose: when first measured, and after a jump."""
-    return np.asarray(np.isinf(periods) | (np.linalg.norm(errors[:, :3], axis=1) > config.jump))
+    return _is_put_anew(errors, periods, config.jump)
 
 
 def corrections(errors: Array, periods: Array, config: CorrectionConfig) -> tuple[Array, Array]:
@@ -55,11 +52,32 @@ def corrections(errors: Array, periods: Array, config: CorrectionConfig) -> tupl
         config: the gains.
     """
     anew = is_put_anew(errors, periods, config)
-    # an error that grew over a long gap says little about the velocity now
-    tells_velocity = ~anew & (periods > 0.0) & (periods <= config.max_period)
-    # an error that arises within one period is one of velocity, error / period; a share of it is corrected
-    rates = np.where(tells_velocity, config.twist_gain, 0.0) / np.where(tells_velocity, periods, 1.0)
-    return np.where(anew, 1.0, config.pose_gain)[:, None] * errors, rates[:, None] * errors
+    return _corrections(errors, periods, anew, config.pose_gain, config.twist_gain, config.max_period)
+
+
+@numba.njit("b1[::1](f8[:, :], f8[:], f8)", cache=True)
+def _is_put_anew(errors: Array, periods: Array, jump: float) -> Mask:
+    anew = np.empty(len(errors), dtype=np.bool_)
+    for i in range(len(errors)):
+        x, y, z = errors[i, 0], errors[i, 1], errors[i, 2]
+        anew[i] = math.isinf(periods[i]) or math.sqrt(x * x + y * y + z * z) > jump
+    return anew
+
+
+@numba.njit("UniTuple(f8[:, ::1], 2)(f8[:, :], f8[:], b1[:], f8, f8, f8)", cache=True)
+def _corrections(
+    errors: Array, periods: Array, anew: Mask, pose_gain: float, twist_gain: float, max_period: float
+) -> tuple[Array, Array]:
+    shifts, twists = np.empty((len(errors), 6)), np.zeros((len(errors), 6))
+    for i in range(len(errors)):
+        # an error that grew over a long gap says little about the velocity now
+        tells_velocity = not anew[i] and 0.0 < periods[i] <= max_period
+        for j in range(6):
+            shifts[i, j] = errors[i, j] if anew[i] else pose_gain * errors[i, j]
+            # an error that arises within one period is one of velocity, error / period; a share is corrected
+            if tells_velocity:
+                twists[i, j] = twist_gain / periods[i] * errors[i, j]
+    return shifts, twists
 
 
 class EstimatorConfig(Config):
@@ -265,7 +283,9 @@ class PhysicsEstimator:
     def _correct_free(self, rows: Rows, seen: Array, expected: Array, time: float) -> None:
         errors, periods = pose_errors(seen, expected), time - self._seen[rows]
         shifts, twists = corrections(errors, periods, self._config.correction)
-        self._physics.stop(rows[is_put_anew(errors, periods, self._config.correction)])
+        anew = is_put_anew(errors, periods, self._config.correction)
+        if anew.any():
+            self._physics.stop(rows[anew])
         self._physics.correct(rows, shifted(self._physics.poses()[rows], shifts), twists)
         self._physics.shift_earlier(self._history.since(time), rows, shifts)
 

@@ -44,6 +44,8 @@ class MarkerTable:
     def __init__(self, scene: Scene) -> None:
         self.names = [*scene.names, scene.new_object.name]
         self.p_BM = np.stack([scene.model_of(name).markers() for name in self.names])
+        self._objects: tuple[str, ...] = ()
+        self._rows = np.zeros(0, dtype=int)
 
     def sort(self, frame: MarkerFrame) -> tuple[Array, Mask]:
         """Measured positions p_WM `(n, m, 3)` [m], and which of them the frame has `(n, m)`.
@@ -51,17 +53,23 @@ class MarkerTable:
         Raises:
             MessageError: the frame has an object or a marker that the scene does not have.
         """
-        unknown = set(frame.objects) - set(self.names)
-        if unknown:
-            raise MessageError(f"frame with objects {sorted(unknown)}; the scene has {self.names}")
+        if frame.objects != self._objects:
+            self._look_up(frame.objects)
         count = self.p_BM.shape[1]
-        if np.any((frame.marker_index < 0) | (frame.marker_index >= count)):
+        if frame.marker_index.min(initial=0) < 0 or frame.marker_index.max(initial=0) >= count:
             raise MessageError(f"frame with marker {frame.marker_index.max()}; objects have 0 to {count - 1}")
         p_WM, visible = np.zeros_like(self.p_BM), np.zeros(self.p_BM.shape[:2], dtype=bool)
-        rows = np.array([self.names.index(name) for name in frame.objects], dtype=int)[frame.object_index]
+        rows = self._rows[frame.object_index]
         p_WM[rows, frame.marker_index] = frame.p_WM
         visible[rows, frame.marker_index] = True
         return p_WM, visible
+
+    def _look_up(self, objects: tuple[str, ...]) -> None:
+        """Keep the rows of a frame's objects, which seldom change from one frame to the next."""
+        if unknown := set(objects) - set(self.names):
+            raise MessageError(f"frame with objects {sorted(unknown)}; the scene has {self.names}")
+        self._objects = objects
+        self._rows = np.array([self.names.index(name) for name in objects], dtype=int)
 
 
 class AxisFitConfig(Config):
