@@ -118,18 +118,24 @@ class PayloadCompensation:
         model: model of the cell with the object on the cup; weight that the model itself compensates
             (`gravcomp`) is not compensated twice.
         description: the scene as the driver knows it.
+
+    Attributes:
+        described_weight: what bears the held object as described, against gravity `(3,)` [N].
     """
 
     def __init__(self, model: mujoco.MjModel, description: Scene) -> None:
         held = model.body(description.new_object.name).id
+        self.described_weight = -description.new_object.mass * model.opt.gravity
         mass = description.new_object.mass - float(model.body_gravcomp[held] * model.body_mass[held])
-        self._force = -mass * model.opt.gravity
+        self._force, self._no_torque = -mass * model.opt.gravity, np.zeros(3)
+        self._is_needed = bool(self._force.any())
         self._tool = model.body("tool").id
         self._p_TC = held_pose(description).apply(description.new_object.centre_of_mass)
 
     def apply(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Set the applied torques of the next step."""
-        data.qfrc_applied[:] = 0.0
-        if self._force.any():
+        applied = data.qfrc_applied
+        applied[:] = 0.0
+        if self._is_needed:
             point = data.xpos[self._tool] + data.xmat[self._tool].reshape(3, 3) @ self._p_TC
-            mujoco.mj_applyFT(model, data, self._force, np.zeros(3), point, self._tool, data.qfrc_applied)
+            mujoco.mj_applyFT(model, data, self._force, self._no_torque, point, self._tool, applied)

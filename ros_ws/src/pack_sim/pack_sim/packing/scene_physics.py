@@ -76,6 +76,8 @@ class ScenePhysics:
     Attributes:
         model: the present model.
         data: its state.
+        R_WN: rotation `(3, 3)` of the new object, as it is now.
+        R_WT: rotation of the tool.
     """
 
     def __init__(
@@ -97,28 +99,28 @@ class ScenePhysics:
     @property
     def q(self) -> Array:
         """Joint positions `(7,)` [rad]."""
-        return np.asarray(self.data.qpos[self._q])
+        return self._arm_q.copy()
 
     @property
     def v(self) -> Array:
         """Joint velocities `(7,)` [rad/s]."""
-        return np.asarray(self.data.qvel[self._v])
+        return self._arm_v.copy()
 
     @property
     def cup_load(self) -> tuple[Array, Array]:
         """Force `(3,)` [N] and torque `(3,)` [N m] of the cup on what hangs from it, in the object's axes."""
-        # the sensors tip_force and tip_torque are the first of the model
-        return self.data.sensordata[:3].copy(), self.data.sensordata[3:6].copy()
+        load = self._cup_load.copy()
+        return load[:3], load[3:]
 
     def joints(self) -> JointSample:
         """Positions, velocities and torques of the joints."""
-        return JointSample(self.time, self.q.copy(), self.v.copy(), self.data.ctrl.copy())
+        return JointSample(self.time, self.q, self.v, self.data.ctrl.copy())
 
     def mass_matrix(self) -> Array:
         """Mass matrix `(7, 7)` of the arm with the held object [kg m^2]."""
         M = np.empty((self.model.nv, self.model.nv))
         mujoco.mj_fullM(self.model, self.data, M)
-        return np.asarray(M[np.ix_(self._v, self._v)])
+        return np.asarray(M[self._v, self._v])
 
     def cup_jacobian(self) -> Array:
         """Jacobian `(6, 7)` of the cup, linear part first, in the world frame."""
@@ -177,9 +179,21 @@ class ScenePhysics:
         self._names = [*scene.names, scene.new_object.name]
         self._bodies = [int(model.body(name).id) for name in self._names]
         self._tool = int(model.body("tool").id)
-        joints = [model.joint(name) for name in self._cell.robot.arm.joints]
-        self._q = np.array([joint.qposadr[0] for joint in joints])
-        self._v = np.array([joint.dofadr[0] for joint in joints])
+        joints = self._cell.robot.arm.joints
+        # The arm is one chain, so its joints follow each other.
+        first = model.joint(joints[0])
+        self._q = slice(first.qposadr[0], first.qposadr[0] + len(joints))
+        self._v = slice(first.dofadr[0], first.dofadr[0] + len(joints))
+        self._keep_views(self.data, scene.new_object.name)
+
+    def _keep_views(self, data: mujoco.MjData, new_object: str) -> None:
+        """Keep views of what every step reads; to look them up takes as long as to compute with them."""
+        self._arm_q: Array = data.qpos[self._q]
+        self._arm_v: Array = data.qvel[self._v]
+        self.R_WN: Array = _read_only(data.body(new_object).xmat)
+        self.R_WT: Array = _read_only(data.body("tool").xmat)
+        # the sensors tip_force and tip_torque are the first of the model
+        self._cup_load: Array = data.sensordata[:6]
 
     def _place(self, name: str, state: ObjectState) -> None:
         set_object_poses(self.model, self.data, {name: state.X_WO})
@@ -195,6 +209,13 @@ class ScenePhysics:
         coordinates = tip_coordinates(held_pose(scene), X_TN, cup_point(scene))
         for name, value in zip(TIP_JOINTS, coordinates, strict=True):
             self.data.joint(name).qpos[0] = value
+
+
+def _read_only(xmat: Array) -> Array:
+    """A view `(3, 3)` of a body's rotation that nobody writes to."""
+    R = xmat.reshape(3, 3)
+    R.setflags(write=False)
+    return R
 
 
 def _object_state(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> ObjectState:

@@ -38,6 +38,9 @@ from pack_sim.packing.scene_physics import PhysicsOptions, ScenePhysics
 from pack_sim.packing.wrench_sensor import WrenchSensor, WrenchSensorConfig
 from pack_sim.setpoint_follower import SetpointFollower
 
+UPSIDE_DOWN = np.array([1.0, -1.0, -1.0])
+"""Turns the tool's axes into those of an object that hangs upright from it."""
+
 
 class SimulatorConfig(Config):
     """Parameters of the simulated driver, its sensors and its errors."""
@@ -167,8 +170,9 @@ class Simulator:
             pressure = self._physics.cup_pressure() if self._is_handed_over else np.zeros(3)
             return self._wrench_sensor.read(self._tip_rotation().T @ pressure, np.zeros(3))
         force, torque = self._physics.cup_load
-        weight = -self.description.new_object.mass * self.model.opt.gravity
-        return self._wrench_sensor.read(self._tip_rotation().T @ weight - force, -torque)
+        return self._wrench_sensor.read(
+            self._physics.R_WN.T @ self._payload.described_weight - force, -torque
+        )
 
     def truth(self) -> SceneState:
         """True poses and twists of all objects, the new one included; the simulation is not affected."""
@@ -229,8 +233,8 @@ class Simulator:
     def _tip_rotation(self) -> Array:
         """Rotation `(3, 3)` from the axes of `/wrench` into the world's: those of the object, if held."""
         if self.pump.state.is_closed or not self._is_handed_over:
-            return np.asarray(self.data.body(self.scene.new_object.name).xmat.reshape(3, 3))
-        return np.asarray(self.data.body("tool").xmat.reshape(3, 3) * np.array([1.0, -1.0, -1.0]))
+            return self._physics.R_WN
+        return np.asarray(self._physics.R_WT * UPSIDE_DOWN)
 
     def _rebuild(self, held: HeldRole, arrived: Mapping[str, ObjectState] | None = None) -> None:
         """Go on with a model in which the new object is held or free, and with objects that have arrived."""
