@@ -53,6 +53,25 @@ def test_stamps_are_the_simulated_time_at_which_a_message_was_sent(
     assert [item.time_ns for item in bag.messages] == [k * 100_000_000 for k in range(6)]
 
 
+def test_between_two_ticks_of_the_clock_joint_states_of_the_same_clock_tell_the_time(
+    graph: Graph, recorder: RecorderNode, tmp_path: Path
+) -> None:
+    def send_joints(time: float) -> None:
+        message = JointState()
+        message.header.stamp = to_stamp(time)
+        graph.probe.send(contracts.JOINT_STATES, message)
+
+    graph.probe.send(shared.CLOCK, Clock(clock=to_stamp(5.0)))
+    # The third is older than the second, and the last is stamped by another clock.
+    for time in (5.002, 5.004, 5.002, 900.0):
+        send_joints(time)
+    graph.wait_until(received(recorder, contracts.JOINT_STATES, 4))
+    graph.stop(recorder)
+    bag = read_raw_bag(tmp_path / "run", [contracts.JOINT_STATES.name])
+    stamped = [item.time_ns for item in bag.messages]
+    assert stamped == [5_002_000_000, 5_004_000_000, 5_004_000_000, 5_004_000_000]
+
+
 def test_every_recorded_contract_is_in_the_bag_with_its_type_and_qos(
     graph: Graph, recorder: RecorderNode, tmp_path: Path
 ) -> None:

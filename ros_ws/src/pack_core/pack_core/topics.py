@@ -11,8 +11,10 @@ from __future__ import annotations
 CLOCK, REAL_TIME_FACTOR, DIAGNOSTICS = "/clock", "/sim/real_time_factor", "/diagnostics"
 SIMULATION_STATE, ARM_STATE = "/simulation_state", "/arm/state"
 
-CLOCK_RATE = 250.0
-"""Of its ticks, 4 ms of simulated time each."""
+TICK_RATE = 250.0
+"""Of the simulators' ticks, 4 ms of simulated time each, in which physics advances and data are sent."""
+CLOCK_RATE = 50.0
+"""With every fifth tick: all nodes hear it, and none needs to know the time more closely by it alone."""
 
 
 def steps_between(rate: float, timestep: float) -> int:

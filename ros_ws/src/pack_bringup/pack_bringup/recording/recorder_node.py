@@ -1,7 +1,8 @@
 """The recorder: every topic that the wiring table marks as recorded, in one bag, while goals run or always.
 
-Bag stamps are simulated time, that of the last /clock received (0 before the first), so runs of
-any real-time factor read alike; each message keeps its own header stamp besides.
+Bag stamps are simulated time, so runs of any real-time factor read alike: that of the last /clock received (0
+before the first), and between two ticks of it that of the last joint states, which come five times as often.
+Each message keeps its own header stamp besides.
 """
 
 from __future__ import annotations
@@ -28,12 +29,14 @@ from pack_core import stamps
 from pack_core.cells import optional_cell_part
 from pack_core.config import Config
 from pack_core.errors import BagError, MessageError, PackError
+from pack_core.motion.topics import JOINT_STATES
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.table import nodes_of, recorded
 from pack_core.ros.messages.conversions import stamp_in
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import NodeThread, Stream
+from pack_core.topics import CLOCK_RATE
 
 
 class RecorderConfig(Config):
@@ -83,6 +86,8 @@ def recording_plan(config: RecorderConfig) -> str:
 
 DEPTH = 1000
 """Messages a topic that may wait in the middleware, whatever depth it has for others."""
+CLOCK_PERIOD = stamps.to_ns(1.0 / CLOCK_RATE)
+"""Of /clock [ns]. Joint states that are ahead of it by more were stamped by another clock."""
 DRAIN_PERIOD = 0.05
 """Wall clock between two checks of what has arrived [s]."""
 
@@ -206,13 +211,15 @@ class RecorderNode(CellNode):
             self._goals.on_lost_node(peer, time.time_ns())
 
     def _time_of(self, topic: str, data: bytes) -> int:
-        """Stamp in the bag [ns]: the time of the last tick of the clock, which may be this message."""
+        """Stamp in the bag [ns]: the newest time of clock and joint states, which may be this message's."""
         if topic == shared.CLOCK.name:
             self.guard(shared.CLOCK, self._set_time, data)
+        elif topic == JOINT_STATES and 0 < (ahead := _stamp_ns(data) - self._time_ns) < CLOCK_PERIOD:
+            self._time_ns += ahead
         return self._time_ns
 
     def _set_time(self, clock: bytes) -> None:
-        if (time_ns := stamps.to_ns(stamp_in(clock))) < 0:
+        if (time_ns := _stamp_ns(clock)) < 0:
             raise MessageError(f"time {stamps.to_seconds(time_ns):.3f} s; a bag has none before 0")
         self._time_ns = time_ns
 
@@ -221,6 +228,10 @@ class RecorderNode(CellNode):
             self._run_files.on_message(topic, data)
         except PackError as error:
             self.health.count(f"refused {topic}", str(error))
+
+
+def _stamp_ns(data: bytes) -> int:
+    return stamps.to_ns(stamp_in(data))
 
 
 def main() -> int:

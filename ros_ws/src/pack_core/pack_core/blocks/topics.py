@@ -6,6 +6,6 @@ TAGS, JAW_STATE, TRUTH = "/block_tags", "/gripper/state", "/sim/truth"
 BLOCK_POSES, STATUS, RESULT = "/block_poses", "/rearrange/status", "/rearrange/result"
 
 JAW_RATE = 250.0 / 3.0
-"""With every third tick of the clock."""
+"""With every third tick."""
 TRUTH_RATE = 50.0
 """With every fifth tick."""

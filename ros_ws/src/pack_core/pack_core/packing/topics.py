@@ -9,7 +9,7 @@ FILL_PROGRESS, FILL_RESULT = "/fill_container/progress", "/fill_container/result
 SETTLED_SAMPLES = "/placement/settled_samples"
 
 JOINT_RATE = 500.0
-"""Two messages for each tick of the clock."""
+"""Two messages for each tick."""
 WRENCH_RATE = 250.0
 """With every tick."""
 MARKER_RATE = 120.0

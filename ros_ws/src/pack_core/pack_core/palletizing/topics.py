@@ -9,6 +9,6 @@ PALLET_SCAN, TABLE_SCAN = "/pallet_scanner/points", "/reorientation_table_scanne
 VISION_OVERLAY, PALLET_STATE, RESULT = "/vision/overlay", "/fsm/state", "/palletize/result"
 
 GRIPPER_RATE = 125.0
-"""With every second tick of the clock."""
+"""With every second tick."""
 TRUTH_RATE = 50.0
 """With every fifth tick."""

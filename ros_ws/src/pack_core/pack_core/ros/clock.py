@@ -39,7 +39,7 @@ class TakenByHand(CallbackGroup):
 class SimulatedTime:
     """Takes the ticks that wait and sets the node's clock.
 
-    Under `use_sim_time` rclpy would have the executor call back for every tick, 250 times a second.
+    Under `use_sim_time` rclpy would have the executor call back for every tick, 50 times a second.
 
     Args:
         ticks: rclpy's subscription to /clock, which no executor serves.

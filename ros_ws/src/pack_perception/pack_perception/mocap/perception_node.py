@@ -9,8 +9,6 @@ from typing import Any
 
 from pack_interfaces.msg import GripperState, MocapMarkers
 from pydantic import Field, PositiveFloat
-from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from pack_core.packing.markers import MarkerFrame
@@ -18,9 +16,8 @@ from pack_core.packing.scene import Scene
 from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import stamp_in
-from pack_core.ros.messages.joints import from_joint_state
 from pack_core.ros.messages.packing import from_markers
-from pack_core.ros.messages.scene import SceneWriter
+from pack_core.ros.messages.serialized import JointStateReader, SceneWriter
 from pack_core.ros.node import CellNode
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
@@ -59,6 +56,7 @@ class PerceptionNode(CellNode):
         self._joint_stamps, self._frame_stamps = StampCheck(self), StampCheck(self)
         self._scene, self._writer = self.advertise(contracts.SCENE), SceneWriter()
         self._lock = threading.Lock()
+        self._joint_reader = JointStateReader(self._cell.robot.arm.joints)
         self._joints = Stream(self, contracts.JOINT_STATES, depth=JOINTS_DEPTH, raw=True)
         self._markers = Stream(self, contracts.MARKERS)
         self._gripper = Stream(self, contracts.GRIPPER_STATE)
@@ -120,8 +118,7 @@ class PerceptionNode(CellNode):
         if estimator is None or not estimator.wants(time):
             return
         self._joint_stamps.check(time)
-        message = deserialize_message(data, JointState)
-        advance = estimator.advance(from_joint_state(message, self._cell.robot.arm.joints))
+        advance = estimator.advance(self._joint_reader.read(data))
         if advance.is_restart:
             self._start_over()
             self.get_logger().info("time or the arm jumped: starting over")

@@ -38,7 +38,7 @@ class PackingSimNode(PhysicsNode):
         super().__init__(**kwargs)
         self._config = self.read_parameters(PackingSimNodeConfig, self._change)
         self._cell = read_packing_cell(self)
-        self._sensors = SensorPublisher(self, self._config.timestep)
+        self._sensors = SensorPublisher(self, self._config.timestep, self._cell.robot.arm.joints)
         self._description = self.advertise(contracts.DESCRIPTION)
         self._shown = self.show(describe_robot(self._cell))
         self._simulator = self._build(self._first_scene(), self._config.seed, 0.0)

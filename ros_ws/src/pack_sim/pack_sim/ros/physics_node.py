@@ -116,7 +116,7 @@ class PhysicsNode(CellNode):
 
     @abstractmethod
     def advance(self) -> float:
-        """Advance by one tick of /clock and publish what is due, under the lock; how long that was [s]."""
+        """Advance by one tick and publish what is due, under the lock; how long that was [s]."""
 
     def release(self) -> None:
         """Let the arm follow setpoints again after a stop, under the lock: for a reset of the cell."""

@@ -9,7 +9,7 @@ import struct
 
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
-from geometry_msgs.msg import Point, Quaternion, Vector3, WrenchStamped
+from geometry_msgs.msg import Point, Quaternion, Vector3
 from geometry_msgs.msg import Pose as PoseMsg
 
 from pack_core import stamps
@@ -84,11 +84,3 @@ def to_vector(v: Array) -> Vector3:
 def from_vector(v: Vector3, what: str) -> Array:
     """The vector `(3,)` in a message; `what` names it in errors."""
     return finite([v.x, v.y, v.z], what)
-
-
-def to_wrench(time: float, force: Array, torque: Array, frame: str) -> WrenchStamped:
-    """A message of a force `(3,)` [N] and torque `(3,)` [N m] in `frame`, measured at `time` [s]."""
-    message = WrenchStamped()
-    message.header.stamp, message.header.frame_id = to_stamp(time), frame
-    message.wrench.force, message.wrench.torque = to_vector(force), to_vector(torque)
-    return message

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from array import array
+
 import numpy as np
 from geometry_msgs.msg import Vector3
 from pack_interfaces.msg import MocapMarkers
@@ -21,10 +23,11 @@ def to_markers(frame: MarkerFrame) -> MocapMarkers:
     """A message of a motion capture frame."""
     message = MocapMarkers(objects=list(frame.objects))
     message.header.stamp, message.header.frame_id = to_stamp(frame.time), WORLD
-    message.object_index = frame.object_index.astype(np.uint8).tolist()
-    message.marker_index = frame.marker_index.astype(np.uint8).tolist()
-    message.positions = frame.p_WM.ravel().tolist()
-    message.cameras = frame.cameras.astype(np.uint8).tolist()
+    # rclpy looks at each element of a list, and takes an array as it is.
+    message.object_index = array("B", frame.object_index.astype(np.uint8).tobytes())
+    message.marker_index = array("B", frame.marker_index.astype(np.uint8).tobytes())
+    message.positions = array("d", frame.p_WM.tobytes())
+    message.cameras = array("B", frame.cameras.astype(np.uint8).tobytes())
     return message
 
 

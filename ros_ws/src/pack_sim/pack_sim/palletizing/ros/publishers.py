@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 import yaml
 from pack_interfaces.msg import UnwantedContact
-from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from pack_core import topics as shared_topics
@@ -18,10 +17,9 @@ from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.messages.camera import to_camera_info, to_image
 from pack_core.ros.messages.conversions import to_stamp
-from pack_core.ros.messages.joints import to_joint_state
 from pack_core.ros.messages.motion import to_obstacles
 from pack_core.ros.messages.palletizing import to_cloud, to_gripper_state
-from pack_core.ros.messages.scene import to_scene
+from pack_core.ros.messages.serialized import ClockWriter, JointStateWriter, SceneWriter
 from pack_core.ros.node import CellNode
 from pack_core.topics import steps_between
 from pack_sim.camera_thread import CameraThread
@@ -32,7 +30,7 @@ from pack_sim.palletizing.visitor_sensor import Observation
 
 
 class CellPublisher:
-    """Steps the physics from one tick of /clock to the next and publishes what is due.
+    """Steps the physics from one tick to the next and publishes what is due.
 
     Args:
         node: the node that publishes.
@@ -40,25 +38,25 @@ class CellPublisher:
     """
 
     def __init__(self, node: CellNode, timestep: float) -> None:
-        self._clock = node.advertise(shared.CLOCK)
-        self._joints = node.advertise(motion.JOINT_STATES)
+        self._clock, self._clock_writer = node.advertise(shared.CLOCK), ClockWriter()
+        self._joints, self._joint_writer = node.advertise(motion.JOINT_STATES), JointStateWriter(JOINTS)
         self._gripper = node.advertise(contracts.GRIPPER_STATE)
-        self._truth = node.advertise(contracts.TRUTH)
+        self._truth, self._truth_writer = node.advertise(contracts.TRUTH), SceneWriter()
         self._contacts = node.advertise(contracts.CONTACTS)
         self._boxes = node.advertise(contracts.BOXES)
         self._obstacles = node.advertise(motion.MOTION_OBSTACLES)
-        self._steps = steps_between(shared_topics.CLOCK_RATE, timestep)
+        self._steps = steps_between(shared_topics.TICK_RATE, timestep)
         self.period = self._steps * timestep
         self._gripper_ticks = steps_between(topics.GRIPPER_RATE, self.period)
+        self._clock_ticks = steps_between(shared_topics.CLOCK_RATE, self.period)
         self._truth_ticks = steps_between(topics.TRUTH_RATE, self.period)
         self._tick = 0
 
     def step(self, simulator: PalletSimulator) -> None:
-        """Advance by one tick of /clock, `period` [s]."""
+        """Advance by one tick, `period` [s]."""
         for _ in range(self._steps):
             simulator.step()
-        self._clock.publish(Clock(clock=to_stamp(simulator.time)))
-        self._joints.publish(to_joint_state(simulator.joints(), JOINTS))
+        self._joints.publish(self._joint_writer.write(simulator.joints()))
         for contact in simulator.contacts.finished(simulator.time):
             message = UnwantedContact(
                 bodies=list(contact.bodies), force=contact.force, duration=contact.duration
@@ -66,10 +64,12 @@ class CellPublisher:
             message.header.stamp = to_stamp(contact.time)
             self._contacts.publish(message)
         self._tick += 1
+        if self._tick % self._clock_ticks == 0:
+            self._clock.publish(self._clock_writer.write(simulator.time))
         if self._tick % self._gripper_ticks == 0:
             self._gripper.publish(to_gripper_state(simulator.time, simulator.gripper.state))
         if self._tick % self._truth_ticks == 0:
-            self._truth.publish(to_scene(simulator.truth()))
+            self._truth.publish(self._truth_writer.write(simulator.truth()))
 
     def publish_obstacles(self, seen: Observation) -> None:
         """Publish the visitors that the sensor sees."""
