@@ -1,6 +1,7 @@
 """Videos of orders and of calibrations: what is written and drawn into them."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -10,6 +11,7 @@ import pytest
 from pack_core.camera import Picture
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD
 from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.view import CellView
 from pack_core.rotations import IDENTITY
 from pack_core.states import Source
 from pack_evaluation.palletizing import calibration_video
@@ -74,6 +76,9 @@ def test_the_force_grows_with_time_and_its_beginning_is_marked_at_the_end() -> N
 
 def test_a_calibration_is_filmed_to_its_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(calibration_video, "END", 0.2)
+    monkeypatch.setattr(
+        calibration_video, "CellView", partial(CellView, shadows=False)
+    )  # less than half of the time
     done: list[float] = []
     write_calibration_video(a_film(), tmp_path / "calibration.mp4", done.append)
     count, _ = imageio_ffmpeg.count_frames_and_secs(tmp_path / "calibration.mp4")
