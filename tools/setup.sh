@@ -65,6 +65,7 @@ build_workspace() {
         MAKEFLAGS="${MAKEFLAGS:--j$(nproc)}" colcon build --symlink-install --event-handlers console_start_end- \
             --cmake-args -GNinja "-DCMAKE_PROJECT_INCLUDE=$root/tools/wheels_fix.cmake"
     )
+    find ros_ws/install -xtype l -delete # colcon leaves links to sources that are gone
     echo "$key" >ros_ws/install/.sources
 }
 

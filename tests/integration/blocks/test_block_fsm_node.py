@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pack_interfaces.action import Rearrange
-from pack_interfaces.msg import ArmState, BlockDeed
+from pack_interfaces.msg import ArmState, PrimitiveAction
 from pack_interfaces.msg import BlockSighting as BlockSightingMsg
 from pack_interfaces.srv import PlanRearrangement
 
@@ -149,7 +149,7 @@ def test_an_action_that_is_refused_is_planned_around(
     assert (result.refusals, result.failed_grasps) == (1, 3)
     first, second, *_ = rig.problems
     assert len(first.refused) == 0
-    assert [primitive.kind for primitive in second.refused] == [BlockDeed.GRASP]
+    assert [primitive.kind for primitive in second.refused] == [PrimitiveAction.GRASP]
     assert second.refused[0].x == pytest.approx(AWAY.x)
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from geometry_msgs.msg import Point
-from pack_interfaces.msg import BlockDeed, BlockPose
+from pack_interfaces.msg import BlockPose, PrimitiveAction
 from pack_interfaces.srv import PlanRearrangement
 
 from integration.harness import Graph
@@ -90,7 +90,7 @@ def test_bad_requests_are_refused_in_words_and_the_next_one_is_served(
     unknown.method = "magic"
     gripper.gripper.insertion = -1.0
     corners.workspace = [Point()]
-    primitive.refused = [BlockDeed(kind=7)]
+    primitive.refused = [PrimitiveAction(kind=7)]
     parts = [
         "is not finite",
         "more than once in the goals",

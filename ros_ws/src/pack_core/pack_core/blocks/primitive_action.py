@@ -22,7 +22,7 @@ NEAR, NEAR_DEG = 0.003, 3.0
 
 
 class PrimitiveKind(IntEnum):
-    """What the gripper does to a block; the values of pack_interfaces/BlockDeed."""
+    """What the gripper does to a block; the values of pack_interfaces/PrimitiveAction."""
 
     GRASP = 1
     PLACE = 2

@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from geometry_msgs.msg import Point, Vector3
-from pack_interfaces.msg import BlockAction, BlockDeed, BlockPose, BlockTolerance
+from pack_interfaces.msg import BlockAction, BlockPose, BlockTolerance
 from pack_interfaces.msg import BlockSighting as BlockSightingMsg
 from pack_interfaces.msg import GripperFootprint as GripperFootprintMsg
 from pack_interfaces.msg import JawState as JawStateMsg
+from pack_interfaces.msg import PrimitiveAction as PrimitiveActionMsg
 from pack_interfaces.srv import PlanRearrangement
 from std_msgs.msg import String
 
@@ -19,7 +20,7 @@ from pack_core.blocks.plan import Action, Diagnosis, PickPlace, Plan, PlanStatis
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.primitive_action import PrimitiveAction, PrimitiveKind
 from pack_core.blocks.problem import BlockSize, BlockSizes, PlacedBlock, Problem, Tolerance
-from pack_core.config import validate_config
+from pack_core.config import Config, validate_config
 from pack_core.errors import ConfigError, MessageError
 from pack_core.ros.messages.conversions import WORLD, finite, from_stamp, to_stamp
 
@@ -100,7 +101,7 @@ def to_request(
         gripper=GripperFootprintMsg(**problem.gripper.model_dump()),
         tolerance=BlockTolerance(**problem.tolerance.model_dump()),
         starts_may_be_outside=problem.starts_may_be_outside,
-        refused=[BlockDeed(kind=d.kind, x=d.at.x, y=d.at.y, heading=d.at.yaw) for d in problem.refused],
+        refused=[_to_primitive(primitive) for primitive in problem.refused],
         method=method, budget=budget_s, seed=seed,
     )  # fmt: skip
 
@@ -108,8 +109,8 @@ def to_request(
 def from_request(request: PlanRearrangement.Request) -> Problem:
     """The problem of a request; the planner finds what contradicts itself in it."""
     try:
-        gripper = validate_config(GripperFootprint, _fields(request.gripper), "gripper")
-        tolerance = validate_config(Tolerance, _fields(request.tolerance), "tolerance")
+        gripper = validate_config(GripperFootprint, _fields(request.gripper, GripperFootprint), "gripper")
+        tolerance = validate_config(Tolerance, _fields(request.tolerance, Tolerance), "tolerance")
     except ConfigError as error:
         raise MessageError(str(error)) from error
     if len(request.sizes) != len(request.blocks):
@@ -169,12 +170,17 @@ def _from_action(message: BlockAction) -> Action:
     return PickPlace(message.start.id, start, end, message.grasp)
 
 
-def _from_primitive(message: BlockDeed) -> PrimitiveAction:
+def _to_primitive(primitive: PrimitiveAction) -> PrimitiveActionMsg:
+    at = primitive.at
+    return PrimitiveActionMsg(kind=primitive.kind, x=at.x, y=at.y, heading=at.yaw)
+
+
+def _from_primitive(message: PrimitiveActionMsg) -> PrimitiveAction:
     at = PlanarPose(message.x, message.y, message.heading)
     if message.kind not in list(PrimitiveKind) or not at.is_finite:
         raise MessageError(f"refused primitive action is of kind {message.kind} at {at}")
     return PrimitiveAction(PrimitiveKind(message.kind), at)
 
 
-def _fields(message: Any) -> dict[str, float]:
-    return {name: float(getattr(message, name)) for name in message.get_fields_and_field_types()}
+def _fields(message: Any, config: type[Config]) -> dict[str, float]:
+    return {name: float(getattr(message, name)) for name in config.model_fields}
