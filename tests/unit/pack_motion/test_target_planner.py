@@ -2,9 +2,13 @@ from __future__ import annotations
 
 import threading
 
+import numpy as np
+
 from pack_core.motion.moves import Path
 from pack_core.motion.target import MotionTarget
-from pack_motion.target_planner import PlanningThread, PreparedTarget
+from pack_motion.arm.arm import MotionArm
+from pack_motion.reference.trajectory import JointState
+from pack_motion.target_planner import PlanningThread, PreparedTarget, unwound
 
 
 class Planner:
@@ -62,3 +66,10 @@ def test_a_plan_that_fails_is_a_refusal_and_the_thread_goes_on() -> None:
     thread.submit(MotionTarget(14, Path(())))
     assert result(thread).target.id == 14
     thread.end()
+
+
+def test_a_joint_beyond_its_range_is_turned_back_and_plans_begin_at_rest(arm: MotionArm) -> None:
+    wound = arm.home + 2.0 * np.pi * np.array([1, 0, 0, 0, 0, -2])
+    start = unwound(JointState(wound, np.full(6, 8.0), np.full(6, 50.0)), arm.limits)
+    np.testing.assert_allclose(start.q, arm.home)
+    assert start.is_at_rest

@@ -17,9 +17,6 @@ from pack_motion.clearance.transfer import TransferPlanner
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.trajectory import JointState, MoveRefused
 
-TURN = 2.0 * np.pi
-"""After a whole turn a joint's link is where it was [rad]."""
-
 
 @dataclass(frozen=True)
 class PreparedTarget:
@@ -86,14 +83,13 @@ class TargetPlanner:
 
 
 def unwound(state: JointState, limits: JointLimits) -> JointState:
-    """The state with joints that are beyond their range turned back by whole turns.
+    """The state at rest, with joints that are beyond their range turned back by whole turns.
 
-    A static reference knows no way between its goals, and its joints may wind up beyond their ranges where
-    nothing stops them. Plans must begin within.
+    A static reference knows no way between its goals. Its joints may wind up beyond their ranges, where
+    nothing stops them, and move faster than they could be stopped within. Plans, of which it takes the goals
+    alone, must begin within their limits.
     """
-    is_beyond = (state.q < limits.lower) | (state.q > limits.upper)
-    q = state.q - np.where(is_beyond, TURN * np.round(state.q / TURN), 0.0)
-    return JointState(np.clip(q, limits.lower, limits.upper), state.v, state.a)
+    return JointState.at_rest(np.clip(limits.unwound(state.q), limits.lower, limits.upper))
 
 
 class PlanningThread:

@@ -7,7 +7,17 @@ from hypothesis import strategies as st
 
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
-from pack_motion.tracking.tracker import acceleration_bounds, resolve_capped, resolve_within
+from pack_motion.reference.trajectory import JointState
+from pack_motion.rmpflow.spheres import arm_spheres
+from pack_motion.tracking.config import motion_set
+from pack_motion.tracking.obstacles import ObstacleField
+from pack_motion.tracking.tracker import (
+    PolicyInputs,
+    Tracker,
+    acceleration_bounds,
+    resolve_capped,
+    resolve_within,
+)
 
 H = 0.004
 
@@ -66,3 +76,20 @@ def test_the_cap_shortens_and_keeps_the_direction() -> None:
     free, capped = resolve_capped(M, f, np.inf), resolve_capped(M, f, 0.1)
     assert np.linalg.norm(capped) == pytest.approx(0.1)
     np.testing.assert_allclose(capped / 0.1, free / np.linalg.norm(free), atol=1e-9)
+
+
+@pytest.mark.parametrize("turns", [(1, 0, 0, 0, 0, 0), (-1, 0, 0, 2, 0, -3)])
+def test_without_limits_an_arm_moves_alike_after_whole_turns_of_its_joints(
+    arm: MotionArm, turns: tuple[int, ...]
+) -> None:
+    config, wound = motion_set("table_4_1"), 2.0 * np.pi * np.array(turns)
+    seen = PolicyInputs(
+        config.fast, arm_spheres(arm, config.first_sphere_link), ObstacleField.of((), config.fast.collision)
+    )
+    goal = JointState.at_rest(arm.home + 0.5)
+    one, other = Tracker(arm, config, arm.home), Tracker(arm, config, arm.home + wound)
+    for _ in range(50):
+        for tracker in (one, other):
+            tracker.step(H, goal, goal, arm.home, seen)
+    assert np.abs(one.state.v).max() > 0.5
+    np.testing.assert_allclose(other.state.q, one.state.q + wound, atol=1e-6)

@@ -119,3 +119,19 @@ def test_one_picture_at_a_time_is_taken_and_delivered_with_its_time() -> None:
     assert (time, picture.shape) == (1.5, (540, 960, 3))
     assert not thread.expose(1.5, seen({}))
     assert errors == []
+
+
+@pytest.mark.parametrize(
+    ("rate", "asked", "exposed"),
+    [
+        (0.0, 0.123, 0.123),
+        (60.0, 0.1, 0.1),
+        (60.0, 0.104, 7 / 60),
+        (60.0, 10 / 60, 10 / 60),
+        (10.0, 0.0, 0.0),
+    ],
+)
+def test_a_picture_is_the_first_frame_that_is_not_older_than_the_request(
+    rate: float, asked: float, exposed: float
+) -> None:
+    assert PalletCameraConfig(rate=rate).exposure_time(asked) == pytest.approx(exposed)

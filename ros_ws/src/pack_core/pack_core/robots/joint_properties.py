@@ -19,6 +19,10 @@ FLIP = 0.15
 Six = Annotated[tuple[PositiveFloat, ...], Field(min_length=6, max_length=6)]
 
 
+TURN = 2.0 * np.pi
+"""After a whole turn a joint's link is where it was [rad]."""
+
+
 @dataclass(frozen=True)
 class JointLimits:
     """Names and published limits of n joints, each array `(n,)` and read-only.
@@ -47,6 +51,11 @@ class JointLimits:
     def middle(self) -> Array:
         """The middle of each joint's range `(n,)` [rad]."""
         return 0.5 * (self.lower + self.upper)
+
+    def unwound(self, q: Array) -> Array:
+        """Joint positions `(n,)` [rad], those beyond their range turned back by whole turns."""
+        is_beyond = (q < self.lower) | (q > self.upper)
+        return np.asarray(q - np.where(is_beyond, TURN * np.round(q / TURN), 0.0))
 
     def lifted(self) -> JointLimits:
         """The same joints with limits that nothing reaches."""

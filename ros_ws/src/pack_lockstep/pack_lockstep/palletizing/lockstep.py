@@ -15,7 +15,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.motion.target import MotionStatus
-from pack_core.palletizing.boxes import BoxBody, BoxDetection
+from pack_core.palletizing.boxes import BoxBody, BoxDetection, ExpectedBox
 from pack_core.palletizing.calibration import CellCalibration
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.layout_plan import LayoutPlan
@@ -116,6 +116,7 @@ class PalletLockstep:
         self._spawned = ""
         self._target: State | None = None
         self._detection: BoxDetection | None = None
+        self._exposure: tuple[float, ExpectedBox] | None = None
         self._pending: tuple[float, BoxDetection] | None = None
 
     def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
@@ -138,7 +139,8 @@ class PalletLockstep:
         )  # fmt: skip
         before = self._target
         for command in self.palletizer.step(seen):
-            self._apply(command, finder)
+            self._apply(command)
+        self._expose(finder)
         if self.palletizer.leg_end is None and before is not None:
             self._log.note_way_point(before, seen.motion)
         self._target = self.palletizer.leg_end
@@ -146,7 +148,7 @@ class PalletLockstep:
             on_tick(Tick(seen.time, machine.state, machine.visits[-1].box, seen.motion))
         self._advance()
 
-    def _apply(self, command: Command, finder: BoxFinder) -> None:
+    def _apply(self, command: Command) -> None:
         match command:
             case SpawnBox(name, dims, mass):
                 self.simulator.spawn(BoxBody(name, dims, mass))
@@ -155,7 +157,7 @@ class PalletLockstep:
                 if any(box.name == name for box in self.simulator.boxes):
                     self.simulator.remove(name)
             case TakePicture() | ScanPlace():
-                self._look(command, finder)
+                self._look(command)
             case PursueTarget(target):
                 if self.motion.command(target).is_accepted:
                     self._log.note_target(self.motion.plan.X_WT)
@@ -166,13 +168,20 @@ class PalletLockstep:
             case OpenGripper():
                 self.simulator.gripper.open()
 
-    def _look(self, command: TakePicture | ScanPlace, finder: BoxFinder) -> None:
-        """Take a picture, or scan a place; the result is known a little later."""
+    def _look(self, command: TakePicture | ScanPlace) -> None:
+        """Ask for a picture, or scan a place; the result is known a little later."""
         if isinstance(command, ScanPlace):
             self._scans[command.place] = self._scanner.scan(command.place, self.simulator.still())
         elif not self.camera_is_silent:
-            detection = finder.detect(command.expected, self.simulator)
+            time = self._config.sight.camera.exposure_time(self.simulator.time)
+            self._exposure = time, command.expected
+
+    def _expose(self, finder: BoxFinder) -> None:
+        """Take the picture that was asked for, once its time has come; the result is known a little later."""
+        if self._exposure is not None and self.simulator.time >= self._exposure[0]:
+            detection = finder.detect(self._exposure[1], self.simulator)
             self._pending = self.simulator.time + self._latency(), detection
+            self._exposure = None
 
     def _answered(self) -> tuple[PlaceScan, ...]:
         """The scans whose results have come by now."""

@@ -125,13 +125,17 @@ class Tracker:
     def _substep(
         self, h: float, q_ref: Array, v_ref: Array, a_ref: Array, q_posture: Array | None, seen: PolicyInputs
     ) -> None:
-        q, v = self.state.q, self.state.v
+        q, v, limits = self.state.q, self.state.v, self._arm.limits
+        is_within = self._config.resolve is Resolve.WITHIN_LIMITS
+        # Without limits a joint may have made whole turns. The arm is where it was before them, and so is all
+        # that policies on joints are about: posture and ends of ranges.
+        felt = q if is_within else limits.unwound(q)
         goal = JointGoal(q_ref, v_ref, a_ref, q_ref if q_posture is None else q_posture)
         M, f, self.deviation, self.least_distance = pull_back(
-            self._arrays, JointMotion(q, v), goal, seen.spheres, seen.field.boxes, seen.policies
+            self._arrays, JointMotion(felt, v), goal, seen.spheres, seen.field.boxes, seen.policies
         )
-        if self._config.resolve is Resolve.WITHIN_LIMITS:
-            a = resolve_within(M, f, *acceleration_bounds(q, v, h, self._arm.limits))
+        if is_within:
+            a = resolve_within(M, f, *acceleration_bounds(q, v, h, limits))
             self.state = JointState(q + h * (v + 0.5 * h * a), v + h * a, a)
         else:
             a = resolve_capped(M, f, self._config.max_acceleration_norm)

@@ -10,7 +10,7 @@ from typing import Self
 import cv2
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field
+from pydantic import Field, NonNegativeFloat
 
 from pack_core.camera import LensDistortion, Picture, PinholeCamera
 from pack_core.config import Config
@@ -104,6 +104,14 @@ class PalletCameraConfig(Config):
 
     width: int = Field(default=3840, ge=320, le=7680, description="of pictures [pixel]; the height follows")
     shadows: bool = Field(default=True, description="whether lights cast shadows")
+    rate: NonNegativeFloat = Field(
+        default=0.0, description="frames a second, the first at 0 s [Hz]; 0: one whenever it is asked for"
+    )
+
+    def exposure_time(self, asked: float) -> float:
+        """When the first frame is exposed that is not older than a request at `asked` [s]."""
+        # less a hundredth of a frame: a multiple of 1 / rate is no whole number of binary digits
+        return float(np.ceil(asked * self.rate - 0.01)) / self.rate if self.rate else asked
 
 
 class PalletCamera:

@@ -56,6 +56,8 @@ class PalletSimNode(PhysicsNode):
         self._simulator = self._new_simulator(self._config.seed)
         self._publisher.publish_boxes(self._simulator.boxes)
         self._camera = PalletCameraPublisher(self, self._simulator, self._config.camera)
+        self._exposure: float | None = None
+        """When the frame that was asked for is exposed [s]; None: none was."""
         self._scans = ScanPublisher(self, self._simulator.open_scanner(self._config.scanner))
         self.show(describe_robot(self._cell)).fix(fixed_frames(self._simulator.cell))
         services = (
@@ -78,6 +80,9 @@ class PalletSimNode(PhysicsNode):
 
     def advance(self) -> float:
         self._publisher.step(self._simulator)
+        if self._exposure is not None and self._simulator.time >= self._exposure:
+            self._exposure = None
+            self._camera.expose(self._simulator.snapshot())
         if (seen := self._sensor.observe(self._simulator.time)) is not None:
             self._publisher.publish_obstacles(seen)
         return self._publisher.period
@@ -140,6 +145,10 @@ class PalletSimNode(PhysicsNode):
 
     def _trigger(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         with self.lock:
+            time = self._config.camera.exposure_time(self._simulator.time)
+            if time > self._simulator.time:
+                self._exposure, response.success = time, True
+                return response
             snapshot = self._simulator.snapshot()
         response.success = self._camera.expose(snapshot)
         if not response.success:
