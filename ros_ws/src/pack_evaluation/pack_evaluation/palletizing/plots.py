@@ -8,11 +8,16 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from pack_core.motion.moves import SLOW_SPEED
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_evaluation.figures import BLUE, GREEN, GREY, INK, RED, write_figures
 from pack_evaluation.palletizing.measures import tracking_errors
 from pack_evaluation.palletizing.run import PalletRun
@@ -22,6 +27,11 @@ SIZE = (9.0, 4.2)
 """Width and height of a figure [inch]."""
 AXES = (RED, GREEN, BLUE)
 """Colours of x, y and z."""
+SLOW_COLOUR, SHADE = "#e0a31e", 0.18
+"""Colour of slow phases and states, and its opacity where it lies behind lines."""
+PALLET_COLOUR = "#c8b48f"
+MOST_NAMES = 25
+"""Boxes that the legend of their ways names."""
 STRIDE = 5
 """Only every fifth sample is drawn."""
 DPI = 110
@@ -56,27 +66,69 @@ def draw_position(figure: Figure, run: PalletRun) -> None:
 
     Commanded are the targets of the states, where they are known, else the setpoints.
     """
-    axes, tool = figure.add_subplot(), run.tool
-    axes.set(title="Tool position: measured (solid) and commanded (dashed)", ylabel="[m]", xlabel="time [s]")
+    axes = figure.add_subplot()
+    axes.set(ylabel="[m]", xlabel="time [s]")
+    axes.set_title("Tool position", loc="left")
     p_wanted, _ = _commanded(run)
-    for i, (name, colour) in enumerate(zip("xyz", AXES, strict=True)):
-        axes.plot(tool.times[::STRIDE], tool.p[::STRIDE, i], color=colour, lw=1.2, label=name)
-        axes.plot(tool.times[::STRIDE], p_wanted[::STRIDE, i], color=INK, lw=0.8, ls="--")
-    _shade(axes, run)
-    axes.legend(loc="upper right", ncols=3)
+    _draw_channels(axes, run, dict(zip("xyz", AXES, strict=True)), run.tool.p, p_wanted)
 
 
 def draw_orientation(figure: Figure, run: PalletRun) -> None:
     """Commanded and measured orientation as quaternions; slow phases are shaded."""
-    axes, tool = figure.add_subplot(), run.tool
-    axes.set(title="Tool orientation, quaternion: measured (solid) and commanded (dashed)", xlabel="time [s]")
-    q, (_, q_wanted) = continuous(tool.q), _commanded(run)
-    q_ref = q_wanted * np.where(np.sum(q_wanted * q, axis=1) < 0.0, -1.0, 1.0)[:, None]
-    for i, (name, colour) in enumerate(zip("wxyz", ("#7a4bb0", *AXES), strict=True)):
-        axes.plot(tool.times[::STRIDE], q[::STRIDE, i], color=colour, lw=1.2, label=name)
-        axes.plot(tool.times[::STRIDE], q_ref[::STRIDE, i], color=INK, lw=0.8, ls="--")
+    axes = figure.add_subplot()
+    axes.set(xlabel="time [s]", ylim=(-1.1, 1.1))
+    axes.set_title("Tool orientation, quaternion", loc="left")
+    q, (_, q_wanted) = continuous(run.tool.q), _commanded(run)
+    colours = dict(zip("wxyz", ("#7a4bb0", *AXES), strict=True))
+    _draw_channels(axes, run, colours, q, q_wanted * _signs(q_wanted, q)[:, None])
+
+
+def _draw_channels(
+    axes: Axes, run: PalletRun, colours: dict[str, str], measured: Array, commanded: Array
+) -> None:
+    """One colour a channel, measured solid and commanded dashed; slow phases shaded, boxes numbered."""
+    times = run.tool.times[::STRIDE]
+    handles: list[Artist] = []
+    for i, (name, colour) in enumerate(colours.items()):
+        handles += axes.plot(times, measured[::STRIDE, i], color=colour, lw=1.3, label=name)
+        axes.plot(times, commanded[::STRIDE, i], color=colour, lw=0.9, ls="--", alpha=0.7)
     _shade(axes, run)
-    axes.legend(loc="upper right", ncols=4)
+    _number_boxes(axes, run)
+    axes.margins(x=0.0)
+    axes.grid(axis="y", color=GREY, alpha=0.25, lw=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    handles += [Line2D([], [], color=INK, lw=1.3, label="measured"),
+                Line2D([], [], color=INK, lw=0.9, ls="--", label="commanded"),
+                Patch(color=SLOW_COLOUR, alpha=SHADE, lw=0.0, label="slow")]  # fmt: skip
+    axes.legend(
+        handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(handles), frameon=False,
+        handlelength=1.8, columnspacing=1.1, fontsize=9,
+    )  # fmt: skip
+
+
+def _number_boxes(axes: Axes, run: PalletRun) -> None:
+    """A thin line where work on each box begins, with its number in the sequence of placing."""
+    numbers = {box.name: number for number, box in enumerate(run.boxes, start=1)}
+    begins: dict[str, float] = {}
+    for visit in run.visits:
+        if visit.box in numbers:
+            begins.setdefault(visit.box, visit.time)
+    for name, time in begins.items():
+        axes.vlines(time, 0.0, 1.0, color=GREY, lw=0.6, ls=":", zorder=0,
+                    transform=axes.get_xaxis_transform())  # fmt: skip
+        axes.text(time, 0.995, f" {numbers[name]}", color=GREY, fontsize=7, va="top",
+                  transform=axes.get_xaxis_transform(), clip_on=True)  # fmt: skip
+
+
+def _signs(q: Array, near: Array) -> Array:
+    """Signs `(n,)` by which unit quaternions `(n, 4)` are those nearest to others.
+
+    While one stays the same its sign does, too: that which suits the last of the others.
+    """
+    is_last = np.append(np.any(q[1:] != q[:-1], axis=1), True)
+    last = np.flatnonzero(is_last)
+    signs = np.where(np.sum(q[last] * near[last], axis=1) < 0.0, -1.0, 1.0)
+    return np.asarray(np.repeat(signs, np.diff(last, prepend=-1)))
 
 
 def _commanded(run: PalletRun) -> tuple[Array, Array]:
@@ -110,17 +162,42 @@ def draw_tracking(figure: Figure, run: PalletRun) -> None:
 
 
 def draw_ways(figure: Figure, run: PalletRun) -> None:
-    """The way of every box from its spawn to the pallet, as in Fig. 9.4."""
+    """The way of every box from its spawn (ring) to the pallet (dot), as in Fig. 9.4."""
     axes = figure.add_subplot(projection="3d")
+    _draw_places(axes, run)
     colours = colormaps["turbo"](np.linspace(0.05, 0.95, max(len(run.boxes), 1)))
     for box, colour in zip(run.boxes, colours, strict=True):
         if (track := run.tracks.get(box.name)) is not None:
-            axes.plot(*track.p[::STRIDE].T, color=colour, lw=1.2, label=box.name)
-    axes.set(title="Ways of the boxes", xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
-    axes.view_init(elev=28, azim=-60)
-    axes.set_box_aspect((3.2, 3.2, 1.6))
-    if len(run.boxes) <= 8:
-        axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.05, 0.5))
+            axes.plot(*track.p[::STRIDE].T, color=colour, lw=1.4, label=box.name)
+            axes.scatter(*track.p[[0, -1]].T, s=22, edgecolor=[colour] * 2, facecolor=["white", colour])
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", zlim=(0.0, axes.get_zlim()[1]))
+    axes.view_init(elev=26, azim=-50)
+    axes.locator_params(nbins=5)
+    axes.tick_params(labelsize=7)
+    limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
+    axes.set_box_aspect(np.ptp(limits, axis=1), zoom=1.25)  # a metre is as long along every axis
+    if 0 < len(run.boxes) <= MOST_NAMES:
+        axes.legend(
+            fontsize=7, loc="upper left", bbox_to_anchor=(-0.42, 0.95), frameon=False, title="box",
+            title_fontsize=8, alignment="left",
+        )  # fmt: skip
+
+
+def _draw_places(axes: Axes3D, run: PalletRun) -> None:
+    """Tops of the two tables and of the pallet, where they truly are."""
+    cell = run.stands.cell
+    pallet = cell.pallet
+    middle = np.array([*(np.array(pallet.corner) + 0.5 * np.array(pallet.size)), pallet.deck_height])
+    for place, X_WM, colour in (
+        (cell.picking_table, Pose(cell.picking_table.middle), GREY),
+        (cell.reorientation_table, Pose(cell.reorientation_table.middle), GREY),
+        (pallet, Pose(middle), PALLET_COLOUR),
+    ):
+        corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * [*place.size, 0.0] * 0.5
+        top = place.displaced(X_WM).apply(corners)
+        axes.add_collection3d(
+            Poly3DCollection([top], facecolor=colour, edgecolor=INK, alpha=0.3, lw=0.6), autolim=True
+        )
 
 
 def draw_errors(figure: Figure, run: PalletRun) -> None:
@@ -143,7 +220,7 @@ def draw_states(figure: Figure, run: PalletRun) -> None:
     states = {label: item for label, item in state_times(run).items() if item.total_s > 0.0}
     placed = max(sum(box.outcome == "placed" for box in run.boxes), 1)
     slow = slow_states(run)
-    colours = ["#e0a31e" if label in slow else AXES[2] for label in states]
+    colours = [SLOW_COLOUR if label in slow else AXES[2] for label in states]
     upper.bar(range(len(states)), [item.total_s / placed for item in states.values()], color=colours)
     upper.set(ylabel="time a box [s]", title="States: time, and highest speed of the tool (slow ones orange)")
     lower.bar(range(len(states)), [item.peak_mps for item in states.values()], color=colours)
@@ -167,7 +244,7 @@ def draw_visitors(figure: Figure, run: PalletRun) -> None:
 
 def _shade(axes: Axes, run: PalletRun) -> None:
     for start, end in run.slow:
-        axes.axvspan(start, end, color="#e0a31e", alpha=0.13, lw=0.0)
+        axes.axvspan(start, end, color=SLOW_COLOUR, alpha=SHADE, lw=0.0, zorder=0)
 
 
 PLOTS: dict[str, Draw] = {
