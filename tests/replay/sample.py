@@ -1,4 +1,4 @@
-"""The recording that the replay tests feed through the cores; bags/README.md says how it was made."""
+"""The recordings that the replay tests feed through the cores; bags/README.md says how they were made."""
 
 from __future__ import annotations
 
@@ -13,15 +13,20 @@ from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.packing.run import Run
 
 COUNTS = {"/joint_states": 3700, "/mocap/markers": 888, "/scene": 917, "/mpc/status": 52}
-"""Messages that the sample holds; scores count for nothing if frames are missing."""
+"""Messages that the packing cell's sample holds; scores count for nothing if frames are missing."""
 SEED = 5
 """Of the goal."""
 
 
 @cache
+def sample_of(cell: str) -> Bag:
+    """The sample of a cell, all its topics."""
+    return read_bag(bags_path() / "samples" / cell)
+
+
 def sample() -> Bag:
-    """The sample, all its topics."""
-    return read_bag(sample_path())
+    """The packing cell's sample."""
+    return sample_of("packing")
 
 
 def sample_path() -> Path:

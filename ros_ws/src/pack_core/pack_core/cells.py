@@ -58,6 +58,7 @@ PARTS = {
         "pack_bringup.{cell}.goals", "seeded_job", "the same goal with nodes that are started for it"
     ),
     "benchmark": CellPart("pack_bringup.{cell}.commands", "benchmark", "the command `pack benchmark CELL`"),
+    "replays": CellPart("pack_lockstep.{cell}.replay", "REPLAYS", "the nodes that `pack replay` can replay"),
     "disturbances": CellPart(
         "pack_lockstep.{cell}.disturbances", "DISTURBANCES", "the rows of `pack benchmark hands CELL`",
         is_optional=True,

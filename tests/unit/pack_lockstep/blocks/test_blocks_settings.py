@@ -15,12 +15,12 @@ from pack_lockstep.blocks.settings import lockstep_config
 from pack_lockstep.node_parameters import load_parameters, parameters_of
 from pack_motion.motion_node import MotionNodeConfig
 from pack_perception.tags.tag_vision import TagVisionConfig
-from pack_planner.rearrangement.rearrangement_node import RearrangementNodeConfig
+from pack_planner.rearrangement.methods import PlanningConfig
 from pack_sim.blocks.blocks_sim_node import BlocksSimNodeConfig
 from pack_sim.blocks.simulator import BlocksSimulatorConfig
 
 NODES = {
-    "fsm": BlockFsmNodeConfig, "motion": MotionNodeConfig, "rearrangement": RearrangementNodeConfig,
+    "fsm": BlockFsmNodeConfig, "motion": MotionNodeConfig, "rearrangement": PlanningConfig,
     "sim": BlocksSimNodeConfig, "tags": TagVisionConfig,
 }  # fmt: skip
 

@@ -102,7 +102,7 @@ class PirsPlanner(RearrangementPlanner):
             try:
                 for o in search.shuffled(away):
                     if outcome := search.pirs(o, away - {o}, snapped.starts.copy()):
-                        timer.found(len(outcome[0]))
+                        timer.found(outcome[0])
                         return outcome[0]
             except GiveUp:
                 patience *= self.impatience

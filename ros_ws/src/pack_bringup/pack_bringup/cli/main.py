@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from pack_bringup.cli import bag, cells, evaluate, play, results, run, status, up, wiring
+from pack_bringup.cli import bag, cells, evaluate, play, replay, results, run, status, up, wiring
 from pack_bringup.cli.terminal import no_colours, notice
 from pack_bringup.robustness import commands as robustness
 from pack_core.cells import CELLS, optional_cell_part
@@ -38,7 +38,7 @@ app = typer.Typer(
     - `pack wiring` shows every topic, service and action
     """,
 )
-for command in (cells, evaluate, results, bag, play, up, status, run, robustness, wiring):
+for command in (cells, evaluate, results, bag, replay, play, up, status, run, robustness, wiring):
     app.add_typer(command.app)
 for cell in CELLS:
     for cells_own in optional_cell_part(cell, "commands") or ():

@@ -112,8 +112,11 @@ def heard_by(node: str, wiring: Iterable[Contract]) -> list[str]:
         ConfigError: the cell has no such node, or it listens to nothing that is recorded.
     """
     from pack_core.errors import ConfigError
+    from pack_core.ros.contracts.contract import Kind
+    from pack_core.ros.contracts.table import is_picture
 
-    heard = {c.name: c.targets for c in wiring if c.recorded and "all" not in c.targets}
+    topics = [c for c in wiring if c.kind is Kind.TOPIC and (c.recorded or is_picture(c))]
+    heard = {c.name: c.targets for c in topics if "all" not in c.targets}
     if names := [name for name, targets in heard.items() if node in targets]:
         return names
     known = sorted({target for targets in heard.values() for target in targets} - {"user", "recorder"})

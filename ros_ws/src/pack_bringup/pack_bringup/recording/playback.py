@@ -74,7 +74,7 @@ def load_playback(
 
     Args:
         path: the recording.
-        topics: those wanted; all but /clock if None.
+        topics: those wanted; all but /clock and the events of services if None.
         start: what was recorded before is left out, but for latched topics [s of simulated time].
         end: what was recorded after is left out [s of simulated time].
 
@@ -82,7 +82,7 @@ def load_playback(
         BagError: the bag is missing or broken, lacks a topic, or has nothing to play.
     """
     raw = read_raw_bag(path)
-    wanted = set(raw.topics) - {CLOCK} if topics is None else set(topics)
+    wanted = {name for name in raw.topics if _is_played(raw.topics[name])} if topics is None else set(topics)
     if CLOCK in wanted:
         raise BagError(f"{CLOCK} is not played from the recording; --clock sends one that keeps to --rate")
     if missing := sorted(wanted - set(raw.topics)):
@@ -96,13 +96,21 @@ def load_playback(
     if first_ns is None and within and all(_is_latched(chosen[m.topic]) for m in within):
         raise BagError(
             f"{raw.path} has of {', '.join(chosen)} only what is sent once; what the node works on was not "
-            "recorded, as pictures never are"
+            "recorded, as pictures are not without recorder.pictures"
         )
     if first_ns is None:
         raise BagError(f"{raw.path} has no message to play on {', '.join(chosen)} from {start} s to {end} s")
     early = tuple(m for m in within if m.time_ns < first_ns and _is_latched(chosen[m.topic]))
     rest = tuple(m for m in within if m.time_ns >= first_ns)
     return Playback(raw.path, chosen, raw.types, early, rest, raw.is_cut)
+
+
+def _is_played(topic: Topic) -> bool:
+    """Whether a topic is played unless others are asked for: no clock, and not what a service has told.
+
+    The latter are among the topics that ROS 2 hides, by an underscore in front of a part of their name.
+    """
+    return topic.name != CLOCK and "/_" not in topic.name
 
 
 def _first(messages: Sequence[RawMessage], topics: Mapping[str, Topic], start: float) -> int | None:

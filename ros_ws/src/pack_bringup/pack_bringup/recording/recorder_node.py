@@ -31,6 +31,7 @@ from pack_core.config import Config
 from pack_core.errors import BagError, MessageError, PackError
 from pack_core.motion.topics import JOINT_STATES
 from pack_core.ros.contracts import shared
+from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.contracts.table import nodes_of, recorded
 from pack_core.ros.messages.conversions import stamp_in
 from pack_core.ros.node import CellNode
@@ -47,12 +48,20 @@ class RecorderConfig(Config):
     record: Record = Field(default="goals", description="when to record: while goals run, always, or never")
     split_mb: float = Field(default=24.0, gt=0.0, description="size at which another file is begun [MB]")
     limit_gb: float = Field(default=10.0, gt=0.0, description="size of the bag at which recording ends [GB]")
+    pictures: bool = Field(
+        default=False, description="also record what the cameras see, for `pack replay --node vision` or tags"
+    )
     required: bool = Field(
         default=False, description="end the node, and so the goal in progress, when recording fails"
     )
     seed: int | None = Field(default=None, description="the run's seed, for run.yaml")
     preset: str = Field(default="", description="the conditions' name, for run.yaml")
     command: str = Field(default="", description="the command line that started the run, for run.yaml")
+
+    @property
+    def topics(self) -> tuple[Contract, ...]:
+        """What is recorded."""
+        return recorded(self.cell, with_pictures=self.pictures)
 
 
 def begin_recording(config: RecorderConfig) -> tuple[Path, Recorder]:
@@ -64,7 +73,7 @@ def begin_recording(config: RecorderConfig) -> tuple[Path, Recorder]:
     now = datetime.now()
     folder = Path(config.path) if config.path else default_folder(config.cell, config.seed, now)
     recorder = Recorder(
-        folder / BAG_FOLDER, map(to_bag_topic, recorded(config.cell)), message_types(),
+        folder / BAG_FOLDER, map(to_bag_topic, config.topics), message_types(),
         split_size=config.split_mb * 1e6, limit=config.limit_gb * 1e9,
     )  # fmt: skip
     try:
@@ -118,7 +127,7 @@ class RecorderNode(CellNode):
                 raise
             self._say_fault(f"{error}; goals go on unrecorded")
             return
-        topics = recorded(config.cell)
+        topics = config.topics
         self._time_ns = 0
         run_files = optional_cell_part(config.cell, "run_files")
         self._run_files = run_files(self.folder) if run_files else None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 TAGS, JAW_STATE, TRUTH = "/block_tags", "/gripper/state", "/sim/truth"
 BLOCK_POSES, STATUS, RESULT = "/block_poses", "/rearrange/status", "/rearrange/result"
+REARRANGEMENT_EVENTS = "/plan_rearrangement/_service_event"
 
 JAW_RATE = 250.0 / 3.0
 """With every third tick."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 JOINT_STATES, SETPOINTS = "/joint_states", "/joint_setpoints"
 GOAL_MARKERS = "/markers"
+IMAGE, CAMERA_INFO = "/camera/image_raw", "/camera/camera_info"
 MOTION_TARGET, MOTION_STATUS, MOTION_OBSTACLES = "/motion/target", "/motion/status", "/motion/obstacles"
 
 JOINT_RATE = 250.0

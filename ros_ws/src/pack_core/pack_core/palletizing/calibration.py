@@ -8,7 +8,7 @@ from pathlib import Path
 import yaml
 from pydantic import NonNegativeFloat
 
-from pack_core.camera import LensDistortion
+from pack_core.camera import LensDistortion, PinholeCamera
 from pack_core.config import Config, load_config, parse_config
 from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
@@ -115,6 +115,12 @@ class KnownCell:
 
     cell: PalletizingCell
     calibration: CellCalibration | None
+
+    def camera(self, told: PinholeCamera) -> PinholeCamera:
+        """The overhead camera with the intrinsics that it tells, or that a calibration has found."""
+        if self.calibration is None:
+            return told
+        return self.cell.overhead_camera.scaled(told.width)
 
     def check_gap(self, gap: float) -> None:
         """Refuse gaps between boxes that are too narrow for how well the cell is known [m].

@@ -7,6 +7,7 @@ EXPECTED_BOX, BOX_DETECTION = "/expected_box", "/box_detection"
 BOARD_SIGHTING = "/board_sighting"
 PALLET_SCAN, TABLE_SCAN = "/pallet_scanner/points", "/reorientation_table_scanner/points"
 VISION_OVERLAY, PALLET_STATE, RESULT = "/vision/overlay", "/fsm/state", "/palletize/result"
+LAYOUT_EVENTS = "/plan_layout/_service_event"
 
 GRIPPER_RATE = 125.0
 """With every second tick."""

@@ -18,6 +18,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.service import Service
+from rclpy.service_introspection import ServiceIntrospectionState
 from rclpy.subscription import Subscription
 from rclpy.time_source import TimeSource
 from rclpy.timer import Timer
@@ -25,7 +26,7 @@ from rclpy.timer import Timer
 from pack_core.errors import ConfigError, PackError
 from pack_core.ros.clock import SimulatedTime, TakenByHand
 from pack_core.ros.contracts import shared
-from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.contracts.contract import Contract, events_of
 from pack_core.ros.health import Failures, Health
 from pack_core.ros.node_status import NodeStatusPublisher
 from pack_core.ros.params import ParameterSet, unknown, unknown_parameters
@@ -171,6 +172,15 @@ class CellNode(Node):
             self.fail(contract.name, error)
         else:
             self.failures.passed(contract.name)
+
+    def offer(self, contract: Contract, serve: Callable[..., Any]) -> Service:
+        """The contract's service; where it is recorded, its requests and answers are told on a topic."""
+        service = self.create_service(contract.type, contract.name, serve)
+        if contract.recorded:
+            events = events_of(contract)
+            assert events.qos is not None
+            service.configure_introspection(self.get_clock(), events.qos, ServiceIntrospectionState.CONTENTS)
+        return service
 
     def create_timer(self, period: float, callback: Callable[[], None], *args: Any, **kwargs: Any) -> Timer:
         """As of every node, but what the callback raises does not end it."""

@@ -1,4 +1,4 @@
-"""Feeds what a node received in a recording to its core, and compares the answers with the recorded ones."""
+"""Replays of the packing cell: perception and the placement planner."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ from pack_evaluation.packing.from_bag import to_run
 from pack_evaluation.packing.run import Run
 from pack_evaluation.track import Track, to_tracks
 from pack_lockstep.node_parameters import parameters_of
-from pack_lockstep.packing.lockstep_config import PackingPreset
+from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset
+from pack_lockstep.replay import EXACT_MM, ComparisonRow, Replay, RunConditions
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.session import SessionConfig
@@ -48,50 +49,6 @@ from pack_planner.placement.placement_planner import (
 
 MAX_MISSING = 0.01
 """Share of a topic's messages that a recording may lack; with fewer, a replay is meaningless."""
-
-
-@dataclass(frozen=True)
-class ComparisonRow:
-    """The comparison of one output.
-
-    Attributes:
-        name: name of the output.
-        compared: number of values that were compared.
-        mean_mm: mean of their differences.
-        difference_mm: the difference that decides: their 95th percentile, or the only one.
-        limit_mm: largest allowed difference.
-    """
-
-    name: str
-    compared: int
-    mean_mm: float
-    difference_mm: float
-    limit_mm: float
-
-    @property
-    def agrees(self) -> bool:
-        """Whether the difference is within its limit; False if there was nothing to compare."""
-        return self.compared > 0 and self.difference_mm <= self.limit_mm
-
-
-@dataclass(frozen=True)
-class Replay:
-    """The outcome of a replay.
-
-    Attributes:
-        node: name of the node whose core was replayed.
-        inputs: number of input messages by topic.
-        rows: the comparisons.
-    """
-
-    node: str
-    inputs: dict[str, int]
-    rows: tuple[ComparisonRow, ...]
-
-    @property
-    def agrees(self) -> bool:
-        """Whether the core's outputs agree with the node's recorded ones."""
-        return bool(self.rows) and all(row.agrees for row in self.rows)
 
 
 def check_frames(bag: Bag, topic: str, stamps: Sequence[float], rate: float | None = None) -> int:
@@ -223,8 +180,6 @@ def _compare_tracks(name: str, recorded: Track, again: Track | None) -> Comparis
 
 SAME = 1e-6
 """Times that differ by less are of the same scene [s]."""
-PLACEMENT_LIMIT_MM = 1e-6
-"""The same scene gives the same placement, so only rounding is allowed."""
 
 
 @dataclass(frozen=True)
@@ -326,4 +281,22 @@ def _compare_placement(
         if placement.X_WO is not None and placement.collisions == request.collisions:
             error = 1e3 * float(np.linalg.norm(placement.X_WO.p - request.p_WT))
     name = f"placement {len(request.tried) + 1}"
-    return ComparisonRow(name, int(scene is not None), error, error, PLACEMENT_LIMIT_MM)
+    return ComparisonRow(name, int(scene is not None), error, error, EXACT_MM)
+
+
+USUAL_PRESET = "ideal"
+
+
+def _perception(bag: Bag, run: RunConditions) -> Replay:
+    return replay_perception(bag, load_preset(run.preset or USUAL_PRESET))
+
+
+def _planner(bag: Bag, run: RunConditions) -> Replay:
+    if run.seed is None:
+        raise BagError(f"no run.yaml beside {bag.path} says the goal's seed; give --seed")
+    method = PackingMethod.of(run.method) if run.method else PackingMethod.PACK_IT_IN
+    return replay_planner(bag, seed=run.seed, method=method, preset=load_preset(run.preset or USUAL_PRESET))
+
+
+REPLAYS = {"perception": _perception, "planner": _planner}
+"""The nodes that can be replayed, by name."""

@@ -90,9 +90,7 @@ class BoxVisionNode(CellNode):
         self.watch(("sim", "fsm"))
 
     def _on_camera_info(self, message: CameraInfo) -> None:
-        camera = from_camera_info(message, self._known.cell.overhead_camera.X_WC)
-        if self._known.calibration is not None:  # it knows the intrinsics better than the camera's data sheet
-            camera = self._known.cell.overhead_camera.scaled(message.width)
+        camera = self._known.camera(from_camera_info(message, self._known.cell.overhead_camera.X_WC))
         before = self._camera
         if before is None or (before.f, before.c, before.width) != (camera.f, camera.c, camera.width):
             self._camera, self._table = camera, TableCamera(self._known.cell, self._vision, camera)

@@ -21,7 +21,7 @@ class LayoutNode(CellNode):
     def __init__(self, **kwargs: object) -> None:
         super().__init__("layout", **kwargs)
         self._change(self.read_parameters(LayoutConfig, self._change))
-        self.create_service(PlanLayout, contracts.PLAN_LAYOUT.name, self._serve)
+        self.offer(contracts.PLAN_LAYOUT, self._serve)
 
     def _change(self, config: LayoutConfig) -> None:
         """Plan with these parameters from the next request on."""

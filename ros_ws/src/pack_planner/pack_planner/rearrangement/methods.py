@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field, PositiveFloat
 
 from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_core.register import Register, with_sections
@@ -37,3 +37,14 @@ class RearrangementConfig(Config):
         """
         planner: RearrangementPlanner = getattr(self, METHODS.checked(method))
         return planner
+
+
+class PlanningConfig(RearrangementConfig):
+    """All planners, and which of them plans for how long where a request says nothing."""
+
+    method: Annotated[MethodName, NEXT_REQUEST] = Field(
+        DEFAULT_METHOD, description="the planner asked where a request names none"
+    )
+    budget: Annotated[PositiveFloat, NEXT_REQUEST] = Field(
+        1.0, description="time for a plan where a request says none [s]"
+    )

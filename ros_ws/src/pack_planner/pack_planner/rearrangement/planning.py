@@ -13,7 +13,12 @@ from pack_planner.rearrangement.certificates import find_certificate
 from pack_planner.rearrangement.instances import make_instance
 from pack_planner.rearrangement.lower_bound import lower_bound
 from pack_planner.rearrangement.methods import METHODS, RearrangementConfig
-from pack_planner.rearrangement.rearrangement_planner import Clock, PlanningTimer, RearrangementPlanner
+from pack_planner.rearrangement.rearrangement_planner import (
+    Clock,
+    Enough,
+    PlanningTimer,
+    RearrangementPlanner,
+)
 from pack_planner.rearrangement.snapped_problem import SnappedProblem
 from pack_planner.rearrangement.validation import find_fault
 
@@ -21,6 +26,7 @@ from pack_planner.rearrangement.validation import find_fault
 def plan(
     problem: Problem, *, method: str = "beam", budget_s: float = 1.0, seed: int = 0,
     config: RearrangementConfig | None = None, clock: Clock = time.perf_counter,
+    is_enough: Enough = lambda _: False,
 ) -> Plan:  # fmt: skip
     """Plan how to bring every block to its goal.
 
@@ -34,6 +40,8 @@ def plan(
         seed: of what is drawn at random.
         config: all planners with their parameters; those by default where it is left out.
         clock: seconds from anywhere; decides when the time is over.
+        is_enough: whether a plan that was found ends the planning; by default none does before the planner
+            itself ends.
 
     Raises:
         PackError: the method or budget is not allowed.
@@ -42,12 +50,12 @@ def plan(
     planner = config.planner(method)
     if not budget_s > 0:
         raise PackError(f"the budget is {budget_s} s; allowed: above 0")
-    timer = PlanningTimer(clock, budget_s)
+    timer = PlanningTimer(clock, budget_s, is_enough)
     if fault := find_fault(problem) or _beyond(problem, method, planner):
         return Plan(PlanStatus.INVALID_INPUT, diagnosis=fault, statistics=timer.statistics())
     snapped = SnappedProblem.of(problem)
     if snapped.is_home.all():
-        timer.found(0)
+        timer.found(())
         return Plan(PlanStatus.OPTIMAL, statistics=timer.statistics())
     if certificate := find_certificate(snapped):
         return Plan(PlanStatus.INFEASIBLE, diagnosis=certificate, statistics=timer.statistics())

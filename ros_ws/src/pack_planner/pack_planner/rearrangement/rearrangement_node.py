@@ -3,31 +3,17 @@
 from __future__ import annotations
 
 import time
-from typing import Annotated
 
 from pack_interfaces.srv import PlanRearrangement
-from pydantic import Field, PositiveFloat
 
 from pack_core.blocks.plan import Plan
-from pack_core.config import NEXT_REQUEST
 from pack_core.errors import PackError
 from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.messages.blocks import fill_plan, from_request
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
-from pack_planner.rearrangement.methods import DEFAULT_METHOD, MethodName, RearrangementConfig
+from pack_planner.rearrangement.methods import PlanningConfig
 from pack_planner.rearrangement.planning import plan, warm_up
-
-
-class RearrangementNodeConfig(RearrangementConfig):
-    """Parameters of the node `rearrangement`."""
-
-    method: Annotated[MethodName, NEXT_REQUEST] = Field(
-        DEFAULT_METHOD, description="the planner asked where a request names none"
-    )
-    budget: Annotated[PositiveFloat, NEXT_REQUEST] = Field(
-        1.0, description="time for a plan where a request says none [s]"
-    )
 
 
 class RearrangementNode(CellNode):
@@ -35,11 +21,11 @@ class RearrangementNode(CellNode):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__("rearrangement", **kwargs)
-        self._config = self.read_parameters(RearrangementNodeConfig, self._change)
+        self._config = self.read_parameters(PlanningConfig, self._change)
         warm_up()
-        self.create_service(PlanRearrangement, contracts.PLAN_REARRANGEMENT.name, self._serve)
+        self.offer(contracts.PLAN_REARRANGEMENT, self._serve)
 
-    def _change(self, config: RearrangementNodeConfig) -> None:
+    def _change(self, config: PlanningConfig) -> None:
         """Plan with these parameters from the next request on."""
         self._config = config
 

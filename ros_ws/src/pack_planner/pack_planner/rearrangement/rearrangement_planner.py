@@ -6,7 +6,7 @@ It plans a `SnappedProblem`, looks at a `PlanningTimer` for when to end, and ret
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple, Self
 
@@ -17,6 +17,8 @@ from pack_core.config import Config
 from pack_planner.rearrangement.snapped_problem import SnappedProblem
 
 Clock = Callable[[], float]
+Enough = Callable[[Sequence[Action]], bool]
+"""Whether a plan that was found ends the planning."""
 
 
 @dataclass
@@ -26,15 +28,18 @@ class PlanningTimer:
     Attributes:
         clock: seconds from anywhere.
         budget_s: time for planning [s].
+        is_enough: whether a plan that was found ends the planning before its time is over.
     """
 
     clock: Clock
     budget_s: float
+    is_enough: Enough
     setup_s: float = 0.0
     first_s: float = np.nan
     first_actions: int = 0
     expanded: int = 0
     started: float = field(init=False)
+    has_enough: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
         self.started = self.clock()
@@ -44,13 +49,14 @@ class PlanningTimer:
         return self.clock() - self.started
 
     def is_over(self) -> bool:
-        """Whether the planner's time is spent."""
-        return self.elapsed() >= self.budget_s
+        """Whether the planner's time is spent, or a plan was found that is enough."""
+        return self.has_enough or self.elapsed() >= self.budget_s
 
-    def found(self, actions: int) -> None:
-        """Note a plan; only the first is of interest."""
+    def found(self, actions: Sequence[Action]) -> None:
+        """Note a plan; of the time only that of the first is of interest."""
         if np.isnan(self.first_s):
-            self.first_s, self.first_actions = self.elapsed(), actions
+            self.first_s, self.first_actions = self.elapsed(), len(actions)
+        self.has_enough = self.is_enough(actions)
 
     def count(self, expanded: int) -> None:
         """Note states expanded or paths planned."""
@@ -94,8 +100,8 @@ class RearrangementPlanner(Config, ABC):
     ) -> Found:
         """Plan a problem in which some block is away from its goal, and which is not proven impossible.
 
-        It ends soon after `timer.is_over()`, reports its first plan to `timer.found` and uses nothing
-        like what is in `snapped.problem.refused`.
+        It ends soon after `timer.is_over()`, reports every plan that may be its answer to `timer.found` and
+        uses nothing like what is in `snapped.problem.refused`.
 
         Args:
             snapped: blocks, goals and what counts as being there.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
@@ -20,12 +22,27 @@ INTERFACES = "pack_interfaces"
 
 
 def message_types() -> Typestore:
-    """All types that the cells' topics use, for whole schemas and type hashes."""
+    """All types that the cells' topics and services use, for whole schemas and type hashes."""
     types = get_typestore(Stores.ROS2_JAZZY)
-    folder = Path(get_package_share_directory(INTERFACES), "msg")
-    for path in sorted(folder.glob("*.msg")):
+    share = Path(get_package_share_directory(INTERFACES))
+    for path in sorted(share.glob("msg/*.msg")):
         types.register(get_types_from_msg(path.read_text(), f"{INTERFACES}/msg/{path.stem}"))
+    for path in sorted(share.glob("srv/*.srv")):
+        for name, text in _parts_of(f"{INTERFACES}/msg/{path.stem}", path.read_text()):
+            types.register(get_types_from_msg(text, name))
     return types
+
+
+def _parts_of(service: str, text: str) -> Iterator[tuple[str, str]]:
+    """Names and definitions of a service's request, answer and event.
+
+    They are described as messages of the same content, because rosbags reads and writes no others.
+    """
+    request, answer = re.split(r"^---$", text, maxsplit=1, flags=re.MULTILINE)
+    yield f"{service}_Request", request
+    yield f"{service}_Response", answer
+    event = f"{service}_Request[<=1] request\n{service}_Response[<=1] response\n"
+    yield f"{service}_Event", f"service_msgs/ServiceEventInfo info\n{event}"
 
 
 FOREVER = QosTime(9223372036, 854775807)

@@ -31,7 +31,8 @@ BLOCK_POSES = Contract(
     qos=STREAM, rate="each picture", recorded=True)
 PLAN_REARRANGEMENT = Contract(
     "/plan_rearrangement", PlanRearrangement, ("fsm", "user"), ("rearrangement",),
-    "actions that bring every block to its goal, or why there are none", kind=Kind.SERVICE)
+    "actions that bring every block to its goal, or why there are none", kind=Kind.SERVICE,
+    recorded=True)
 STATUS = Contract(
     topics.STATUS, RearrangeStatus, ("fsm",), ("recorder", "user"),
     "phase, plan and what was done so far", qos=STREAM, rate="on change", recorded=True)

@@ -20,7 +20,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class Contract:
-    """One line of a wiring table."""
+    """One line of a wiring table; a service is recorded by the topic of its events (`events_of`)."""
 
     name: str
     type: type[Any]
@@ -36,6 +36,17 @@ class Contract:
 def contracts_in(names: Mapping[str, object]) -> tuple[Contract, ...]:
     """The contracts among a module's names, in the order in which they stand there."""
     return tuple(value for value in list(names.values()) if isinstance(value, Contract))
+
+
+def events_of(service: Contract) -> Contract:
+    """The topic on which the node that offers a service tells its requests and answers.
+
+    The middleware does this: service introspection, at the name where `ros2 service echo` looks for it.
+    """
+    return Contract(
+        f"{service.name}/_service_event", service.type.Event, service.targets, ("recorder",),
+        f"requests and answers of {service.name}", qos=EVENTS, rate="each request and answer", recorded=True,
+    )  # fmt: skip
 
 
 def hz(rate: float) -> str:

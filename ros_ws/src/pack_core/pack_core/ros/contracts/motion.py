@@ -47,11 +47,12 @@ def overhead_camera(vision: str) -> tuple[Contract, Contract, Contract]:
         "take a picture now; it follows, stamped with this moment", kind=Kind.SERVICE,
     )  # fmt: skip
     image = Contract(
-        "/camera/image_raw", Image, ("sim",), (vision,), "picture of the overhead camera, rgb8", qos=LATEST,
+        topics.IMAGE, Image, ("sim",), (vision, "recorder"),
+        "picture of the overhead camera, rgb8; recorded with `recorder.pictures`", qos=LATEST,
         rate="on demand",
     )  # fmt: skip
     info = Contract(
-        "/camera/camera_info", CameraInfo, ("sim",), (vision, "recorder"),
+        topics.CAMERA_INFO, CameraInfo, ("sim",), (vision, "recorder"),
         "intrinsics of the overhead camera", qos=LATCHED, rate="with each picture", recorded=True,
     )  # fmt: skip
     return trigger, image, info

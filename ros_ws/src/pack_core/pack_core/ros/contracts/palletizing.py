@@ -96,7 +96,7 @@ VISION_OVERLAY = Contract(
 PLAN_LAYOUT = Contract(
     "/plan_layout", PlanLayout, ("fsm", "user"), ("layout",),
     "where an order's boxes stand, with gaps, in which sequence they come, and from which side",
-    kind=Kind.SERVICE)
+    kind=Kind.SERVICE, recorded=True)
 PALLET_STATE = Contract(
     topics.PALLET_STATE, PalletState, ("fsm",), ("recorder", "user"),
     "the machine entered a state: which, for which box, on what event, and why if it is a fault",

@@ -5,8 +5,10 @@ Publishers, subscribers, the recorder, `pack wiring` and docs/reference/dataflow
 
 from __future__ import annotations
 
+from sensor_msgs.msg import Image
+
 from pack_core.cells import CELLS, cell_part
-from pack_core.ros.contracts.contract import Contract
+from pack_core.ros.contracts.contract import Contract, Kind, events_of
 
 EVERYBODY = {"all", "user"}
 """Ends of a contract that are no node: every node, and whoever looks at the cell from outside."""
@@ -27,9 +29,23 @@ def wiring_tables() -> dict[str, tuple[Contract, ...]]:
     return {cell: wiring_of(cell) for cell in CELLS}
 
 
-def recorded(cell: str) -> tuple[Contract, ...]:
-    """The topics of a cell that the recorder writes."""
-    return tuple(contract for contract in wiring_of(cell) if contract.recorded)
+def recorded(cell: str, *, with_pictures: bool = False) -> tuple[Contract, ...]:
+    """The topics of a cell that the recorder writes, among them the events of recorded services.
+
+    Args:
+        cell: one of `CELLS`.
+        with_pictures: also those of the cameras' pictures, which are large.
+    """
+    return tuple(
+        events_of(contract) if contract.kind is Kind.SERVICE else contract
+        for contract in wiring_of(cell)
+        if contract.recorded or (with_pictures and is_picture(contract))
+    )
+
+
+def is_picture(contract: Contract) -> bool:
+    """Whether a contract is the topic of a camera's pictures, which are recorded on request."""
+    return contract.type is Image
 
 
 def nodes_of(cell: str) -> set[str]:

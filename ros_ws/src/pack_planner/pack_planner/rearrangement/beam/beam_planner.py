@@ -112,7 +112,7 @@ class BeamPlanner(RearrangementPlanner):
                 best = to_actions(snapped, tables, outcome.moves)
                 cheapest = len(best) + sum(price.premium(a.distance) for a in best if isinstance(a, Push))
                 longest = int(np.ceil(cheapest)) - 1
-                timer.found(len(best))
+                timer.found(best)
                 if is_first and longest >= lower_bound:
                     lower_bound = sharper_bound(given, lower_bound)
             if longest < lower_bound or timer.is_over():
