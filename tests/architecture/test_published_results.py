@@ -48,5 +48,6 @@ def seeds(cell: str, definition: BenchmarkDefinition) -> range:
     options = dict(pairwise(definition.arguments))
     if definition.is_live:
         return seeds_of(options["--seeds"])
-    first = int(options.get(FIRST_SEED[cell], 0))
-    return range(first, first + int(options[COUNT[cell]]))
+    is_shift = "--shift" in definition.arguments
+    first = int(options.get("--seed" if is_shift else FIRST_SEED[cell], 0))
+    return range(first, first + int(options["--streams" if is_shift else COUNT[cell]]))

@@ -49,6 +49,10 @@ PARTS = {
         "pack_evaluation.{cell}.fill.studies", "STUDIES", "benchmarks of filled containers side by side",
         is_optional=True,
     ),
+    "shift_studies": CellPart(
+        "pack_evaluation.{cell}.shift_studies", "STUDIES", "benchmarks of shifts side by side",
+        is_optional=True,
+    ),
     "demo": CellPart("pack_bringup.{cell}.commands", "demo", "the command `pack demo CELL`"),
     "goal": CellPart("pack_bringup.{cell}.commands", "goal", "the command `pack goal CELL`"),
     "seeded_goal": CellPart(

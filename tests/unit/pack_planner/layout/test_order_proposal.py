@@ -12,7 +12,7 @@ from pack_core.palletizing.orders.handling import TurnChoice, turns_of
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_planner.layout.online_packer import PackedItem, Packing
-from pack_planner.layout.order_proposal import ProposalConfig, packings_of, ranked
+from pack_planner.layout.order_proposal import ProposalConfig, packings_of, possible_turns, ranked
 
 NEARLY = 0.05
 ITEM = Item(id="a", article="a", size=(0.3, 0.2, 0.1), weight=2.0, this_side_up=False)
@@ -60,6 +60,7 @@ def test_the_height_counts_before_how_many_are_stood_up_and_that_before_the_fill
 @pytest.mark.parametrize("size", [(0.4, 0.3, 0.2), (0.5, 0.3, 0.2)])
 def test_a_single_box_is_laid_on_its_largest_face(size: tuple[float, float, float]) -> None:
     item = ITEM.model_copy(update={"size": size})
-    found = packings_of([item], palletizing_cell(), ProposalConfig())
+    turns, _ = possible_turns([item], palletizing_cell())
+    found = packings_of([item], turns, palletizing_cell(), ProposalConfig())
     best = ranked([packing for packing in found if packing.packed], NEARLY)[0]
     assert (best.extents[2], best.stood_up) == (pytest.approx(size[2]), 0)

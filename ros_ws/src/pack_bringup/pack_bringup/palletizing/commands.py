@@ -30,7 +30,7 @@ from pack_bringup.cli.options import (
 )
 from pack_bringup.cli.outputs import check_json_file, command_line, make_output_folder
 from pack_bringup.cli.pursue import run_goal, run_live
-from pack_bringup.palletizing import calibration, order_command
+from pack_bringup.palletizing import calibration, order_command, shift_command
 from pack_bringup.recording.run_record import default_folder
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
@@ -234,6 +234,16 @@ def benchmark(
             "--plots", help="Keep each run's figures and trajectories (JSON) in plots/ beside the results."
         ),
     ] = False,
+    shift: shift_command.Shift = False,
+    streams: shift_command.Streams = 30,
+    seed: shift_command.FirstStream = 7000,
+    rule: shift_command.Rule = "touching",
+    buffer: shift_command.Buffer = 2,
+    preview: shift_command.Preview = 1,
+    open_pallets: shift_command.OpenPallets = 2,
+    tipping: shift_command.Tipping = None,
+    max_pressure: shift_command.MaxPressure = None,
+    fragile: shift_command.Fragile = 0.0,
     jobs: Jobs = 1,
     ray: Ray = None,
     output: BenchmarkFolder = None,
@@ -241,6 +251,9 @@ def benchmark(
     json_file: JsonFile = None,
 ) -> None:
     """Build many orders without ROS, on simulated time, and report how it went.
+
+    With --shift no arm moves: boxes come in a sequence that is not known, and each is placed on one of the
+    open pallets or set aside. Closed pallets are pushed in physics.
 
     Results repeat bit for bit, whatever the number of jobs, and are kept as they come: the same command
     goes on where it was interrupted, and --fresh measures anew.
@@ -252,7 +265,15 @@ def benchmark(
     - `pack benchmark palletizing --visitors random --no-vision --seeds 2`
     - `pack benchmark palletizing --preset real --seeds 5`
     - `pack benchmark palletizing --preset thesis --plots`
+    - `pack benchmark palletizing --shift --streams 30 --seed 7000 --json shift.json`
     """
+    options = RunOptions(jobs, ray, output, fresh, json_file)
+    if shift:
+        stream = shift_command.ShiftOptions(
+            streams, seed, rule, buffer, preview, open_pallets, tipping, max_pressure, fragile
+        )
+        shift_command.run_shift(stream, options)
+        return
     from pack_bringup.palletizing.calibration import calibrations_for
     from pack_core.paths import config_path
     from pack_lockstep.palletizing.benchmark import PalletBenchmark, order_files, order_jobs
@@ -267,7 +288,7 @@ def benchmark(
     numbers = range(first_seed, first_seed + seeds)
     if calibrate or calibration is not None:
         setup = calibrations_for(setup, numbers, calibration, output, fresh=fresh)
-    run(PalletBenchmark(setup, tuple(wanted), plots), RunOptions(jobs, ray, output, fresh, json_file))
+    run(PalletBenchmark(setup, tuple(wanted), plots), options)
 
 
 app = typer.Typer()

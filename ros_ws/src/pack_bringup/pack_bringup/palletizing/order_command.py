@@ -12,7 +12,7 @@ from pack_bringup.cli.terminal import notice, show_table
 
 if TYPE_CHECKING:
     from pack_core.palletizing.orders.item_list import Unit
-    from pack_lockstep.palletizing.proposal import Proposal
+    from pack_lockstep.palletizing.proposal import Proposal, Proposals
 
 app = typer.Typer()
 order_app = typer.Typer(no_args_is_help=True, help="Check orders, and make them from lists of items.")
@@ -28,8 +28,9 @@ def check(
 ) -> None:
     """Say whether the cell can build an order, with every reason if not, and draw it.
 
-    Checked are keys and values, overlaps and support, the gripper's limits, the layout with gaps, and, in
-    physics, whether the finished stack stands when it is pushed with 0.2 g along each side. Boxes that
+    Checked are keys and values, overlaps, support and what boxes carry (max_load, max_pressure), the
+    gripper's limits, the layout with gaps, and, in physics, whether the finished stack stands when it is
+    pushed with 0.2 g along each side. Which box tips first is told by the closed rule. Boxes that
     something is wrong with are red in the picture. The exit code is 0 if there is no reason against it.
 
     - `pack order check config/orders/order_03.json`
@@ -39,6 +40,7 @@ def check(
     from pack_core.errors import ConfigError, OrderError
     from pack_core.palletizing.cell import palletizing_cell
     from pack_core.palletizing.orders.order_file import order_as_written
+    from pack_core.palletizing.orders.tipping import pushes_of
     from pack_core.text.reader import read_text
     from pack_evaluation.palletizing.drawings import draw_order, write_pictures
     from pack_lockstep.node_parameters import load_parameters
@@ -56,6 +58,9 @@ def check(
     draw_order(given, reasons).savefig(picture, dpi=110)
     for reason in reasons:
         notice(f"{order}: {reason}", typer.colors.RED)
+    if plan is not None:
+        box, push = min(pushes_of([item.placed for item in plan.boxes]).items(), key=lambda item: item[1])
+        typer.echo(f"by the closed rule box '{box}' tips first, with all that it carries, at {push:.2f} g")
     if hold_mm is not None:
         typer.echo(f"largest shift of a box under 0.2 g: {hold_mm:.1f} mm")
     pictures = [picture, *(write_pictures(given, plan, output)[:1] if plan is not None else [])]
@@ -87,9 +92,11 @@ def import_items(
 ) -> None:
     """Make an order, or as many as are needed, from a list of items: sizes, weights, quantities.
 
-    The columns are article, length, width, height, weight [kg], and, if wanted, quantity and this_side_up
-    (yes: the height stays upright). JSON is a list of objects with the same names; of an order's file the
-    boxes are taken, without their places. Every order that is written passes `pack order check`.
+    The columns are article, length, width, height, weight [kg], and, if wanted, quantity, this_side_up (yes:
+    the height stays upright), max_load [kg], max_pressure [kPa] and stackable (no: nothing may stand on it).
+    JSON is a list of objects with the same names; of an order's file the boxes are taken, without their
+    places. Every order that is written passes `pack order check`. Items that are in none of them are named
+    with the reasons in ID_left.txt beside the orders, and the exit code is 1.
 
     - `pack order import items.csv --unit mm`
     - `pack order import items.json --name my-order --as-listed --output /tmp/orders`
@@ -122,14 +129,23 @@ def import_items(
     layout = load_parameters("palletizing/layout", LayoutConfig)
     config = ProposalConfig(seed=seed, may_sort=sort)
     found: list[Proposal] = []
+    left: dict[str, Proposals] = {}
     with Console(stderr=True).status("packing") as line:
         for order_id, boxes in lists.items():
-            found += propose(boxes, order_id, palletizing_cell(), config, layout, line.update)
+            proposals = propose(boxes, order_id, palletizing_cell(), config, layout, line.update)
+            found += proposals.pallets
+            if proposals.reasons:
+                left[order_id] = proposals
     for proposal in found:
         path = output / f"{proposal.order.order_id}.json"
         path.write_text(proposal.order.model_dump_json(indent=1, exclude_none=True) + "\n")
         draw_order(proposal.order, []).savefig(path.with_suffix(".png"), dpi=110)
-    _show(found, output)
+    if found:
+        _show(found, output)
+    for order_id, proposals in left.items():
+        _show_left(output / f"{order_id}_left.txt", proposals)
+    if any(proposals.left for proposals in left.values()):
+        raise typer.Exit(1)
 
 
 def order_names(lists: list[Path], name: str = "") -> dict[str, Path]:
@@ -176,9 +192,21 @@ def _show(found: list[Proposal], output: Path) -> None:
         (
             str(output / f"{item.order.order_id}.json"), str(len(item.order.boxes)), f"{item.fill:.0%}",
             f"{max(float(box.upper[2]) for box in item.order.placed):.2f} m",
-            str(sum(box.turn.handling == "table" for box in item.order.boxes)), f"{item.hold_mm:.1f} mm",
+            str(sum(box.turn.handling == "table" for box in item.order.boxes)), f"{item.push:.2f} g",
+            f"{item.hold_mm:.1f} mm",
         )
         for item in found
     ]  # fmt: skip
-    head = ("order", "boxes", "volume used", "height", "stood up", "shift under 0.2 g")
-    show_table(head, rows, note="volume used: of the box around the stack, all its layers")
+    head = ("order", "boxes", "volume used", "height", "stood up", "tips at", "shift under 0.2 g")
+    note = "volume used: of the box around the stack, all its layers; tips at: by the closed rule"
+    show_table(head, rows, note=note)
+
+
+def _show_left(path: Path, proposals: Proposals) -> None:
+    """Say, and write down, which items are in no order, and every reason."""
+    names = ", ".join(item.id for item in proposals.left)
+    lines = [*proposals.reasons, *([f"in no order: {names}"] if names else [])]
+    path.write_text("".join(f"{line}\n" for line in lines))
+    for line in lines:
+        notice(line, typer.colors.RED if names else typer.colors.YELLOW, is_error=True)
+    typer.echo(str(path))

@@ -6,7 +6,7 @@ four sides in turn; it acts on everything, as when the floor under the pallet is
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -14,14 +14,24 @@ import numpy as np
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.model import build_model
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.palletizing.orders.stack import GRAVITY
 from pack_core.rotations import Array, Pose
 
 RAMP, HOLD, REST = 0.05, 0.3, 0.5
 """Times in which the acceleration rises, for which it is kept, and for which the stack then rests [s]."""
 SIDES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """Horizontal directions in which the stack is accelerated."""
-STANDARD_GRAVITY = 9.81
-"""That of the model, of which accelerations are shares [m/s^2]."""
+
+
+def standing(boxes: Sequence[PlacedBox], cell: PalletizingCell) -> dict[BoxBody, Pose]:
+    """Boxes on the cell's pallet as bodies at their places; their own axes are those of the pallet."""
+    stack = {}
+    for box in boxes:
+        x, y, z = (float(edge) for edge in box.size)
+        X_WB = Pose(cell.pallet.X_WP.apply(box.centre), cell.pallet.X_WP.q)
+        stack[BoxBody(box.id, (x, y, z), box.mass)] = X_WB
+    return stack
 
 
 def hold_shift_mm(cell: PalletizingCell, boxes: Mapping[BoxBody, Pose], acceleration: float = 0.2) -> float:
@@ -49,7 +59,7 @@ def _shift(
     start = {box: X_WB.p for box, X_WB in boxes.items()}
     while data.time < 2 * RAMP + HOLD + REST:
         share = np.clip(min(data.time / RAMP, (2 * RAMP + HOLD - data.time) / RAMP), 0.0, 1.0)
-        model.opt.gravity[:2] = -STANDARD_GRAVITY * share * acceleration
+        model.opt.gravity[:2] = -GRAVITY * share * acceleration
         # The arm's joints come first in the model; it is held at its home posture.
         data.qpos[: len(home)], data.qvel[: len(home)] = home, 0.0
         mujoco.mj_step(model, data)

@@ -1,26 +1,48 @@
-"""Packs boxes onto a pallet one by one, each where it fits best among those that stand already.
-
-A box is let down from above at candidate positions: the corners that boxes, which stand already, leave (the
-extreme points of Crainic, Perboli, Tadei, "Extreme point-based heuristics for three-dimensional bin
-packing", 2008, seen from above, from both sides). Of the positions at which it is stable, it takes the one
-that lets the box around the whole stack grow least: the least-surface-area heuristic of Hu et al., "Solving
-a new 3D bin packing problem with deep reinforcement learning method", 2017.
-"""
+"""Packs boxes onto a pallet one by one, each where it fits best among those that stand already."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat
+from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.orders.handling import PRICE, Handling, TurnChoice
 from pack_core.palletizing.orders.item_list import Item
-from pack_core.palletizing.orders.placed_box import TOUCH, PlacedBox
-from pack_core.palletizing.orders.support import SupportConfig, support_of
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.palletizing.orders.stack import Stack, empty_stack, with_box
+from pack_core.palletizing.orders.support import SupportConfig
+from pack_core.palletizing.orders.tipping import TippingConfig
 from pack_core.rotations import Array
+from pack_planner.layout.place_search import (
+    Needs,
+    PlaceCosts,
+    Room,
+    costs_of,
+    first_standing,
+    places_of,
+)
+
+PLACE_RULES = {
+    "touching": PlaceCosts(untouched=1.0, top=1.0, near=1e-3),
+    "low_top": PlaceCosts(top=1.0, surface=1e-3, near=1e-5),
+    "least_surface": PlaceCosts(surface=1.0, top=1e-3, near=1e-5),
+    "bottom_left": PlaceCosts(base=1.0, near=1e-3),
+}
+"""What the places of a box are ranked by: most touching area and low top, the lowest top, the least surface
+of the block around the stack, or the lowest base."""
+
+
+def _known_rule(name: str) -> str:
+    if name not in PLACE_RULES:
+        raise ValueError(f"one of {', '.join(PLACE_RULES)}")
+    return name
+
 
 Turns = Mapping[str, Sequence[TurnChoice]]
 
@@ -31,9 +53,13 @@ class PackerConfig(Config):
     gap: NonNegativeFloat = Field(0.002, le=0.05, description="free distance between neighbours [m]")
     highest: PositiveFloat = Field(1.0, description="stack over the deck, at most [m]")
     handling_price: NonNegativeFloat = Field(
-        0.01, description="growth of the stack's surface that a costlier turn is worth [m^2]"
+        0.01, description="what a costlier turn adds to the cost of a place, in the place rule's unit"
+    )
+    rule: Annotated[str, AfterValidator(_known_rule)] = Field(
+        "touching", description="what places are ranked by: " + ", ".join(PLACE_RULES)
     )
     support: SupportConfig = SupportConfig()
+    tipping: TippingConfig = TippingConfig()
 
 
 @dataclass(frozen=True)
@@ -57,7 +83,7 @@ class Packing:
     packed: tuple[PackedItem, ...]
     left: tuple[Item, ...]
 
-    @property
+    @cached_property
     def fill(self) -> float:
         """Share of the box around the stack, all its layers, that the boxes take up; 0 without boxes."""
         if not self.packed:
@@ -79,9 +105,8 @@ class Packing:
 
 
 def pack_in_sequence(
-    items: Sequence[Item], turns: Turns, area: tuple[float, float], config: PackerConfig, *,
-    by_height: bool = False,
-) -> Packing:  # fmt: skip
+    items: Sequence[Item], turns: Turns, area: tuple[float, float], config: PackerConfig
+) -> Packing:
     """Pack items in the given sequence; where one stands does not depend on those after it.
 
     Args:
@@ -89,73 +114,69 @@ def pack_in_sequence(
         turns: the turns that each item may be given, by its id.
         area: length and width of the area that may be covered [m].
         config: parameters.
-        by_height: take the lowest place rather than the one with the least surface.
     """
+    stack = empty_stack()
     packed: list[PackedItem] = []
     left: list[Item] = []
     for item in items:
-        stack = [entry.placed for entry in packed]
-        best = _best(item, turns[item.id], stack, area, config, by_height=by_height)
-        left.append(item) if best is None else packed.append(best)
+        best = best_place(item, turns[item.id], stack, area, config)
+        if best is None:
+            left.append(item)
+            continue
+        packed.append(best.entry)
+        stack = with_box(stack, best.entry.placed)
     return Packing(tuple(packed), tuple(left))
 
 
-def _best(
-    item: Item, turns: Sequence[TurnChoice], stack: Sequence[PlacedBox], area: tuple[float, float],
-    config: PackerConfig, *, by_height: bool,
-) -> PackedItem | None:  # fmt: skip
-    """The best stable place of an item; None where there is none."""
-    ranked: list[tuple[tuple[float, ...], TurnChoice, Array]] = []
-    for turn in turns:
+@dataclass(frozen=True)
+class FoundPlace:
+    """The best place of an item, and what it costs by the rule that ranks places."""
+
+    entry: PackedItem
+    cost: float
+
+
+def best_place(
+    item: Item, turns: Sequence[TurnChoice], stack: Stack, area: tuple[float, float], config: PackerConfig,
+    is_allowed: Callable[[PackedItem], bool] = lambda entry: True,
+) -> FoundPlace | None:  # fmt: skip
+    """The best place at which an item stands, tips nothing and overloads nothing; None where there is none.
+
+    Args:
+        item: what is to be placed.
+        turns: the turns that it may be given.
+        stack: what stands already.
+        area: length and width of the area that may be covered [m].
+        config: parameters.
+        is_allowed: what else a place must fulfil; it is asked last, and of the cheapest places first.
+    """
+    room = Room(*area, config.highest, config.gap)
+    needs = Needs(config.support.min_share, config.support.min_margin, config.tipping.push)
+    costs = PLACE_RULES[config.rule]
+    places, sizes, prices, choices = [], [], [], []
+    for number, turn in enumerate(turns):
         size = np.array(turn.extents)
-        for p in _places(size, stack, area, config):
-            ranked.append((_cost(p, size, turn, stack, config, by_height=by_height), turn, p))
-    for _, turn, p in sorted(ranked, key=lambda entry: entry[0]):
-        placed = PlacedBox(item.id, p, np.array(turn.extents), item.weight)
-        # The costly question is asked last, and of the cheapest places first.
-        if support_of(placed, stack).problem(config.support) is None:
-            return PackedItem(item, turn, placed)
-    return None
+        found = places_of(stack, size, room)
+        places.append(found)
+        sizes.append(np.broadcast_to(size, found.shape))
+        price = config.handling_price * PRICE[turn.handling]
+        prices.append(costs_of(stack, size, found, room, costs) + price)
+        choices.append(np.full(len(found), number))
+    every_place, every_size = np.concatenate(places), np.concatenate(sizes)
+    every_price, every_choice = np.concatenate(prices), np.concatenate(choices)
+    order = np.argsort(every_price, kind="stable")
+    position = -1
+    while True:
+        position = first_standing(stack, every_size, every_place, order, position + 1, item.weight, needs)
+        if position == len(order):
+            return None
+        m = order[position]
+        entry = PackedItem(item, turns[every_choice[m]], placed_item(item, every_place[m], every_size[m]))
+        if is_allowed(entry):
+            return FoundPlace(entry, float(every_price[m]))
 
 
-def _places(
-    size: Array, stack: Sequence[PlacedBox], area: tuple[float, float], config: PackerConfig
-) -> list[Array]:
-    """Lower corners `(3,)` at which a box of `size` `(3,)` comes to rest when it is let down from above."""
-    if not stack:
-        return [np.zeros(3)] if np.all(size[:2] <= np.array(area) + TOUCH) else []
-    lower, upper = (np.array([getattr(box, end) for box in stack]) for end in ("lower", "upper"))
-    xs, ys = (_coordinates(lower[:, k], upper[:, k], float(size[k]), area[k], config.gap) for k in (0, 1))
-    corners = np.array([[x, y] for x in xs for y in ys]).reshape(-1, 2)
-    # A box is in the way if, seen from above, it is nearer than the gap.
-    grown = config.gap - TOUCH
-    is_over = np.all(
-        (corners[:, None] < upper[None, :, :2] + grown)
-        & (corners[:, None] + size[:2] > lower[None, :, :2] - grown),
-        axis=2,
-    )
-    heights = np.where(is_over, upper[:, 2], 0.0).max(axis=1)
-    fits = heights + size[2] <= config.highest + TOUCH
-    return [np.array([*corner, z]) for corner, z in zip(corners[fits], heights[fits], strict=True)]
-
-
-def _coordinates(lower: Array, upper: Array, edge: float, length: float, gap: float) -> list[float]:
-    """Where a box may begin along one axis: at the border, flush with a box, or a gap beside one."""
-    wished = [0.0, *lower, *(upper - edge), *(upper + gap), *(lower - gap - edge)]
-    return sorted({round(float(x), 4) for x in wished if x >= -TOUCH and x + edge <= length + TOUCH})
-
-
-def _cost(
-    p: Array, size: Array, turn: TurnChoice, stack: Sequence[PlacedBox], config: PackerConfig, *,
-    by_height: bool,
-) -> tuple[float, ...]:  # fmt: skip
-    """What a place costs; the smallest is taken."""
-    upper = np.max([p + size, *(box.upper for box in stack)], axis=0)
-    lower = np.min([p, *(box.lower for box in stack)], axis=0)
-    length, width = (float(edge) for edge in (upper - lower)[:2])
-    height = float(upper[2])
-    surface = 2.0 * (length * width + (length + width) * height)
-    price = config.handling_price * PRICE[turn.handling]
-    near = float(p[0] + p[1])
-    top = float(p[2] + size[2])
-    return (top + price, surface, near) if by_height else (surface + price, top, near)
+def placed_item(item: Item, lower: Array, size: Array) -> PlacedBox:
+    """An item at a place, with what may stand on it."""
+    limits = (math.inf if limit is None else limit for limit in (item.max_load, item.max_pressure))
+    return PlacedBox(item.id, lower, size, item.weight, *limits)

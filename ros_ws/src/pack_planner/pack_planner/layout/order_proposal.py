@@ -9,13 +9,11 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveInt
 
 from pack_core.config import Config
-from pack_core.errors import OrderError
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.handling import TurnChoice, turns_of
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_check import misfits_of
-from pack_core.text.shown import listed
 from pack_planner.layout.online_packer import PackedItem, PackerConfig, Packing, Turns, pack_in_sequence
 
 Rule = Callable[[Item], tuple[float, ...]]
@@ -34,6 +32,8 @@ class ProposalConfig(Config):
     may_sort: bool = Field(True, description="whether boxes may come in another sequence than the list's")
 
 
+RULES = ("touching", "low_top", "least_surface")
+"""Rules for places that are tried with every sequence."""
 SEQUENCES: dict[str, Rule] = {
     "largest base first": lambda item: (-_edges(item)[0] * _edges(item)[1], -_edges(item)[2]),
     "largest volume first": lambda item: (-float(np.prod(item.size)),),
@@ -43,11 +43,11 @@ SEQUENCES: dict[str, Rule] = {
 """Sequences in which items are packed, besides the given one and random ones."""
 
 
-def possible_turns(items: Sequence[Item], cell: PalletizingCell) -> Turns:
+def possible_turns(items: Sequence[Item], cell: PalletizingCell) -> tuple[Turns, tuple[str, ...]]:
     """For each item the turns in which the cell's gripper can hold it, the cheapest first.
 
-    Raises:
-        OrderError: an item cannot be held in any; the text has the reasons for each of them.
+    Returns:
+        The turns by the items' ids, none for an item that cannot be held, and why it cannot.
     """
     found: dict[str, list[TurnChoice]] = {}
     problems: list[str] = []
@@ -61,24 +61,26 @@ def possible_turns(items: Sequence[Item], cell: PalletizingCell) -> Turns:
                 found[item.id].append(turn)
         if not found[item.id]:
             problems += dict.fromkeys(refusals)
-    if problems:
-        raise OrderError(listed(problems))
-    return found
+    return found, tuple(problems)
 
 
-def packings_of(items: Sequence[Item], cell: PalletizingCell, config: ProposalConfig) -> Iterator[Packing]:
+def packings_of(
+    items: Sequence[Item], turns: Turns, cell: PalletizingCell, config: ProposalConfig
+) -> Iterator[Packing]:
     """Packings on the cell's pallet, complete or not, as they are found.
 
     Boxes are packed with gaps. Where not all find a place so, as when they fill the deck from edge to edge,
     they are packed without, and it is left to the layout to part them over the pallet's edge.
     """
-    turns, is_complete = possible_turns(items, cell), False
+    is_complete = False
     for gap in (config.packer.gap, 0.0):
         packer = config.packer.model_copy(update={"gap": gap})
         for area in _areas(items, cell.pallet.size, config):
             for sequence in _sequences(items, config):
-                for by_height in (True, False):
-                    packing = pack_in_sequence(sequence, turns, area, packer, by_height=by_height)
+                for rule in RULES:
+                    packing = pack_in_sequence(
+                        sequence, turns, area, packer.model_copy(update={"rule": rule})
+                    )
                     is_complete |= not packing.left
                     yield packing
         if is_complete:
@@ -134,7 +136,8 @@ def _box(item: Item, turn: TurnChoice, position: list[float]) -> dict[str, objec
     return {
         "id": item.id, "article": item.article, "dims": sorted(item.size, reverse=True),
         "weight": item.weight, "orient_id": turn.orient_id, "bundling_axis": turn.bundling_axis,
-        "position": position, "this_side_up": item.this_side_up,
+        "position": position, "this_side_up": item.this_side_up, "max_load": item.max_load,
+        "max_pressure": item.max_pressure,
     }  # fmt: skip
 
 

@@ -114,3 +114,16 @@ def test_a_key_given_twice_is_refused(tmp_path: Path) -> None:
 def test_all_wrong_rows_are_told_at_once(tmp_path: Path) -> None:
     with pytest.raises(OrderError, match=r"(?s)line 2.*line 3"):
         load_items(written(tmp_path, HEAD + "tea,-1,0.3,0.2,5,1,no\ntea,0.4,0,0.2,5,1,no\n"))
+
+
+def test_what_may_stand_on_an_item_is_read_from_its_columns(tmp_path: Path) -> None:
+    path = tmp_path / "items.csv"
+    path.write_text(
+        "article,length,width,height,weight,max_load,max_pressure,stackable\n"
+        "a,0.4,0.3,0.2,5,12.5,2,yes\nb,0.4,0.3,0.2,5,,,\nc,0.4,0.3,0.2,5,9,,no\n"
+    )
+    found = [(item.max_load, item.max_pressure) for item in load_items(path)]
+    assert found == [(12.5, 2.0), (None, None), (0.0, None)]
+    path.write_text("article,length,width,height,weight,max_pressure\na,0.4,0.3,0.2,5,-2\n")
+    with pytest.raises(OrderError, match="'max_pressure' is '-2'"):
+        load_items(path)

@@ -11,7 +11,15 @@ from pydantic import Field, ValidationError, field_validator
 
 from pack_core.config import Config
 from pack_core.errors import ConfigError, OrderError
-from pack_core.palletizing.orders.order import EDGE_LIMITS, MASS_LIMITS, Dims, Mass, Order
+from pack_core.palletizing.orders.order import (
+    EDGE_LIMITS,
+    MASS_LIMITS,
+    Dims,
+    Mass,
+    MaxLoad,
+    MaxPressure,
+    Order,
+)
 from pack_core.palletizing.orders.order_file import order_as_written
 from pack_core.text.json_text import parse_json
 from pack_core.text.limits import MOST_BOXES, MOST_CHARACTERS_OF_NAME, ArticleName
@@ -21,7 +29,8 @@ from pack_core.text.shown import listed, shown_value
 Unit = Literal["m", "cm", "mm"]
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 """In a unit of lengths."""
-COLUMNS = ("article", "length", "width", "height", "weight", "quantity", "this_side_up")
+NEEDED = ("article", "length", "width", "height", "weight")
+COLUMNS = (*NEEDED, "quantity", "this_side_up", "max_load", "max_pressure", "stackable")
 YES, NO = ("yes", "true", "1"), ("no", "false", "0", "")
 
 
@@ -42,8 +51,11 @@ class ListedItem(Config):
     weight: Finite = Field(description="of one box [kg]")
     quantity: int = Field(1, ge=1, le=MOST_BOXES)
     this_side_up: bool = Field(False, description="whether its height must stay upright")
+    max_load: Finite | None = Field(None, ge=0.0, le=1e5, description="what may stand on one box [kg]")
+    max_pressure: Finite | None = Field(None, gt=0.0, le=1e5, description="on a box's top [kPa]")
+    stackable: bool = Field(True, description="whether anything at all may stand on it")
 
-    @field_validator("this_side_up", mode="before")
+    @field_validator("this_side_up", "stackable", mode="before")
     @classmethod
     def _yes_or_no(cls, value: Any) -> Any:
         if not isinstance(value, str):
@@ -63,6 +75,8 @@ class Item(Config):
         size: length, width and height [m], rounded to the millimetre.
         weight: [kg].
         this_side_up: whether its height must stay upright.
+        max_load: what may stand on it [kg]; None: anything.
+        max_pressure: largest pressure on its top [kPa]; None: any.
     """
 
     id: ArticleName
@@ -70,6 +84,8 @@ class Item(Config):
     size: Dims
     weight: Mass
     this_side_up: bool
+    max_load: MaxLoad | None = None
+    max_pressure: MaxPressure | None = None
 
 
 def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:
@@ -106,7 +122,7 @@ def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:
                 f"{path}, {place}: {_refused(row, item, unit)}" for item in error.errors(include_url=False)
             ]
     if not problems and not items:
-        problems.append(f"{path}: no items; allowed: one or more, with {', '.join(COLUMNS[:5])}")
+        problems.append(f"{path}: no items; allowed: one or more, with {', '.join(NEEDED)}")
     if problems:
         raise OrderError(listed(problems))
     if len(items) > MOST_BOXES:
@@ -123,7 +139,7 @@ def _items_of_order(order: Order) -> tuple[Item, ...]:
     return tuple(
         Item(
             id=box.id, article=box.article, size=box.turn.extents, weight=box.weight,
-            this_side_up=bool(box.this_side_up),
+            this_side_up=bool(box.this_side_up), max_load=box.max_load, max_pressure=box.max_pressure,
         )
         for box in order.boxes
     )  # fmt: skip
@@ -134,7 +150,8 @@ def _box(row: ListedItem, number: int, metres: float) -> Item:
     length, width, height = (round(metres * edge, 3) for edge in (row.length, row.width, row.height))
     return Item(
         id=f"{row.article}-{number}", article=row.article, size=(length, width, height), weight=row.weight,
-        this_side_up=row.this_side_up,
+        this_side_up=row.this_side_up, max_load=row.max_load if row.stackable else 0.0,
+        max_pressure=row.max_pressure,
     )  # fmt: skip
 
 
@@ -164,11 +181,11 @@ def _rows_of_csv(text: str, path: Path) -> list[tuple[str, dict[str, Any]]]:
     # Without `newline` the line ends of Windows and of old Macs would not be those of rows.
     reader = csv.DictReader(io.StringIO(text, newline=None), delimiter=delimiter, skipinitialspace=True)
     names = [(name or "").strip() for name in reader.fieldnames or ()]
-    missing = [name for name in COLUMNS[:5] if name not in names]
+    missing = [name for name in NEEDED if name not in names]
     if missing:
         raise ConfigError(
             f"{path}, line 1: no column {', '.join(missing)}; allowed: the first line names the columns "
-            f"{', '.join(COLUMNS)}, of which the last two may be left out"
+            f"{', '.join(COLUMNS)}, of which those behind {NEEDED[-1]} may be left out"
         )
     if twice := sorted({name for name in names if name and names.count(name) > 1}):
         raise ConfigError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
@@ -20,6 +21,10 @@ Edge = Annotated[Number, Field(ge=EDGE_LIMITS[0], le=EDGE_LIMITS[1])]
 MASS_LIMITS = (0.001, 1000.0)
 """Of a box [kg]."""
 Mass = Annotated[Number, Field(ge=MASS_LIMITS[0], le=MASS_LIMITS[1])]
+MaxLoad = Annotated[Number, Field(ge=0.0, le=1e5)]
+"""What may stand on a box [kg]; 0: nothing."""
+MaxPressure = Annotated[Number, Field(gt=0.0, le=1e5)]
+"""Largest pressure on a box's top [kPa]."""
 Count = Annotated[int, Field(strict=True)]
 Dims = tuple[Edge, Edge, Edge]
 
@@ -56,6 +61,8 @@ class OrderBox(Config):
     article: str = ""
     product_group: str | None = None
     this_side_up: bool | None = None
+    max_load: MaxLoad | None = Field(None, description="what may stand on it [kg]; left out: anything")
+    max_pressure: MaxPressure | None = Field(None, description="largest pressure on its top [kPa]")
     max_square_pad: Length | None = Field(
         None, description="side of the largest centred pad that misses taller neighbours placed before it [m]"
     )
@@ -75,7 +82,8 @@ class OrderBox(Config):
     @property
     def placed(self) -> PlacedBox:
         """The box at its place on the pallet."""
-        return PlacedBox(self.id, np.array(self.position), np.array(self.turn.extents), self.weight)
+        limits = (math.inf if limit is None else limit for limit in (self.max_load, self.max_pressure))
+        return PlacedBox(self.id, np.array(self.position), np.array(self.turn.extents), self.weight, *limits)
 
 
 class Order(Config):

@@ -12,8 +12,10 @@ import numpy as np
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import GripLoad
 from pack_core.palletizing.orders.handling import Handling
+from pack_core.palletizing.orders.load_bearing import overloaded_boxes
 from pack_core.palletizing.orders.order import Order, OrderBox
 from pack_core.palletizing.orders.placed_box import TOUCH
+from pack_core.palletizing.orders.stack import GRAVITY
 from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
 
 TALLEST = 2.5
@@ -25,8 +27,6 @@ ROUNDING = 0.01
 PALLET_TOLERANCE = 0.001
 """An order's pallet may differ from the cell's by this [m]."""
 CELL_FILE = "config/cells/palletizing.yaml"
-GRAVITY = 9.81
-"""Acceleration of free fall [m/s^2]."""
 
 
 def problems_of(order: Order, config: SupportConfig) -> list[str]:
@@ -37,7 +37,8 @@ def problems_of(order: Order, config: SupportConfig) -> list[str]:
     placed = [*named, *_outside(order), *islice(_overlapping(order), MOST_OVERLAPS)]
     if placed:
         return placed  # whether boxes are carried is meaningless while their places are wrong
-    return [f"box '{name}': {reason}" for name, reason in unstable_boxes(order.placed, config).items()]
+    carried = {**overloaded_boxes(order.placed), **unstable_boxes(order.placed, config)}
+    return [f"box '{name}': {reason}" for name, reason in carried.items()]
 
 
 def _repeated(order: Order) -> Iterator[str]:

@@ -28,12 +28,16 @@ class PlacedBox:
         lower: corner with the smallest coordinates `(3,)` in P [m].
         size: extents along the axes of P `(3,)` [m].
         mass: mass of the box [kg].
+        max_load: what may stand on it [kg]; infinite: anything.
+        max_pressure: largest pressure on its top [kPa]; infinite: any.
     """
 
     id: str
     lower: Array
     size: Array
     mass: float
+    max_load: float = float("inf")
+    max_pressure: float = float("inf")
 
     def __post_init__(self) -> None:
         for name in ("lower", "size"):

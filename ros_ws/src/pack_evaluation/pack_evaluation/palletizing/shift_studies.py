@@ -1,0 +1,91 @@
+"""Benchmarks of shifts side by side: how full pallets become online, and whether they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pack_core.errors import ConfigError
+from pack_evaluation.palletizing.summary import HOLD_LIMIT_MM
+from pack_evaluation.spread import spread
+from pack_evaluation.study import RECORDINGS, KeptTrials, Study, StudyEvaluator
+from pack_evaluation.table import Columns, TextTable, optional_number, row_a_study
+
+KEYS = ("name", "seed", "came", "set_aside", "decision_s", "stacks")
+"""What a kept stream has."""
+PERCENT = 1e2
+"""In a share of 1."""
+
+ShiftStudy = Study[Mapping[str, Any]]
+"""Streams under one setting; a trial has `KEYS`."""
+
+
+def of_benchmark(kept: KeptTrials) -> list[ShiftStudy]:
+    """One study: the streams under one setting."""
+    kept.require(KEYS)
+    return [ShiftStudy(name=kept.settings["name"], origin=kept.origin, trials=tuple(kept.trials))]
+
+
+def read_recording(path: Path) -> Mapping[str, Any]:
+    """No recording has a shift: raises ConfigError."""
+    raise ConfigError(
+        f"{path}: a recording has no shift; allowed: a folder of `pack benchmark palletizing --shift`"
+    )
+
+
+def summarize(study: ShiftStudy) -> dict[str, Any]:
+    """The measures of a study as plain values.
+
+    `fill` is in percent of the room up to the allowed height, over all closed pallets; `fill_of_streams` is
+    over the means of the streams. A stack is held if no box shifts by `HOLD_LIMIT_MM` under 0.2 g.
+    """
+    stacks = [stack for trial in study.trials for stack in trial["stacks"]]
+    times = [time for trial in study.trials for time in trial["decision_s"]]
+    means = [PERCENT * float(np.mean([stack["fill"] for stack in trial["stacks"]])) for trial in study.trials]
+    fill, streams = spread([PERCENT * stack["fill"] for stack in stacks]), spread(means)
+    came = sum(trial["came"] for trial in study.trials)
+    return {
+        "streams": len(study.trials),
+        "fill": {"mean": fill.mean, "deviation": fill.deviation},
+        "fill_of_streams": {"mean": streams.mean, "deviation": streams.deviation},
+        "stacks": len(stacks),
+        "stacks_held": sum(stack["hold_mm"] < HOLD_LIMIT_MM for stack in stacks),
+        "largest_shift_mm": max((stack["hold_mm"] for stack in stacks), default=None),
+        "least_push": min((stack["push"] for stack in stacks), default=None),
+        "overloaded": sum(stack["overloaded"] for stack in stacks),
+        "boxes": came,
+        "buffered_share": sum(trial["set_aside"] for trial in study.trials) / came if came else None,
+        "decisions": len(times),
+        "decision_p99_s": float(np.percentile(times, 99)) if times else None,
+    }
+
+
+def tables(studies: Sequence[ShiftStudy]) -> list[TextTable]:
+    """One row a study."""
+    note = (
+        "Full: share of the room up to the allowed height, mean and standard deviation over closed pallets. "
+        "Tips at: the least horizontal acceleration that a box withstands by the closed rule."
+    )
+    columns: Columns = [
+        ("streams", lambda s: str(s["streams"])),
+        ("full [%]", lambda s: f"{optional_number(s['fill']['mean'], 1)} +- "
+                               f"{optional_number(s['fill']['deviation'], 1)}"),
+        ("hold 0.2 g", lambda s: f"{s['stacks_held']}/{s['stacks']}"),
+        ("largest shift [mm]", lambda s: optional_number(s["largest_shift_mm"], 1)),
+        ("tips at [g]", lambda s: optional_number(s["least_push"], 2)),
+        ("overloaded", lambda s: str(s["overloaded"])),
+        ("set aside [%]", lambda s: optional_number(s["buffered_share"], 1, PERCENT)),
+        ("decision, p99 [s]", lambda s: optional_number(s["decision_p99_s"], 3)),
+    ]  # fmt: skip
+    return [row_a_study("Shifts", note, columns, {study.name: summarize(study) for study in studies})]
+
+
+STUDIES = StudyEvaluator(
+    title="Shifts", of_benchmark=of_benchmark, read_recording=read_recording,
+    of_recordings=lambda found: ShiftStudy(name=RECORDINGS, trials=tuple(found)), summary=summarize,
+    tables=tables,
+)  # fmt: skip
+"""Measures every stream from what its run kept."""

@@ -1,0 +1,155 @@
+"""Decides, box by box, where what arrives goes: online packing of several open pallets with a buffer.
+
+Only the next boxes of the infeed are known. Each is placed on one of the open pallets, or set aside in the
+buffer where no pallet has a place for it; where the buffer is full, too, the fullest pallet is closed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from pydantic import Field, NonNegativeInt, PositiveInt
+
+from pack_core.config import Config
+from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.stack import Stack, empty_stack, with_box
+from pack_planner.layout.online_packer import (
+    FoundPlace,
+    PackedItem,
+    PackerConfig,
+    Turns,
+    best_place,
+)
+
+
+class OnlineConfig(Config):
+    """Parameters of the online planner."""
+
+    packer: PackerConfig = PackerConfig()
+    pallets: PositiveInt = Field(2, description="that are open at a time")
+    buffer: NonNegativeInt = Field(2, description="boxes that can be set aside")
+    preview: PositiveInt = Field(1, description="boxes of the infeed that are known and can be taken")
+
+
+class NextStep(StrEnum):
+    """What is done next."""
+
+    PLACE = "place"
+    SET_ASIDE = "set aside"
+    CLOSE = "close"
+
+
+@dataclass(frozen=True)
+class OpenPallet:
+    """A pallet that is being built, its boxes in the sequence of placing."""
+
+    stack: Stack
+    entries: tuple[PackedItem, ...] = ()
+
+    @property
+    def volume(self) -> float:
+        """Of all its boxes [m^3]."""
+        return sum(float(np.prod(entry.placed.size)) for entry in self.entries)
+
+    def with_entry(self, entry: PackedItem) -> OpenPallet:
+        """The pallet with one box more."""
+        return OpenPallet(with_box(self.stack, entry.placed), (*self.entries, entry))
+
+
+@dataclass(frozen=True)
+class Floor:
+    """What stands: the open pallets, and the boxes that were set aside."""
+
+    pallets: tuple[OpenPallet, ...]
+    buffered: tuple[Item, ...] = ()
+
+    @staticmethod
+    def empty(pallets: int) -> Floor:
+        """So many empty pallets and nothing set aside."""
+        return Floor((OpenPallet(empty_stack()),) * pallets)
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What is done next, and why.
+
+    Attributes:
+        step: whether a box is placed or set aside, or a pallet is closed.
+        reason: in words.
+        item: the box that is placed or set aside.
+        pallet: number of the open pallet on which it is placed, or which is closed.
+        entry: the box at its place.
+    """
+
+    step: NextStep
+    reason: str
+    item: Item | None = None
+    pallet: int | None = None
+    entry: PackedItem | None = None
+
+
+IsAllowed = Callable[[OpenPallet, PackedItem], bool]
+"""Whether a place can be used for reasons beyond the stack's own: reach, and the side the box comes from."""
+
+
+class OnlinePlanner:
+    """Decides where boxes go.
+
+    Args:
+        area: length and width of a pallet [m].
+        turns: the turns that each item may be given, by its id.
+        config: parameters.
+        is_allowed: what else a place must fulfil.
+    """
+
+    def __init__(
+        self, area: tuple[float, float], turns: Turns, config: OnlineConfig,
+        is_allowed: IsAllowed = lambda pallet, entry: True,
+    ) -> None:  # fmt: skip
+        self._area, self._turns, self._config, self._is_allowed = area, turns, config, is_allowed
+
+    def decide(self, floor: Floor, infeed: Sequence[Item]) -> Decision:
+        """What is done next with the boxes set aside and those that arrive, the first `preview` of them."""
+        known = infeed[: self._config.preview]
+        # A box set aside goes first: its place on the table is worth more than a better one for another box.
+        for group in (floor.buffered, known):
+            if found := self._best(floor, group):
+                number, place = found
+                reason = f"the cheapest place by the rule {self._config.packer.rule}"
+                return Decision(NextStep.PLACE, reason, place.entry.item, number, place.entry)
+        if known and len(floor.buffered) < self._config.buffer:
+            return Decision(NextStep.SET_ASIDE, "no open pallet has a place for it", known[0])
+        volumes = [pallet.volume for pallet in floor.pallets]
+        reason = "no open pallet has a place for any known box, and the buffer is full"
+        return Decision(NextStep.CLOSE, reason, pallet=int(np.argmax(volumes)))
+
+    def _best(self, floor: Floor, items: Sequence[Item]) -> tuple[int, FoundPlace] | None:
+        """The cheapest place of any of the items, and the number of its pallet."""
+        found: list[tuple[int, FoundPlace]] = []
+        for item in items:
+            for number, pallet in enumerate(floor.pallets):
+                place = best_place(
+                    item, self._turns[item.id], pallet.stack, self._area, self._config.packer,
+                    lambda entry, pallet=pallet: self._is_allowed(pallet, entry),
+                )  # fmt: skip
+                if place is not None:
+                    found.append((number, place))
+        return min(found, key=lambda entry: entry[1].cost, default=None)
+
+
+def carried_out(floor: Floor, decision: Decision) -> Floor:
+    """What stands once a decision was carried out; a closed pallet is replaced by an empty one."""
+    pallets = list(floor.pallets)
+    if decision.step is NextStep.SET_ASIDE and decision.item is not None:
+        return replace(floor, buffered=(*floor.buffered, decision.item))
+    if decision.pallet is None:
+        return floor
+    if decision.entry is None:
+        pallets[decision.pallet] = OpenPallet(empty_stack())
+        return replace(floor, pallets=tuple(pallets))
+    pallets[decision.pallet] = pallets[decision.pallet].with_entry(decision.entry)
+    buffered = tuple(item for item in floor.buffered if item is not decision.item)
+    return Floor(tuple(pallets), buffered)

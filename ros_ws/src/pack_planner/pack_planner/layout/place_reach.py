@@ -1,0 +1,52 @@
+"""Whether the arm can put a box down at a place on the pallet, on its way in, before that is decided."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pack_core.palletizing.arm import arm_kinematics
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.orders.order import OrderPallet
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.rotations import Array, Pose, from_yaw, multiply
+from pack_planner.layout.insertion_direction import INSERTION_RULES, InsertionConfig
+
+LIFT, STANDOFF = 0.1, 0.02
+"""Above and beside its place the box's last straight way begins [m]: what the state machine does at least."""
+LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""q_PT, wxyz, of a tool that points down: half a turn about x."""
+QUARTERS = [multiply(from_yaw(n * np.pi / 2.0), LOOKING_DOWN) for n in range(4)]
+"""Orientations of the tool over a box, which is symmetric under quarter turns of the pad."""
+
+
+class PlaceReach:
+    """Asks the arm's inverse kinematics for the two ends of the last straight way to a place.
+
+    Args:
+        cell: the cell, whose arm and pallet are meant.
+        config: how the side is chosen from which a box comes.
+    """
+
+    def __init__(self, cell: PalletizingCell, config: InsertionConfig) -> None:
+        length, width = cell.pallet.size
+        self._pallet = OrderPallet(length=length, width=width, deck_height=cell.pallet.deck_height)
+        self._X_WP, self._config = cell.pallet.X_WP, config
+
+    def allows(self, box: PlacedBox, placed: Sequence[PlacedBox]) -> bool:
+        """Whether the arm reaches a place and the point above and beside it, with the tool looking down.
+
+        Args:
+            box: the box at its place.
+            placed: what stands already.
+        """
+        insertion = INSERTION_RULES[self._config.rule](box, placed, self._config, self._pallet)
+        top = box.centre + np.array([0.0, 0.0, 0.5 * box.size[2]])
+        return any(
+            self._reaches(top, q_PT) and self._reaches(top + insertion.offset(STANDOFF, LIFT), q_PT)
+            for q_PT in QUARTERS
+        )
+
+    def _reaches(self, p_PT: Array, q_PT: Array) -> bool:
+        return bool(arm_kinematics().inverse.solve(self._X_WP @ Pose(p_PT, q_PT)))

@@ -1,0 +1,114 @@
+"""Where what arrives goes, decided box by box."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.load_bearing import overloaded_boxes
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.palletizing.orders.tipping import TippingConfig, tipping_boxes
+from pack_planner.layout.insertion_direction import InsertionConfig
+from pack_planner.layout.online_packer import PackerConfig
+from pack_planner.layout.online_planner import (
+    Decision,
+    Floor,
+    NextStep,
+    OnlineConfig,
+    OnlinePlanner,
+    carried_out,
+)
+from pack_planner.layout.order_proposal import possible_turns
+from pack_planner.layout.place_reach import PlaceReach
+
+CELL = palletizing_cell()
+AREA = CELL.pallet.size
+
+
+def item(name: str, size: tuple[float, float, float] = (0.4, 0.3, 0.2), **limits: float) -> Item:
+    return Item(id=name, article=name, size=size, weight=6.0, this_side_up=True, **limits)
+
+
+def planner(items: Sequence[Item], **changes: Any) -> OnlinePlanner:
+    turns, _ = possible_turns(items, CELL)
+    return OnlinePlanner(AREA, turns, OnlineConfig(**changes))
+
+
+def run(items: Sequence[Item], **changes: Any) -> tuple[Floor, list[Decision]]:
+    """Decide until the infeed is empty; what stands then, and all decisions."""
+    config = OnlineConfig(**changes)
+    decide, floor, infeed, made = (
+        planner(items, **changes).decide,
+        Floor.empty(config.pallets),
+        list(items),
+        [],
+    )
+    while infeed:
+        decision = decide(floor, infeed)
+        made.append(decision)
+        floor = carried_out(floor, decision)
+        infeed = [one for one in infeed if one is not decision.item]
+    return floor, made
+
+
+def test_boxes_go_where_they_stand_tip_nothing_and_overload_nothing() -> None:
+    rng = np.random.default_rng(1000)
+    sizes = rng.choice([0.2, 0.25, 0.3, 0.35, 0.4], (40, 3))
+    items = [item(f"b{k}", tuple(size.tolist()), max_pressure=1.5) for k, size in enumerate(sizes)]
+    floor, made = run(items)
+    assert sum(decision.step is NextStep.PLACE for decision in made) >= 30
+    for pallet in floor.pallets:
+        boxes = [entry.placed for entry in pallet.entries]
+        assert tipping_boxes(boxes, TippingConfig()) == {}
+        assert overloaded_boxes(boxes) == {}
+
+
+def test_what_fits_nowhere_is_set_aside_and_then_the_fullest_pallet_is_closed() -> None:
+    low = PackerConfig(highest=0.2)
+    # Four of these cover more than half of a deck each, so that no fifth finds a place on two pallets.
+    large = [item(f"large{k}", (0.7, 0.7, 0.15)) for k in range(4)]
+    _, made = run(large, packer=low, pallets=2, buffer=1)
+    steps = [decision.step for decision in made]
+    assert steps[:4] == [NextStep.PLACE, NextStep.PLACE, NextStep.SET_ASIDE, NextStep.CLOSE]
+    # The box that was set aside comes first on the new pallet.
+    assert made[4].item is large[2]
+
+
+def test_the_fuller_of_two_pallets_is_closed() -> None:
+    low = PackerConfig(highest=0.2)
+    items = [item("a", (0.7, 0.7, 0.1)), item("b", (0.7, 0.7, 0.15)), item("c", (0.7, 0.7, 0.15))]
+    floor, made = run(items, packer=low, pallets=2, buffer=0)
+    closing = next(decision for decision in made if decision.step is NextStep.CLOSE)
+    placed = [decision for decision in made if decision.step is NextStep.PLACE]
+    assert closing.pallet == placed[1].pallet
+    assert sum(len(pallet.entries) for pallet in floor.pallets) == 2
+
+
+def test_with_a_preview_the_box_with_the_better_place_is_taken_first() -> None:
+    tall, flat = item("tall", (0.3, 0.3, 0.5)), item("flat", (0.6, 0.4, 0.1))
+    decision = planner([tall, flat], preview=2).decide(Floor.empty(1), [tall, flat])
+    assert decision.item is flat
+    assert planner([tall, flat]).decide(Floor.empty(1), [tall, flat]).item is tall
+
+
+def test_a_place_out_of_reach_is_not_taken() -> None:
+    one = item("a")
+    turns, _ = possible_turns([one], CELL)
+    free = OnlinePlanner(AREA, turns, OnlineConfig()).decide(Floor.empty(1), [one])
+    nowhere = OnlinePlanner(AREA, turns, OnlineConfig(buffer=1), lambda pallet, entry: False)
+    assert free.step is NextStep.PLACE
+    assert nowhere.decide(Floor.empty(1), [one]).step is NextStep.SET_ASIDE
+
+
+@pytest.mark.parametrize(("z", "is_reached"), [(0.0, True), (0.8, True), (3.5, False)])
+def test_the_arm_reaches_the_whole_deck_up_to_a_metre_and_not_the_roof(z: float, is_reached: bool) -> None:
+    reach = PlaceReach(CELL, InsertionConfig())
+    for x in (0.0, 0.8):
+        for y in (0.0, 0.5):
+            box = PlacedBox("a", np.array([x, y, z]), np.array([0.4, 0.3, 0.2]), 5.0)
+            assert reach.allows(box, []) == is_reached
