@@ -10,6 +10,7 @@ from pack_core.palletizing.orders.layout_plan import LayoutStatus, layers_of
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.palletizing.orders.stack import GRAVITY
 from pack_core.paths import config_path
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner, overlapping
 from pack_planner.layout.pallet_separator import SeparatorConfig
@@ -89,3 +90,19 @@ def test_boxes_that_share_space_are_named_in_pairs() -> None:
     apart, beside, within = block("apart", 0.9, 0.3), block("beside", 0.3, 0.3), block("within", 0.35, 0.3)
     assert overlapping([apart, beside, within]) == [("beside", "within")]
     assert overlapping([apart, beside]) == []
+
+
+def test_gaps_that_let_a_box_press_on_less_of_its_base_are_told_where_that_is_too_much() -> None:
+    """A box over two others presses harder once these are parted, by the share of its base that is lost."""
+    data = order(3).model_dump(exclude={"boxes", "total_boxes", "total_weight", "stack_height"})
+    common = {"weight": 5.0, "bundling_axis": "z", "orient_id": 0}
+    base = {**common, "dims": (0.3, 0.3, 0.1), "max_pressure": 5.0 * GRAVITY / 0.18e3 * 1.005}
+    data["boxes"] = [
+        {**base, "id": "left", "position": (0.2, 0.2, 0.0)},
+        {**base, "id": "right", "position": (0.5, 0.2, 0.0)},
+        {**common, "id": "over", "dims": (0.6, 0.3, 0.1), "position": (0.2, 0.2, 0.1)},
+    ]
+    assert PLANNER.plan(Order.model_validate(data), 0.0).status is LayoutStatus.SUCCESS
+    plan = PLANNER.plan(Order.model_validate(data), 0.01)
+    assert plan.status is LayoutStatus.UNSTABLE
+    assert "box 'left': 0.28 kPa press on its top" in plan.reason

@@ -26,7 +26,7 @@ from pack_core.palletizing.orders.tipping import pushes_of
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm, standing
 from pack_planner.layout.insertion_direction import InsertionConfig
-from pack_planner.layout.online_packer import Turns
+from pack_planner.layout.online_packer import Turns, warm_up
 from pack_planner.layout.online_planner import (
     Floor,
     NextStep,
@@ -132,6 +132,7 @@ def run_stream(setup: ShiftSetup, job: StreamJob) -> dict[str, Any]:
 
     All but the decisions' times depends on nothing but the arguments.
     """
+    warm_up()
     reach, turns = PlaceReach(setup.cell, setup.insertion), dict[str, Any]()
     planner = OnlinePlanner(
         setup.cell.pallet.size, turns, setup.config,

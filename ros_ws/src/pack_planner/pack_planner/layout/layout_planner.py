@@ -12,6 +12,7 @@ from pydantic import Field, PositiveFloat
 from pack_core.config import NEXT_REQUEST, Changeable, Config
 from pack_core.errors import PackError
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus, PlannedBox, resequence
+from pack_core.palletizing.orders.load_bearing import overloaded_boxes
 from pack_core.palletizing.orders.order import Order, OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.support import SupportConfig, unstable_boxes
@@ -85,7 +86,9 @@ class LayoutPlanner:
         if overlaps := overlapping(separation.boxes):
             pairs = "; ".join(f"'{one}' and '{other}'" for one, other in overlaps)
             return LayoutStatus.INFEASIBLE, f"with gaps of {gap * 1e3:g} mm boxes share space: {pairs}"
-        unstable = unstable_boxes(separation.boxes, self._config.support)
+        unstable = {
+            **overloaded_boxes(separation.boxes), **unstable_boxes(separation.boxes, self._config.support)
+        }  # fmt: skip
         if unstable:
             reasons = "; ".join(f"box '{name}': {problem}" for name, problem in unstable.items())
             return LayoutStatus.UNSTABLE, f"with gaps of {gap * 1e3:g} mm: {reasons}"

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Annotated
 
 import numpy as np
 from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.palletizing.orders.handling import PRICE, Handling, TurnChoice
+from pack_core.palletizing.orders.handling import PRICE, Handling, TurnChoice, turns_of
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.stack import Stack, empty_stack, with_box
@@ -180,3 +180,12 @@ def placed_item(item: Item, lower: Array, size: Array) -> PlacedBox:
     """An item at a place, with what may stand on it."""
     limits = (math.inf if limit is None else limit for limit in (item.max_load, item.max_pressure))
     return PlacedBox(item.id, lower, size, item.weight, *limits)
+
+
+@cache
+def warm_up() -> None:
+    """Have numba compile the search for places before the first box; loads it where that was done before."""
+    item = Item(id="a", article="a", size=(0.4, 0.3, 0.2), weight=1.0, this_side_up=True)
+    turns = {name: turns_of(item.size, this_side_up=True) for name in ("a", "b")}
+    other = item.model_copy(update={"id": "b"})
+    pack_in_sequence((item, other), turns, (0.4, 0.3), PackerConfig())
