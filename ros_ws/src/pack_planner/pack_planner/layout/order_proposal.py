@@ -123,7 +123,7 @@ def _order(boxes: list[dict[str, object]], name: str, cell: PalletizingCell) -> 
     return Order.model_validate({
         "order_id": name,
         "pallet": {"length": pallet.size[0], "width": pallet.size[1], "deck_height": pallet.deck_height},
-        "placement_planner": "extreme points, least surface area",
+        "placement_planner": "extreme points, closed tipping rule",
         "boxes": boxes,
     })  # fmt: skip
 
