@@ -81,6 +81,7 @@ def trial(*stacks: dict[str, float]) -> dict[str, object]:
         "seed": 0,
         "came": 10,
         "set_aside": 1,
+        "rejected": 0,
         "decision_s": [0.01, 0.03],
         "stacks": list(stacks),
     }

@@ -100,9 +100,20 @@ def test_a_place_out_of_reach_is_not_taken() -> None:
     one = item("a")
     turns, _ = possible_turns([one], CELL)
     free = OnlinePlanner(AREA, turns, OnlineConfig()).decide(Floor.empty(1), [one])
-    nowhere = OnlinePlanner(AREA, turns, OnlineConfig(buffer=1), lambda pallet, entry: False)
-    assert free.step is NextStep.PLACE
-    assert nowhere.decide(Floor.empty(1), [one]).step is NextStep.SET_ASIDE
+    assert free.entry is not None
+    corner = free.entry.placed.lower
+    elsewhere = OnlinePlanner(
+        AREA, turns, OnlineConfig(), lambda pallet, entry: not np.array_equal(entry.placed.lower, corner)
+    ).decide(Floor.empty(1), [one])
+    assert elsewhere.entry is not None
+    assert not np.array_equal(elsewhere.entry.placed.lower, corner)
+
+
+def test_a_box_without_a_place_on_an_empty_pallet_is_rejected_and_closes_none() -> None:
+    long, short = item("long", (1.3, 0.3, 0.2)), item("short")
+    floor, made = run([long, short])
+    assert [decision.step for decision in made] == [NextStep.REJECT, NextStep.PLACE]
+    assert floor.buffered == ()
 
 
 @pytest.mark.parametrize(("z", "is_reached"), [(0.0, True), (0.8, True), (3.5, False)])

@@ -14,7 +14,7 @@ from pack_evaluation.spread import spread
 from pack_evaluation.study import RECORDINGS, KeptTrials, Study, StudyEvaluator
 from pack_evaluation.table import Columns, TextTable, optional_number, row_a_study
 
-KEYS = ("name", "seed", "came", "set_aside", "decision_s", "stacks")
+KEYS = ("name", "seed", "came", "set_aside", "rejected", "decision_s", "stacks")
 """What a kept stream has."""
 PERCENT = 1e2
 """In a share of 1."""
@@ -58,6 +58,7 @@ def summarize(study: ShiftStudy) -> dict[str, Any]:
         "overloaded": sum(stack["overloaded"] for stack in stacks),
         "boxes": came,
         "buffered_share": sum(trial["set_aside"] for trial in study.trials) / came if came else None,
+        "rejected": sum(trial["rejected"] for trial in study.trials),
         "decisions": len(times),
         "decision_p99_s": float(np.percentile(times, 99)) if times else None,
     }

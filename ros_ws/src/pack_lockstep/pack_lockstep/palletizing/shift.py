@@ -7,6 +7,7 @@ rules of tipping and load-bearing, and pushed in physics.
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -139,7 +140,13 @@ def run_stream(setup: ShiftSetup, job: StreamJob) -> dict[str, Any]:
         lambda pallet, entry: reach.allows(entry.placed, [other.placed for other in pallet.entries]),
     )  # fmt: skip
     source, floor = stream_of(setup, job.seed), Floor.empty(setup.config.pallets)
-    infeed, closed, times, came, aside = list[Item](), list[OpenPallet](), list[float](), 0, 0
+    infeed, closed, times, came, steps = (
+        list[Item](),
+        list[OpenPallet](),
+        list[float](),
+        0,
+        Counter[NextStep](),
+    )
     while len(closed) < setup.stream.pallets:
         while len(infeed) < setup.config.preview:
             item, listed = next(source)
@@ -150,12 +157,13 @@ def run_stream(setup: ShiftSetup, job: StreamJob) -> dict[str, Any]:
         times.append(time.thread_time() - started)
         if decision.step is NextStep.CLOSE and decision.pallet is not None:
             closed.append(floor.pallets[decision.pallet])
-        aside += decision.step is NextStep.SET_ASIDE
+        steps[decision.step] += 1
         floor = carried_out(floor, decision)
         infeed = [item for item in infeed if item is not decision.item]
     stacks = [[entry.placed for entry in pallet.entries] for pallet in closed]
     return {
-        "name": job.name, "seed": job.seed, "came": came, "set_aside": aside, "decision_s": times,
+        "name": job.name, "seed": job.seed, "came": came, "set_aside": steps[NextStep.SET_ASIDE],
+        "rejected": steps[NextStep.REJECT], "decision_s": times,
         "stacks": [judged_stack(stack, setup.cell, setup.config.packer.highest) for stack in stacks],
     }  # fmt: skip
 

@@ -1,7 +1,8 @@
 """Decides, box by box, where what arrives goes: online packing of several open pallets with a buffer.
 
 Only the next boxes of the infeed are known. Each is placed on one of the open pallets, or set aside in the
-buffer where no pallet has a place for it; where the buffer is full, too, the fullest pallet is closed.
+buffer where no pallet has a place for it; where the buffer is full, too, the fullest pallet is closed. A box
+that would not even find a place on an empty pallet is rejected.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ class NextStep(StrEnum):
 
     PLACE = "place"
     SET_ASIDE = "set aside"
+    REJECT = "reject"
     CLOSE = "close"
 
 
@@ -77,9 +79,9 @@ class Decision:
     """What is done next, and why.
 
     Attributes:
-        step: whether a box is placed or set aside, or a pallet is closed.
+        step: whether a box is placed, set aside or rejected, or a pallet is closed.
         reason: in words.
-        item: the box that is placed or set aside.
+        item: the box that is placed, set aside or rejected.
         pallet: number of the open pallet on which it is placed, or which is closed.
         entry: the box at its place.
     """
@@ -120,6 +122,9 @@ class OnlinePlanner:
                 number, place = found
                 reason = f"the cheapest place by the rule {self._config.packer.rule}"
                 return Decision(NextStep.PLACE, reason, place.entry.item, number, place.entry)
+        for item in known:
+            if self._best(Floor.empty(1), (item,)) is None:
+                return Decision(NextStep.REJECT, "it finds no place even on an empty pallet", item)
         if known and len(floor.buffered) < self._config.buffer:
             return Decision(NextStep.SET_ASIDE, "no open pallet has a place for it", known[0])
         volumes = [pallet.volume for pallet in floor.pallets]
