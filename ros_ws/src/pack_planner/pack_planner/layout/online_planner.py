@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 
 import numpy as np
 from pydantic import Field, NonNegativeInt, PositiveInt
@@ -138,7 +139,7 @@ class OnlinePlanner:
             for number, pallet in enumerate(floor.pallets):
                 place = best_place(
                     item, self._turns[item.id], pallet.stack, self._area, self._config.packer,
-                    lambda entry, pallet=pallet: self._is_allowed(pallet, entry),
+                    partial(self._is_allowed, pallet),
                 )  # fmt: skip
                 if place is not None:
                     found.append((number, place))

@@ -251,7 +251,7 @@ def push_of(stack: Stack, i: int, load: Array) -> float:
     """
     sides = stack.sides[stack.first_side[i] : stack.first_side[i + 1]]
     margin = margin_in(sides, load[1] / load[0], load[2] / load[0])
-    return margin / max(load[3] / load[0] - stack.lower[i, 2], TOUCH)
+    return float(margin / max(load[3] / load[0] - stack.lower[i, 2], TOUCH))
 
 
 @numba.njit(cache=True)
