@@ -86,6 +86,11 @@ class FillConfig(Config):
     aside_reach: PositiveFloat = Field(
         default=0.05, description="distance from the hand-over place within which an object is put aside [m]"
     )
+    draws: int = Field(
+        default=4, ge=0, description="how often an object is drawn nearer that the arm cannot raise"
+    )
+    draw: PositiveFloat = Field(default=0.04, description="by how much each time [m]")
+    draw_speed: PositiveFloat = Field(default=0.06, description="speed at which it is drawn nearer [m/s]")
     retreat_force: PositiveFloat = Field(
         default=15.0, description="change of force that tells that the cup drags something [N]"
     )

@@ -120,11 +120,27 @@ class ObjectHandling:
         return ", ".join(filter(None, noted))
 
     def take_out(self) -> Steps[None]:
-        """Raise the held object straight up until it is over everything, tilted as it is and if upright."""
-        item = self._scene.new_object
-        lowest = min(self._height, base_height(item, self._upright()[1]))
-        missing = self._scene.rim + self._config.clearance - lowest
-        yield from self._moves.rise(max(missing, 0.0), speed=self._config.carry_speed)
+        """Raise the held object straight up until it is over everything, tilted as it is and if upright.
+
+        Where the way up is out of the arm's reach, the object is drawn up and towards the arm's base.
+        """
+        config = self._config
+        for _ in range(config.draws):
+            yield from self._moves.rise(self._depth, speed=config.carry_speed)
+            if self._depth <= config.clearance:
+                return
+            # Not level: the stretched arm, which stands at the origin, can hardly begin to move along itself.
+            inward = -self._moves.cup.p[:2] / np.linalg.norm(self._moves.cup.p[:2])
+            way = config.draw * np.array([*inward, 1.0])
+            resists = self._moves.contact(config.press_force)
+            yield from self._moves.move([way], self._moves.gentle(config.draw_speed), until=resists)
+        yield from self._moves.rise(self._depth, speed=config.carry_speed)
+
+    @property
+    def _depth(self) -> float:
+        """How far the held object has to rise until it is over everything, also once it is upright [m]."""
+        lowest = min(self._height, base_height(self._scene.new_object, self._upright()[1]))
+        return max(self._scene.rim + self._config.clearance - lowest, 0.0)
 
     def put_aside(self) -> Steps[str]:
         """Carry the held object back to the hand-over place, upright, and let it go there.
