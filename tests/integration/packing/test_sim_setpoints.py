@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -17,8 +16,8 @@ from pack_core.robots.panda import PANDA
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.joints import to_trajectory
+from pack_core.ros.messages.serialized_setpoints import TrajectoryReader
 from pack_sim.packing.sim_node import PackingSimNode
-from pack_sim.ros import physics_node
 
 AT_REST = 0.02
 """[rad/s]"""
@@ -43,17 +42,17 @@ def test_setpoints_that_waited_while_the_driver_was_told_to_stop_are_not_followe
     graph: Graph, monkeypatch: pytest.MonkeyPatch, cause: str
 ) -> None:
     graph.failures_allowed = True
-    node, converted, convert = start_sim(graph), list[str](), physics_node.from_trajectory
+    node, read, convert = start_sim(graph), list[bytes](), TrajectoryReader.read
 
-    def note(*arguments: Any) -> Setpoints:
-        converted.append("setpoints")
-        return convert(*arguments)
+    def note(reader: TrajectoryReader, data: bytes) -> Setpoints:
+        read.append(data)
+        return convert(reader, data)
 
-    monkeypatch.setattr(physics_node, "from_trajectory", note)
+    monkeypatch.setattr(TrajectoryReader, "read", note)
     plan = to_trajectory(ramp(newest_joints(graph), 1.0), PANDA.joints)
     with node.lock:  # which they wait for next
         graph.probe.send(contracts.SETPOINTS, plan)
-        graph.wait_until(lambda: converted)
+        graph.wait_until(lambda: read)
         node._drop()
         if cause == "stop":
             node._brake._begin("by hand")

@@ -9,7 +9,6 @@ from typing import Any
 from pack_interfaces.msg import ArmState, BoxObstacles
 from pack_interfaces.msg import MotionTarget as MotionTargetMsg
 from pydantic import Field
-from sensor_msgs.msg import JointState
 
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
@@ -20,8 +19,9 @@ from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import NEWEST
 from pack_core.ros.messages.conversions import from_stamp
-from pack_core.ros.messages.joints import from_joint_state, to_trajectory
 from pack_core.ros.messages.motion import from_obstacles, from_target, to_status
+from pack_core.ros.messages.serialized import JointStateReader
+from pack_core.ros.messages.serialized_setpoints import TrajectoryWriter
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import Stream, StreamReader
@@ -63,12 +63,14 @@ class MotionNode(CellNode):
         self._silent, self._stamps = set[str](), StampCheck(self)
         self._planning = PlanningThread(self._prepare, self._on_error)
         self._setpoints = self.advertise(contracts.SETPOINTS)
+        self._writer = TrajectoryWriter(self._arm.limits.names)
         self._status = self.advertise(contracts.MOTION_STATUS)
         self.listen(contracts.MOTION_TARGET, self._on_target)
         self.listen(contracts.MOTION_OBSTACLES, self._on_obstacles)
         self.listen(shared.ARM_STATE, self._on_arm_state)
         # Only the newest joint state: setpoints made for an older one would be late.
-        self._joints = Stream(self, replace(contracts.JOINT_STATES, qos=NEWEST))
+        self._joints = Stream(self, replace(contracts.JOINT_STATES, qos=NEWEST), raw=True)
+        self._joint_reader = JointStateReader(self._arm.limits.names)
         self._reader = StreamReader(self, (self._joints,), self._read, READ_PERIOD)
         self.watch(self._config.watched, self._on_peer)
 
@@ -136,8 +138,8 @@ class MotionNode(CellNode):
         with self._stepping:
             self._give_up(reason)
 
-    def _on_joints(self, message: JointState) -> None:
-        sample = from_joint_state(message, self._arm.limits.names)
+    def _on_joints(self, data: bytes) -> None:
+        sample = self._joint_reader.read(data)
         self._stamps.check(sample.time)
         stream = self._stream
         if stream is None or stream.has_begun_anew(sample):
@@ -147,7 +149,7 @@ class MotionNode(CellNode):
             self._take_up(stream.controller)
         reference = stream.advance(sample)
         if reference is not None and not self._arm_state.is_stopped:
-            self._setpoints.publish(to_trajectory(reference, self._arm.limits.names))
+            self._setpoints.publish(self._writer.write(reference))
         if stream.interruption:
             self._note_interruption(stream.interruption)
         self._waiting = self._waiting or stream.left

@@ -15,14 +15,13 @@ from pydantic import Field
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from std_msgs.msg import Float64
-from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.config import AT_ONCE, Config
 from pack_core.joints import JointSample, Setpoints
 from pack_core.robots.urdf import DescribedRobot
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import Contract
-from pack_core.ros.messages.joints import from_trajectory
+from pack_core.ros.messages.serialized_setpoints import TrajectoryReader
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_sim.pacing import Pacer
@@ -136,7 +135,8 @@ class PhysicsNode(CellNode):
             factor: simulated seconds a second of wall clock, 0 for as fast as it can.
             camera: is closed with the node.
         """
-        self._joints, self._camera_end = joints, camera
+        self._setpoints = TrajectoryReader(joints, self.simulator.follower.feed_forward)
+        self._camera_end = camera
         self._pause = Pause(self, self.lock)
         self._brake = ArmBrake(self, self._drop, lambda: self.simulator.joints(), self.lock)
         self._gate = SetpointGate(self, setpoints, sender, self._brake, self._accept, self._drop, self.lock)
@@ -166,8 +166,8 @@ class PhysicsNode(CellNode):
             self._camera_end.close()
         super().destroy_node()
 
-    def _accept(self, message: JointTrajectory, may_follow: Callable[[], bool]) -> None:
-        setpoints = from_trajectory(message, self._joints, self.simulator.follower.feed_forward)
+    def _accept(self, data: bytes, may_follow: Callable[[], bool]) -> None:
+        setpoints = self._setpoints.read(data)
         with self.lock:
             # Asked under the lock: while it was waited for, the arm may have been stopped.
             if may_follow():

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from threading import Lock
 
-from trajectory_msgs.msg import JointTrajectory
-
 from pack_core.errors import MessageError
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.node import CellNode
@@ -28,20 +26,20 @@ class SetpointGate:
         contract: of the setpoints.
         sender: the node that sends them; when it falls silent the arm is held.
         brake: knows whether the arm was stopped.
-        accept: hands setpoints to the driver, if they may be followed, which it asks under the lock; raises
-            MessageError when they are refused.
+        accept: hands serialised setpoints to the driver, if they may be followed, which it asks under the
+            lock; raises MessageError when they are refused.
         drop: lets the driver forget its setpoints, under the lock.
         lock: held while `drop` is called.
     """
 
     def __init__(
         self, node: CellNode, contract: Contract, sender: str, brake: ArmBrake,
-        accept: Callable[[JointTrajectory, Callable[[], bool]], None], drop: Callable[[], None], lock: Lock,
+        accept: Callable[[bytes, Callable[[], bool]], None], drop: Callable[[], None], lock: Lock,
     ) -> None:  # fmt: skip
         self._node, self._sender, self._brake = node, sender, brake
         self._accept, self._drop, self._lock = accept, drop, lock
         self._is_abandoned = False
-        self._stream = Stream(node, contract, on_match=lambda: self._publishers.check())
+        self._stream = Stream(node, contract, raw=True, on_match=lambda: self._publishers.check())
         self._publishers = SolePublisher(node, self._stream.topic_name, self._on_publishers)
         self._publishers.track(sender)
         node.watch((sender,), self._on_sender)
@@ -56,11 +54,11 @@ class SetpointGate:
         self._publishers.forget(peer)
 
     def _read(self) -> None:
-        for message in self._stream.take_all():
-            self._node.guard(self._stream.contract, self._on_setpoints, message)
+        for data in self._stream.take_all():
+            self._node.guard(self._stream.contract, self._on_setpoints, data)
 
-    def _on_setpoints(self, message: JointTrajectory) -> None:
-        self._accept(message, self._may_follow)
+    def _on_setpoints(self, data: bytes) -> None:
+        self._accept(data, self._may_follow)
 
     def _may_follow(self) -> bool:
         """Whether the arm may follow setpoints now; raises MessageError where their sender is to be told."""

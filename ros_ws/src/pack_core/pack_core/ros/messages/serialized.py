@@ -34,7 +34,7 @@ OBJECT = struct.Struct("<13dB7xd")
 """Of an object's state: pose xyz, xyzw, twist, source, and after its alignment the age."""
 
 
-class _Template:
+class Template:
     """A serialised message that begins with a stamp or a header, and whose numbers are overwritten.
 
     Args:
@@ -63,7 +63,7 @@ class ClockWriter:
     """Writes ticks of the clock."""
 
     def __init__(self) -> None:
-        self._template = _Template(Clock(), struct.Struct(""))
+        self._template = Template(Clock(), struct.Struct(""))
 
     def write(self, time: float) -> bytes:
         """A serialised rosgraph_msgs/Clock of `time` [s]."""
@@ -86,7 +86,7 @@ class JointStateWriter:
         n = self._n = len(names)
         message = JointState(name=list(names), position=[MARK] + (n - 1) * [0.0])
         message.velocity = message.effort = n * [0.0]
-        self._template = _Template(message, _joint_block(n))
+        self._template = Template(message, _joint_block(n))
 
     def write(self, sample: JointSample) -> bytes:
         """A serialised sensor_msgs/JointState."""
@@ -141,7 +141,7 @@ class WrenchWriter:
     def __init__(self, frame: str) -> None:
         message = WrenchStamped()
         message.header.frame_id, message.wrench.force.x = frame, MARK
-        self._template = _Template(message, struct.Struct("<6d"))
+        self._template = Template(message, struct.Struct("<6d"))
 
     def write(self, time: float, force: Array, torque: Array) -> bytes:
         """A serialised geometry_msgs/WrenchStamped of a force `(3,)` [N] and a torque `(3,)` [N m]."""
@@ -169,9 +169,9 @@ class SceneWriter:
         return self._template.filled(state.time, blocks)
 
 
-def _scene_template(names: Sequence[str]) -> _Template:
+def _scene_template(names: Sequence[str]) -> Template:
     message = SceneStateMsg(objects=[ObjectStateMsg(name=name) for name in names])
     message.header.frame_id = WORLD
     for entry in message.objects:
         entry.pose.position.x = MARK
-    return _Template(message, OBJECT)
+    return Template(message, OBJECT)
