@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.config import Config
-from pack_core.rotations import Array, Pose
+from pack_core.rotations import Array, Pose, from_matrix
 
 Picture = npt.NDArray[np.uint8]
 """RGB `(height, width, 3)`."""
@@ -88,6 +88,17 @@ class PinholeCamera:
         rays_W = self.X_WC.apply(rays_C) - self.X_WC.p  # rotated only; from the camera to depth 1
         scale = (np.asarray(z, dtype=float) - self.X_WC.p[2]) / rays_W[..., 2]
         return np.asarray(self.X_WC.p + scale[..., None] * rays_W)
+
+
+def looking_at(position: npt.ArrayLike, target: npt.ArrayLike) -> Pose:
+    """X_WC of a camera at `position` `(3,)` that looks at `target` `(3,)` [m], x level and to the right."""
+    p_WC = np.asarray(position, dtype=float)
+    forward = (target - p_WC) / np.linalg.norm(target - p_WC)
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    if np.linalg.norm(right) < 1e-9:  # it looks straight down, where every horizontal axis is level
+        right = np.array([0.0, -1.0, 0.0])
+    right = right / np.linalg.norm(right)
+    return Pose(p_WC, from_matrix(np.column_stack([right, np.cross(forward, right), forward])))
 
 
 def seen_pixels(camera: PinholeCamera, lens: LensDistortion, p_W: npt.ArrayLike) -> Array:

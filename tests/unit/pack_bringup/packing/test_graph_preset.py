@@ -55,3 +55,8 @@ def test_no_preset_changes_nothing() -> None:
 def test_what_is_not_there_is_refused(cell: str, name: str, error: str) -> None:
     with pytest.raises(ConfigError, match=error):
         preset_overrides(cell, name)
+
+
+def test_a_preset_that_no_node_can_do_is_refused_before_anything_starts() -> None:
+    with pytest.raises(ConfigError, match="`pack benchmark packing --preset unknown`"):
+        preset_overrides("packing", "unknown")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pack_bringup.graph.graph import conditions, flat_parameters, yaml_line
 from pack_bringup.job import Progress, recorder_parameters
 from pack_core.config import merged
+from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.packing_list import PackingList, load_list, parse_list, supermarket_list
 
@@ -193,11 +194,16 @@ def preset_overrides(name: str) -> dict[str, dict[str, str]]:
     """What a preset changes, by node and parameter, as YAML text.
 
     Raises:
-        ConfigError: there is no such preset, or it changes what is not there.
+        ConfigError: there is no such preset, it changes what is not there, or no node can do it.
     """
     from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 
     preset = load_preset(name)
+    if preset.depth:
+        raise ConfigError(
+            f"preset '{name}' is for perception by depth images, which runs without ROS alone; allowed: "
+            f"`pack benchmark packing --preset {name}`, or another preset"
+        )
     preset.packing_cell()
     lockstep_config(preset)
     facts = {"cell": yaml_line(yaml_line(preset.cell))} if preset.cell else {}

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, PositiveFloat, model_validator
 
 from pack_core.config import Config, load_values, merged, parse_values, validate_config
+from pack_core.packing.depth import DepthCameras, Point
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.paths import config_path
@@ -16,8 +17,6 @@ from pack_core.robots.arm_drive import ArmDrive
 from pack_core.robots.pump import Pump
 from pack_core.rotations import Pose, from_yaw
 from pack_core.text.limits import Share
-
-Point = tuple[float, float, float]
 
 
 class Suction(Config):
@@ -123,6 +122,8 @@ class PackingCell(Config):
     tip: Tip | None
     """Compliance of the cup; None: the held object is rigidly fixed to it."""
     mocap: MocapCameras
+    depth: DepthCameras
+    """Depth cameras over the container, for perception without markers."""
     hand_over: HandOver = HandOver()
     """Where objects of a list are handed over."""
     scene: Scene

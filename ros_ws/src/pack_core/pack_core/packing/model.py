@@ -11,6 +11,7 @@ from enum import Enum
 import mujoco
 import numpy as np
 
+from pack_core.camera import looking_at
 from pack_core.drawing.room import Light, add_lights, add_sky, add_table, add_tiles
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell, Tip
@@ -19,7 +20,7 @@ from pack_core.packing.scene_item import SceneItem
 from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
 from pack_core.robots.pump import add_pump
 from pack_core.robots.urdf import DescribedRobot
-from pack_core.rotations import Array, Pose, conjugate, from_matrix, multiply, rotate
+from pack_core.rotations import Array, Pose, conjugate, multiply, rotate
 
 TIP_FORCE = "tip_force"
 TIP_TORQUE = "tip_torque"
@@ -328,16 +329,5 @@ def fixed_frames(cell: PackingCell, container: Container) -> dict[str, tuple[str
         "tip": ("tool", Pose(np.zeros(3), np.array(UPSIDE_DOWN))),
     }
     for number, position in enumerate(cell.mocap.cameras, start=1):
-        frames[f"mocap_camera_{number}"] = ("world", _looking_at(position, cell.mocap.target))
+        frames[f"mocap_camera_{number}"] = ("world", looking_at(position, cell.mocap.target))
     return frames
-
-
-def _looking_at(position: tuple[float, float, float], target: tuple[float, float, float]) -> Pose:
-    """X_WC of a camera: z forward, x to the right and level, y down."""
-    forward = np.subtract(target, position) / np.linalg.norm(np.subtract(target, position))
-    right = np.cross(forward, [0.0, 0.0, 1.0])
-    if np.linalg.norm(right) < 1e-9:  # it looks straight down, where every horizontal axis is level
-        right = np.array([0.0, -1.0, 0.0])
-    right = right / np.linalg.norm(right)
-    R_WC = np.column_stack([right, np.cross(forward, right), forward])
-    return Pose(np.array(position), from_matrix(R_WC))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
-from pack_core.errors import PackError
+from pack_core.errors import ConfigError, PackError
 from pack_core.packing.cell import PackingCell
 from pack_core.packing.goals import FillMethod
 from pack_core.packing.packing_list import PackingList, supermarket_list
@@ -20,6 +20,7 @@ from pack_evaluation.packing.run_file import SUFFIX, save_run
 from pack_evaluation.packing.studies import RUNS
 from pack_evaluation.packing.summary import FAILURE_METRICS, PackingTrial, trial_of
 from pack_lockstep.benchmarking.benchmark import Benchmark, JobT, ResultT, Verdict
+from pack_lockstep.packing.depth_record import PerceptionErrors
 from pack_lockstep.packing.fill_lockstep import FillLockstep, FillResult
 from pack_lockstep.packing.lockstep import Lockstep
 from pack_lockstep.packing.lockstep_config import LockstepConfig, PackingPreset, load_preset, lockstep_config
@@ -62,12 +63,17 @@ class ControlledBenchmark(Benchmark[JobT, ResultT]):
 
 @dataclass(frozen=True)
 class SceneResult:
-    """A scene, its run, and the wall clock time that the run took [s]."""
+    """A scene, its run, and the wall clock time that the run took [s].
+
+    Attributes:
+        perception: errors of perception by depth images; None with markers.
+    """
 
     job: SceneJob
     scene: Scene
     run: Run
     wall_time: float
+    perception: PerceptionErrors | None = None
 
 
 def run_scene(setup: PackingSetup, job: SceneJob) -> SceneResult:
@@ -83,7 +89,8 @@ def run_scene(setup: PackingSetup, job: SceneJob) -> SceneResult:
         raise PackError(f"{job.name}: {error}") from error
     lockstep = Lockstep(setup.cell, scene, setup.config, setup.settings.method, job.seed)
     lockstep.run()
-    return SceneResult(job, scene, lockstep.recorded(), time.perf_counter() - started)
+    run, wall_time = lockstep.recorded(), time.perf_counter() - started
+    return SceneResult(job, scene, run, wall_time, lockstep.perception_errors(run))
 
 
 def trial_line(result: SceneResult, trial: PackingTrial, threads: int) -> dict[str, Any]:
@@ -98,6 +105,7 @@ def trial_line(result: SceneResult, trial: PackingTrial, threads: int) -> dict[s
         "iterations": m.iterations, "iteration_ms": m.iteration_ms, "displacement_cm": 1e2 * m.displacement,
         **{name: metric(m) for name, metric in FAILURE_METRICS.items()},
         "threads": threads, "wall_time_s": result.wall_time,
+        **({} if result.perception is None else {"perception": asdict(result.perception)}),
     }  # fmt: skip
 
 
@@ -131,12 +139,14 @@ class PackingBenchmark(ControlledBenchmark[SceneJob, SceneResult]):
         return trial_line(result, trial_of(result.job.name, result.run), self.threads)
 
     def verdict(self, trial: Mapping[str, Any]) -> Verdict:
-        """One line on a trial: how the goal ended, its duration, final distance, forces and placements."""
+        """One line on a trial: how the goal ended and how long it took, distance, forces, placements."""
         text = (
             f"{trial['exit_reason']:12} {trial['execution_time_s']:5.1f} s {trial['distance_cm']:5.1f} cm "
             f"{trial['force_mean_N']:5.1f} N, peak {trial['peak_force_N']:5.0f} N "
             f"{trial['placements']:2.0f} placements"
         )
+        if (perception := trial.get("perception")) is not None:
+            text += f", found {perception['found']} of {perception['objects']}"
         return Verdict(trial["name"], trial["success"], text)
 
 
@@ -182,9 +192,11 @@ class PackingFillBenchmark(ControlledBenchmark[ListJob, tuple[ListJob, FillResul
         config = self.setup.config.model_dump(mode="json")
         config["session"]["controller"].pop("threads")
         config["planner"].pop("threads")
+        config.pop("depth")
+        cell = self.setup.cell.model_dump(mode="json", exclude={"depth"})
         return {
             "name": self.setup.name, "studies": self.studies, "method": self.setup.method.value,
-            "preset": self.setup.preset, "cell": self.setup.cell.model_dump(mode="json"), "config": config,
+            "preset": self.setup.preset, "cell": cell, "config": config,
         }  # fmt: skip
 
     @property
@@ -227,9 +239,11 @@ def fill_setup(method: FillMethod, preset: str, threads: int) -> FillSetup:
     """Read what the settings refer to.
 
     Raises:
-        ConfigError: there is no such preset.
+        ConfigError: there is no such preset, or it is for perception by depth.
     """
     given: PackingPreset = load_preset(preset)
+    if given.depth:
+        raise ConfigError(f"preset '{preset}' with --fill; allowed: presets without `depth`")
     given = given.over("mpc", {"controller": {"threads": threads}}).over("planner", {"threads": threads})
     return FillSetup(method, preset, given.packing_cell(), lockstep_config(given))
 

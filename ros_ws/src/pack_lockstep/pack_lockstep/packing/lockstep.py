@@ -21,18 +21,40 @@ from pack_core.rotations import Pose
 from pack_core.states import SceneState
 from pack_core.topics import steps_between
 from pack_evaluation.packing.run import Run
+from pack_lockstep.packing.depth_record import (
+    PerceptionErrors,
+    perception_errors,
+    seen_objects,
+    with_true_names,
+)
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_lockstep.packing.run_log import PackingRunLog
 from pack_mpc.controller import ControlPlan
 from pack_mpc.observation import PackingObservation, blind_for
 from pack_mpc.session import PackingSession
 from pack_mpc.task.task import PackingOutcome
+from pack_perception.depth.depth_estimator import DepthEstimator, Objects
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_planner.placement.placement_planner import PlacementPlanner, PlacementPlanners
 from pack_planner.placement.placement_result import PlannedPlacement
+from pack_sim.packing.depth_cameras import DepthCameraSystem
 from pack_sim.packing.simulator import Simulator
 
 Sense = Callable[[Simulator, HandOverEstimator], None]
+
+
+@dataclass(frozen=True)
+class DepthLink:
+    """Depth cameras and the estimator that their images go to."""
+
+    cameras: DepthCameraSystem
+    estimator: DepthEstimator
+
+    def step(self, simulator: Simulator) -> None:
+        """Expose if it is time, and deliver what is due."""
+        self.cameras.update(simulator.model, simulator.data, simulator.time)
+        for frame in self.cameras.due(simulator.time):
+            self.estimator.see(frame)
 
 
 class LockstepCell:
@@ -54,7 +76,12 @@ class LockstepCell:
     ) -> None:
         self._config, self._sense = config, sense
         self.simulator = Simulator(cell, scene, config.simulator, np.random.default_rng(seed))
-        self.estimator = HandOverEstimator(self.simulator.description, cell, config.estimator)
+        description = self.simulator.description
+        self.estimator = HandOverEstimator(description, cell, config.estimator)
+        self._depth: DepthLink | None = None
+        if config.depth is not None:
+            self.estimator = depth = DepthEstimator(description, cell, config.estimator, config.depth)
+            self._depth = DepthLink(DepthCameraSystem(cell.depth, np.random.default_rng([seed, 2])), depth)
         self._forces: list[float] = []
         self.cameras: Callable[[MarkerFrame], MarkerFrame] = lambda frame: frame
 
@@ -74,9 +101,18 @@ class LockstepCell:
                 estimator.advance(simulator.joints())
             if i % wrench_steps == 0:
                 self._forces.append(float(np.linalg.norm(simulator.external_wrench()[0])))
-            for frame in simulator.mocap.due(simulator.time):
-                estimator.correct(self.cameras(frame))
+            frames = simulator.mocap.due(simulator.time)
+            if self._depth is not None:
+                self._depth.step(simulator)
+            else:
+                for frame in frames:
+                    estimator.correct(self.cameras(frame))
             self._sense(simulator, estimator)
+
+    @property
+    def known_scene(self) -> Scene:
+        """What planner and controller may know: the description, or what was seen of unknown objects."""
+        return self.simulator.description if self._depth is None else self._depth.estimator.scene
 
     def observe(self) -> PackingObservation:
         """What is known now, with the forces since the last call."""
@@ -159,12 +195,13 @@ class Lockstep:
         self._config, self._log = config, PackingRunLog()
         self._cell = LockstepCell(cell, scene, config, seed, self._log.sense)
         self.simulator = self._cell.simulator
-        description = self.simulator.description
-        planners = PlacementPlanners(description, cell, config.planner)
-        self._placements = LockstepPlacements(planners.of(method.placement_variant), config, seed)
         self._cell.settle()
+        known = self._cell.known_scene
+        self._seen = seen_objects(known, self._cell.estimator, self.simulator)
+        planners = PlacementPlanners(known, cell, config.planner)
+        self._placements = LockstepPlacements(planners.of(method.placement_variant), config, seed)
         self._start = self.simulator.time
-        self.session = PackingSession(description, cell, config.session, method, self._start)
+        self.session = PackingSession(known, cell, config.session, method, self._start)
 
     def deceive(self, cameras: Callable[[MarkerFrame], MarkerFrame]) -> None:
         """Deliver other frames of markers from now on than the cameras take."""
@@ -211,7 +248,17 @@ class Lockstep:
         if outcome is None:
             raise ValueError("the run has not ended; call run() first")
         simulator = self.simulator
-        return self._log.to_run(
+        run = self._log.to_run(
             self.session.scene, self._start, outcome, simulator.pump.state.release_reason,
             simulator.cell.robot.model,
         )  # fmt: skip
+        return with_true_names(run, self._seen, simulator) if self._looks else run
+
+    @property
+    def _looks(self) -> bool:
+        """Whether objects are unknown until they are seen."""
+        return self._config.depth is not None and self._config.depth.objects is Objects.UNKNOWN
+
+    def perception_errors(self, run: Run) -> PerceptionErrors | None:
+        """Errors of perception by depth images in a recorded run; None with markers."""
+        return None if self._config.depth is None else perception_errors(run, self._seen, self.simulator)

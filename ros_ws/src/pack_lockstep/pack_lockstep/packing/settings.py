@@ -76,9 +76,13 @@ class PackingSetup:
         config["planner"].pop("threads")
         config["planner"].pop("arrangement")  # this and the next are parameters of another benchmark
         config["session"].pop("fill")
+        cell = self.cell.model_dump(mode="json")
+        if self.config.depth is None:
+            config.pop("depth")
+            cell.pop("depth")
         return {
             "name": self.name, **self.settings.model_dump(mode="json"), "weights": session.weights,
-            "optimizer": self.optimizer, "cell": self.cell.model_dump(mode="json"),
+            "optimizer": self.optimizer, "cell": cell,
             "config": config, "weight_set": load_weights(session.weights).model_dump(mode="json"),
         }  # fmt: skip
 

@@ -17,6 +17,7 @@ from pydantic import Field, PositiveFloat, PositiveInt
 from pack_core.config import Config
 from pack_core.joints import JointSample
 from pack_core.packing.cell import PackingCell
+from pack_core.packing.depth import DepthFrame
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.model import HeldRole, held_pose
 from pack_core.packing.scene import Scene
@@ -165,7 +166,7 @@ class PhysicsEstimator:
         # written so that nan, the time before the first sample, gives True; 1e-6 s is for rounded stamps
         return not 0.0 <= time - self.time < self._config.step - 1e-6
 
-    def is_ahead(self, frame: MarkerFrame) -> bool:
+    def is_ahead(self, frame: MarkerFrame | DepthFrame) -> bool:
         """Whether a frame has to wait for joint samples up to about its exposure."""
         return not frame.time <= self.time + 2 * self._config.step
 

@@ -1,0 +1,144 @@
+"""Poses of all objects from depth images, and from simulated physics between them.
+
+At first a look finds out what is where: which of the described objects, or, where nobody described them, what
+they are. From then on each image corrects what physics predicts, as markers do: the surface of each object is
+fitted to the points that are near where it is expected.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+from pydantic import Field, PositiveInt
+
+from pack_core.config import Config
+from pack_core.packing.cell import PackingCell
+from pack_core.packing.depth import DepthFrame
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Array, Pose
+from pack_perception.depth.look import DepthLookConfig, look_at, scene_points
+from pack_perception.depth.surface_fit import (
+    ConvexSurface,
+    SurfaceFitConfig,
+    assigned,
+    fit_surface,
+    which_is_where,
+)
+from pack_perception.mocap.guided_cell import GuidedCell
+from pack_perception.mocap.hand_over_estimator import HandOverEstimator
+from pack_perception.mocap.physics_estimator import Correction, EstimatorConfig
+
+BELOW_HELD = 0.01
+"""What is nearer to the lower end of the held object, or higher, is no content of the container [m]."""
+
+
+class Objects(Enum):
+    """What is known of the objects in the container before a look."""
+
+    DESCRIBED = "described"
+    """Shapes, sizes and masses; not their poses."""
+    UNKNOWN = "unknown"
+    """Nothing, not even their number."""
+
+
+class DepthConfig(Config):
+    """Perception by depth images."""
+
+    objects: Objects = Field(default=Objects.DESCRIBED, description="what is known of the objects")
+    look: DepthLookConfig = DepthLookConfig()
+    fit: SurfaceFitConfig = SurfaceFitConfig()
+    every: PositiveInt = Field(default=3, description="every many pixels of a row or column one is tracked")
+
+
+class DepthEstimator(HandOverEstimator):
+    """A `HandOverEstimator` that depth images correct instead of markers.
+
+    Args:
+        scene: container, held object and, where they are described, the objects in the container.
+        cell: the cell's physical facts.
+        config: gains and limits.
+        depth: parameters of looks and fits.
+    """
+
+    def __init__(self, scene: Scene, cell: PackingCell, config: EstimatorConfig, depth: DepthConfig) -> None:
+        self._depth, self._cameras = depth, cell.depth.cameras()
+        self._needs_look = True
+        is_known = depth.objects is Objects.DESCRIBED
+        super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene as it is known: of unknown objects, those that the look found."""
+        return self._scene
+
+    def see(self, frame: DepthFrame) -> Correction:
+        """Correct the estimate by images; before all objects are known, look for them.
+
+        The errors are those at the time of exposure; they are corrected then and in all poses since.
+        """
+        if self.is_ahead(frame) or not self._history.covers(frame.time):
+            return Correction(is_unused=True)
+        if self._needs_look:
+            self._look(frame)
+        # with other objects the history begins anew, so that this frame has nothing more to correct
+        return self._track(frame) if self._history.covers(frame.time) else Correction()
+
+    def _start_over(self) -> None:
+        super()._start_over()
+        self._needs_look = True
+
+    def _use(self, physics: GuidedCell) -> None:
+        super()._use(physics)
+        self._surfaces = [ConvexSurface.of(self._scene.model_of(name)) for name in self._markers.names]
+
+    def _look(self, frame: DepthFrame) -> None:
+        """Find the objects that have no pose so far."""
+        hull = Pose(*np.split(self._poses(frame.time)[-1], [3])).apply(self._scene.new_object.hull())
+        ceiling = float(hull[:, 2].min()) - BELOW_HELD
+        if ceiling < self._scene.container.height:  # the held object is among the others
+            return
+        points = scene_points([frame], self._cameras, ceiling)
+        if not len(points):  # the cameras are covered
+            return
+        found = look_at(points, self._scene.container, self._depth.look)
+        if self._depth.objects is Objects.UNKNOWN:
+            self.change_scene(self._scene.model_copy(update={"objects": [fit.item for fit in found]}))
+            where = {fit.item.name: fit.X_WO for fit in found}
+        else:
+            where = which_is_where(found, self._scene.objects, self._depth.fit)
+        names = self._markers.names
+        rows = np.array([i for i, n in enumerate(names) if n in where and not self._is_known[i]], dtype=int)
+        seen = np.zeros((len(names), 7))
+        for i in rows:
+            seen[i] = [*where[names[i]].p, *where[names[i]].q]
+        self._correct_free(rows, seen[rows], self._physics.poses()[rows], frame.time)
+        self._seen[rows] = self._fitted[rows] = frame.time
+        self._needs_look = not np.all(self._is_known[: len(self._scene.objects)])
+
+    def _poses(self, time: float) -> Array:
+        """X_WO `(n, 7)` of all objects at an earlier time, the new one last."""
+        earlier = self._history.at(time)
+        poses = self._physics.poses(earlier)
+        if self._held < 0:
+            return poses
+        X_WN = self._physics.cup_pose(earlier) @ self._grip.X_TN
+        return np.vstack([poses, np.concatenate([X_WN.p, X_WN.q])])
+
+    def _track(self, frame: DepthFrame) -> Correction:
+        """Fit all objects that are known to the points near them."""
+        expected, config = self._poses(frame.time), self._depth.fit
+        known = self._is_known.copy()
+        known[self._held] |= self._held >= 0
+        rows = np.flatnonzero(known)
+        points = scene_points([frame], self._cameras, np.inf, self._depth.every)
+        parts = assigned(points, [self._surfaces[i] for i in rows], expected[rows], config.reach)
+        seen, fitted = expected.copy(), []
+        for i, part in zip(rows, parts, strict=True):
+            if len(part) >= config.few:
+                seen[i] = fit_surface(self._surfaces[i], part, expected[i], config)
+                fitted.append(i)
+        done = np.array(fitted, dtype=int)
+        self._take(done, seen, self._history.at(frame.time), frame.time)
+        self._fitted[done] = frame.time
+        return Correction(tuple(self._markers.names[i] for i in done))

@@ -1,0 +1,119 @@
+"""A look at objects that nobody described: images in, a scene with shapes, sizes and poses out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from pydantic import Field
+
+from pack_core.camera import PinholeCamera
+from pack_core.config import Config
+from pack_core.packing.depth import DepthFrame, points_of
+from pack_core.packing.free_space import footprint
+from pack_core.packing.scene import Container
+from pack_core.rotations import Array
+from pack_perception.depth.height_map import (
+    HeightMap,
+    HeightMapConfig,
+    Mask,
+    halves,
+    height_map,
+    is_flat,
+    regions,
+)
+from pack_perception.depth.shape_fit import FittedShape, ShapeFitConfig, candidates, overlap, seen_region
+
+
+class DepthLookConfig(Config):
+    """How a look finds objects."""
+
+    heights: HeightMapConfig = HeightMapConfig()
+    shapes: ShapeFitConfig = ShapeFitConfig()
+    gain: float = Field(
+        default=0.01,
+        ge=0,
+        description="by which two parts must overlap better with a region to be two objects",
+    )
+    good: float = Field(default=0.985, gt=0, le=1, description="overlap from which a region is one object")
+
+
+def scene_points(
+    frames: Sequence[DepthFrame], cameras: Sequence[PinholeCamera], ceiling: float, every: int = 1
+) -> Array:
+    """Points `(n, 3)` [m] of frames between the table and a height [m], of one pixel in `every` each way."""
+    points = np.concatenate(
+        [points_of(cameras[i], frame.images[i], every) for frame in frames for i in range(len(cameras))]
+    )
+    return points[(points[:, 2] > -0.01) & (points[:, 2] < ceiling)]
+
+
+def look_at(points: Array, container: Container, config: DepthLookConfig) -> list[FittedShape]:
+    """The objects in a container.
+
+    Args:
+        points: all that was measured `(n, 3)` [m], without arm and held object.
+        container: where they stand.
+        config: parameters.
+
+    Returns:
+        An object for each region of tops, the largest first; their names are `seen_1` and so on.
+    """
+    heights = height_map(points, container, config.heights)
+    found = [
+        shape
+        for mask in regions(heights, config.heights)
+        for shape in _objects_of(mask, points, heights, config)
+    ]
+    return [replace(f, item=f.item.model_copy(update={"name": f"seen_{i}"})) for i, f in enumerate(found, 1)]
+
+
+def _objects_of(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:
+    """The object of a region, or two if they explain it better."""
+    whole = _best(mask, points, heights, config)
+    if whole.score >= config.good and whole.item.shape != "mesh":
+        return [whole]
+    parts = [
+        part for part in halves(mask, config.heights.notch / heights.cell) if _is_large(part, heights, config)
+    ]
+    if len(parts) < 2:
+        return [whole]
+    first = [_best(part, points, heights, config) for part in parts]
+    # both parts have the cells of the cut; now each cell goes to the shape that it is nearer to
+    parts = [part for part in _nearer(mask, first, heights) if _is_large(part, heights, config)]
+    splits = [first, [_best(part, points, heights, config) for part in parts]]
+    scored = [(overlap([(fit.item, fit.X_WO) for fit in split], mask, heights), split) for split in splits]
+    score, split = max(scored, key=lambda pair: pair[0])
+    # hulls fit whatever is left of a region, so that two of them say nothing
+    is_simple = any(part.item.shape != "mesh" for part in split)
+    return split if is_simple and score > whole.score + config.gain else [whole]
+
+
+def _nearer(mask: Mask, split: Sequence[FittedShape], heights: HeightMap) -> list[Mask]:
+    """The cells of a region `(nx, ny)` by the shape that they are nearest to."""
+    cells = shapely.points(heights.centres(mask))
+    ways = np.stack([shapely.distance(footprint(fit.item, fit.X_WO), cells) for fit in split])
+    # within both outlines: by the distance from their middles, in parts of their size
+    middles = np.stack([_ways_out(fit, heights.centres(mask)) for fit in split])
+    owner = np.lexsort((middles, ways), axis=0)[0]
+    parts = [np.zeros_like(mask) for _ in split]
+    for i, part in enumerate(parts):
+        part[mask] = owner == i
+    return parts
+
+
+def _ways_out(fit: FittedShape, centres: Array) -> Array:
+    """Distances `(n,)` of points `(n, 2)` from a shape's middle, in parts of its mean half length."""
+    return np.asarray(np.linalg.norm(centres - fit.X_WO.p[:2], axis=1) / fit.item.half_extents[:2].mean())
+
+
+def _is_large(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> bool:
+    return bool(mask.sum() * heights.cell**2 >= config.heights.min_area)
+
+
+def _best(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> FittedShape:
+    region = seen_region(points, heights, mask, config.shapes.side)
+    flat = is_flat(heights, mask, config.heights)
+    return candidates(region, heights, "seen", config.shapes, flat=flat)[0]

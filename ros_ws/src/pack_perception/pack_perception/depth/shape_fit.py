@@ -1,0 +1,293 @@
+"""Shapes fitted to what was seen of an object: box, cylinder, lying capsule, or a hull.
+
+Tops say where an object ends, and sides where they were seen. Of points that are evenly spread over a top,
+the share that lies beyond a line near its edge says how far the edge is; that is steadier than the outermost
+point, which flies. What was not seen follows from contact with the base: boxes and cylinders reach down to
+it, a capsule lies on it, and a round body is below its middle as it is above it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import shapely
+from pydantic import Field, PositiveFloat, PositiveInt
+from scipy.optimize import least_squares
+from scipy.spatial import ConvexHull
+
+from pack_core.config import Config
+from pack_core.hull import hull_of, with_fewer_corners
+from pack_core.packing.convex_mesh import ConvexMesh
+from pack_core.packing.free_space import footprint
+from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
+from pack_core.rotations import Array, Pose, from_yaw
+from pack_perception.depth.height_map import HeightMap, Mask
+
+TAIL = 0.01
+"""Share of a top's points that is left out at each edge."""
+DISC_TAIL = (TAIL * 3.0 * np.pi / (4.0 * np.sqrt(2.0))) ** (2.0 / 3.0)
+"""Share of a disc's radius that this cuts: a low cap of height t has the area 4/3 sqrt(2 r) t^1.5."""
+DIRECTIONS = np.stack([f(2.0 * np.pi * np.arange(36) / 36) for f in (np.cos, np.sin)], axis=1)
+"""Directions in the plane in which a round outline is measured `(36, 2)`."""
+MOST_POINTS = 300
+"""Points of a top that are kept."""
+THINNEST = 0.006
+"""No object is thinner or lower [m]."""
+SCALE = 0.001
+"""Deviation from which a point counts less in a fit [m]."""
+
+
+class ShapeFitConfig(Config):
+    """How shapes are fitted and chosen."""
+
+    side: PositiveFloat = Field(default=0.006, description="farthest that a side's point is from it [m]")
+    below: PositiveFloat = Field(default=0.008, description="sides begin so far below the top [m]")
+    few: PositiveInt = Field(default=30, description="fewer points of a side are not used")
+    top_deviation: PositiveFloat = Field(default=0.0015, description="of an edge seen from its top [m]")
+    density: PositiveFloat = Field(default=600.0, description="of every object [kg/m^3]")
+    corners: PositiveInt = Field(default=60, description="most corners of a hull")
+
+
+@dataclass(frozen=True)
+class SeenRegion:
+    """What was seen of one object.
+
+    Attributes:
+        mask: cells of its top `(nx, ny)`.
+        top: points of its top `(n, 3)` [m].
+        near: points below tops near it `(m, 3)` [m], sides of this object and of others.
+    """
+
+    mask: Mask
+    top: Array
+    near: Array
+
+
+@dataclass(frozen=True)
+class FittedShape:
+    """A shape and how well it explains what was seen.
+
+    Attributes:
+        item: the shape, its size and its mass.
+        X_WO: where it is.
+        score: overlap of its outline with the cells of its top, from 0 to 1.
+        points: some of the points of its top `(n, 3)` [m].
+    """
+
+    item: ObjectModel
+    X_WO: Pose
+    score: float
+    points: Array
+
+
+def seen_region(points: Array, heights: HeightMap, mask: Mask, margin: float) -> SeenRegion:
+    """The points `(n, 3)` that belong to a region, and those at its edges that are lower."""
+    cells, inside = heights.cells_of(points)
+    points, cells = points[inside], cells[inside]
+    reach = int(np.ceil(margin / heights.cell))
+    wide = cv2.dilate(mask.astype(np.uint8), np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)) > 0
+    within = wide[tuple(cells.T)]
+    points, cells = points[within], cells[within]
+    tops = heights.tops[tuple(cells.T)]
+    is_top = mask[tuple(cells.T)] & (np.abs(points[:, 2] - tops) < margin)
+    return SeenRegion(mask, points[is_top], points[~is_top])
+
+
+def candidates(
+    region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig, *, flat: bool
+) -> list[FittedShape]:
+    """All shapes that may have the region as their top, the best one first."""
+    kinds: tuple[Callable[[SeenRegion, str, ShapeFitConfig], tuple[ObjectModel, Pose] | None], ...]
+    kinds = (_box, _cylinder) if flat else (_lying_capsule, _round_hull)
+    found = [fit for kind in kinds if (fit := kind(region, name, config)) is not None]
+    if flat:
+        found.append(_prism(region, heights, name, config))
+    shapes = [_judged(item, X_WO, region, heights) for item, X_WO in found]
+    # a simple shape is more likely than a hull, which fits whatever was seen
+    return sorted(shapes, key=lambda shape: shape.score - 0.05 * (shape.item.shape == "mesh"), reverse=True)
+
+
+def overlap(placed: Sequence[tuple[ObjectModel, Pose]], mask: Mask, heights: HeightMap) -> float:
+    """Overlap of the outlines of objects at X_WO with a region `(nx, ny)`, intersection over union.
+
+    Cells in which nothing was seen count neither way, as they may hide a part of an object.
+    """
+    outline = shapely.union_all([footprint(item, X_WO) for item, X_WO in placed])
+    centres, shape = heights.centres(), heights.tops.shape
+    # cells on the outline are of both sides: they count neither way
+    core, wide = (
+        shapely.contains_xy(outline.buffer(share * heights.cell), centres).reshape(shape)
+        for share in (-0.5, 1.0)
+    )
+    both, empty, beyond = core & mask, core & ~mask & np.isfinite(heights.tops), mask & ~wide
+    return float(both.sum() / max((both | empty | beyond).sum(), 1))
+
+
+def _judged(item: ObjectModel, X_WO: Pose, region: SeenRegion, heights: HeightMap) -> FittedShape:
+    few = region.top[:: max(1, len(region.top) // MOST_POINTS)]
+    return FittedShape(item, X_WO, overlap([(item, X_WO)], region.mask, heights), few)
+
+
+def _height(region: SeenRegion) -> float:
+    return float(np.median(region.top[:, 2]))
+
+
+def _box(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose] | None:
+    """The upright box of least area around the top, its sides moved to where they were seen."""
+    xy = region.top[:: max(1, len(region.top) // 1500), :2]
+    coarse = _tightest(xy, np.deg2rad(np.arange(0.0, 90.0, 2.0)))
+    yaw = _tightest(xy, coarse + np.deg2rad(np.arange(-2.0, 2.1, 0.25)))
+    lower, upper = _extents(xy @ _axes(yaw))
+    height = _height(region)
+    middle, half = _axes(yaw) @ (0.5 * (lower + upper)), 0.5 * (upper - lower)
+    sides = region.near[region.near[:, 2] < height - config.below, :2]
+    own = [_side_points(sides, middle, yaw, half, axis, sign, config) for axis in (0, 1) for sign in (-1, 1)]
+
+    def residuals(x: Array) -> Array:
+        axes, h = _axes(x[2]), x[3:]
+        parts = [
+            (sign * ((points - x[:2]) @ axes[:, axis]) - h[axis])
+            / SCALE
+            / max(1.0, np.sqrt(len(points) / 30))
+            for points, (axis, sign) in zip(own, ((0, -1), (0, 1), (1, -1), (1, 1)), strict=True)
+        ]
+        ends = axes.T @ x[:2]
+        known = np.concatenate([ends - h - lower, ends + h - upper]) / config.top_deviation
+        return np.concatenate([*parts, known, [(x[2] - yaw) / np.deg2rad(1.0)]])
+
+    fit = least_squares(residuals, [*middle, yaw, *half], loss="soft_l1")
+    x, y, yaw = fit.x[:3]
+    size = (*(2.0 * fit.x[3:]), height)
+    if min(size) < THINNEST:
+        return None
+    return _described(Box, "box", name, config, np.prod(size), size=size), _upright(x, y, height, yaw)
+
+
+def _side_points(
+    points: Array, middle: Array, yaw: float, half: Array, axis: int, sign: int, config: ShapeFitConfig
+) -> Array:
+    """Those of `points` `(n, 2)` that are on one side of a rectangle; none if they are few."""
+    p = (points - middle) @ _axes(yaw)
+    beside = np.abs(p[:, 1 - axis]) < half[1 - axis] - config.side
+    on = beside & (np.abs(sign * p[:, axis] - half[axis]) < config.side)
+    return points[on] if on.sum() >= config.few else points[:0]
+
+
+def _cylinder(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose] | None:
+    """The upright cylinder around the top, its side moved to where it was seen."""
+    xy, height = region.top[:, :2], _height(region)
+    reach = np.quantile(xy @ DIRECTIONS.T, 1.0 - TAIL, axis=0)
+    # reach = d . c + r (1 - DISC_TAIL): linear in the centre and the radius
+    A = np.column_stack([DIRECTIONS, np.full(len(DIRECTIONS), 1.0 - DISC_TAIL)])
+    x0, *_ = np.linalg.lstsq(A, reach)
+    sides = region.near[region.near[:, 2] < height - config.below, :2]
+    own = sides[np.abs(np.linalg.norm(sides - x0[:2], axis=1) - x0[2]) < config.side]
+    own = own if len(own) >= config.few else own[:0]
+
+    def residuals(x: Array) -> Array:
+        side = (np.linalg.norm(own - x[:2], axis=1) - x[2]) / SCALE / max(1.0, np.sqrt(len(own) / 120))
+        return np.asarray(np.concatenate([side, (A @ x - reach) / config.top_deviation / 2.0]))
+
+    x, y, radius = least_squares(residuals, x0, loss="soft_l1").x
+    if min(radius, height) < THINNEST:
+        return None
+    volume = np.pi * radius**2 * height
+    item = _described(Cylinder, "cylinder", name, config, volume, radius=radius, height=height)
+    return item, _upright(x, y, height, 0.0)
+
+
+def _lying_capsule(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose] | None:
+    """A capsule that lies on the base; None if what was seen is not longer than wide."""
+    points = region.top[:: max(1, len(region.top) // 600)]
+    middle = points[:, :2].mean(axis=0)
+    _, _, axes = np.linalg.svd(points[:, :2] - middle, full_matrices=False)
+    yaw = np.arctan2(axes[0, 1], axes[0, 0])
+    lower, upper = _extents((points[:, :2] - middle) @ _axes(yaw))
+    radius = 0.5 * float(np.percentile(points[:, 2], 98))
+    half = max(0.5 * float(upper[0] - lower[0]) - radius, 0.001)
+
+    def residuals(x: Array) -> Array:
+        along, across = ((points[:, :2] - x[:2]) @ _axes(x[2])).T
+        beyond = along - np.clip(along, -x[3], x[3])
+        ways = np.sqrt(beyond**2 + across**2 + (points[:, 2] - x[4]) ** 2)
+        return np.asarray((ways - x[4]) / SCALE)
+
+    low, high = [-np.inf] * 3 + [0.0006, 0.006], [np.inf] * 3 + [0.2, 0.1]
+    start = np.clip([*middle, yaw, half, radius], low, high)
+    x, y, yaw, half, radius = least_squares(residuals, start, loss="soft_l1", bounds=(low, high)).x
+    volume = np.pi * radius**2 * (2.0 * half + 4.0 / 3.0 * radius)
+    sizes = {"radius": radius, "length": 2.0 * (half + radius), "axis": "x"}
+    return _described(Capsule, "capsule", name, config, volume, **sizes), _upright(x, y, 2.0 * radius, yaw)
+
+
+def _round_hull(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose] | None:
+    """The hull of what was seen and of its mirror image below the middle, standing on the base."""
+    height = float(np.percentile(region.top[:, 2], 99))
+    upper = region.top[region.top[:, 2] > 0.5 * height]
+    inner = upper[_within_tails(upper[:, :2])]
+    mirrored = inner * [1.0, 1.0, -1.0] + [0.0, 0.0, height]
+    return _mesh(np.concatenate([inner, mirrored]), name, config)
+
+
+def _prism(
+    region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig
+) -> tuple[ObjectModel, Pose]:
+    """The hull of a flat top, straight down to the base."""
+    outline = heights.centres(region.mask)
+    outline = outline[ConvexHull(outline).vertices]
+    base, top = np.insert(outline, 2, 0.0, axis=1), np.insert(outline, 2, _height(region), axis=1)
+    return _mesh(np.concatenate([base, top]), name, config)
+
+
+def _mesh(points: Array, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose]:
+    hull = with_fewer_corners(hull_of(points), config.corners, 0.001)
+    middle = 0.5 * (hull.corners.min(axis=0) + hull.corners.max(axis=0))
+    item = ConvexMesh(
+        name=name, shape="mesh", vertices=tuple(map(tuple, (hull.corners - middle).tolist())),
+        mass=config.density * hull.volume,
+    )  # fmt: skip
+    return item, Pose(middle)
+
+
+def _described(
+    cls: type[Box | Cylinder | Capsule],
+    shape: str,
+    name: str,
+    config: ShapeFitConfig,
+    volume: float,
+    **sizes: object,
+) -> ObjectModel:
+    given = {"name": name, "mass": config.density * float(volume), **sizes}
+    return cls.model_validate({**given, "shape": shape})
+
+
+def _upright(x: float, y: float, height: float, yaw: float) -> Pose:
+    return Pose(np.array([x, y, 0.5 * height]), from_yaw(yaw))
+
+
+def _axes(yaw: float) -> Array:
+    """Unit vectors along and across a heading, as columns `(2, 2)`."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s], [s, c]])
+
+
+def _extents(p: Array) -> tuple[Array, Array]:
+    """Lower and upper ends `(2,)` along both axes of what points `(n, 2)` are evenly spread over."""
+    first, last = np.quantile(p, [TAIL, 1.0 - TAIL], axis=0)
+    beyond = TAIL * (last - first) / (1.0 - 2.0 * TAIL)
+    return first - beyond, last + beyond
+
+
+def _tightest(xy: Array, yaws: Array) -> float:
+    """The heading of the rectangle of least area around points `(n, 2)`."""
+    spans = [np.subtract(*_extents(xy @ _axes(yaw))[::-1]) for yaw in yaws]
+    return float(yaws[int(np.argmin(np.prod(spans, axis=1)))])
+
+
+def _within_tails(xy: Array) -> Mask:
+    """Points `(n,)` that no direction has among its outermost."""
+    reach = xy @ DIRECTIONS.T
+    return np.asarray(np.all(reach <= np.quantile(reach, 1.0 - 0.5 * TAIL, axis=0), axis=1))

@@ -1,0 +1,152 @@
+"""Perception by depth images in lockstep: what is known before a goal, and what is recorded of it."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from pack_core.errors import ConfigError
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.depth import DepthFrame
+from pack_core.packing.goals import FillMethod
+from pack_core.packing.scene import Scene
+from pack_core.rotations import Pose, from_yaw
+from pack_core.states import Source
+from pack_evaluation.packing.run import Iterations, Run
+from pack_evaluation.track import Track
+from pack_lockstep.packing.benchmark import fill_setup
+from pack_lockstep.packing.depth_record import (
+    SeenObject,
+    SeenScene,
+    perception_errors,
+    seen_objects,
+    with_true_names,
+)
+from pack_lockstep.packing.lockstep import LockstepCell
+from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
+from pack_lockstep.packing.settings import BenchmarkSettings, set_up
+from pack_perception.depth.depth_estimator import DepthEstimator
+
+CELL = packing_cell()
+SPOTS = {
+    "soup_can": (0.42, 0.06), "coffee_tin": (0.58, 0.06), "tea_box": (0.50, 0.06),
+    "cracker_box": (0.43, -0.06), "sugar_box": (0.57, -0.06),
+}  # fmt: skip
+
+
+def scene() -> Scene:
+    poses = {
+        item.name: Pose(np.array([*SPOTS[item.name], item.half_extents[2]]), from_yaw(np.pi / 2))
+        for item in CELL.scene.objects
+    }
+    return CELL.scene.with_poses(poses)
+
+
+def fresh(preset: str) -> LockstepCell:
+    """The cell under a preset, after the time in which perception looks."""
+    cell = LockstepCell(CELL, scene(), lockstep_config(load_preset(preset)), 0, lambda *_: None)
+    cell.settle()
+    return cell
+
+
+settled = cache(fresh)
+
+
+@pytest.mark.parametrize("preset", ["depth", "unknown"])
+def test_all_objects_are_known_before_the_goal(preset: str) -> None:
+    cell = settled(preset)
+    seen = seen_objects(cell.known_scene, cell.estimator, cell.simulator)
+    assert seen.count == len(seen.objects) == len(SPOTS)
+    estimate, truth = cell.estimator.state(cell.estimator.time), cell.simulator.truth()
+    for name, item in seen.objects.items():
+        assert estimate.objects[item.name].X_WO.p == pytest.approx(truth.objects[name].X_WO.p, abs=0.004)
+        assert item.has_heading
+
+
+def test_described_objects_keep_their_names_and_unknown_ones_get_some() -> None:
+    assert settled("depth").known_scene == settled("depth").simulator.description
+    unknown = settled("unknown").known_scene
+    assert sorted(unknown.names) == [f"seen_{i}" for i in range(1, 6)]
+    assert unknown.new_object == settled("unknown").simulator.description.new_object
+
+
+def test_sizes_of_unknown_objects_are_seen() -> None:
+    cell = settled("unknown")
+    seen = seen_objects(cell.known_scene, cell.estimator, cell.simulator)
+    sizes = np.abs([item.sizes for item in seen.objects.values()])
+    assert np.median(sizes) < 0.002
+    assert sizes.max() < 0.01
+
+
+def test_an_object_that_is_shifted_is_followed() -> None:
+    cell = fresh("depth")
+    simulator, estimator = cell.simulator, cell.estimator
+    simulator.data.qpos[simulator.model.joint("sugar_box").qposadr[0]] -= 0.008
+    cell.advance(0.4)
+    estimate, truth = (
+        state.objects["sugar_box"].X_WO for state in (estimator.state(estimator.time), simulator.truth())
+    )
+    assert truth.p[0] == pytest.approx(SPOTS["sugar_box"][0] - 0.008, abs=0.001)
+    assert estimate.p == pytest.approx(truth.p, abs=0.002)
+
+
+def test_while_the_cameras_are_covered_physics_carries_all_objects() -> None:
+    cell = fresh("depth")
+    estimator, camera = cell.estimator, CELL.depth
+    assert isinstance(estimator, DepthEstimator)
+    before = estimator.state(estimator.time)
+    time = estimator.time - camera.latency
+    correction = estimator.see(DepthFrame(time, np.zeros((len(camera.mounts), camera.height, camera.width))))
+    assert correction.seen == ()
+    later = estimator.state(estimator.time + 1.0)
+    for name in SPOTS:
+        assert later.objects[name].source is Source.PHYSICS
+        assert later.objects[name].age > 1.0
+        assert later.objects[name].X_WO.p == pytest.approx(before.objects[name].X_WO.p, abs=0.001)
+
+
+def still(name: str, p: tuple[float, float, float], yaw: float) -> Track:
+    """An object that stays where it is for a second."""
+    times = np.array([0.0, 1.0])
+    return Track(times, np.tile(p, (2, 1)), np.tile(from_yaw(yaw), (2, 1)), np.zeros(2, dtype=np.uint8))
+
+
+def run_of(estimate: dict[str, Track], truth: dict[str, Track]) -> Run:
+    nothing = np.empty(0)
+    return Run(CELL.scene, 0.0, 1.0, Iterations(), truth, estimate, nothing, nothing, nothing, nothing)
+
+
+def test_what_was_seen_is_recorded_under_the_true_objects_name() -> None:
+    simulator = settled("unknown").simulator
+    track = still("tea_box", (0.5, 0.0, 0.065), 0.0)
+    seen = SeenScene(2, {"tea_box": SeenObject("seen_2", True, 0.9, (0.0, 0.0, 0.0))})
+    named = with_true_names(run_of({"seen_1": track, "seen_2": track}, {}), seen, simulator)
+    assert named.estimate.keys() == {"seen_1", "tea_box"}
+    assert named.scene.names == simulator.scene.names
+
+
+def test_errors_are_those_of_found_objects_less_their_symmetries() -> None:
+    simulator = settled("unknown").simulator
+    truth = {"tea_box": still("tea_box", (0.5, 0.0, 0.065), 0.2)}
+    estimate = {"tea_box": still("tea_box", (0.503, 0.004, 0.065), 0.25 + np.pi / 2)}
+    seen = SeenScene(4, {"tea_box": SeenObject("seen_2", True, 0.9, (0.001, -0.002, 0.0))})
+    errors = perception_errors(run_of(estimate, truth), seen, simulator)
+    assert (errors.objects, errors.seen, errors.found) == (5, 4, 1)
+    assert errors.position_mm.median == pytest.approx(5.0)
+    # nobody says which side of a box that was seen is its x axis
+    assert errors.angle_deg.max == pytest.approx(np.rad2deg(0.05))
+    assert (errors.size_mm.median, errors.size_mm.max) == pytest.approx((1.0, 2.0))
+
+
+def test_depth_cameras_decide_no_result_with_markers() -> None:
+    with_markers, by_depth = (
+        set_up(BenchmarkSettings(preset=name), 1).record() for name in ("ideal", "depth")
+    )
+    assert "depth" not in with_markers["cell"] | with_markers["config"]
+    assert by_depth["config"]["depth"]["objects"] == "described"
+    assert by_depth["cell"]["depth"]["rate"] == CELL.depth.rate
+
+
+def test_a_list_is_not_packed_by_depth() -> None:
+    with pytest.raises(ConfigError, match="'unknown' with --fill; allowed: presets without `depth`"):
+        fill_setup(FillMethod.CONTACT, "unknown", 1)

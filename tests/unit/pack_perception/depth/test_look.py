@@ -1,0 +1,109 @@
+"""Points of the upper surfaces of known bodies, seen without errors, and what a look makes of them."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+import pytest
+
+from pack_core.bodies import set_object_poses
+from pack_core.packing.cell import packing_cell
+from pack_core.packing.depth import points_of
+from pack_core.packing.model import ArmRole, HeldRole, build_model
+from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
+from pack_core.rotations import Array, Pose, from_yaw, yaw_of
+from pack_perception.depth.height_map import HeightMapConfig, halves, height_map, regions
+from pack_perception.depth.look import DepthLookConfig, look_at
+from pack_perception.depth.shape_fit import FittedShape
+from pack_sim.packing.depth_cameras import cast
+
+CELL = packing_cell()
+CONTAINER = CELL.scene.container
+CONFIG = DepthLookConfig()
+BOX = Box(name="box", mass=0.3, shape="box", size=(0.09, 0.06, 0.11))
+CAN = Cylinder(name="can", mass=0.3, shape="cylinder", radius=0.034, height=0.11)
+ROLL = Capsule(name="roll", mass=0.1, shape="capsule", radius=0.02, length=0.12, axis="x")
+
+
+def seen(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, float]]) -> Array:
+    """Points without errors `(n, 3)` [m] of objects at x, y and yaw."""
+    scene = CELL.scene.model_copy(update={"objects": list(items)})
+    model = build_model(scene, CELL, timestep=0.001, arm=ArmRole.ABSENT, held=HeldRole.ABSENT)
+    data = mujoco.MjData(model)
+    poses = {
+        item.name: Pose(np.array([x, y, item.half_extents[2]]), from_yaw(yaw))
+        for item, (x, y, yaw) in zip(items, places, strict=True)
+    }
+    set_object_poses(model, data, poses)
+    mujoco.mj_forward(model, data)
+    return np.concatenate(
+        [points_of(camera, cast(model, data, camera).depth) for camera in CELL.depth.cameras()]
+    )
+
+
+def look(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, float]]) -> list[FittedShape]:
+    found = look_at(seen(items, places), CONTAINER, CONFIG)
+    return sorted(found, key=lambda fit: fit.X_WO.p[0])
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.4, 1.2])
+def test_a_box_is_found_with_its_size_and_heading(yaw: float) -> None:
+    (fit,) = look([BOX], [(0.5, 0.01, yaw)])
+    assert isinstance(fit.item, Box)
+    assert sorted(fit.item.size[:2]) == pytest.approx([0.06, 0.09], abs=0.002)
+    assert fit.item.size[2] == pytest.approx(0.11, abs=0.0005)
+    assert fit.X_WO.p == pytest.approx([0.5, 0.01, 0.055], abs=0.001)
+    assert np.sin(2.0 * (yaw_of(fit.X_WO.q) - yaw)) == pytest.approx(0.0, abs=0.04)
+
+
+def test_a_cylinder_is_found_with_its_radius() -> None:
+    (fit,) = look([CAN], [(0.47, -0.03, 0.0)])
+    assert isinstance(fit.item, Cylinder)
+    assert fit.item.radius == pytest.approx(0.034, abs=0.0015)
+    assert fit.X_WO.p == pytest.approx([0.47, -0.03, 0.055], abs=0.001)
+
+
+def test_a_lying_capsule_is_found_with_its_length() -> None:
+    (fit,) = look([ROLL], [(0.52, 0.02, 0.7)])
+    assert isinstance(fit.item, Capsule)
+    assert (fit.item.radius, fit.item.length) == pytest.approx((0.02, 0.12), abs=0.003)
+    assert np.sin(yaw_of(fit.X_WO.q) - 0.7) == pytest.approx(0.0, abs=0.03)
+
+
+def test_objects_of_one_height_that_touch_are_two() -> None:
+    left, right = look([CAN, BOX], [(0.42, 0.0, 0.0), (0.42 + 0.034 + 0.0455, 0.0, 0.0)])
+    assert isinstance(left.item, Cylinder)
+    assert isinstance(right.item, Box)
+    assert left.X_WO.p[:2] == pytest.approx([0.42, 0.0], abs=0.003)
+
+
+def test_masses_follow_from_volumes() -> None:
+    (fit,) = look([BOX], [(0.5, 0.0, 0.0)])
+    assert isinstance(fit.item, Box)
+    assert fit.item.mass == pytest.approx(CONFIG.shapes.density * np.prod(fit.item.size))
+
+
+def test_an_empty_container_has_no_objects() -> None:
+    assert look([], []) == []
+
+
+def test_a_single_point_over_a_cell_does_not_raise_its_top() -> None:
+    grid = np.stack(np.meshgrid(*[np.arange(0.4, 0.6, 0.001)] * 2), axis=-1).reshape(-1, 2) - [0.0, 0.5]
+    flat = np.column_stack([grid, np.full(len(grid), 0.05)])
+    heights = height_map(np.vstack([flat, [[0.5, 0.0, 0.15]]]), CONTAINER, HeightMapConfig())
+    assert np.nanmax(heights.tops) == pytest.approx(0.05)
+
+
+def test_a_region_ends_where_the_height_jumps() -> None:
+    config = HeightMapConfig()
+    grid = np.stack(np.meshgrid(*[np.arange(0.4, 0.6, 0.001)] * 2), axis=-1).reshape(-1, 2) - [0.0, 0.5]
+    steps = np.column_stack([grid, np.where(grid[:, 0] < 0.5, 0.05, 0.06)])
+    found = regions(height_map(steps, CONTAINER, config), config)
+    assert len(found) == 2
+    assert not np.any(found[0] & found[1])
+
+
+def test_a_convex_region_is_not_halved() -> None:
+    mask = np.zeros((40, 40), dtype=bool)
+    mask[5:30, 8:25] = True
+    assert halves(mask, 2.0) == []
