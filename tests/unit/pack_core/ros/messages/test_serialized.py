@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
+from pack_core.ros.messages import serialized
 from pack_core.ros.messages.conversions import to_stamp, to_vector
 from pack_core.ros.messages.joints import from_joint_state, to_joint_state
 from pack_core.ros.messages.scene import to_scene
@@ -66,6 +67,16 @@ def test_joint_states_are_read_in_the_order_asked_for() -> None:
                 (found.q, found.v, found.tau), (expected.q, expected.v, expected.tau), strict=True
             ):
                 np.testing.assert_array_equal(one, other)
+
+
+def test_what_looks_like_the_last_joint_state_is_not_taken_apart_field_by_field(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reader, writer = JointStateReader(["b", "a"]), JointStateWriter(["a", "b"])
+    reader.read(writer.write(JointSample(0.0, *np.zeros((3, 2)))))
+    monkeypatch.delattr(serialized, "deserialize_message")
+    found = reader.read(writer.write(JointSample(2.0, *np.arange(6.0).reshape(3, 2))))
+    assert (found.time, found.tau.tolist()) == (2.0, [5.0, 4.0])
 
 
 def test_a_reader_follows_a_sender_that_changes_the_order_of_its_joints() -> None:

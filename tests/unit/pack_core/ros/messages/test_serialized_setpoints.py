@@ -9,6 +9,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.errors import MessageError
 from pack_core.joints import FeedForward, Setpoints
+from pack_core.ros.messages import serialized_setpoints
 from pack_core.ros.messages.joints import from_trajectory, to_trajectory
 from pack_core.ros.messages.serialized_setpoints import TrajectoryReader, TrajectoryWriter
 
@@ -62,6 +63,17 @@ def test_what_is_read_is_what_the_message_says_to_the_last_bit(n: int, stated: F
 
 
 @both
+def test_what_looks_like_the_last_message_is_not_taken_apart_field_by_field(
+    stated: FeedForward, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reader, writer = TrajectoryReader(["b", "a"], stated), TrajectoryWriter(["a", "b"])
+    reader.read(writer.write(setpoints(11, 2, stated)))
+    monkeypatch.delattr(serialized_setpoints, "deserialize_message")
+    given = setpoints(11, 2, stated, time=99.0)
+    assert_same(reader.read(writer.write(given)), from_trajectory(to_trajectory(given, "ab"), "ba", stated))
+
+
+@both
 def test_columns_that_nobody_reads_do_not_matter(stated: FeedForward) -> None:
     reader = TrajectoryReader(["a", "b"], stated)
     message = to_trajectory(setpoints(4, 2, stated), ["a", "b"])
@@ -72,6 +84,16 @@ def test_columns_that_nobody_reads_do_not_matter(stated: FeedForward) -> None:
         data = serialize_message(message)
         for _ in range(2):
             assert_same(reader.read(data), from_trajectory(message, ["a", "b"], stated))
+
+
+@both
+@pytest.mark.parametrize("n", [0, 1, 3])
+def test_columns_of_another_size_are_handed_on_for_the_driver_to_refuse(n: int, stated: FeedForward) -> None:
+    reader, names = TrajectoryReader(["a", "b"], stated), ["a", "b"]
+    reader.read(TrajectoryWriter(names).write(setpoints(3, 2, stated)))
+    message = to_trajectory(setpoints(3, n, stated), names)
+    for _ in range(2):
+        assert_same(reader.read(serialize_message(message)), from_trajectory(message, names, stated))
 
 
 @both

@@ -68,7 +68,7 @@ class TrajectoryReader:
     def __init__(self, names: Sequence[str], feed_forward: FeedForward) -> None:
         self._names, self._feed_forward = names, feed_forward
         self._row = _row_type(len(names), feed_forward)
-        self._known, self._rows = b"", -1  # no message is that short
+        self._known, self._rows, self._length = b"", 0, -1
         self._order: list[int] = []
 
     def read(self, data: bytes) -> Setpoints:
@@ -82,10 +82,13 @@ class TrajectoryReader:
     def _read_alike(self, data: bytes) -> Setpoints | None:
         """The setpoints of a message with the joints and the number of rows of the last; None of another."""
         start, n = AFTER_STAMP + len(self._known), len(self._names)
-        missing = start + self._rows * self._row.itemsize - len(data)
-        if missing != _missing(self._feed_forward) or data[AFTER_STAMP:start] != self._known:
+        if len(data) != self._length or data[AFTER_STAMP:start] != self._known:
             return None
-        rows = np.frombuffer(data + bytes(missing), self._row, self._rows, start)
+        # The last row ends with its duration, and not with the length of the next one's positions.
+        padded = data + bytes(self._row.itemsize)
+        if len(padded) < start + self._rows * self._row.itemsize:
+            return None
+        rows = np.frombuffer(padded, self._row, self._rows, start)
         lengths = (rows["n_v"], rows["n_x"], rows["n_next"][:-1])
         if rows["nothing"].any() or any((length != n).any() for length in lengths):
             return None
@@ -97,13 +100,13 @@ class TrajectoryReader:
         """Read a message field by field, and note how those look that have the same joints and rows."""
         message = deserialize_message(data, JointTrajectory)
         setpoints = from_trajectory(message, self._names, self._feed_forward)
-        self._rows = len(message.points)
-        start = len(data) + _missing(self._feed_forward) - self._rows * self._row.itemsize
-        self._known = bytes(data[AFTER_STAMP:start])
+        self._rows, self._length = len(message.points), len(data)
+        first = message.points[0].positions.tobytes()
+        self._known = bytes(data[AFTER_STAMP : data.find(first, AFTER_STAMP)])
         self._order = [list(message.joint_names).index(name) for name in self._names]
         again = self._read_alike(data)
         if again is None or not _are_same(again, setpoints):  # it has columns that others have not
-            self._rows = -1
+            self._length = -1
         return setpoints
 
 
@@ -123,11 +126,6 @@ def _row_type(n: int, feed_forward: FeedForward) -> np.dtype[np.void]:
         return np.dtype([*q_and_v, *x, *duration, ("n_next", "<u4")])
     x = [("nothing", "<u4"), ("n_x", "<u4"), ("x", "<f8", n)]  # the accelerations are
     return np.dtype([*q_and_v, *x, *duration, ("n_next", "<u4"), ("gap_next", "<u4")])
-
-
-def _missing(feed_forward: FeedForward) -> int:
-    """Bytes of a row that the last one has not: the length of the next one's positions, and the gap."""
-    return 4 if feed_forward == "a" else 8
 
 
 def _are_same(one: Setpoints, other: Setpoints) -> bool:
