@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import typer
 from pack_interfaces.msg import NodeStatus
@@ -31,6 +31,7 @@ from pack_bringup.graph.graph import load_graph
 from pack_bringup.graph.running import choose_domain
 from pack_bringup.ros.status_listener import StatusListener
 from pack_core.ros.contracts import shared
+from pack_core.ros.messages.conversions import from_stamp
 
 SETTLING = 15.0
 """From `ready` on until counting begins: what is compiled in the background has ended [s of wall clock]."""
@@ -73,6 +74,24 @@ class Measured:
         return {name: 1e3 * used / per for name, used in self.seconds.get(part, {}).items()}
 
 
+class ClockListener(StatusListener):
+    """Hears the clock, too, in the same node: a second one would cost the graph a second discovery.
+
+    Attributes:
+        time: simulated time as of the last tick that was heard [s].
+    """
+
+    time = 0.0
+
+    def __enter__(self) -> Self:
+        super().__enter__()
+        self._node.create_subscription(Clock, shared.CLOCK.name, self._on_tick, QoSProfile(depth=1))
+        return self
+
+    def _on_tick(self, message: Clock) -> None:
+        self.time = from_stamp(message.clock)
+
+
 class RunningGraph:
     """The graph of a clone in a ROS domain, and what its nodes have used so far.
 
@@ -89,10 +108,7 @@ class RunningGraph:
         self._began = time.monotonic()
         extra = [word for setting in settings for word in ("--set", setting)]
         self._up = self._start(["pack", "up", cell, "--domain", str(self._domain), *extra])
-        self._listener = StatusListener(self._domain).__enter__()
-        node = self._listener._node  # a second one would cost the graph a second discovery
-        self._clock = node.create_subscription(Clock, shared.CLOCK.name, self._tick, QoSProfile(depth=1))
-        self.time = 0.0
+        self._listener = ClockListener(self._domain).__enter__()
 
     def end(self) -> None:
         """End the graph as Ctrl-C does."""
@@ -111,7 +127,7 @@ class RunningGraph:
     def measure_idle(self, measured: Measured, duration: float) -> None:
         """Count over `duration` [s of wall clock] without a goal."""
         self._rest(SETTLING)
-        before, began = self._used(), self.time
+        before, began = self._used(), self._listener.time
         self._rest(duration)
         self._add(measured, "idle", before, began)
 
@@ -120,12 +136,12 @@ class RunningGraph:
         busy, goal = PURSUES[self._cell], self._start(
             ["pack", "goal", self._cell, *options, "--domain", str(self._domain)]
         )  # fmt: skip
-        before, began = self._used(), self.time
+        before, began = self._used(), self._listener.time
         while goal.poll() is None:
             self._rest(PERIOD)
             if self._listener.statuses[busy].state == NodeStatus.BUSY:
                 self._add(measured, "goal", before, began)
-            before, began = self._used(), self.time
+            before, began = self._used(), self._listener.time
 
     def measure_memory(self, measured: Measured) -> None:
         """What each node has in memory, shared pages divided among those that share them."""
@@ -135,16 +151,13 @@ class RunningGraph:
         used = self._used()
         counted = measured.seconds.setdefault(part, Counter())
         counted.update({name: used[name] - before[name] for name in used})
-        measured.simulated[part] += self.time - began
+        measured.simulated[part] += self._listener.time - began
 
     def _used(self) -> Times:
         return {name: processor_time(pid) for name, pid in self._pids.items()}
 
     def _rest(self, duration: float) -> None:
         self._listener.spin_until(lambda: False, duration)
-
-    def _tick(self, message: Clock) -> None:
-        self.time = message.clock.sec + 1e-9 * message.clock.nanosec
 
     def _start(self, command: list[str]) -> subprocess.Popen[bytes]:
         environment = {name: value for name, value in os.environ.items() if name in PASSED_ON}
