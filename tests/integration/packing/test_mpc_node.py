@@ -79,6 +79,12 @@ def has_heard_all(cell: Cell) -> bool:
     return cell.time - from_stamp(joints.header.stamp) < 0.004
 
 
+def has_refused(cell: Cell, count: int) -> bool:
+    """Whether the controller has refused so many joint states and so many scenes."""
+    counts = cell.mpc.health.counts
+    return all(counts[f"refused {one.name}"] == count for one in (contracts.JOINT_STATES, contracts.SCENE))
+
+
 def test_joints_and_scenes_that_are_not_finite_are_dropped_and_counted_and_the_goal_goes_on(
     cell: Cell,
 ) -> None:
@@ -89,9 +95,10 @@ def test_joints_and_scenes_that_are_not_finite_are_dropped_and_counted_and_the_g
     joints: JointState = probe.last(contracts.JOINT_STATES)
     scene = probe.last(contracts.SCENE)
     joints.position[3], scene.objects[0].pose.position.x = math.nan, math.nan
-    for _ in range(5):
+    for number in range(1, 6):  # one by one, as only the newest is looked at
         probe.send(contracts.JOINT_STATES, joints)
         probe.send(contracts.SCENE, scene)
+        cell.graph.wait_until(lambda count=number: has_refused(cell, count))
     play(cell.graph)
     result = cell.graph.result_of(handle)
     assert result.exit_reason == "placed", result.message

@@ -28,9 +28,6 @@ from pack_mpc.ros.status import to_outcome, to_result, to_status
 from pack_mpc.session import PackingSession
 from pack_mpc.worker import Worker, WorkerConfig
 
-CHECK_PERIOD = 0.1
-"""Time between two checks whether the goal's time has run out [s of wall clock]."""
-
 
 class MpcNodeConfig(FillSessionConfig):
     """Parameters of the node `mpc`."""
@@ -59,7 +56,6 @@ class MpcNode(GoalNode):
         self._status = self.advertise(contracts.MPC_STATUS)
         self._result = self.advertise(contracts.RESULT)
         self.listen(contracts.DESCRIPTION, self._on_description)
-        self.create_timer(CHECK_PERIOD, self._expire, clock=self.wall)
         self._worker = Worker(self._iterate, self._config.worker, self._on_error)
         self.take_goals(
             contracts.PACK_OBJECT, self._config.watched, self._config.fault_time, contracts.FILL_CONTAINER
@@ -123,6 +119,7 @@ class MpcNode(GoalNode):
             return None
         self._worker.wake()  # again after this turn, until the goal has ended
         if not self._mailbox.wait_for_joints() or self.silent_peers:
+            self._expire(goal)
             return None
         session = goal.session
         seen = self._mailbox.observe(self._config.blind_time if session is None else session.blind_time)
@@ -187,12 +184,11 @@ class MpcNode(GoalNode):
             goal.finish(PackingExitReason.FAULT, self._mailbox.time, reason)
             self._end(goal)
 
-    def _expire(self) -> None:
-        """End a goal whose time ran out while the worker had nothing to plan from."""
-        if (goal := self._pursued) is not None:
-            goal.expire(self._mailbox.time)
-            if goal.is_ended:
-                self._end(goal)
+    def _expire(self, goal: PackGoal | FillGoal) -> None:
+        """End a goal whose time runs out while there is nothing to plan from."""
+        goal.expire(self._mailbox.time)
+        if goal.is_ended:
+            self._end(goal)
 
     def _on_error(self, error: Exception) -> None:
         if isinstance(error, PackError):

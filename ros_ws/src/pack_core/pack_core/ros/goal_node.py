@@ -24,7 +24,7 @@ from pack_core.ros.watch.peer_watch import SilentPeers
 REFUSED = "refused: "
 """How the message of a goal's result begins when the goal was not taken; the reason follows."""
 CHECK_PERIOD = 0.1
-"""Time between two checks of how long peers have been silent [s of wall clock]."""
+"""Time between two checks, during a goal, of how long peers have been silent [s of wall clock]."""
 
 
 class GoalNode(CellNode, ABC):
@@ -75,7 +75,7 @@ class GoalNode(CellNode, ABC):
         ]  # fmt: skip
         self._arm_stops = ArmStops(self, self.on_arm_stop, self.answers)
         self.watch(watched, self.on_peer)
-        self.create_timer(CHECK_PERIOD, self._check_peers, clock=self.wall)
+        self._checks = self.create_timer(CHECK_PERIOD, self._check_peers, clock=self.wall, autostart=False)
 
     def destroy_node(self) -> None:
         """Take no more goals, then end."""
@@ -175,6 +175,7 @@ class GoalNode(CellNode, ABC):
             return self._refuse(result_type, goal, reason)
         self._goal, self._goal_ended, self._failure = goal, Future(executor=self.executor), ""
         self.tell_status()
+        self._checks.reset()
         try:
             await self._arm_stops.release()
             result = await self.pursue(goal.request)
@@ -185,6 +186,7 @@ class GoalNode(CellNode, ABC):
             result = result_type(success=False, message=f"the node failed: {error!r}; its log says more")
         finally:
             self._goal = None
+            self._checks.cancel()
         self.tell_status()
         self.get_logger().info(f"goal ended: {self.describe(result)}")
         if result.success:
@@ -197,7 +199,7 @@ class GoalNode(CellNode, ABC):
 
     def _check_peers(self) -> None:
         lost = self.silent_peers.lasting(self._fault_time, time.monotonic())
-        if lost and self._goal is not None:
+        if lost:
             self.on_lost_peers(lost)
         self.answers.check(time.monotonic(), is_cancelled=self.is_cancel_requested)
 

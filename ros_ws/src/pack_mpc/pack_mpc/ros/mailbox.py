@@ -36,8 +36,8 @@ planning several times as often, which the arm would not move better for."""
 REPORT_PERIOD = 2.0
 """Time between two checks of what has come while nobody asks, so that bad messages are reported [s of wall
 clock]."""
-SCENES = 20
-"""Scenes that may wait: those of 0.17 s, as only the newest is planned from."""
+NEWEST = 1
+"""Messages that may wait of what only the newest is planned from."""
 WRENCHES = 500
 """Wrenches that may wait: those of 2 s, as each counts for the force of a goal."""
 
@@ -45,8 +45,9 @@ WRENCHES = 500
 class Mailbox(NewestMessages):
     """Keeps what the worker plans from. Messages are looked at when somebody asks, not as they come.
 
-    Every message that still waits is judged then. The oldest are dropped unseen where more came than may
-    wait, as while no goal is pursued. All methods may be called from any thread.
+    Of all but the forces only the newest message waits, and those before it are dropped unseen. Of the
+    forces the oldest are, where more came than may wait, as while no goal is pursued. All methods may be
+    called from any thread.
 
     Args:
         node: whose messages are kept.
@@ -62,10 +63,10 @@ class Mailbox(NewestMessages):
         super().__init__(
             node,
             (
-                Kept(contracts.SCENE, self._to_scene, SCENES),
+                Kept(contracts.SCENE, self._to_scene, NEWEST),
                 Kept(contracts.WRENCH, self._to_force, WRENCHES),
-                Kept(contracts.GRIPPER_STATE, lambda message: message.is_closed),
-                Kept(contracts.JOINT_STATES, self._to_joints),
+                Kept(contracts.GRIPPER_STATE, lambda message: message.is_closed, NEWEST),
+                Kept(contracts.JOINT_STATES, self._to_joints, NEWEST),
             ),
         )
         node.create_timer(REPORT_PERIOD, self.refresh, clock=node.wall)
