@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from itertools import count
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -118,3 +120,28 @@ def test_the_arm_holds_while_the_cameras_see_nothing() -> None:
     speeds = np.array([np.abs(step.seen.joints.v).max() for step in held])
     assert speeds[-1] < 1e-3
     assert held[-1].seen.scene.objects[lockstep.session.scene.new_object.name].age > config.session.blind_time
+
+
+@pytest.mark.parametrize("late", [1, 2])
+def test_a_late_iteration_is_bridged_by_the_plan_before_it_and_the_arm_is_not_braked(late: int) -> None:
+    """Of every eight plans so many are never finished: the driver's setpoints get up to 0.144 s old."""
+    lockstep = Lockstep(packing_cell(), load_scene(EASY), lockstep_config(), PackingMethod.PACK_IT_IN, SEED)
+    accept, follower = lockstep.simulator.accept, lockstep.simulator.follower
+    plans, held, oldest = count(), [], [0.0, 0.0]
+
+    def accept_some(setpoints: Setpoints) -> None:
+        if next(plans) % 8 >= late:
+            accept(setpoints)
+            oldest[0] = lockstep.simulator.time
+
+    def note(step: Step) -> None:
+        if step.stage in ("PRE_PACK", "INSERT") and oldest[0]:
+            held.append(follower.is_holding)
+            oldest[1] = max(oldest[1], step.time - oldest[0])
+
+    with patch.object(lockstep.simulator, "accept", accept_some):
+        outcome = lockstep.run(note)
+    assert outcome.success
+    assert oldest[1] == pytest.approx(late * lockstep_config().latency, abs=0.002)
+    assert len(held) > 10
+    assert not any(held[1:]), "the first is from before the first plan"

@@ -17,6 +17,7 @@ from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.messages.joints import to_trajectory
 from pack_core.ros.messages.serialized_setpoints import TrajectoryReader
+from pack_sim.brakes import SLOW_DOWN
 from pack_sim.packing.sim_node import PackingSimNode
 
 AT_REST = 0.02
@@ -33,7 +34,7 @@ def test_the_arm_follows_setpoints_and_holds_when_they_grow_stale(graph: Graph) 
     samples = joint_samples(graph, sent.time)
     assert max(speeds(sample).max() for sample in samples) > 0.5 * SPEED
     moving = [sample.time for sample in samples if speeds(sample).max() > AT_REST]
-    assert 0.09 < moving[-1] - accepted[0] < 0.16
+    assert 0.09 + SLOW_DOWN < moving[-1] - accepted[0] < 0.16 + SLOW_DOWN
     assert node.simulator.follower.is_holding
 
 

@@ -3,8 +3,18 @@ import pytest
 
 from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
+from pack_core.robots.panda import PANDA
 from pack_core.robots.ur10e import LIMITS
-from pack_sim.brakes import CATCH_UP, PERIOD, RAMP, SAME_POSITION, SAME_SPEED, GentleBrake
+from pack_sim.brakes import (
+    CATCH_UP,
+    PERIOD,
+    RAMP,
+    SAME_POSITION,
+    SAME_SPEED,
+    SLOW_DOWN,
+    GentleBrake,
+    TorqueBrake,
+)
 from pack_sim.setpoint_follower import LEAD, ROUNDING, SAME_TIME, SLACK, SetpointFollower
 
 STEP, WATCHDOG = 0.002, 0.1
@@ -257,3 +267,48 @@ def test_a_bad_reference_is_refused_and_named(
     values = {name: getattr(good, name) for name in ("time", "offsets", "q", "v", "a")}
     with pytest.raises(MessageError, match=named):
         follower.accept(Setpoints(**{**values, **change}), 0.0)
+
+
+def led_by_torques() -> SetpointFollower:
+    brake = TorqueBrake(PANDA.limits, lambda: np.eye(7), lambda: False)
+    return SetpointFollower(PANDA.limits, WATCHDOG, brake)
+
+
+def steady(speed: float, duration: float) -> Setpoints:
+    """The first joint of a Panda turns at a speed, from its middle on."""
+    offsets, first = 0.02 * np.arange(round(duration / 0.02) + 1), np.eye(7)[0]
+    q = PANDA.limits.middle + speed * np.outer(offsets, first)
+    v = np.tile(speed * first, (len(offsets), 1))
+    return Setpoints(0.0, offsets, q, v, tau=np.ones_like(q))
+
+
+def test_overdue_setpoints_slow_an_arm_that_is_led_by_torques_evenly_along_themselves() -> None:
+    follower, speed = led_by_torques(), 0.4
+    follower.accept(steady(speed, 0.24), 0.0)
+    times = np.arange(0.0, WATCHDOG + SLOW_DOWN, STEP)
+    rows = [follower.at(time, PANDA.limits.middle, np.zeros(7)) for time in times]
+    q, v, tau = (np.array([row[i][0] for row in rows]) for i in range(3))
+    assert not follower.is_holding
+    expected = speed * np.clip(1.0 - (times - WATCHDOG) / SLOW_DOWN, 0.0, 1.0)
+    assert v == pytest.approx(expected)
+    assert np.diff(q) == pytest.approx(STEP * 0.5 * (v[1:] + v[:-1]), abs=1e-6), "the speed is that of q"
+    assert (tau == 1.0).all()
+    follower.at(WATCHDOG + SLOW_DOWN + STEP, PANDA.limits.middle, np.zeros(7))
+    assert follower.is_holding
+
+
+def test_setpoints_that_come_while_the_arm_slows_down_are_followed_at_once() -> None:
+    follower = led_by_torques()
+    follower.accept(steady(0.4, 0.24), 0.0)
+    follower.at(WATCHDOG + 0.5 * SLOW_DOWN, PANDA.limits.middle, np.zeros(7))
+    follower.accept(steady(0.4, 0.24), WATCHDOG + 0.5 * SLOW_DOWN)
+    _, v, _ = follower.at(WATCHDOG + 0.5 * SLOW_DOWN, PANDA.limits.middle, np.zeros(7))
+    assert v[0] == pytest.approx(0.4)
+
+
+def test_dropped_setpoints_do_not_slow_the_arm_down_but_brake_it() -> None:
+    follower = led_by_torques()
+    follower.accept(steady(0.4, 0.24), 0.0)
+    follower.drop()
+    follower.at(STEP, PANDA.limits.middle, np.zeros(7))
+    assert follower.is_holding

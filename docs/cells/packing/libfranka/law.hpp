@@ -37,6 +37,7 @@ class Law {
   Joints kp{100, 100, 100, 100, 100, 60, 60}, kd{75, 75, 75, 75, 20, 12, 12};  // [N m/rad], [N m s/rad]
   double feedback = 1.0;     // robot.feedback
   double watchdog = 0.1;     // [s]
+  double slow_down = 0.06;   // along overdue setpoints [s]
   double brake_time = 0.02;  // [s]
 
   // Torque without gravity. mass: joint inertias, the diagonal of the mass matrix.
@@ -52,11 +53,13 @@ class Law {
     }
     const Plan& plan = plan_;
     Joints tau{};
-    const bool is_fresh = plan.rows > 0 && now - received_ <= watchdog &&
-                          now <= plan.time + plan.offset[plan.rows - 1];
-    if (is_fresh) {
+    const double overdue = std::max(0.0, now - received_ - watchdog);
+    const bool is_followed = plan.rows > 0 && overdue <= slow_down &&
+                             now <= plan.time + plan.offset[plan.rows - 1];
+    if (is_followed) {
       is_held_ = false;
-      const double offset = now - plan.time;
+      const double pace = 1 - overdue / slow_down;
+      const double offset = now - 0.5 * overdue * overdue / slow_down - plan.time;
       int i = 0;
       while (i + 1 < plan.rows && plan.offset[i + 1] <= offset) ++i;
       const int j = std::min(i + 1, plan.rows - 1);
@@ -65,8 +68,10 @@ class Law {
       auto at = [&](const std::array<Joints, 128>& rows, int k) {
         return (1 - s) * rows[i][k] + s * rows[j][k];
       };
-      for (int k = 0; k < 7; ++k)
-        tau[k] = at(plan.tau, k) + feedback * (kp[k] * (at(plan.q, k) - q[k]) + kd[k] * (at(plan.v, k) - v[k]));
+      for (int k = 0; k < 7; ++k) {
+        const double behind = at(plan.q, k) - q[k], slower = pace * at(plan.v, k) - v[k];
+        tau[k] = at(plan.tau, k) + feedback * (kp[k] * behind + kd[k] * slower);
+      }
       return tau;
     }
     const bool is_moving = std::any_of(v.begin(), v.end(), [](double x) { return std::abs(x) > 0.01; });

@@ -27,6 +27,8 @@ class Brake(Protocol):
 
     feed_forward: FeedForward
     """What setpoints of such an arm must state."""
+    slow_down: float
+    """How long the arm goes on along overdue setpoints, ever slower, before it is braked [s]."""
 
     def hold(self, time: float, q: Array, v: Array, *, is_late: bool) -> Desired:
         """What the joints shall do at `time` [s] without setpoints.
@@ -50,7 +52,7 @@ class Brake(Protocol):
 
 
 class SetpointFollower:
-    """Follows the newest setpoints; without fresh ones it brakes and holds the arm.
+    """Follows the newest setpoints; without fresh ones it slows down, brakes and holds the arm.
 
     Args:
         limits: limits of the joints.
@@ -115,10 +117,16 @@ class SetpointFollower:
         if self._next is not None and time >= self._next.time - SAME_TIME:
             self._setpoints, self._next = self._next, None
         plan = self._setpoints
-        self.is_holding = plan is None or time - self._received > self._watchdog or time > plan.end + ROUNDING
+        overdue, slow_down = time - self._received - self._watchdog, self._brake.slow_down
+        self.is_holding = plan is None or overdue > slow_down or time > plan.end + ROUNDING
         if plan is None or self.is_holding:
             return self._brake.hold(time, q, v, is_late=plan is not None)
-        return self._brake.follow(plan, time)
+        if overdue <= 0.0:
+            return self._brake.follow(plan, time)
+        # Speed falls evenly to zero: the plan's own time advances by the integral of this pace.
+        pace = 1.0 - overdue / slow_down
+        q_d, v_d, fed_forward = self._brake.follow(plan, time - 0.5 * overdue**2 / slow_down)
+        return q_d, pace * v_d, fed_forward
 
     def _check(self, setpoints: Setpoints) -> None:
         offsets, shape = setpoints.offsets, (len(setpoints.offsets), len(self._names))

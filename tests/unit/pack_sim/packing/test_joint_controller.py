@@ -7,7 +7,7 @@ from pack_core.errors import MessageError
 from pack_core.joints import Setpoints
 from pack_core.packing.cell import packing_cell
 from pack_core.robots.panda import PANDA
-from pack_sim.brakes import BRAKE_TIME, LATE_BRAKE_TIME, TorqueBrake
+from pack_sim.brakes import BRAKE_TIME, LATE_BRAKE_TIME, SLOW_DOWN, TorqueBrake
 from unit.pack_sim.packing.driver import Driver
 
 HOME = np.array(packing_cell().robot.home)
@@ -119,9 +119,9 @@ def test_without_setpoints_the_arm_is_held_where_it_was_first_seen(controller: D
 
 def test_stale_setpoints_are_not_followed(controller: Driver) -> None:
     controller.accept(setpoints(HOME + 0.2, rows=20), 0.0)
-    controller.torque(0.099, HOME, ZERO, M)
+    controller.torque(0.099 + SLOW_DOWN, HOME, ZERO, M)
     assert not controller.is_holding
-    q_d, v_d, tau_ff = controller.reference(0.101, HOME, ZERO, M)
+    q_d, v_d, tau_ff = controller.reference(0.101 + SLOW_DOWN, HOME, ZERO, M)
     assert controller.is_holding
     np.testing.assert_array_equal(np.stack([q_d, v_d, tau_ff]), [HOME, ZERO, ZERO])
 
