@@ -120,6 +120,10 @@ class PackingController:
         self._predictor = Predictor(scene, modelled)
         self._in_flight: tuple[Setpoints, ...] = ()
 
+    def spare(self, is_sparing: bool) -> None:
+        """Do with fewer rollouts from now on, or no longer."""
+        self._optimizer.is_sparing = is_sparing
+
     def change_cost(self) -> None:
         """Tell the optimizer that the stage or the target has changed."""
         self._optimizer.change_cost()

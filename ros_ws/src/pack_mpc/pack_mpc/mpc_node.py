@@ -12,6 +12,7 @@ from std_msgs.msg import String
 from pack_core.errors import PackError
 from pack_core.joints import Setpoints, hold
 from pack_core.packing.goals import PackingExitReason
+from pack_core.packing.load_shedding import GivenUp, LoadShedding
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
@@ -47,6 +48,7 @@ class MpcNode(GoalNode):
         self._change(self.read_parameters(MpcNodeConfig, self._change))
         self._cell = read_packing_cell(self)
         self._scene: Scene | None = None
+        self._load = LoadShedding()
         self._pursued: PackGoal | FillGoal | None = None
         self._sending = threading.Lock()
         self._mailbox = Mailbox(self, self._cell.robot.arm.joints)
@@ -125,6 +127,7 @@ class MpcNode(GoalNode):
         seen = self._mailbox.observe(self._config.blind_time if session is None else session.blind_time)
         if self.is_cancel_requested:
             goal.finish(PackingExitReason.CANCELED, seen.joints.time, "on request")
+        self._give_up_for_load(goal)
         turn = goal.turn(seen, self._mailbox.force, latency)
         self._worker.is_waiting = self._placements.is_pending
         if isinstance(goal, FillGoal):
@@ -138,8 +141,15 @@ class MpcNode(GoalNode):
         self.publish_feedback(goal.feedback(seen, turn.plan))
         if turn.plan is None or goal.session is None:
             return None
-        self._status.publish(to_status(goal.session, seen, turn.plan))
+        self._load = self._load.after(seen.joints.time)
+        self._status.publish(to_status(goal.session, seen, turn.plan, self._load))
         return self._mailbox.time - seen.joints.time
+
+    def _give_up_for_load(self, goal: PackGoal | FillGoal) -> None:
+        """Do without what does not fit."""
+        self._placements.is_sparing = self._load.gives_up(GivenUp.REHEARSALS)
+        if goal.session is not None:
+            goal.session.controller.spare(self._load.gives_up(GivenUp.ROLLOUTS))
 
     def _send(self, goal: PackGoal | FillGoal, setpoints: Setpoints) -> bool:
         """Publish setpoints, unless the goal ended or a peer fell silent while they were planned."""

@@ -10,6 +10,8 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 
+PAUSE = 0.01
+"""After an iteration in which there was nothing to plan [s of wall clock], as while a peer is silent."""
 Step = Callable[[float], float | None]
 """One iteration: takes the latency to plan for [s], and returns the latency that it had [s], or None if
 there was nothing to plan."""
@@ -73,7 +75,9 @@ class Worker:
             except Exception as error:
                 self._on_error(error)
                 continue
-            if observed is not None:
+            if observed is None:
+                self._stopped.wait(PAUSE)
+            else:
                 g, bound = self._config.latency_gain, self._config.latency_max
                 self.latency = min((1 - g) * self.latency + g * max(observed, 0.0), bound)
                 self._rest(began)

@@ -99,6 +99,11 @@ class CellPage(ABC):
         self.server, self.log = server, log
         self.headline = UNHEARD
 
+    @property
+    def is_sparing(self) -> bool:
+        """Whether to draw few frames, as the machine is busy; by default never."""
+        return False
+
     @abstractmethod
     def tabs(self) -> dict[str, Callable[[], None]]:
         """Panels of the cell's own: a title, and what fills it."""

@@ -34,6 +34,8 @@ JOINT_STATES = "/joint_states"
 """Tells simulated time: every cell has it, often, and stamped by the simulator."""
 RESTART = 1.0
 """Simulated time that goes back by more means that the simulator was started anew [s]."""
+SPARING = 6
+"""Of so many frames one is drawn while the machine is busy."""
 QUEUE = 200
 """Messages of an event topic that may wait."""
 
@@ -139,7 +141,8 @@ class LiveNode(CellNode):
     def _turn(self) -> None:
         begun = time.monotonic()
         self.page.turn()
-        time.sleep(max(0.0, begun + self._period - time.monotonic()))
+        period = self._period * (SPARING if self.page.cell.is_sparing else 1)
+        time.sleep(max(0.0, begun + period - time.monotonic()))
 
 
 def main() -> int:

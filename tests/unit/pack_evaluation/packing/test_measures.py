@@ -132,6 +132,13 @@ def test_late_iterations_are_those_over_one_and_over_two_cycles() -> None:
     assert (m.late, m.very_late) == (0.5, 0.25)
 
 
+def test_under_load_are_iterations_from_a_late_one_on() -> None:
+    run = make_run(iterations=iterations(("PRE_PACK",) * 4))
+    quick, slow = (replace(run.iterations, times=START + period * np.arange(4)) for period in (0.04, 0.1))
+    assert measure(replace(run, iterations=quick)).given_up == 0.0
+    assert measure(replace(run, iterations=slow)).given_up == 0.75
+
+
 def test_iteration_times_are_median_and_percentile() -> None:
     m = measure(make_run())
     assert (m.iteration_ms, m.iterations) == (20.0, 3)

@@ -12,7 +12,7 @@ from pack_core.rotations import Array
 from pack_core.states import SceneState
 from pack_mpc.cost.cost import PackingCost, Residuals
 from pack_mpc.cost.weights import load_weights
-from pack_mpc.optimizers.sgn import SgnConfig, SgnOptimizer
+from pack_mpc.optimizers.sgn import SPARING, SgnConfig, SgnOptimizer
 from pack_mpc.target import PackingTarget, Stage
 
 ABOVE = PackingTarget(np.array([0.45, 0.05, 0.30]), 0.2)
@@ -96,21 +96,35 @@ def test_a_model_that_diverges_leaves_a_finite_plan(optimizer, x0, monkeypatch) 
     assert np.all(np.isfinite(solution.setpoints.q))
 
 
-def test_an_iteration_that_begins_late_perturbs_the_first_knot_and_one_of_the_others_in_turn(
+def test_every_parameter_is_perturbed_unless_sparing_and_then_each_in_turn(
     optimizer, x0, monkeypatch
 ) -> None:
-    tried, config = [], SgnConfig()
+    tried = []
     roll_out = optimizer._roll_out
     monkeypatch.setattr(optimizer, "_roll_out", lambda *args: tried.append(args[-1]) or roll_out(*args))
     cost = cost_of(optimizer, ABOVE)
-    for pause in (0.0, 0.9 * config.late, 1.1 * config.late, 1.1 * config.late):
-        x0[0] += pause
+    for is_sparing in (False, False, *[True] * SPARING):
+        optimizer.is_sparing = is_sparing
         optimizer.improve(x0, cost, Stage.PRE_PACK, ABOVE)
+        x0[0] += 0.048  # so that no perturbation changes nothing
     firsts, seconds = tried[::2], tried[1::2]
-    # beside the perturbations: the nominal spline, a halt and the straight way
-    varied = [np.any(first[1:-2] != first[0], axis=(0, 2)).tolist() for first in firsts]
-    assert varied == [[True, True, True]] * 2 + [[True, True, False], [True, False, True]]
-    assert [len(first) for first in firsts] == [3 + 18, 3 + 18, 3 + 12, 3 + 12]
-    for first, second, knots in zip(firsts, seconds, varied, strict=True):
-        moved = np.any(second != first[0], axis=(0, 2))
-        assert not np.any(moved & ~np.array(knots)), "a knot that was not perturbed stays as it was"
+    assert [len(first) for first in firsts[:2]] == [1 + 18 + 2] * 2, "and a halt and the straight way"
+    assert sum(len(first) - 1 for first in firsts[2:]) == 18 + 2
+    ways = [first[1 : 1 + 18 // SPARING] != first[0] for first in firsts[2:]]
+    assert (np.sum(ways, axis=(0, 1)) == 1).all(), "once each"
+    moved = np.any(seconds[-1] != firsts[-1][0], axis=0)
+    assert np.any(moved & ~ways[-1].any(axis=0)), "what another parameter does is known from before"
+
+
+def test_no_difference_outlasts_the_stage_or_the_collision_list(optimizer, x0, monkeypatch) -> None:
+    tried, optimizer.is_sparing = [], True
+    roll_out = optimizer._roll_out
+    monkeypatch.setattr(optimizer, "_roll_out", lambda *args: tried.append(args[-1]) or roll_out(*args))
+    free = PackingTarget(BELOW, 0.0)
+    crowded = PackingTarget(BELOW, 0.0, collisions=(optimizer.plant.scene.objects[0].name,))
+    steps = ((Stage.PRE_PACK, free), (Stage.INSERT, free), (Stage.INSERT, crowded), (Stage.INSERT, crowded))
+    for stage, target in steps:
+        optimizer.improve(x0, cost_of(optimizer, target, stage), stage, target)
+    sizes = [len(first) for first in tried[::2]]
+    assert sizes[:3] == [1 + 18 + 2] * 3
+    assert sizes[3] <= 1 + 18 // SPARING + 1

@@ -57,3 +57,19 @@ def test_a_stage_that_was_stopped_is_not_ticked(page: PackingPage) -> None:
     run(page, 10.0, ("PRE_PACK", "INSERT"))
     end(page, "canceled", 12.0)
     assert ticked(page) == ["PRE-PACK"]
+
+
+def iterate(page: PackingPage, period: float, count: int) -> None:
+    for k in range(count):
+        status = make("pack_interfaces/msg/MpcStatus", stage="INSERT", elapsed=period * k)
+        status.header.stamp.nanosec = round(1e9 * period * k)
+        page.update(News({topics.MPC_STATUS: [status]}, period * k))
+
+
+def test_the_page_draws_few_frames_while_iterations_are_late(page: PackingPage) -> None:
+    iterate(page, 0.04, 5)
+    assert not page.is_sparing
+    iterate(page, 0.1, 5)
+    assert page.is_sparing
+    page.forget()
+    assert not page.is_sparing

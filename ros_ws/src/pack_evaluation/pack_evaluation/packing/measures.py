@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pack_core.packing.goals import PackingExitReason
+from pack_core.packing.load_shedding import GivenUp, given_up
 from pack_core.rotations import Array, to_matrix
 from pack_evaluation.packing.criteria import Criteria, exit_reason, is_packed
 from pack_evaluation.packing.force import chatter, low_pass
@@ -98,6 +99,11 @@ class PackingMeasures:
         float, MeasureText("very late iterations", number("%", 1, 1e2), f"took over {2 * CYCLE_MS:.0f} ms")
     ]
     """Share from 0 to 1."""
+    given_up: Annotated[
+        float,
+        MeasureText("under load", number("%", 1, 1e2), "of the iterations gave something up"),
+    ]
+    """Share from 0 to 1."""
     iterations: int
     """Number of the controller's iterations."""
     placements: Annotated[int, MeasureText("placements", str, "packing poses that were tried")]
@@ -150,6 +156,7 @@ def measure(run: Run, criteria: Criteria | None = None) -> PackingMeasures:
         force_peak=_percentile(low_pass(times, force), 100), chatter=chatter(times, force),
         iteration_ms=_percentile(iterations.ms, 50), iteration_ms_p95=_percentile(iterations.ms, 95),
         late=_mean(iterations.ms > CYCLE_MS), very_late=_mean(iterations.ms > 2 * CYCLE_MS),
+        given_up=_mean(np.array(given_up(iterations.times)) > GivenUp.NOTHING),
         iterations=iterations.times.size, placements=int(placements),
         m_pos=_mean(position_errors(run, model)), m_rot=_mean(held_rotation_errors(run, model)),
         m_per=predicted_objects(run), grip_error=_mean(held_position_errors(run, model)),

@@ -49,10 +49,12 @@ class Optimizer(ABC):
     Attributes:
         parameters: class of its parameters, which the node `mpc` has as `controller.<name>`.
         plant: the model that it plans with.
+        is_sparing: whether an iteration shall do with fewer rollouts, as the machine is busy.
     """
 
     parameters: ClassVar[type[Config]] = Config
     plant: PackingPlant
+    is_sparing = False
 
     @abstractmethod
     def __init__(self, scene: Scene, cell: PackingCell, config: Any, threads: int) -> None: ...

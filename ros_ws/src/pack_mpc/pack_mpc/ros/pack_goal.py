@@ -23,9 +23,20 @@ from pack_mpc.observation import PackingObservation
 from pack_mpc.ros.status import to_feedback
 from pack_mpc.session import PackingSession
 
+REHEARSED = ("", "physics")
+"""Planners that rehearse entries: empty is the configured one, as for PackItIn."""
+UNREHEARSED = "algorithm_1"
+"""What they do, but for the rehearsals."""
+
 
 class PlacementClient:
-    """Has one request pending at a time; the worker takes up the answer in its next iteration."""
+    """Has one request pending at a time; the worker takes up the answer in its next iteration.
+
+    Attributes:
+        is_sparing: whether no entries shall be rehearsed, as the machine is busy.
+    """
+
+    is_sparing = False
 
     def __init__(self, node: CellNode) -> None:
         contract = contracts.PLAN_PLACEMENT
@@ -62,11 +73,15 @@ class PlacementClient:
         task = session.task
         return PlanPlacement.Request(
             scene=to_scene(seen.scene), lean=task.lean,
-            variant=self._variant or session.method.placement_variant,
+            variant=self._affordable(self._variant or session.method.placement_variant),
             seed=self._seed + len(task.tried),
             avoid=[to_point(p) for p in task.avoid], avoid_radius=task.avoid_radius,
             near=[] if self._near is None else [to_pose(self._near)],
         )  # fmt: skip
+
+    def _affordable(self, variant: str) -> str:
+        """The planner to ask for when this one is wanted."""
+        return UNREHEARSED if self.is_sparing and variant in REHEARSED else variant
 
     def _hand_over(
         self, session: PackingSession, seen: PackingObservation, response: PlanPlacement.Response

@@ -9,13 +9,16 @@ from pack_interfaces.action import PackObject
 from pack_interfaces.msg import MpcStatus
 from std_msgs.msg import String
 
+from pack_core.packing.load_shedding import LoadShedding
 from pack_core.ros.messages.conversions import WORLD, to_pose, to_stamp
 from pack_mpc.controller import ControlPlan
 from pack_mpc.observation import PackingObservation
 from pack_mpc.session import PackingSession
 
 
-def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPlan) -> MpcStatus:
+def to_status(
+    session: PackingSession, seen: PackingObservation, plan: ControlPlan, load: LoadShedding
+) -> MpcStatus:
     """The status of one iteration, for plots and the recorder."""
     task, machine = session.task, session.task.machine
     assert machine is not None
@@ -24,7 +27,7 @@ def to_status(session: PackingSession, seen: PackingObservation, plan: ControlPl
         cost=plan.solution.cost, iteration_ms=plan.iteration_ms, step_size=plan.solution.step_size,
         regularisation=plan.solution.regularisation, target=to_pose(machine.placement.X_WN),
         collisions=list(machine.placement.collisions), placements=len(task.tried),
-        warning="; ".join(filter(None, (to_look(session), plan.solution.warning))),
+        warning="; ".join(filter(None, (to_look(session), plan.solution.warning, load.in_words))),
     )  # fmt: skip
     message.header.stamp, message.header.frame_id = to_stamp(seen.joints.time), WORLD
     return message

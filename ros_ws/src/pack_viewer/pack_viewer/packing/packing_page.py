@@ -10,6 +10,7 @@ import numpy as np
 from viser import ViserServer
 
 from pack_core.packing import topics
+from pack_core.packing.load_shedding import GivenUp, LoadShedding
 from pack_core.text.json_text import parse_json
 from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
@@ -51,11 +52,17 @@ class PackingPage(CellPage):
         self._status: Any = None
         self._grip: Any = None
         self._force = float("nan")
+        self._load = LoadShedding()
 
     def tabs(self) -> dict[str, Callable[[], None]]:
         """Stages and what may be pushed, plots over time, and the container that is filled."""
         add_fill = partial(self._fill.add, self.server.gui)
         return {"Task": self._add_task, "Plots": self._add_plots, "Fill": add_fill}
+
+    @property
+    def is_sparing(self) -> bool:
+        """Whether frames are given up, by the times of the controller's iterations."""
+        return self._load.gives_up(GivenUp.FRAMES)
 
     def view_options(self) -> None:
         """Choose where objects are drawn, and which ghosts are."""
@@ -78,11 +85,13 @@ class PackingPage(CellPage):
             self._force = float(np.linalg.norm([force.x, force.y, force.z]))
             if self._status is not None:
                 self._force_plot.add(seconds(wrench), self._force)
-        if samples := news.newest(topics.SETTLED_SAMPLES):
+        samples = news.newest(topics.SETTLED_SAMPLES)
+        if samples and not self._load.gives_up(GivenUp.SAMPLES):
             self._ghosts.set_samples(samples.samples)
         for progress in news.all(topics.FILL_PROGRESS):
             self._take_progress(parse_json(progress.data, topics.FILL_PROGRESS))
         for status in news.all(topics.MPC_STATUS):
+            self._load = self._load.after(seconds(status))
             self._take_status(status)
         for topic in (topics.RESULT, topics.FILL_RESULT):
             for result in news.all(topic):
@@ -110,7 +119,7 @@ class PackingPage(CellPage):
     def forget(self) -> None:
         """Begin anew with an empty task."""
         self._stage, self._visited, self._status = "", [], None
-        self._grip, self._force = None, float("nan")
+        self._grip, self._force, self._load = None, float("nan"), LoadShedding()
         self.headline = IDLE
         self._ghosts.clear()
         self._fill.clear()
