@@ -82,7 +82,12 @@ def test_a_tilted_object_is_stood_upright_at_the_hand_over_place(tilt_deg: float
 
 @pytest.mark.parametrize(
     ("place", "tilt_deg", "heading"),
-    [((0.65, 0.08), 30.0, 2.2), ((0.6, 0.08), 30.0, 2.2), ((0.7, -0.05), 10.0, 1.57)],
+    [
+        ((0.65, 0.08), 30.0, 2.2),
+        ((0.6, 0.08), 30.0, 2.2),
+        ((0.7, 0.08), 30.0, 2.2),
+        ((0.7, -0.05), 10.0, 1.57),
+    ],
 )
 def test_an_object_that_the_arm_cannot_raise_is_drawn_nearer_first(
     place: tuple[float, float], tilt_deg: float, heading: float

@@ -81,6 +81,15 @@ class CupMoves:
         way_up = np.array([0.0, 0.0, way])
         yield from self.move([way_up], self.pace(speed or self._config.speed), until=until, pause=0.0)
 
+    def reaches(self, height: float) -> bool:
+        """Whether the arm can raise the cup straight up by a height [m]."""
+        port, ways = self.port, [np.array([0.0, 0.0, height])]
+        motion = self.arm.plan(
+            port.q, port.time, lines(self.cup, ways, self.pace(self._config.speed), self._config)
+        )
+        raised = float((self.arm.cup(motion.q[-1]).p - self.cup.p)[2])
+        return raised > height - self._config.approach
+
     def pace(self, speed: float) -> CupPace:
         """The pace of motions through free space at a speed [m/s]."""
         return CupPace(speed, self._config.acceleration)

@@ -122,18 +122,20 @@ class ObjectHandling:
     def take_out(self) -> Steps[None]:
         """Raise the held object straight up until it is over everything, tilted as it is and if upright.
 
-        Where the way up is out of the arm's reach, the object is drawn up and towards the arm's base.
+        Where the way up leads out of the arm's reach, the object is first drawn up and to the arm's base,
+        upright, as a tilted cup takes away from the reach.
         """
         config = self._config
         for _ in range(config.draws):
-            yield from self._moves.rise(self._depth, speed=config.carry_speed)
-            if self._depth <= config.clearance:
-                return
+            if self._moves.reaches(self._depth):
+                break
             # Not level: the stretched arm, which stands at the origin, can hardly begin to move along itself.
             inward = -self._moves.cup.p[:2] / np.linalg.norm(self._moves.cup.p[:2])
             way = config.draw * np.array([*inward, 1.0])
             resists = self._moves.contact(config.press_force)
-            yield from self._moves.move([way], self._moves.gentle(config.draw_speed), until=resists)
+            yield from self._moves.move(
+                [way], self._moves.gentle(config.draw_speed), self._upright()[0], until=resists
+            )
         yield from self._moves.rise(self._depth, speed=config.carry_speed)
 
     @property
