@@ -23,6 +23,7 @@ from pack_mpc.cost.weights import WeightSet
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.optimizers.optimizer import Solution
 from pack_mpc.plant import STATE, PackingPlant
+from pack_mpc.state_reduction import StateReduction, StateReductionConfig
 from pack_mpc.target import PackingTarget, Stage
 
 OptimizerName = Annotated[str, AfterValidator(OPTIMIZERS.known)]
@@ -41,6 +42,7 @@ class ControllerConfig(Config):
     published: PositiveFloat = Field(
         default=0.24, description="part of the horizon that is sent to the driver [s]"
     )
+    reduction: StateReductionConfig = StateReductionConfig()
 
 
 @dataclass(frozen=True)
@@ -67,12 +69,19 @@ class Predictor:
 
     The servos are actuators of the model, which MuJoCo integrates implicitly: computed outside of it, once
     a step, the driver's damping would be unstable at this step length.
+
+    Args:
+        scene: shapes, sizes and masses of the objects that are taken into account.
+        cell: the cell's physical facts.
+
+    Attributes:
+        plant: its model, with all of them.
     """
 
     def __init__(self, scene: Scene, cell: PackingCell) -> None:
         driven = cell.model_copy(update={"robot": cell.robot.applied})
-        self._plant = PackingPlant(scene, driven, timestep=PREDICTION_STEP, threads=1, arm=ArmRole.SERVO)
-        self._data = mujoco.MjData(self._plant.model)
+        self.plant = PackingPlant(scene, driven, timestep=PREDICTION_STEP, threads=1, arm=ArmRole.SERVO)
+        self._data = mujoco.MjData(self.plant.model)
 
     def predict(self, x: Array, setpoints: tuple[Setpoints, ...], latency: float) -> Array:
         """The full state `(nx,)` after `latency` [s], rounded to whole steps.
@@ -83,7 +92,7 @@ class Predictor:
                 first of them the arm holds.
             latency: time to predict [s].
         """
-        model, layout, data = self._plant.model, self._plant.layout, self._data
+        model, layout, data = self.plant.model, self.plant.layout, self._data
         mujoco.mj_resetData(model, data)
         mujoco.mj_setState(model, data, x, STATE)
         hold = Setpoints(x[0], np.zeros(1), x[layout.q][None], np.zeros((1, 7)), np.zeros((1, 7)))
@@ -96,7 +105,7 @@ class Predictor:
             data.ctrl[:] = np.concatenate([q_d, v_d])
             data.qfrc_applied[arm] = tau_ff
             mujoco.mj_step(model, data)
-        state = np.empty(self._plant.nx)
+        state = np.empty(self.plant.nx)
         mujoco.mj_getState(model, data, state, STATE)
         return state
 
@@ -117,6 +126,7 @@ class PackingController:
         own = getattr(config, config.optimizer)
         modelled = cell if config.compliant_tip else cell.model_copy(update={"tip": None})
         self._optimizer = OPTIMIZERS[config.optimizer](scene, modelled, own, config.threads)
+        self._reduction = StateReduction(self._optimizer.plant, config.reduction)
         self._predictor = Predictor(scene, modelled)
         self._in_flight: tuple[Setpoints, ...] = ()
 
@@ -150,8 +160,9 @@ class PackingController:
             reliefs: number of times that the force's weight is relieved; it need not be whole.
         """
         started = wall_clock.perf_counter()
-        plant = self._optimizer.plant
-        x0 = self._predictor.predict(plant.state(joints, scene), self._in_flight, latency)
+        plant, predictor = self._optimizer.plant, self._predictor
+        x = predictor.predict(predictor.plant.state(joints, scene), self._in_flight, latency)
+        x0 = self._reduction.reduce(x)
         residuals = Residuals(plant, self._weights, target)
         weights = self._weights.in_force(stage, stage_age, reliefs=reliefs, is_rehearsed=target.is_rehearsed)
         cost = PackingCost(residuals, weights, self._weights.torque)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from itertools import chain
 
@@ -77,19 +78,54 @@ class PackingPlant:
         timestep: time step of the model [s].
         threads: number of threads for rollouts.
         arm: whether u is torques `(7,)`, or positions and velocities `(14,)` for the driver's servos.
+
+    Attributes:
+        scene: the scene with the objects that are in the model; `include` changes which.
+        watch: called with states and outputs of every batch of rollouts.
     """
 
     def __init__(
         self, scene: Scene, cell: PackingCell, *, timestep: float, threads: int, arm: ArmRole = ArmRole.DRIVEN
     ) -> None:
-        self.scene, self.arm = scene, cell.robot.arm
-        self._is_compliant = cell.tip is not None
-        self.model = _compiled(scene, cell, timestep, arm)
-        self.nu = int(self.model.nu)
+        self.arm = cell.robot.arm
         self.timestep = timestep
-        self._datas = [mujoco.MjData(self.model) for _ in range(threads)]
+        self.watch: Callable[[Array, Array], None] = lambda xs, ys: None
+        self._whole, self._threads = scene, threads
+        self._compile: Callable[[Scene], mujoco.MjModel] = lambda part: _compiled(part, cell, timestep, arm)
+        self._is_compliant = cell.tip is not None
         self._rollout = Rollout(nthread=threads)
-        self._sleeping = SleepingRollouts(self.model, threads)
+        self._model_of(scene)
+        self.nu = int(self.model.nu)
+        self._whole_layout, self._kept = self.layout, np.arange(self.nx)
+        self.limits = self.model.actuator_ctrlrange[:, 1].copy()
+
+    def include(self, names: Collection[str]) -> None:
+        """Have these objects alone in the model; of the others it knows nothing from now on.
+
+        Their order does not matter: objects follow one another as in the scene of the plant.
+        """
+        objects = [item for item in self._whole.objects if item.name in names]
+        if [item.name for item in objects] == self.scene.names:
+            return
+        self._model_of(self._whole.model_copy(update={"objects": objects}))
+        at, left_out = self._whole_layout, set(self._whole.names) - set(self.scene.names)
+        # Three of position and four of the quaternion follow one another, and three and three of velocity.
+        out = [
+            np.r_[at.object_p[name][0] + np.arange(7), at.object_v[name][0] + np.arange(6)]
+            for name in left_out
+        ]
+        count = self.nx + sum(map(len, out))
+        self._kept = np.delete(np.arange(count), np.concatenate([np.zeros(0, dtype=int), *out]))
+
+    def part(self, x: Array) -> Array:
+        """The state `(nx,)` of this model's objects, of a state with all objects of the scene."""
+        return np.asarray(x[self._kept])
+
+    def _model_of(self, scene: Scene) -> None:
+        """Compile the model of a scene, which takes a few milliseconds, and whatever depends on it."""
+        self.scene, self.model = scene, self._compile(scene)
+        self._datas = [mujoco.MjData(self.model) for _ in range(self._threads)]
+        self._sleeping = SleepingRollouts(self.model, self._threads)
         self.nx = mujoco.mj_stateSize(self.model, STATE)
         self.layout = self._find_layout()
         # Place in its quaternion, 1 to 3, of each component of a vector part.
@@ -98,7 +134,6 @@ class PackingPlant:
         }
         tip = TIP_JOINTS if self._is_compliant else ()
         self._tip = np.array([1 + self.model.joint(name).qposadr[0] for name in tip], dtype=int)
-        self.limits = self.model.actuator_ctrlrange[:, 1].copy()
 
     def sensor(self, name: str) -> slice:
         """Indices of a sensor's values in the output y."""
@@ -167,7 +202,9 @@ class PackingPlant:
         controls = np.concatenate([us, us[:, -1:]], axis=1)
         x0s = np.broadcast_to(x0, (batch, self.nx))
         states, ys = self._sleeping.run(x0s, controls)
-        return np.concatenate([x0s[:, None], states[:, :steps]], axis=1), ys
+        xs = np.concatenate([x0s[:, None], states[:, :steps]], axis=1)
+        self.watch(xs, ys)
+        return xs, ys
 
     def linearize(self, xs: Array, us: Array, columns: np.ndarray, keypoints: np.ndarray) -> Linearization:
         """Forward differences at the key-points, interpolated between them.

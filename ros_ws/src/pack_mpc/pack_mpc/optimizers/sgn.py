@@ -103,14 +103,15 @@ class SgnOptimizer(Optimizer):
         self._theta = np.zeros((config.knots, 6))
         self._turn = 0
         self._J: Array | None = None  # (M, 6 K), M weighted residuals by the parameters
-        self._rows_of: tuple[Stage, tuple[str, ...]] | None = None
+        self._rows_of: tuple[Stage, tuple[str, ...], list[str]] | None = None
         self._reference: ServoReference | None = None
 
     def improve(self, x0: Array, cost: PackingCost, stage: Stage, target: PackingTarget) -> Solution:
         """One iteration from the state `x0`: the cheapest rollout of both batches is the plan."""
         self._lower[2] = -self._fastest_down(target)
-        # Of the stage are the weights, of the collision list the rows: no differences outlast them.
-        if self._rows_of != (rows_of := (stage, target.collisions)):
+        # The weights are the stage's, and the rows those of the collision list and of the objects in the
+        # state: no differences outlast them.
+        if self._rows_of != (rows_of := (stage, target.collisions, self.plant.scene.names)):
             self._J, self._rows_of = None, rows_of
         nominal, servo = self._clip(self._shifted(x0)), self._servo(x0)
         self._turn += 1

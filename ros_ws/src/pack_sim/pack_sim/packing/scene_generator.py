@@ -22,10 +22,12 @@ from pack_core.packing.object_set import draw_new_object, draw_scene
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose, from_yaw, rotate
 
-MAX_ATTEMPTS = 500
-"""Scenes that are drawn for a seed, or for a new object, before it is given up: blocked ones may be rare."""
+MAX_ATTEMPTS = 2000
+"""Scenes that are drawn for a seed before it is given up: blocked ones may be rare."""
+MAX_ATTEMPTS_DRAWN = 500
+"""Scenes that are drawn for a new object before another takes its place, where objects are drawn, too."""
 MAX_ROUNDS = 5
-"""New objects that are drawn for a seed, one after the other, if none is blocked in `MAX_ATTEMPTS`."""
+"""New objects that are drawn for a seed, one after the other, if none is blocked in `MAX_ATTEMPTS_DRAWN`."""
 TIMESTEP = 0.004
 """Step of the physics in which objects are shaken [s]; only where they come to rest counts."""
 DROP_HEIGHT = 0.01
@@ -63,13 +65,13 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
     """
     description = cell.scene.description()
     model = _slippery_model(description, cell)
-    rounds = 1 if cell.drawn is None else MAX_ROUNDS
-    for k, attempt in itertools.product(range(rounds), range(MAX_ATTEMPTS)):
+    rounds, attempts = (1, MAX_ATTEMPTS) if cell.drawn is None else (MAX_ROUNDS, MAX_ATTEMPTS_DRAWN)
+    for k, attempt in itertools.product(range(rounds), range(attempts)):
         # numpy gives [seed, attempt, 0] the stream of [seed, attempt]
         rng = np.random.default_rng([seed, attempt, k])
         if cell.drawn is not None:
             # the new object stays for a round, or objects that are rarely blocked would be rare
-            new = draw_new_object(cell.drawn, cell, np.random.default_rng([seed, MAX_ATTEMPTS, k]))
+            new = draw_new_object(cell.drawn, cell, np.random.default_rng([seed, attempts, k]))
             description = draw_scene(cell.drawn, cell, new, rng)
             model = _slippery_model(description, cell)
         dropped = _drop(description, rng)
@@ -79,7 +81,7 @@ def generate_scene(seed: int, cell: PackingCell, *, blocked: bool = True) -> Sce
         if scene is not None and (not blocked or is_blocked(scene)):
             return scene
     raise PackError(
-        f"seed {seed}: no {'blocked ' * blocked}scene in {rounds * MAX_ATTEMPTS} attempts; change the "
+        f"seed {seed}: no {'blocked ' * blocked}scene in {rounds * attempts} attempts; change the "
         "container or the objects under `scene` in config/cells/packing.yaml"
     )
 
