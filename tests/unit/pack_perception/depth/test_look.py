@@ -107,3 +107,16 @@ def test_a_convex_region_is_not_halved() -> None:
     mask = np.zeros((40, 40), dtype=bool)
     mask[5:30, 8:25] = True
     assert halves(mask, 2.0) == []
+
+
+def test_a_region_that_touches_itself_in_one_cell_is_not_halved() -> None:
+    mask = np.zeros((40, 40), dtype=bool)
+    mask[5:20, 5:20] = mask[20:32, 20:32] = True
+    mask[3, 5:12] = mask[4, 8] = mask[33:36, 31] = True
+    assert halves(mask, 1.0) == []
+
+
+def test_of_a_few_points_nothing_is_made() -> None:
+    rng = np.random.default_rng(0)
+    line = np.column_stack([rng.uniform(0.45, 0.55, 20), np.zeros(20), np.full(20, 0.05)])
+    assert look_at(line, CONTAINER, CONFIG) == []

@@ -158,10 +158,15 @@ def halves(mask: Mask, notch: float) -> list[Mask]:
         mask: the region `(nx, ny)`.
         notch: least depth of a notch [cells].
     """
+    # an outline that passes a cell twice, over a bridge of one, has no hull to OpenCV
+    mask = _opened(mask)
     outlines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     outline = max(outlines, key=len)
     ends = cv2.convexHull(outline, returnPoints=False)
-    found = cv2.convexityDefects(outline, ends) if len(ends) > 3 else None
+    try:
+        found = cv2.convexityDefects(outline, ends) if len(ends) > 3 else None
+    except cv2.error:  # it touches itself all the same
+        return []
     if found is None:
         return []
     # the depth of a defect is a fixed-point number with 8 bits behind the point

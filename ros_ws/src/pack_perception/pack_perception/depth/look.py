@@ -73,17 +73,15 @@ def look_at(points: Array, container: Container, config: DepthLookConfig) -> lis
 def _objects_of(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:
     """The object of a region, or two if they explain it better."""
     whole = _best(mask, points, heights, config)
+    if whole is None:
+        return []
     if whole.score >= config.good and whole.item.shape != "mesh":
         return [whole]
-    parts = [
-        part for part in halves(mask, config.heights.notch / heights.cell) if _is_large(part, heights, config)
-    ]
-    if len(parts) < 2:
+    first = _all_best(halves(mask, config.heights.notch / heights.cell), points, heights, config)
+    if len(first) < 2:
         return [whole]
-    first = [_best(part, points, heights, config) for part in parts]
     # both parts have the cells of the cut; now each cell goes to the shape that it is nearer to
-    parts = [part for part in _nearer(mask, first, heights) if _is_large(part, heights, config)]
-    splits = [first, [_best(part, points, heights, config) for part in parts]]
+    splits = [first, _all_best(_nearer(mask, first, heights), points, heights, config)]
     scored = [(overlap([(fit.item, fit.X_WO) for fit in split], mask, heights), split) for split in splits]
     score, split = max(scored, key=lambda pair: pair[0])
     # hulls fit whatever is left of a region, so that two of them say nothing
@@ -109,11 +107,16 @@ def _ways_out(fit: FittedShape, centres: Array) -> Array:
     return np.asarray(np.linalg.norm(centres - fit.X_WO.p[:2], axis=1) / fit.item.half_extents[:2].mean())
 
 
-def _is_large(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> bool:
-    return bool(mask.sum() * heights.cell**2 >= config.heights.min_area)
+def _all_best(
+    parts: Sequence[Mask], points: Array, heights: HeightMap, config: DepthLookConfig
+) -> list[FittedShape]:
+    """The shapes that fit the parts of a region best, without parts that are too small for an object."""
+    large = [part for part in parts if part.sum() * heights.cell**2 >= config.heights.min_area]
+    return [fit for part in large if (fit := _best(part, points, heights, config)) is not None]
 
 
-def _best(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> FittedShape:
+def _best(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> FittedShape | None:
+    """The shape that fits a region best; None if too little of it was seen."""
     region = seen_region(points, heights, mask, config.shapes.side)
     flat = is_flat(heights, mask, config.heights)
-    return candidates(region, heights, "seen", config.shapes, flat=flat)[0]
+    return next(iter(candidates(region, heights, "seen", config.shapes, flat=flat)), None)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
@@ -83,6 +84,10 @@ class FittedShape:
     points: Array
 
 
+Fit = Callable[[SeenRegion, str, ShapeFitConfig], tuple[ObjectModel, Pose] | None]
+"""Makes a shape of what was seen, its name and parameters; None or ValueError if it cannot be one."""
+
+
 def seen_region(points: Array, heights: HeightMap, mask: Mask, margin: float) -> SeenRegion:
     """The points `(n, 3)` that belong to a region, and those at its edges that are lower."""
     cells, inside = heights.cells_of(points)
@@ -99,15 +104,25 @@ def seen_region(points: Array, heights: HeightMap, mask: Mask, margin: float) ->
 def candidates(
     region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig, *, flat: bool
 ) -> list[FittedShape]:
-    """All shapes that may have the region as their top, the best one first."""
-    kinds: tuple[Callable[[SeenRegion, str, ShapeFitConfig], tuple[ObjectModel, Pose] | None], ...]
-    kinds = (_box, _cylinder) if flat else (_lying_capsule, _round_hull)
-    found = [fit for kind in kinds if (fit := kind(region, name, config)) is not None]
-    if flat:
-        found.append(_prism(region, heights, name, config))
+    """All shapes that may have the region as their top, the best one first; none if too little was seen."""
+    if len(region.top) < config.few:
+        return []
+    level = (_box, _cylinder, partial(_prism, heights=heights))
+    kinds: tuple[Fit, ...] = level if flat else (_lying_capsule, _round_hull)
+    found = [fit for kind in kinds if (fit := _if_possible(kind, region, name, config)) is not None]
     shapes = [_judged(item, X_WO, region, heights) for item, X_WO in found]
     # a simple shape is more likely than a hull, which fits whatever was seen
     return sorted(shapes, key=lambda shape: shape.score - 0.05 * (shape.item.shape == "mesh"), reverse=True)
+
+
+def _if_possible(
+    kind: Fit, region: SeenRegion, name: str, config: ShapeFitConfig
+) -> tuple[ObjectModel, Pose] | None:
+    """The shape of a kind; None where what was seen is too thin or too small for it."""
+    try:
+        return kind(region, name, config)
+    except ValueError:
+        return None
 
 
 def overlap(placed: Sequence[tuple[ObjectModel, Pose]], mask: Mask, heights: HeightMap) -> float:
@@ -233,7 +248,7 @@ def _round_hull(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[
 
 
 def _prism(
-    region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig
+    region: SeenRegion, name: str, config: ShapeFitConfig, heights: HeightMap
 ) -> tuple[ObjectModel, Pose]:
     """The hull of a flat top, straight down to the base."""
     outline = heights.centres(region.mask)
