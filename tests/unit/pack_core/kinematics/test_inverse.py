@@ -11,7 +11,7 @@ from pack_core.kinematics.inverse import InverseKinematics
 from pack_core.kinematics.parallel_axes import ParallelAxes
 from pack_core.kinematics.spherical_wrist import SphericalWrist
 from pack_core.robots import kr210, ur10e
-from pack_core.rotations import Array, Pose, angle_between
+from pack_core.rotations import Array, Pose, angle_between, to_matrix
 
 unit = st.lists(st.floats(0.02, 0.98), min_size=6, max_size=6).map(np.array)
 TWICE = 2 * np.pi
@@ -71,6 +71,27 @@ def test_the_branch_of_joint_positions_leads_back_to_them(inverse: InverseKinema
     found = inverse.follow(inverse.chain.forward(q), q, inverse.branch(q))
     assert found is not None
     np.testing.assert_allclose(found, q, atol=1e-6)
+
+
+@given(share=unit, step=unit)
+@settings(max_examples=50)
+def test_rows_of_one_branch_are_those_that_are_followed_pose_by_pose(
+    inverse: InverseKinematics, share: Array, step: Array
+) -> None:
+    q = within_limits(inverse, share)
+    assume(is_regular(inverse, q))
+    branch = inverse.branch(q)
+    poses = [inverse.chain.forward(q + 0.01 * k * (step - 0.5)) for k in range(5)]
+    rows = inverse.follow_rows(
+        np.array([to_matrix(X.q) for X in poses]), np.array([X.p for X in poses]), q, branch
+    )
+    near, expected = q, []
+    for X_WT in poses:
+        found = inverse.follow(X_WT, near, branch)
+        if found is None:
+            break
+        expected.append(near := found)
+    np.testing.assert_allclose(rows, np.array(expected).reshape(-1, 6), atol=1e-12)
 
 
 @given(share=unit)

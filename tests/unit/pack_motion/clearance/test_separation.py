@@ -25,15 +25,25 @@ def test_the_gap_is_at_most_the_distance_and_positive_where_there_is_one(
     p: Array, turn_a: Array, turn_b: Array, half_a: Array, half_b: Array
 ) -> None:
     boxes = to_matrix(exp(turn_a)), np.zeros(3), half_a, to_matrix(exp(turn_b)), p, half_b
-    gap, true = separation(*boxes), distance(*boxes)
+    gap, true = separation(*boxes, np.inf), distance(*boxes)
     assert gap <= true + 1e-6
     if true > 1e-3:
         assert gap > 0.0
         assert gap >= 0.5 * true
-    assert gap == pytest.approx(separation(*boxes[3:], *boxes[:3]), abs=1e-12)
+    assert gap == pytest.approx(separation(*boxes[3:], *boxes[:3], np.inf), abs=1e-12)
 
 
-def test_boxes_face_to_face_are_as_far_apart_as_they_are() -> None:
-    one = np.eye(3), np.zeros(3), np.full(3, 0.1)
-    assert separation(*one, np.eye(3), np.array([0.25, 0.05, 0.0]), np.full(3, 0.1)) == pytest.approx(0.05)
-    assert separation(*one, np.eye(3), np.array([0.15, 0.05, 0.0]), np.full(3, 0.1)) == pytest.approx(-0.05)
+@pytest.mark.parametrize(("x", "gap"), [(0.25, 0.05), (0.15, -0.05)])
+def test_boxes_face_to_face_are_as_far_apart_as_they_are(x: float, gap: float) -> None:
+    one, other = np.zeros(3), np.array([x, 0.05, 0.0])
+    half = np.full(3, 0.1)
+    assert separation(np.eye(3), one, half, np.eye(3), other, half, np.inf) == pytest.approx(gap)
+
+
+@given(p=vectors, turn_a=vectors, turn_b=vectors, half_a=sizes, half_b=sizes, enough=st.floats(0.001, 1.0))
+@settings(max_examples=100)
+def test_a_gap_is_exact_up_to_what_is_enough(
+    p: Array, turn_a: Array, turn_b: Array, half_a: Array, half_b: Array, enough: float
+) -> None:
+    boxes = to_matrix(exp(turn_a)), np.zeros(3), half_a, to_matrix(exp(turn_b)), p, half_b
+    assert separation(*boxes, enough) == min(separation(*boxes, np.inf), enough)

@@ -27,10 +27,12 @@ Branch = tuple[int, int, int]
 BRANCHES: tuple[Branch, ...] = tuple((s, e, w) for s, e, w in product((0, 1), repeat=3))
 """In the order of the rows that a solver returns: row 4 s + 2 e + w."""
 Bools = npt.NDArray[np.bool_]
-Solver = Callable[[Array, Array, Array, Array, Array], tuple[Array, Bools]]
-"""Takes axes and points `(6, 3)` and the wrist's centre `(3,)`, all at zero, and rotation `(3, 3)` and
-translation `(3,)` of the last link from there. Returns joint positions `(8, 6)` by branch, limits aside, and
-which of them exist `(8,)`."""
+ALL = -1
+"""Asks a solver for every branch."""
+Solver = Callable[[Array, Array, Array, Array, Array, int], tuple[Array, Bools]]
+"""Takes axes and points `(6, 3)` and the wrist's centre `(3,)`, all at zero, rotations `(T, 3, 3)` and
+translations `(T, 3)` of the last link from there, and the row of the one branch that is wanted, or `ALL`.
+Returns joint positions `(T, 8, 6)` by branch, limits aside, and which of them exist `(T, 8)`."""
 TOLERANCE = 1e-6
 """How far the point may be from an axis that is said to pass through it [m]."""
 
@@ -86,18 +88,26 @@ class InverseKinematics(ABC):
 
     def follow(self, X_WT: Pose, q_near: Array, branch: Branch) -> Array | None:
         """The solution of a branch, turned next to `q_near` `(6,)`; None without one in the limits."""
-        R = to_matrix(X_WT.q)
-        return self.follow_matrix(R, X_WT.p, q_near, branch)
+        rows = self.follow_rows(to_matrix(X_WT.q)[None], X_WT.p[None], q_near, branch)
+        return rows[0] if len(rows) else None
 
-    def follow_matrix(self, R_WT: Array, p_WT: Array, q_near: Array, branch: Branch) -> Array | None:
-        """As `follow`, for a pose given as matrix and position."""
-        rows, found = self._rows(R_WT, p_WT)
-        i = 4 * branch[0] + 2 * branch[1] + branch[2]
-        if not found[i]:
-            return None
-        # Whole turns that bring every joint within half a turn of where it is: the arm does not unwind.
-        q: Array = rows[i] + TURN * np.round((q_near - rows[i]) / TURN)
-        return q if self.is_within(q) else None
+    def follow_rows(self, R_WT: Array, p_WT: Array, q_near: Array, branch: Branch) -> Array:
+        """The solutions of a branch for T poses of the tool, each turned next to the one before.
+
+        Args:
+            R_WT: orientations `(T, 3, 3)`.
+            p_WT: positions `(T, 3)` [m].
+            q_near: joint positions `(6,)` that the first solution is turned next to [rad].
+            branch: the branch.
+
+        Returns:
+            Joint positions up to the first pose that has no solution in the limits: `(k, 6)`, k <= T.
+        """
+        row = 4 * branch[0] + 2 * branch[1] + branch[2]
+        rows, found = self._rows(R_WT, p_WT, row)
+        q = unwound_rows(rows[:, row], q_near)
+        are_good = found[:, row] & np.all((q >= self.lower) & (q <= self.upper), axis=1)
+        return q if are_good.all() else q[: int(np.argmin(are_good))]
 
     def candidates(self, X_WT: Pose, shoulder: int, elbow: int) -> list[Array]:
         """Every wrist flip and every turn in the limits, shoulder and elbow given."""
@@ -116,15 +126,29 @@ class InverseKinematics(ABC):
         return [np.array(turned) for turned in product(*ranges)]
 
     def _solutions(self, X_WT: Pose) -> tuple[Array, Bools]:
-        rows, found = self._rows(to_matrix(X_WT.q), X_WT.p)
-        return (rows + np.pi) % TURN - np.pi, found
+        rows, found = self._rows(to_matrix(X_WT.q)[None], X_WT.p[None], ALL)
+        return (rows[0] + np.pi) % TURN - np.pi, found[0]
 
-    def _rows(self, R_WT: Array, p_WT: Array) -> tuple[Array, Bools]:
+    def _rows(self, R_WT: Array, p_WT: Array, only: int) -> tuple[Array, Bools]:
         # The tool moves with the last link: R_WT(q) = R R_WT(0) and p_WT(q) = R p_WT(0) + d.
         R = np.ascontiguousarray(R_WT @ self.chain.R_WT.T)
-        d = p_WT - R @ self.chain.p_WT
-        rows, found = self._solver(self.chain.axes, self.chain.points, self._wrist, R, d)
+        d = np.ascontiguousarray(p_WT - R @ self.chain.p_WT)
+        rows, found = self._solver(self.chain.axes, self.chain.points, self._wrist, R, d, only)
         return np.asarray(rows), np.asarray(found)
+
+
+@numba.njit(cache=True)
+def unwound_rows(rows: Array, q_near: Array) -> Array:
+    """Joint positions `(T, n)` with whole turns that bring every joint within half a turn of the row before.
+
+    So the arm does not unwind on its way; the first row is turned next to `q_near` `(n,)`.
+    """
+    q = np.empty(rows.shape)
+    for t in range(len(rows)):
+        for i in range(rows.shape[1]):
+            near = q_near[i] if t == 0 else q[t - 1, i]
+            q[t, i] = rows[t, i] + TURN * np.round((near - rows[t, i]) / TURN)
+    return q
 
 
 @numba.njit(cache=True)
@@ -134,7 +158,7 @@ def shoulder_angles(z: Array, r: Array, w0: Array, w: Array) -> Array:
     The joints up to the wrist but the first turn about axes along z[1], so they keep the component of the
     wrist's centre along it: (w - r[0]) . R1 z[1] = (w0 - r[0]) . z[1], subproblem 4.
     """
-    return np.asarray(angles_to_plane(z[0], w - r[0], z[1], z[1] @ (w0 - r[0])))
+    return np.asarray(angles_to_plane(z[0], w - r[0], z[1], screws.dot(z[1], w0 - r[0])))
 
 
 def meeting_point(chain: SerialChain, joints: Sequence[int]) -> Array:

@@ -57,6 +57,22 @@ class RedundantFollower:
             return None
         return q
 
+    def follow_rows(self, R_WT: Array, p_WT: Array, q_start: Array) -> Array:
+        """Joint positions `(k, n)` along T poses of the tool, up to the first that it cannot follow to.
+
+        Args:
+            R_WT: orientations `(T, 3, 3)`.
+            p_WT: positions `(T, 3)` [m].
+            q_start: joint positions where the arm is `(n,)` [rad].
+        """
+        rows = [np.asarray(q_start, dtype=float)]
+        for R, p in zip(R_WT, p_WT, strict=True):
+            found = self.follow(R, p, rows[-1])
+            if found is None:
+                break
+            rows.append(found)
+        return np.array(rows[1:]).reshape(-1, len(q_start))
+
     def joint_rates(self, times: Array, q: Array, rates: Array, accelerations: Array) -> tuple[Array, Array]:
         """Joint velocities and accelerations `(T, n)` of rows, from their differences."""
         v = np.gradient(q, times, axis=0, edge_order=2)

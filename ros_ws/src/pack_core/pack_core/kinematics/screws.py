@@ -40,6 +40,58 @@ def cross(a: Array, b: Array) -> Array:
 
 
 @numba.njit(cache=True)
+def product(A: Array, B: Array) -> Array:
+    """A B of two matrices `(3, 3)`; numba's `@` calls BLAS, which takes ten times longer at this size."""
+    C = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
+    return C
+
+
+@numba.njit(cache=True)
+def transposed_product(A: Array, B: Array) -> Array:
+    """A' B of two matrices `(3, 3)`."""
+    C = np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            C[i, j] = A[0, i] * B[0, j] + A[1, i] * B[1, j] + A[2, i] * B[2, j]
+    return C
+
+
+@numba.njit(cache=True)
+def turned(R: Array, x: Array) -> Array:
+    """R x of a matrix `(3, 3)` and a vector `(3,)`."""
+    y = np.empty(3)
+    for i in range(3):
+        y[i] = R[i, 0] * x[0] + R[i, 1] * x[1] + R[i, 2] * x[2]
+    return y
+
+
+@numba.njit(cache=True)
+def turned_back(R: Array, x: Array) -> Array:
+    """R' x of a matrix `(3, 3)` and a vector `(3,)`."""
+    y = np.empty(3)
+    for i in range(3):
+        y[i] = R[0, i] * x[0] + R[1, i] * x[1] + R[2, i] * x[2]
+    return y
+
+
+@numba.njit(cache=True)
+def dot(a: Array, b: Array) -> float:
+    """Inner product of two vectors `(3,)`."""
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+
+
+@numba.njit(cache=True)
+def add_cross(a: Array, b: Array, to: Array) -> None:
+    """Add the cross product of two vectors `(3,)` to a third one, without memory of its own."""
+    to[0] += a[1] * b[2] - a[2] * b[1]
+    to[1] += a[2] * b[0] - a[0] * b[2]
+    to[2] += a[0] * b[1] - a[1] * b[0]
+
+
+@numba.njit(cache=True)
 def link_transforms(axes: Array, points: Array, q: Array) -> tuple[Array, Array]:
     """How every link has moved from where all joints are zero: `R (n, 3, 3)` and `d (n, 3)`."""
     # exp(xi_1 q_1) ... exp(xi_i q_i): joint i turns about its line, x -> turn (x - point) + point, and the
@@ -48,12 +100,16 @@ def link_transforms(axes: Array, points: Array, q: Array) -> tuple[Array, Array]
     R, d = np.empty((n, 3, 3)), np.empty((n, 3))
     for i in range(n):
         turn = rotation(axes[i], q[i])
-        offset = points[i] - turn @ points[i]
+        moved = turned(turn, points[i])
+        for k in range(3):
+            d[i, k] = points[i, k] - moved[k]
         if i == 0:
-            R[i], d[i] = turn, offset
-        else:
-            R[i] = R[i - 1] @ turn
-            d[i] = R[i - 1] @ offset + d[i - 1]
+            R[i] = turn
+            continue
+        R[i] = product(R[i - 1], turn)
+        carried = turned(R[i - 1], d[i])
+        for k in range(3):
+            d[i, k] = carried[k] + d[i - 1, k]
     return R, d
 
 
@@ -62,8 +118,8 @@ def world_axes(axes: Array, points: Array, R: Array, d: Array) -> tuple[Array, A
     """Unit axes `(n, 3)` and points `(n, 3)` of the joints where they are now."""
     z, p = np.empty_like(axes), np.empty_like(points)
     for i in range(len(axes)):
-        z[i] = R[i] @ axes[i]
-        p[i] = R[i] @ points[i] + d[i]
+        z[i] = turned(R[i], axes[i])
+        p[i] = turned(R[i], points[i]) + d[i]
     return z, p
 
 
@@ -75,8 +131,12 @@ def jacobian(z: Array, p: Array, point: Array, link: int) -> Array:
     """
     J = np.zeros((6, len(z)))
     for i in range(link + 1):
-        J[:3, i] = cross(z[i], point - p[i])
-        J[3:, i] = z[i]
+        x, y, h = point[0] - p[i, 0], point[1] - p[i, 1], point[2] - p[i, 2]
+        J[0, i] = z[i, 1] * h - z[i, 2] * y
+        J[1, i] = z[i, 2] * x - z[i, 0] * h
+        J[2, i] = z[i, 0] * y - z[i, 1] * x
+        for k in range(3):
+            J[3 + k, i] = z[i, k]
     return J
 
 
@@ -92,17 +152,23 @@ def link_motion(z: Array, p: Array, v: Array) -> tuple[Array, Array, Array, Arra
     w, dw, vp, ap = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
     # From base to tip: the joint's point moves with the link before it, so that
     # a_i = a_(i-1) + dw x arm + w x (w x arm), and the axis turns with that link, so that dw_i gets w x z v.
+    turn, arm, swing = np.empty(3), np.empty(3), np.empty(3)
     for i in range(n):
-        turn = z[i] * v[i]
+        for k in range(3):
+            turn[k] = z[i, k] * v[i]
+            w[i, k] = turn[k]
         if i == 0:
-            w[i] = turn
             continue
-        arm = p[i] - p[i - 1]
-        swing = cross(w[i - 1], arm)
-        vp[i] = vp[i - 1] + swing
-        ap[i] = ap[i - 1] + cross(dw[i - 1], arm) + cross(w[i - 1], swing)
-        w[i] = w[i - 1] + turn
-        dw[i] = dw[i - 1] + cross(w[i - 1], turn)
+        for k in range(3):
+            arm[k], swing[k] = p[i, k] - p[i - 1, k], 0.0
+            vp[i, k], ap[i, k], dw[i, k] = vp[i - 1, k], ap[i - 1, k], dw[i - 1, k]
+            w[i, k] += w[i - 1, k]
+        add_cross(w[i - 1], arm, swing)
+        add_cross(dw[i - 1], arm, ap[i])
+        add_cross(w[i - 1], swing, ap[i])
+        add_cross(w[i - 1], turn, dw[i])
+        for k in range(3):
+            vp[i, k] += swing[k]
     return w, dw, vp, ap
 
 
@@ -130,7 +196,7 @@ def joint_rates(
     for i in range(len(q)):
         R, d = link_transforms(axes, points, q[i])
         z, p = world_axes(axes, points, R, d)
-        tool = R[tip] @ p_WT + d[tip]
+        tool = turned(R[tip], p_WT) + d[tip]
         J = jacobian(z, p, tool, tip)
         v[i] = np.linalg.solve(J, rates[i])
         a[i] = np.linalg.solve(J, accelerations[i] - bias(z, p, v[i], tool, tip))
@@ -141,8 +207,8 @@ def joint_rates(
 def angle_about(k: Array, a: Array, b: Array) -> float:
     """Subproblem 1: the angle about `k` that turns `a` towards `b`; 0 where either is along `k`."""
     # Of the parts of a and b across k, |a'| |b'| times sine and cosine of the angle between them.
-    sine = k @ cross(a, b)
-    cosine = a @ b - (k @ a) * (k @ b)
+    sine = dot(k, cross(a, b))
+    cosine = dot(a, b) - dot(k, a) * dot(k, b)
     if sine * sine + cosine * cosine < 1e-24:  # |a'| |b'| < 1e-12: rounding alone would choose the angle
         return 0.0
     return float(np.arctan2(sine, cosine))
@@ -156,12 +222,13 @@ def angles_to_plane(k: Array, h: Array, a: Array, level: float) -> Array:
     """
     # Rodrigues: h . R(k, t) a = (h . k)(k . a) + x cos t + y sin t, where the last two terms are
     # radius cos(t - middle).
-    x = h @ a - (h @ k) * (k @ a)
-    y = h @ cross(k, a)
+    along = dot(h, k) * dot(k, a)
+    x = dot(h, a) - along
+    y = dot(h, cross(k, a))
     radius = np.hypot(x, y)
     if radius < 1e-12:
         return np.full(2, np.nan)
-    cosine = (level - (h @ k) * (k @ a)) / radius
+    cosine = (level - along) / radius
     if abs(cosine) > 1.0 + ROUNDING:
         return np.full(2, np.nan)
     half = np.arccos(max(-1.0, min(1.0, float(cosine))))
@@ -173,5 +240,5 @@ def angles_to_plane(k: Array, h: Array, a: Array, level: float) -> Array:
 def angles_to_distance(k: Array, a: Array, b: Array, distance: float) -> Array:
     """Subproblem 3: both angles `(2,)` about `k` that bring the turned `a` to a distance from `b`."""
     # |R a - b|^2 = a . a + b . b - 2 b . R a, so that subproblem 4 gives the angle.
-    level = 0.5 * (a @ a + b @ b - distance * distance)
+    level = 0.5 * (dot(a, a) + dot(b, b) - distance * distance)
     return np.asarray(angles_to_plane(k, b, a, float(level)))

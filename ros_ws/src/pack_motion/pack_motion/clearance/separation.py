@@ -19,28 +19,37 @@ PARALLEL = 1e-6
 
 
 @numba.njit(cache=True)
-def separation(R_a: Array, p_a: Array, half_a: Array, R_b: Array, p_b: Array, half_b: Array) -> float:
-    """Largest gap [m] between two boxes along any separating axis; negative where they overlap."""
-    to_b = p_b - p_a
+def separation(
+    R_a: Array, p_a: Array, half_a: Array, R_b: Array, p_b: Array, half_b: Array, enough: float
+) -> float:
+    """Largest gap [m] between two boxes along any separating axis; negative where they overlap.
+
+    At most `enough`: no further axis is tried once a gap is that large.
+    """
+    R = screws.transposed_product(R_a, R_b)  # the second box in the first one's frame
+    t = screws.turned_back(R_a, p_b - p_a)
     largest = -np.inf
-    for k in range(15):  # 3 face normals of a, 3 of b, and 9 cross products of an edge of a and one of b
-        if k < 3:
-            axis = R_a[:, k].copy()
-        elif k < 6:
-            axis = R_b[:, k - 3].copy()
-        else:
-            axis = screws.cross(R_a[:, (k - 6) // 3].copy(), R_b[:, (k - 6) % 3].copy())
-            size = np.sqrt(axis[0] ** 2 + axis[1] ** 2 + axis[2] ** 2)
+    for i in range(3):  # face normals of a: distance of the centres less half the extent of each box
+        extent = half_b[0] * abs(R[i, 0]) + half_b[1] * abs(R[i, 1]) + half_b[2] * abs(R[i, 2])
+        largest = max(largest, abs(t[i]) - half_a[i] - extent)
+    for j in range(3):  # face normals of b
+        extent = half_a[0] * abs(R[0, j]) + half_a[1] * abs(R[1, j]) + half_a[2] * abs(R[2, j])
+        along = t[0] * R[0, j] + t[1] * R[1, j] + t[2] * R[2, j]
+        largest = max(largest, abs(along) - half_b[j] - extent)
+    if largest >= enough:
+        return enough
+    for i in range(3):  # cross products of an edge of a and one of b: a_i x b_j = (0, -R_2j, R_1j) for i = 0
+        i1, i2 = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            size = np.sqrt(R[i1, j] ** 2 + R[i2, j] ** 2)
             if size < PARALLEL:
                 continue
-            axis = axis / size
-        # Distance of the centres along the axis, less half the extent of each box along it.
-        gap = abs(axis[0] * to_b[0] + axis[1] * to_b[1] + axis[2] * to_b[2])
-        for i in range(3):
-            gap -= half_a[i] * abs(axis[0] * R_a[0, i] + axis[1] * R_a[1, i] + axis[2] * R_a[2, i])
-            gap -= half_b[i] * abs(axis[0] * R_b[0, i] + axis[1] * R_b[1, i] + axis[2] * R_b[2, i])
-        largest = max(largest, gap)
-    return float(largest)
+            j1, j2 = (j + 1) % 3, (j + 2) % 3
+            extent = half_a[i1] * abs(R[i2, j]) + half_a[i2] * abs(R[i1, j])
+            extent += half_b[j1] * abs(R[i, j2]) + half_b[j2] * abs(R[i, j1])
+            gap = (abs(t[i2] * R[i1, j] - t[i1] * R[i2, j]) - extent) / size
+            largest = max(largest, gap)
+    return float(min(largest, enough))
 
 
 @numba.njit(cache=True)
@@ -51,16 +60,23 @@ def separations(
     """Gaps `(k, m)` [m] between k boxes on links and m boxes in the world; `enough` where there is more."""
     gaps = np.full((len(link), len(box_p)), enough)
     for i in range(len(link)):
-        R_i = R_links[link[i]] @ R[i]
-        p_i = R_links[link[i]] @ p[i] + d_links[link[i]]
-        reach = np.sqrt(np.sum(half[i] ** 2)) + enough
+        R_i, p_i = _moved(R_links, d_links, link[i], R[i], p[i])
+        reach = np.sqrt(screws.dot(half[i], half[i])) + enough
         for j in range(len(box_p)):
-            apart = np.sqrt(np.sum((box_p[j] - p_i) ** 2))
             # Circumscribed spheres farther apart than `enough`: the fifteen axes need not be tried.
-            if apart > reach + np.sqrt(np.sum(box_half[j] ** 2)):
-                continue
-            gaps[i, j] = min(enough, separation(R_i, p_i, half[i], box_R[j], box_p[j], box_half[j]))
+            apart = box_p[j] - p_i
+            radii = reach + np.sqrt(screws.dot(box_half[j], box_half[j]))
+            if screws.dot(apart, apart) <= radii * radii:
+                gaps[i, j] = separation(R_i, p_i, half[i], box_R[j], box_p[j], box_half[j], enough)
     return gaps
+
+
+@numba.njit(cache=True)
+def _moved(R_links: Array, d_links: Array, link: int, R: Array, p: Array) -> tuple[Array, Array]:
+    """Orientation and centre of a box now; a box with link -1 is fixed to the base."""
+    if link < 0:
+        return R.copy(), p.copy()
+    return screws.product(R_links[link], R), screws.turned(R_links[link], p) + d_links[link]
 
 
 @numba.njit(cache=True)
@@ -87,15 +103,11 @@ def own_gaps_along(
     for t in range(len(q)):
         R_links, d_links = screws.link_transforms(axes, points, q[t])
         for i in range(len(link)):
-            if link[i] < 0:  # fixed to the base
-                R_now[i], p_now[i] = R[i], p[i]
-            else:
-                R_now[i] = R_links[link[i]] @ R[i]
-                p_now[i] = R_links[link[i]] @ p[i] + d_links[link[i]]
+            R_now[i], p_now[i] = _moved(R_links, d_links, link[i], R[i], p[i])
         for k in range(len(pairs)):
             i, j = pairs[k]
-            apart = np.sqrt(np.sum((p_now[j] - p_now[i]) ** 2))
-            if apart < radius[i] + radius[j] + enough:
-                gap = separation(R_now[i], p_now[i], half[i], R_now[j], p_now[j], half[j])
-                gaps[t, k] = min(enough, gap)
+            apart = p_now[j] - p_now[i]
+            radii = radius[i] + radius[j] + enough
+            if screws.dot(apart, apart) < radii * radii:
+                gaps[t, k] = separation(R_now[i], p_now[i], half[i], R_now[j], p_now[j], half[j], enough)
     return gaps

@@ -108,8 +108,11 @@ LARGEST_SLOWING = 20.0
 class Follower(Protocol):
     """Inverse kinematics along a curve, from one row to the next."""
 
-    def follow(self, R_WT: Array, p_WT: Array, q_near: Array) -> Array | None:
-        """Joint positions `(n,)` next to `q_near` that bring the tool there; None: none in the limits."""
+    def follow_rows(self, R_WT: Array, p_WT: Array, q_start: Array) -> Array:
+        """Joint positions `(k, n)` that bring the tool along `(T, 3, 3)` and `(T, 3)`.
+
+        The first is next to `q_start`; k is less than T where the arm cannot follow further.
+        """
 
     def joint_rates(self, times: Array, q: Array, rates: Array, accelerations: Array) -> tuple[Array, Array]:
         """Joint velocities and accelerations `(T, n)` of rows.
@@ -129,9 +132,9 @@ class BranchFollower:
     inverse: InverseKinematics
     branch: Branch
 
-    def follow(self, R_WT: Array, p_WT: Array, q_near: Array) -> Array | None:
+    def follow_rows(self, R_WT: Array, p_WT: Array, q_start: Array) -> Array:
         """See `Follower`."""
-        return self.inverse.follow_matrix(R_WT, p_WT, q_near, self.branch)
+        return self.inverse.follow_rows(R_WT, p_WT, q_start, self.branch)
 
     def joint_rates(self, times: Array, q: Array, rates: Array, accelerations: Array) -> tuple[Array, Array]:
         """See `Follower`."""
@@ -217,15 +220,14 @@ def _joined(points: Sequence[CurvePoints]) -> CurvePoints:
 
 
 def _joint_positions(arm: Follower, points: CurvePoints, ways: Array, q_start: Array) -> Array:
-    q, rows = q_start, np.empty((len(points.p), len(q_start)))
-    for i, (R, p) in enumerate(zip(points.R, points.p, strict=True)):
-        found = arm.follow(R, p, q)
-        if found is None:
-            raise _refused("is out of the arm's reach or joint range", p, float(ways[i]))
-        if np.abs(found - q).max() > LARGEST_STEP:
-            raise _refused("passes a singular posture", p, float(ways[i]))
-        rows[i] = q = found
-    return rows
+    q = arm.follow_rows(points.R, points.p, q_start)
+    steps = np.abs(np.diff(q, axis=0, prepend=q_start[None])).max(axis=1, initial=0.0)
+    if steps.max(initial=0.0) > LARGEST_STEP:
+        i = int(np.argmax(steps > LARGEST_STEP))
+        raise _refused("passes a singular posture", points.p[i], float(ways[i]))
+    if (i := len(q)) < len(points.p):
+        raise _refused("is out of the arm's reach or joint range", points.p[i], float(ways[i]))
+    return q
 
 
 def _refused(why: str, p: Array, length: float) -> LineRefused:
