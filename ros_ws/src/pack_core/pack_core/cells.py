@@ -67,6 +67,10 @@ PARTS = {
         "pack_lockstep.{cell}.disturbances", "DISTURBANCES", "the rows of `pack benchmark hands CELL`",
         is_optional=True,
     ),
+    "motion_requests": CellPart(
+        "pack_lockstep.{cell}.motion_requests", "record", "what `pack benchmark motion` asks of the arm",
+        is_optional=True,
+    ),
     "page": CellPart(
         "pack_viewer.{cell}.{cell}_page", "PAGE", "the cell's part of the page in the browser",
         is_optional=True,

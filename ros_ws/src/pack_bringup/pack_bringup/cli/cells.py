@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from pack_bringup.cli.motion import motion
 from pack_bringup.robustness.commands import faults, hands
 from pack_bringup.robustness.live_command import live
 from pack_core.cells import CELLS, cell_part
@@ -39,3 +40,4 @@ def _watch() -> None:
 benchmarks.command("live")(live)
 benchmarks.command("faults")(faults)
 benchmarks.command("hands")(hands)
+benchmarks.command("motion")(motion)

@@ -152,6 +152,15 @@ def unwound_rows(rows: Array, q_near: Array) -> Array:
 
 
 @numba.njit(cache=True)
+def options(only: int, place: int) -> range:
+    """Both solutions of a pair of angles, or the one of a branch's row, from its binary place 4, 2 or 1."""
+    if only == ALL:
+        return range(0, 2)  # noqa: PIE808 - numba tells ranges with one argument from those with two
+    wanted = only // place % 2
+    return range(wanted, wanted + 1)
+
+
+@numba.njit(cache=True)
 def shoulder_angles(z: Array, r: Array, w0: Array, w: Array) -> Array:
     """Both angles `(2,)` of joint 1 that let the wrist's centre come from `w0` at zero to `w`; else NaN.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from pack_core.errors import PackError
 from pack_core.kinematics.chain import SerialChain
-from pack_core.kinematics.inverse import ALL, Bools, InverseKinematics, shoulder_angles
+from pack_core.kinematics.inverse import Bools, InverseKinematics, options, shoulder_angles
 from pack_core.kinematics.screws import (
     angle_about,
     angles_to_distance,
@@ -67,18 +67,14 @@ def _branches(
     shoulders = shoulder_angles(z, r, w0, turned(R, w0) + p)
     if np.isnan(shoulders[0]):
         return
-    for i in range(2):
-        if only != ALL and i != only // 4:
-            continue
+    for i in options(only, 4):
         q1 = shoulders[i]
         R1 = rotation(z[0], q1)
         # R6 keeps z[5] and R234 the component along z[1]: z[1] . R5 z[5] = z[1] . R1' R z[5], subproblem 4.
         flips = angles_to_plane(z[4], z[1], z[5], dot(z[1], turned_back(R1, turned(R, z[5]))))
         if np.isnan(flips[0]):
             continue
-        for k in range(2):
-            if only != ALL and k != only % 2:
-                continue
+        for k in options(only, 1):
             q5 = flips[k]
             R5 = rotation(z[4], q5)
             # R' R1 z[1] = R6' R5' z[1], because R234 keeps z[1]: subproblem 1 for the inverse of R6.
@@ -96,10 +92,8 @@ def _branches(
             # would fail only for an arm mounted with z[1] along (1, 1, 1) of the world.
             normal = np.array([z[1][1] - z[1][2], z[1][2] - z[1][0], z[1][0] - z[1][1]])
             lean = angle_about(z[1], normal, turned(R234, normal))
-            for j in range(2):
+            for j in options(only, 2):
                 row = 4 * i + 2 * j + k
-                if only not in (ALL, row):
-                    continue
                 q3 = elbows[j]
                 q2 = angle_about(z[1], turned(rotation(z[2], q3), r[3] - r[2]) + r[2] - r[1], v - r[1])
                 rows[row] = np.array([q1, q2, q3, lean - q2 - q3, q5, q6])

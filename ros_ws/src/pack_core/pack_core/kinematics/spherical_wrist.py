@@ -13,7 +13,7 @@ import numpy as np
 
 from pack_core.errors import PackError
 from pack_core.kinematics.chain import SerialChain
-from pack_core.kinematics.inverse import ALL, Bools, InverseKinematics, shoulder_angles
+from pack_core.kinematics.inverse import Bools, InverseKinematics, options, shoulder_angles
 from pack_core.kinematics.screws import (
     angle_about,
     angles_to_distance,
@@ -67,9 +67,7 @@ def _branches(
     shoulders = shoulder_angles(z, r, w0, w)
     if np.isnan(shoulders[0]):
         return
-    for i in range(2):
-        if only != ALL and i != only // 4:
-            continue
+    for i in options(only, 4):
         q1 = shoulders[i]
         R1 = rotation(z[0], q1)
         u = turned_back(R1, w - r[0]) + r[0]
@@ -77,9 +75,7 @@ def _branches(
         elbows = angles_to_distance(z[2], w0 - r[2], r[1] - r[2], np.sqrt(np.sum((u - r[1]) ** 2)))
         if np.isnan(elbows[0]):
             continue
-        for j in range(2):
-            if only != ALL and j != only // 2 % 2:
-                continue
+        for j in options(only, 2):
             q3 = elbows[j]
             R3 = rotation(z[2], q3)
             q2 = angle_about(z[1], turned(R3, w0 - r[2]) + r[2] - r[1], u - r[1])
@@ -89,10 +85,8 @@ def _branches(
             flips = angles_to_plane(z[4], z[3], z[5], dot(z[3], aim))
             if np.isnan(flips[0]):
                 continue
-            for k in range(2):
+            for k in options(only, 1):
                 row = 4 * i + 2 * j + k
-                if only not in (ALL, row):
-                    continue
                 q5 = flips[k]
                 R5 = rotation(z[4], q5)
                 q4 = angle_about(z[3], turned(R5, z[5]), aim)

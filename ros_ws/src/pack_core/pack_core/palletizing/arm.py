@@ -25,12 +25,14 @@ class PalletArmKinematics:
         inverse: of the same chain.
         home: joint positions at rest `(6,)` [rad].
         model: what both were read from: arm and tool alone, where the base nominally stands.
+        spec: what the model was compiled from.
     """
 
     chain: SerialChain
     inverse: SphericalWrist
     home: Array
     model: mujoco.MjModel
+    spec: mujoco.MjSpec
 
 
 @cache
@@ -42,4 +44,4 @@ def arm_kinematics() -> PalletArmKinematics:
     model = spec.compile()
     chain = chain_from_model(model, JOINTS, TOOL)
     inverse = SphericalWrist(chain, LIMITS.lower, LIMITS.upper)
-    return PalletArmKinematics(chain, inverse, np.array(cell.arm.home), model)
+    return PalletArmKinematics(chain, inverse, np.array(cell.arm.home), model, spec)

@@ -23,11 +23,12 @@ from pack_core.blocks.plan import Plan
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import Problem
 from pack_core.config import Config
-from pack_core.motion.target import MotionState, MotionStatus
+from pack_core.motion.target import MotionState, MotionStatus, MotionTarget
 from pack_core.states import SceneState
 from pack_lockstep.driven_arm import DrivenArm
 from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
+from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import motion_set
 from pack_perception.tags.tag_vision import TagVision, TagVisionConfig
 from pack_planner.rearrangement.methods import DEFAULT_METHOD, MethodName, RearrangementConfig
@@ -141,18 +142,21 @@ class BlocksLockstep:
         self.executor = Executor(task, config.executor, motions, obstacles, cell.gripper.force)
         self._targets = 0
         self._on_step: Callable[[], None] | None = None
+        self._on_target: Callable[[JointState, MotionTarget], None] | None = None
 
     def run(
         self, on_request: Callable[[ExecutorRequest, SceneState], None] | None = None,
         on_step: Callable[[], None] | None = None,
+        on_target: Callable[[JointState, MotionTarget], None] | None = None,
     ) -> Outcome:  # fmt: skip
         """Run to the outcome.
 
         Args:
             on_request: sees what is asked for next, and where the blocks truly are.
             on_step: is called with every setpoint of the arm.
+            on_target: sees what the arm is asked for, and the state in which it is.
         """
-        self._on_step = on_step
+        self._on_step, self._on_target = on_step, on_target
         with self.camera:
             request: ExecutorRequest | None = self.executor.start()
             while request is not None:
@@ -180,7 +184,10 @@ class BlocksLockstep:
 
     def _move(self, request: MoveArm) -> MotionStatus:
         self._targets += 1
-        self.motion.command(request.target(self._targets))
+        target = request.target(self._targets)
+        if self._on_target is not None:
+            self._on_target(self.motion.commanded, target)
+        self.motion.command(target)
         while self.motion.status().state in (MotionState.MOVING, MotionState.SETTLING):
             self._advance(self._config.period)
         return self.motion.status()

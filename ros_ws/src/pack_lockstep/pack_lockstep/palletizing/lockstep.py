@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
-from pack_core.motion.target import MotionStatus
+from pack_core.motion.target import MotionStatus, MotionTarget
 from pack_core.palletizing.boxes import BoxBody, BoxDetection, ExpectedBox
 from pack_core.palletizing.calibration import CellCalibration
 from pack_core.palletizing.cell import PalletizingCell
@@ -40,6 +40,7 @@ from pack_lockstep.palletizing.box_finder import BoxFinder, BoxFinderConfig, ope
 from pack_lockstep.palletizing.run_log import PalletRunLog
 from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
+from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import motion_set
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
@@ -118,9 +119,20 @@ class PalletLockstep:
         self._detection: BoxDetection | None = None
         self._exposure: tuple[float, ExpectedBox] | None = None
         self._pending: tuple[float, BoxDetection] | None = None
+        self._on_target: Callable[[JointState, MotionTarget], None] | None = None
 
-    def run(self, on_tick: Callable[[Tick], None] | None = None) -> PalletRun:
-        """Run to the end; `on_tick` is called in every cycle."""
+    def run(
+        self,
+        on_tick: Callable[[Tick], None] | None = None,
+        on_target: Callable[[JointState, MotionTarget], None] | None = None,
+    ) -> PalletRun:
+        """Run to the end.
+
+        Args:
+            on_tick: is called in every cycle.
+            on_target: sees what the arm is asked for, and the state in which it is.
+        """
+        self._on_target = on_target
         with open_box_finder(self._cell, self._config.sight, self.simulator, self._rng) as finder:
             while not self.palletizer.machine.is_over:
                 self._turn(finder, on_tick)
@@ -159,14 +171,19 @@ class PalletLockstep:
             case TakePicture() | ScanPlace():
                 self._look(command)
             case PursueTarget(target):
-                if self.motion.command(target).is_accepted:
-                    self._log.note_target(self.motion.plan.X_WT)
+                self._pursue(target)
             case StopArm():
                 self.motion.stop()
             case CloseGripper():
                 self.simulator.gripper.close()
             case OpenGripper():
                 self.simulator.gripper.open()
+
+    def _pursue(self, target: MotionTarget) -> None:
+        if self._on_target is not None:
+            self._on_target(self.motion.commanded, target)
+        if self.motion.command(target).is_accepted:
+            self._log.note_target(self.motion.plan.X_WT)
 
     def _look(self, command: TakePicture | ScanPlace) -> None:
         """Ask for a picture, or scan a place; the result is known a little later."""

@@ -31,18 +31,24 @@ class MotionArm:
         inverse: inverse kinematics of the same chain.
         limits: limits of its joints.
         home: joint positions at rest `(n,)` [rad].
+        spec: the MuJoCo model of arm and gripper alone, in which the tool's frame is the body `TOOL`.
+        joints: names of the joints in that model.
         bodies: boxes around all shapes that can touch something, without those of the fingers.
         fingers: boxes around the fingers, for a gripper that has them.
         base: boxes around the base, which the arm could hit; None: the arm is not checked against itself.
+        finger_joints: names of the fingers' joints in the model, each of which goes by half the opening.
     """
 
     chain: SerialChain
     inverse: InverseKinematics
     limits: JointLimits
     home: Array
+    spec: mujoco.MjSpec
+    joints: tuple[str, ...]
     bodies: BodyBoxes
     fingers: Fingers | None = None
     base: BodyBoxes | None = None
+    finger_joints: tuple[str, ...] = ()
 
     def bodies_at(self, opening: float) -> BodyBoxes:
         """Boxes around all shapes of the arm, with the fingers `opening` [m] apart."""
@@ -72,7 +78,7 @@ def load_arm(cell: str) -> MotionArm:
 def _palletizing() -> MotionArm:
     arm = arm_kinematics()
     bodies = boxes_from_model(arm.model, kr210.JOINTS)
-    return MotionArm(arm.chain, arm.inverse, kr210.LIMITS, arm.home, bodies)
+    return MotionArm(arm.chain, arm.inverse, kr210.LIMITS, arm.home, arm.spec, kr210.JOINTS, bodies)
 
 
 def _blocks() -> MotionArm:
@@ -86,10 +92,11 @@ def _blocks() -> MotionArm:
     chain = chain_from_model(model, ur10e.JOINTS, TOOL)
     inverse = ParallelAxes(chain, limits.lower, limits.upper)
     return MotionArm(
-        chain, inverse, limits, np.array(cell.robot.look),
+        chain, inverse, limits, np.array(cell.robot.look), spec, ur10e.JOINTS,
         boxes_from_model(model, ur10e.JOINTS, without=robotiq_2f85.FINGERS),
         fingers_from_model(model, len(ur10e.JOINTS) - 1, robotiq_2f85.FINGER_JOINTS),
         fixed_boxes(model, ur10e.BASE),
+        robotiq_2f85.FINGER_JOINTS,
     )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,17 +83,24 @@ class OwnBodyCheck:
         """The largest violation of the clearance at some rows of a plan's trajectory, or None."""
         if len(self._pairs) == 0:
             return None
-        chain, b = self._arm.chain, self._bodies
-        gaps = own_gaps_along(
-            chain.axes, chain.points, np.ascontiguousarray(plan.trajectory.q[rows]), b.link, b.R, b.p, b.half,
-            self._pairs, self._clearance,
-        )  # fmt: skip
+        gaps = self._gaps(plan.trajectory.q[rows])
         needed = np.minimum(self._clearance, gaps[0])
         t, k = (int(i) for i in np.unravel_index(np.argmax(needed - gaps), gaps.shape))
         if gaps[t, k] >= needed[k]:
             return None
-        one, other = (b.names[i] for i in self._pairs[k])
+        one, other = (self._bodies.names[i] for i in self._pairs[k])
         return conflict_at(self._arm, plan, int(rows[t]), one, other, float(gaps[t, k]), float(needed[k]))
+
+    def is_clear(self, q: Array) -> bool:
+        """Whether joint positions `(T, n)` keep the clearance."""
+        return len(self._pairs) == 0 or bool(self._gaps(q).min() >= self._clearance)
+
+    def _gaps(self, q: Array) -> Array:
+        chain, b = self._arm.chain, self._bodies
+        return np.asarray(own_gaps_along(
+            chain.axes, chain.points, np.ascontiguousarray(q), b.link, b.R, b.p, b.half, self._pairs,
+            self._clearance,
+        ))  # fmt: skip
 
 
 PERIOD = 0.02
@@ -136,12 +143,29 @@ class ClearanceCheck:
         rows = _moments(plan.trajectory.times)
         return self._among(plan, rows, around) or self._own_body.conflict(plan, rows)
 
+    def gate(self, around: Surrounding, margin: float) -> Callable[[Array], bool]:
+        """What says whether joint positions `(T, n)` keep a margin [m] from all that stands.
+
+        And whether the arm keeps the clearance from itself.
+        """
+        standing = [item for item in around.obstacles if not item.is_moving]
+        bodies = with_carried(self._arm, around)
+        boxes = _boxes(standing)
+
+        def is_clear(q: Array) -> bool:
+            if standing and self._gaps(q, bodies, boxes, margin).min() < margin:
+                return False
+            return self._own_body.is_clear(q)
+
+        return is_clear
+
     def _among(self, plan: MotionPlan, rows: npt.NDArray[np.int64], around: Surrounding) -> Conflict | None:
         standing = [item for item in around.obstacles if not item.is_moving]
         if not standing:
             return None
         bodies = with_carried(self._arm, around)
-        gaps = self._gaps(plan.trajectory.q[rows], bodies, standing)
+        # Gaps are exact up to twice what is needed, and cut off there.
+        gaps = self._gaps(plan.trajectory.q[rows], bodies, _boxes(standing), 2.0 * self._clearance)
         shortage = self._needed(plan, rows, gaps, standing, around.contacts) - gaps
         t, i, j = (int(k) for k in np.unravel_index(np.argmax(shortage), shortage.shape))
         if shortage[t, i, j] <= 0.0:
@@ -149,14 +173,11 @@ class ClearanceCheck:
         gap, needed = float(gaps[t, i, j]), float(shortage[t, i, j] + gaps[t, i, j])
         return conflict_at(self._arm, plan, int(rows[t]), bodies.names[i], standing[j].name, gap, needed)
 
-    def _gaps(self, q: Array, bodies: BodyBoxes, standing: Sequence[Obstacle]) -> Array:
-        R = np.array([to_matrix(item.X_WO.q) for item in standing])
-        p = np.array([item.X_WO.p for item in standing])
-        half = np.array([0.5 * item.size for item in standing])
+    def _gaps(self, q: Array, bodies: BodyBoxes, boxes: tuple[Array, Array, Array], enough: float) -> Array:
         chain = self._arm.chain
         return np.asarray(gaps_along(
             chain.axes, chain.points, np.ascontiguousarray(q), bodies.link, bodies.R, bodies.p, bodies.half,
-            R, p, half, 2.0 * self._clearance,  # gaps are exact up to twice what is needed, and cut off there
+            *boxes, enough,
         ))  # fmt: skip
 
     def _needed(
@@ -185,6 +206,13 @@ def with_carried(arm: MotionArm, around: Surrounding) -> BodyBoxes:
     p = chain.p_WT + chain.R_WT @ carried.X_TB.p
     box = BodyBoxes((CARRIED,), np.array([chain.n - 1]), R[None], p[None], 0.5 * carried.size[None])
     return bodies.joined(box)
+
+
+def _boxes(standing: Sequence[Obstacle]) -> tuple[Array, Array, Array]:
+    """Orientations `(m, 3, 3)`, centres `(m, 3)` and half edge lengths `(m, 3)` [m] of obstacles."""
+    R = np.array([to_matrix(item.X_WO.q) for item in standing])
+    p = np.array([item.X_WO.p for item in standing])
+    return R, p, np.array([0.5 * item.size for item in standing])
 
 
 def _moments(times: Array) -> npt.NDArray[np.int64]:

@@ -1,8 +1,13 @@
-"""Searches the lengths of a transfer's first and last straight line for which it is clear of obstacles."""
+"""Searches the lengths of a transfer's first and last straight line for which it is clear of obstacles.
+
+Where no lengths are, it goes around: see `pack_motion.clearance.detour`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
@@ -11,6 +16,7 @@ from pack_core.motion.moves import (
     DESCEND,
     RISE,
     TRANSIT,
+    JointMove,
     Line,
     Mode,
     Path,
@@ -21,7 +27,8 @@ from pack_core.motion.moves import (
 )
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
-from pack_motion.clearance.check import ClearanceCheck, Surrounding
+from pack_motion.clearance.check import ClearanceCheck, Conflict, Surrounding
+from pack_motion.clearance.detour import DetourSearch
 from pack_motion.reference.path_planner import MotionPlan, PathPlanner
 from pack_motion.reference.trajectory import JointState, MoveRefused
 
@@ -29,34 +36,78 @@ STEP = 0.08
 """Largest step between two lengths that are tried [m]."""
 
 
-class TransferPlanner:
-    """Plans transfers that are clear of all obstacles."""
+MARGINS = (0.1, 0.05, 0.02)
+"""Gaps that ways around keep from everything [m], tried in turn: the reference does not follow their edges
+exactly."""
+GOALS = 3
+"""Postures over the place that ways are searched to, for each margin."""
+SEED = 0
+"""Of the poses that ways around are drawn from: the same request has the same plan."""
 
-    def __init__(self, arm: MotionArm, paths: PathPlanner, check: ClearanceCheck) -> None:
-        self._arm, self._paths, self._check = arm, paths, check
+
+class WaySearch(Protocol):
+    """Searches a way between joint positions."""
+
+    def way(self, q_start: Array, q_end: Array) -> list[Array] | None:
+        """Joint positions from `q_start` to `q_end` with clear straight edges between them, or None."""
+
+
+class TransferPlanner:
+    """Plans transfers that are clear of all obstacles.
+
+    Args:
+        arm: the arm that moves.
+        paths: plans a reference through given segments.
+        check: whether a reference is clear.
+        search: makes what searches ways around, of the arm, of what says whether joint positions `(T, n)`
+            are clear, and of a random generator.
+    """
+
+    def __init__(
+        self,
+        arm: MotionArm,
+        paths: PathPlanner,
+        check: ClearanceCheck,
+        search: Callable[[MotionArm, Callable[[Array], bool], np.random.Generator], WaySearch] = DetourSearch,
+    ) -> None:
+        self._arm, self._paths, self._check, self._search = arm, paths, check, search
 
     def plan(self, start: JointState, transfer: Transfer, around: Surrounding) -> MotionPlan:
-        """The first clear plan, trying lines from the shortest to the longest.
+        """The first clear plan: lines from the shortest to the longest, then ways around.
+
+        Raises:
+            MoveRefused: no plan is clear; the text names the conflict of the last lengths that were tried.
+        """
+        found = self.by_height(start, transfer, around)
+        if isinstance(found, MotionPlan):
+            return found
+        plan = self.detoured(start, transfer, around)
+        if plan is None:
+            raise MoveRefused(found.text)
+        return plan
+
+    def by_height(self, start: JointState, transfer: Transfer, around: Surrounding) -> MotionPlan | Conflict:
+        """The first clear plan straight over everything, or the conflict that no length of the lines solves.
 
         If the joint move between the lines is not clear in its first half, the first line is made longer,
         otherwise the last one; where that line has its full length already, the other one grows.
 
         Raises:
-            MoveRefused: no plan is clear; the text names the conflict of the last one that was tried.
+            MoveRefused: the lines themselves are not clear, or out of reach.
         """
-        depart = _lengths(transfer.depart) if transfer.depart else np.zeros(1)
-        hover = _lengths(transfer.hover)
+        depart, hover = _departures(transfer), _lengths(transfer.hover)
         i = j = 0
-        best_refusal = ""
+        conflict: Conflict | None = None
         while True:
             try:
                 plan = self._paths.plan(start, self._path(start, transfer, depart[i], hover[j]))
-            except MoveRefused as refusal:
-                raise MoveRefused(best_refusal or str(refusal)) from refusal
+            except MoveRefused:
+                if conflict is None:
+                    raise
+                return conflict
             conflict = self._check.conflict(plan, around)
             if conflict is None:
                 return plan
-            best_refusal = conflict.text
             if plan.segments[conflict.segment].label != TRANSIT:  # longer lines cannot help the lines
                 raise MoveRefused(conflict.text)
             is_early = conflict.time < _middle(plan)
@@ -66,15 +117,73 @@ class TransferPlanner:
             elif can_hover:
                 j += 1
             else:
-                raise MoveRefused(conflict.text)
+                return conflict
 
-    def _path(self, start: JointState, transfer: Transfer, depart: float, hover: float) -> Path:
+    def detoured(self, start: JointState, transfer: Transfer, around: Surrounding) -> MotionPlan | None:
+        """A clear plan around what stands in the way; None where none is found."""
+        rng = np.random.default_rng(SEED)
+        for margin in MARGINS:
+            is_clear = self._check.gate(around, margin)
+            depart, q_from = self._departed(start, transfer, is_clear)
+            if q_from is None:
+                continue
+            for hover, q_to in self._hovering(q_from, transfer, is_clear)[:GOALS]:
+                way = self._search(self._arm, is_clear, rng).way(q_from, q_to)
+                if way is None:
+                    continue
+                try:
+                    plan = self._paths.plan(start, self._path(start, transfer, depart, hover, way[1:]))
+                except MoveRefused:
+                    continue
+                if self._check.conflict(plan, around) is None:
+                    return plan
+        return None
+
+    def _departed(
+        self, start: JointState, transfer: Transfer, is_clear: Callable[[Array], bool]
+    ) -> tuple[float, Array | None]:
+        """The shortest first line at whose end the arm is clear, and the joint positions there."""
+        if transfer.depart is None:
+            return 0.0, start.q if is_clear(start.q[None]) else None
+        X_WT, branch = self._arm.chain.forward(start.q), self._arm.inverse.branch(start.q)
+        for length in _lengths(transfer.depart):
+            q = self._arm.inverse.follow(_shifted(X_WT, transfer.depart, length), start.q, branch)
+            if q is not None and is_clear(q[None]):
+                return float(length), q
+        return 0.0, None
+
+    def _hovering(
+        self, q_from: Array, transfer: Transfer, is_clear: Callable[[Array], bool]
+    ) -> list[tuple[float, Array]]:
+        """Lengths of the last line and joint positions over it where the arm is clear, nearest first.
+
+        Of every flip of the wrist and turn of a joint, the shortest line.
+        """
+        arm = self._arm
+        shoulder, elbow, _ = arm.inverse.branch(q_from)
+        found: dict[tuple[int, ...], tuple[float, Array]] = {}
+        for length in _lengths(transfer.hover):
+            X_hover = _shifted(transfer.lines[0].X_WT, transfer.hover, length)
+            for q in arm.inverse.candidates(X_hover, shoulder, elbow):
+                kind = (arm.inverse.branch(q)[2], *(int(turn) for turn in np.floor(q / np.pi)))
+                if kind not in found and is_clear(q[None]):
+                    found[kind] = float(length), q
+        velocity = arm.limits.velocity
+        return sorted(found.values(), key=lambda end: float((np.abs(end[1] - q_from) / velocity).max()))
+
+    def _path(
+        self, start: JointState, transfer: Transfer, depart: float, hover: float, way: Sequence[Array] = ()
+    ) -> Path:
+        """The segments for these lengths; a way of joint positions, if given, ends at the hover pose."""
         first = transfer.lines[0]
         X_hover = _shifted(first.X_WT, transfer.hover, hover)
         segments: list[Segment] = []
         if transfer.depart is not None:
             segments += _departing(self._arm.chain.forward(start.q), transfer.depart, depart)
-        segments.append(PoseMove(X_hover, transfer.speed, transfer.acceleration, label=TRANSIT))
+        if way:
+            segments += [JointMove(q, transfer.speed, transfer.acceleration, label=TRANSIT) for q in way]
+        else:
+            segments.append(PoseMove(X_hover, transfer.speed, transfer.acceleration, label=TRANSIT))
         return Path((*segments, *_approaching(first, transfer.hover, hover), *transfer.lines[1:]))
 
 
@@ -105,6 +214,10 @@ def _approaching(first: Line, hover: Retreat, length: float) -> list[Line]:
         label=DESCEND, mode=Mode.FAST,
     )  # fmt: skip
     return [fast, slow]
+
+
+def _departures(transfer: Transfer) -> Array:
+    return _lengths(transfer.depart) if transfer.depart else np.zeros(1)
 
 
 def _lengths(retreat: Retreat) -> Array:

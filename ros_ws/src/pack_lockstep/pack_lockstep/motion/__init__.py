@@ -1,0 +1,1 @@
+"""Motion planning measured by itself: recorded requests, planners side by side, an independent checker."""
