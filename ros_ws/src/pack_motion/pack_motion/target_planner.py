@@ -28,7 +28,7 @@ class PreparedTarget:
 
 
 class TargetPlanner:
-    """Plans for one arm; keeps no state.
+    """Plans for one arm; a plan does not depend on earlier ones.
 
     Args:
         arm: the arm that moves.

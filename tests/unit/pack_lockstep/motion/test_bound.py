@@ -31,6 +31,7 @@ def test_a_line_takes_as_long_as_its_tool_may_be_fast() -> None:
         START, Path((Line(Pose(down.p + np.array([0.0, 0.0, 0.3]), down.q), 0.2, 1.0),))
     )
     bound = least_duration(ARM, plan, SHARE)
+    assert bound is not None
     assert bound == pytest.approx(0.3 / 0.2 + 0.2 / 1.0, rel=0.02)
     assert bound < plan.trajectory.duration
 
@@ -40,4 +41,6 @@ def test_no_plan_is_faster_than_its_bound() -> None:
     for _ in range(5):
         goal = ARM.home + rng.uniform(-0.5, 0.5, 6)
         plan = PathPlanner(ARM, SHARE).plan(START, Path((JointMove(goal),)))
-        assert 0.8 * plan.trajectory.duration < least_duration(ARM, plan, SHARE) < plan.trajectory.duration
+        bound = least_duration(ARM, plan, SHARE)
+        assert bound is not None
+        assert 0.8 * plan.trajectory.duration < bound < plan.trajectory.duration

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -123,6 +125,35 @@ def test_a_contact_does_not_excuse_touching_on_the_way(bench: Bench) -> None:
     assert conflict is not None
     assert conflict.obstacle == "stack"
     assert "'over'" in conflict.text
+
+
+def test_a_corner_that_is_passed_between_two_checked_moments_is_seen(bench: Bench) -> None:
+    """A small block beside the way of the box's corners, at any row of the fast middle."""
+    plan = bench.paths.plan(
+        JointState.at_rest(bench.at_pick.q), Path((PoseMove(pose(-0.2, 0.5, 1.3), label="over"),))
+    )
+    bodies, chain, q = with_carried(bench.arm, Surrounding(carried=BOX)), bench.arm.chain, plan.trajectory.q
+    middle = int(np.argmax(np.linalg.norm(plan.trajectory.v, axis=1)))
+    corners = 2.0 * np.indices((2, 2, 2)).reshape(3, -1).T - 1.0
+    poses = [tuple(part[-1] for part in bodies.moved(*chain.links(row))) for row in q]
+    ways = np.array([p + corners * bodies.half[-1] @ R.T for R, p in poses])
+    too_near, missed = 0, []
+    for row, corner in product(range(middle - 5, middle + 5), range(8)):
+        along = ways[row + 1, corner] - ways[row - 1, corner]
+        out = ways[row, corner] - poses[row][1]
+        out -= (out @ along) / (along @ along) * along
+        p = ways[row, corner] + 0.011 * out / np.linalg.norm(out)
+        block = Obstacle("block", Pose(p), np.full(3, 0.002))
+        boxes = np.eye(3)[None], p[None], 0.5 * block.size[None]
+        gaps = gaps_along(
+            chain.axes, chain.points, q, bodies.link, bodies.R, bodies.p, bodies.half, *boxes, 1.0
+        )  # fmt: skip
+        is_too_near = float(gaps.min()) < CLEARANCE
+        too_near += is_too_near
+        if is_too_near and bench.check.conflict(plan, Surrounding((block,), BOX)) is None:
+            missed.append((row, corner))
+    assert too_near > 40
+    assert missed == []
 
 
 def test_the_arm_itself_is_kept_clear(bench: Bench) -> None:

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pack_core.errors import ConfigError, PackError
+from pack_core.errors import ConfigError
 from pack_core.motion.moves import Line
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.path_planner import MotionPlan
 
-POINTS_PER_SEGMENT = 60
+POINTS_PER_SEGMENT = 200
 """Points of the grid on which each segment of the path is timed."""
 STANDING = 1e-7
 """Rows that are nearer than this to the last one are the same point of the path [rad]."""
@@ -28,11 +28,12 @@ CORNER = 0.05
 TINY, MANY = 1e-9, 1e6
 
 
-def least_duration(arm: MotionArm, plan: MotionPlan, share: float) -> float:
+def least_duration(arm: MotionArm, plan: MotionPlan, share: float) -> float | None:
     """The least duration [s] along a plan's path, from rest to rest or from its first velocity.
 
     The limits are the reference's own: `share` of the joints' velocities and accelerations, lowered as each
-    segment asks, and the tool's speed and acceleration on lines.
+    segment asks, and the tool's speed and acceleration on lines. None where the path is a point, or where
+    toppra finds no timing on the grid.
 
     Raises:
         ConfigError: toppra is not installed.
@@ -40,7 +41,7 @@ def least_duration(arm: MotionArm, plan: MotionPlan, share: float) -> float:
     toppra = require_toppra()
     rows, points = plan.trajectory, _points(plan)
     if len(points) < 3:
-        return 0.0
+        return None
     q, v, segment = rows.q[points], rows.v[points], rows.segment[points]
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
     slope, bend, stops = _derivatives(q, v, rows.a[points])
@@ -59,8 +60,8 @@ def least_duration(arm: MotionArm, plan: MotionPlan, share: float) -> float:
     timing = toppra.algorithm.TOPPRA([constraint], toppra.SplineInterpolator(s, q), gridpoints=s)
     start = min(float(np.linalg.norm(v[0])), float(fastest[0]))
     _, rate, _ = timing.compute_parameterization(start, 0.0)
-    if rate is None:
-        raise PackError("toppra finds no timing of a path that has one")
+    if rate is None or not np.all(np.isfinite(rate)):
+        return None
     # Between two points of the grid the acceleration of s is constant, so that its mean speed is the average.
     return float(np.sum(2.0 * np.diff(s) / (rate[1:] + rate[:-1])))
 
@@ -121,6 +122,7 @@ def _derivatives(q: Array, v: Array, a: Array) -> tuple[Array, Array, npt.NDArra
     bend = np.where(moves[:, None], across / np.maximum(rate, TINY)[:, None] ** 2, 0.0)
     stops = np.zeros(len(q), dtype=bool)
     stops[1:-1] = ~moves[1:-1] & (np.linalg.norm(np.diff(ahead, axis=0)[:-1], axis=1) > CORNER)
+    stops[1:] &= ~stops[:-1]  # of points in a row the first: between two stops no time would be enough
     return slope, bend, stops
 
 

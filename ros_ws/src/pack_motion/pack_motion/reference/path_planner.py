@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import OrderedDict
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,9 @@ from pack_motion.reference.trajectory import JointState, MoveRefused, ReferenceT
 
 SLOWING_TRIES, SLOWING_MARGIN = 6, 0.99
 """How often a joint move is planned anew to keep the tool slow, and the share of that speed it aims at."""
+
+KEPT_RUNS = 8
+"""References along lines that are kept: a search changes those at one end of a move, not at the other."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,7 @@ class PathPlanner:
         self._arm = arm
         limits = arm.limits
         self._limits = MoveLimits(share * limits.velocity, share * limits.acceleration, arm.jerk)
+        self._runs: OrderedDict[Hashable, ReferenceTrajectory] = OrderedDict()
 
     def plan(self, start: JointState, path: Path) -> MotionPlan:
         """The reference from `start` through all segments, to rest at the last one's end.
@@ -147,13 +152,21 @@ class PathPlanner:
         lines = [line for line in segments[i:j] if isinstance(line, Line)]
         if j == len(segments):
             lines[-1] = _stopping(lines[-1])
+        key = (i, entry_speed, q.tobytes(), *(_key(line) for line in lines))
+        if key not in self._runs:
+            self._runs[key] = self._line_run(q, lines, i, entry_speed)
+            if len(self._runs) > KEPT_RUNS:
+                self._runs.popitem(last=False)
+        return self._runs[key], j
+
+    def _line_run(self, q: Array, lines: Sequence[Line], i: int, entry_speed: float) -> ReferenceTrajectory:
         run = curve_segments(self._arm.chain.forward(q), lines, i)
         if not run:
-            return _standing(q, i), j
+            return _standing(q, i)
         inverse = self._arm.inverse
         follower = BranchFollower(inverse, inverse.branch(q))
         try:
-            return line_run(follower, run, entry_speed, q, self._limits), j
+            return line_run(follower, run, entry_speed, q, self._limits)
         except MoveRefused as refusal:
             raise MoveRefused(f"'{lines[0].label}' to '{lines[-1].label}': {refusal}") from refusal
 
@@ -205,6 +218,12 @@ class PathPlanner:
         if np.any(beyond):
             joint = int(np.argwhere(beyond)[0][1])
             raise MoveRefused(f"joint {limits.names[joint]} would leave its range on the way")
+
+
+def _key(line: Line) -> Hashable:
+    """What decides the reference along a line."""
+    speeds = line.speed, line.acceleration, line.entry_speed, line.exit_speed, line.blend
+    return line.X_WT.p.tobytes(), line.X_WT.q.tobytes(), *speeds
 
 
 def _stopping(line: Line) -> Line:
