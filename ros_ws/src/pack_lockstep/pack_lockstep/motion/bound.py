@@ -15,6 +15,7 @@ from pack_core.errors import ConfigError
 from pack_core.motion.moves import Line
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
+from pack_motion.reference.curve import RADIUS
 from pack_motion.reference.path_planner import MotionPlan
 
 POINTS_PER_SEGMENT = 200
@@ -45,8 +46,9 @@ def least_duration(arm: MotionArm, plan: MotionPlan, share: float) -> float | No
     q, v, segment = rows.q[points], rows.v[points], rows.segment[points]
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
     slope, bend, stops = _derivatives(q, v, rows.a[points])
-    tool = np.array([arm.chain.jacobian(row)[:3] @ along for row, along in zip(q, slope, strict=True)])
-    reach = np.linalg.norm(tool, axis=1)  # metres of the tool per unit of s
+    tool = np.array([arm.chain.jacobian(row) @ along for row, along in zip(q, slope, strict=True)])
+    # Length of a line per unit of s: of the tool's way, or of its turn, whichever is longer.
+    reach = np.maximum(np.linalg.norm(tool[:, :3], axis=1), RADIUS * np.linalg.norm(tool[:, 3:], axis=1))
     speed, acceleration, tool_speed, tool_acceleration = _limits(arm, plan, share)[:, segment]
     fastest = np.minimum(
         (speed[:, None] * arm.limits.velocity / np.maximum(np.abs(slope), TINY)).min(axis=1),
