@@ -21,8 +21,8 @@ CYCLE = 0.048
 
 
 def controller_of(scene: Scene, optimizer: str, **reduction: float) -> PackingController:
-    config = ControllerConfig(
-        optimizer=optimizer, threads=2, reduction=StateReductionConfig.model_validate(reduction)
+    config = ControllerConfig.model_validate(
+        {"optimizer": optimizer, "threads": 2, optimizer: {"reduction": {"margin": 0.02, **reduction}}}
     )
     return PackingController(scene.description(), packing_cell(), load_weights("tuned"), config)
 

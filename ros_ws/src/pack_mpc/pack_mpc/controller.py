@@ -23,7 +23,7 @@ from pack_mpc.cost.weights import WeightSet
 from pack_mpc.optimizers import OPTIMIZERS
 from pack_mpc.optimizers.optimizer import Solution
 from pack_mpc.plant import STATE, PackingPlant
-from pack_mpc.state_reduction import StateReduction, StateReductionConfig
+from pack_mpc.state_reduction import StateReduction
 from pack_mpc.target import PackingTarget, Stage
 
 OptimizerName = Annotated[str, AfterValidator(OPTIMIZERS.known)]
@@ -42,7 +42,6 @@ class ControllerConfig(Config):
     published: PositiveFloat = Field(
         default=0.24, description="part of the horizon that is sent to the driver [s]"
     )
-    reduction: StateReductionConfig = StateReductionConfig()
 
 
 @dataclass(frozen=True)
@@ -126,7 +125,7 @@ class PackingController:
         own = getattr(config, config.optimizer)
         modelled = cell if config.compliant_tip else cell.model_copy(update={"tip": None})
         self._optimizer = OPTIMIZERS[config.optimizer](scene, modelled, own, config.threads)
-        self._reduction = StateReduction(self._optimizer.plant, config.reduction)
+        self._reduction = StateReduction(self._optimizer.plant, own.reduction)
         self._predictor = Predictor(scene, modelled)
         self._in_flight: tuple[Setpoints, ...] = ()
 

@@ -16,6 +16,7 @@ from pack_core.rotations import Array
 from pack_mpc.cost.cost import PackingCost
 from pack_mpc.optimizers.optimizer import Optimizer, Solution
 from pack_mpc.plant import PackingPlant
+from pack_mpc.state_reduction import StateReductionConfig
 from pack_mpc.target import PackingTarget, Stage
 
 DIVERGED = 20.0
@@ -36,6 +37,8 @@ class IlqrOptimizerConfig(Config):
         default=False,
         description="the state is the paper's: every object, touched or not, with its orientation",
     )
+    # Its few rollouts tell too little of what it may reach: without the other objects it pushes harder.
+    reduction: StateReductionConfig = StateReductionConfig(margin=np.inf)
     iteration: IlqrConfig = IlqrConfig()
     explorers: ExplorerConfig = ExplorerConfig()
 

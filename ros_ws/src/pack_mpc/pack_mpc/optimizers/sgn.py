@@ -22,6 +22,7 @@ from pack_mpc.cost.cost import PackingCost
 from pack_mpc.optimizers.optimizer import Optimizer, Solution
 from pack_mpc.optimizers.spline import Basis, ResolvedRateServo, ServoReference, predicted_setpoints
 from pack_mpc.plant import PackingPlant
+from pack_mpc.state_reduction import StateReductionConfig
 from pack_mpc.target import PackingTarget, Stage
 
 SPARING = 3
@@ -61,6 +62,7 @@ class SgnConfig(Config):
     leash: PositiveFloat = Field(
         default=0.04, description="lead limit: how far the reference may be ahead of the arm [m]"
     )
+    reduction: StateReductionConfig = StateReductionConfig()
 
 
 @dataclass(frozen=True)
