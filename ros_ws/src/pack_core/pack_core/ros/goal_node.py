@@ -186,7 +186,7 @@ class GoalNode(CellNode, ABC):
             result = result_type(success=False, message=f"the node failed: {error!r}; its log says more")
         finally:
             self._goal = None
-            self._checks.cancel()
+        self._checks.cancel()  # not in `finally`, which runs, too, when the node is gone before its goal
         self.tell_status()
         self.get_logger().info(f"goal ended: {self.describe(result)}")
         if result.success:

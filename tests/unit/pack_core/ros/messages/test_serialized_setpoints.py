@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
+from rosbags.typesys import Stores, get_typestore
 from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.errors import MessageError
@@ -14,6 +15,8 @@ from pack_core.ros.messages.joints import from_trajectory, to_trajectory
 from pack_core.ros.messages.serialized_setpoints import TrajectoryReader, TrajectoryWriter
 
 RNG = np.random.default_rng(0)
+RECORDED = get_typestore(Stores.ROS2_JAZZY)
+"""What recordings are read with."""
 both = pytest.mark.parametrize("stated", ["a", "tau"])
 
 
@@ -38,7 +41,7 @@ def test_what_is_written_is_the_message(n: int, stated: FeedForward) -> None:
         given = setpoints(rows, n, stated)
         data = writer.write(given)
         assert deserialize_message(data, JointTrajectory) == to_trajectory(given, names)
-        assert len(data) == len(serialize_message(to_trajectory(given, names)))
+        RECORDED.deserialize_cdr(data, "trajectory_msgs/msg/JointTrajectory")  # refuses bytes at the end
 
 
 def test_a_writer_takes_torques_and_accelerations_by_turns() -> None:

@@ -38,7 +38,7 @@ class Template:
     """A serialised message that begins with a stamp or a header, and whose numbers are overwritten.
 
     Args:
-        message: with `MARK` as the first number of each block of numbers.
+        message: with `MARK` as the first number of each block of numbers; the last block ends the message.
         block: layout of a block.
     """
 
@@ -50,6 +50,9 @@ class Template:
         while (offset := self._data.find(mark, end)) >= 0:
             self._offsets.append(offset)
             end = offset + block.size
+        if self._offsets:
+            # rclpy reserves a few bytes too many for lists in lists; readers of recordings refuse them.
+            del self._data[end:]
 
     def filled(self, time: float, blocks: Sequence[Sequence[float]]) -> bytes:
         """The message of `time` [s] with these numbers in its blocks."""
