@@ -77,7 +77,7 @@ def test_a_picture_is_used_though_the_motion_is_ahead_of_the_clock(
 
 
 def test_a_tag_seen_twice_ends_the_goal_with_its_block(
-    graph: Graph, node: BlockFsmNode, rig: BlocksRig
+    graph: Graph, patient_node: BlockFsmNode, rig: BlocksRig
 ) -> None:
     def double(message: BlockSightingMsg) -> None:
         message.blocks, message.doubled = message.blocks[:1], ["b"]
