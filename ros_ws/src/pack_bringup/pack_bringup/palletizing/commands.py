@@ -269,6 +269,14 @@ def benchmark(
     """
     options = RunOptions(jobs, ray, output, fresh, json_file)
     if shift:
+        shift_command.refuse(
+            {
+                "--orders": orders, "--order": order, "--seeds": seeds != 1, "--first-seed": first_seed,
+                "--profile": profile, "--motion": motion, "--preset": preset != "rigid", "--plots": plots,
+                "--no-vision": not vision, "--limits": limits is not None, "--visitors": visitors,
+                "--calibration": calibration, "--no-calibrate": not calibrate, "--gap": gap is not None,
+            }
+        )  # fmt: skip
         stream = shift_command.ShiftOptions(
             streams, seed, rule, buffer, preview, open_pallets, tipping, max_pressure, fragile
         )

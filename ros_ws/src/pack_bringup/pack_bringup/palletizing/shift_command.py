@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from pack_bringup.cli.benchmark_run import RunOptions, run
+from pack_core.errors import ConfigError
 from pack_core.paths import config_path
 
 Shift = Annotated[
@@ -56,6 +58,15 @@ class ShiftOptions:
     tipping: float | None
     max_pressure: float | None
     fragile: float
+
+
+def refuse(others: Mapping[str, Any]) -> None:
+    """Raise ConfigError where options are given, by name, that are for orders."""
+    if given_too := [name for name, value in others.items() if value]:
+        raise ConfigError(
+            f"{', '.join(given_too)} beside --shift; allowed: --streams, --seed, what its help says is for "
+            "--shift, and the options of every benchmark; the rest is for orders"
+        )
 
 
 def run_shift(given: ShiftOptions, options: RunOptions) -> None:
