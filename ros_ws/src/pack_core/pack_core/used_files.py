@@ -5,7 +5,7 @@ modules of a process are in `sys.modules`. What no result depends on is left out
 starts, records and shows what is measured.
 
 A process that is started for a measurement tells what it used in a file of the folder that the variable
-`PACK_USED_FILES` names.
+`PACKCELL_USED_FILES` names.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 
 from pack_core.paths import project_root
 
-VARIABLE = "PACK_USED_FILES"
+VARIABLE = "PACKCELL_USED_FILES"
 """Of the environment: the folder into which a process tells what it used; not set: it tells nothing."""
 SOURCES, CONFIG = "ros_ws/src", "config"
 COMMANDS = f"{SOURCES}/pack_bringup/"

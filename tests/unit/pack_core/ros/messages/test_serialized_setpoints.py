@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
@@ -10,8 +12,9 @@ from trajectory_msgs.msg import JointTrajectory
 
 from pack_core.errors import MessageError
 from pack_core.joints import FeedForward, Setpoints
-from pack_core.ros.messages import serialized_setpoints
+from pack_core.ros.messages import serialized, serialized_setpoints
 from pack_core.ros.messages.joints import from_trajectory, to_trajectory
+from pack_core.ros.messages.serialized import MARK
 from pack_core.ros.messages.serialized_setpoints import TrajectoryReader, TrajectoryWriter
 
 RNG = np.random.default_rng(0)
@@ -42,6 +45,17 @@ def test_what_is_written_is_the_message(n: int, stated: FeedForward) -> None:
         data = writer.write(given)
         assert deserialize_message(data, JointTrajectory) == to_trajectory(given, names)
         RECORDED.deserialize_cdr(data, "trajectory_msgs/msg/JointTrajectory")  # refuses bytes at the end
+
+
+def test_what_the_memory_held_before_behind_the_last_number_does_not_matter(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    left = struct.pack("<d", MARK)
+    monkeypatch.setattr(serialized, "serialize_message", lambda message: serialize_message(message) + left)
+    given = setpoints(11, 2, "tau")
+    data = TrajectoryWriter(["a", "b"]).write(given)
+    assert deserialize_message(data, JointTrajectory) == to_trajectory(given, ["a", "b"])
+    RECORDED.deserialize_cdr(data, "trajectory_msgs/msg/JointTrajectory")  # refuses bytes at the end
 
 
 def test_a_writer_takes_torques_and_accelerations_by_turns() -> None:

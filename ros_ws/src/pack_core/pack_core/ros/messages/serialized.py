@@ -40,18 +40,21 @@ class Template:
     Args:
         message: with `MARK` as the first number of each block of numbers; the last block ends the message.
         block: layout of a block.
+        count: number of blocks.
     """
 
-    def __init__(self, message: Any, block: struct.Struct) -> None:
+    def __init__(self, message: Any, block: struct.Struct, count: int) -> None:
         # The layouts are little-endian, as every machine is that ROS 2 Jazzy supports.
         self._data, self._block = bytearray(serialize_message(message)), block
         self._offsets = []
         mark, end = struct.pack("<d", MARK), 0
-        while (offset := self._data.find(mark, end)) >= 0:
+        for _ in range(count):
+            offset = self._data.index(mark, end)
             self._offsets.append(offset)
             end = offset + block.size
         if self._offsets:
-            # rclpy reserves a few bytes too many for lists in lists; readers of recordings refuse them.
+            # rclpy reserves a few bytes too many for lists in lists, which readers of recordings refuse. They hold
+            # what the memory held before, which may be another template's mark.
             del self._data[end:]
 
     def filled(self, time: float, blocks: Sequence[Sequence[float]]) -> bytes:
@@ -66,7 +69,7 @@ class ClockWriter:
     """Writes ticks of the clock."""
 
     def __init__(self) -> None:
-        self._template = Template(Clock(), struct.Struct(""))
+        self._template = Template(Clock(), struct.Struct(""), 0)
 
     def write(self, time: float) -> bytes:
         """A serialised rosgraph_msgs/Clock of `time` [s]."""
@@ -89,7 +92,7 @@ class JointStateWriter:
         n = self._n = len(names)
         message = JointState(name=list(names), position=[MARK] + (n - 1) * [0.0])
         message.velocity = message.effort = n * [0.0]
-        self._template = Template(message, _joint_block(n))
+        self._template = Template(message, _joint_block(n), 1)
 
     def write(self, sample: JointSample) -> bytes:
         """A serialised sensor_msgs/JointState."""
@@ -144,7 +147,7 @@ class WrenchWriter:
     def __init__(self, frame: str) -> None:
         message = WrenchStamped()
         message.header.frame_id, message.wrench.force.x = frame, MARK
-        self._template = Template(message, struct.Struct("<6d"))
+        self._template = Template(message, struct.Struct("<6d"), 1)
 
     def write(self, time: float, force: Array, torque: Array) -> bytes:
         """A serialised geometry_msgs/WrenchStamped of a force `(3,)` [N] and a torque `(3,)` [N m]."""
@@ -177,4 +180,4 @@ def _scene_template(names: Sequence[str]) -> Template:
     message.header.frame_id = WORLD
     for entry in message.objects:
         entry.pose.position.x = MARK
-    return Template(message, OBJECT)
+    return Template(message, OBJECT, len(names))
