@@ -53,8 +53,8 @@ class Template:
             self._offsets.append(offset)
             end = offset + block.size
         if self._offsets:
-            # rclpy reserves a few bytes too many for lists in lists, which readers of recordings refuse. They hold
-            # what the memory held before, which may be another template's mark.
+            # rclpy reserves a few bytes too many for lists in lists, which readers of recordings refuse.
+            # They hold what the memory held before, which may be another template's mark.
             del self._data[end:]
 
     def filled(self, time: float, blocks: Sequence[Sequence[float]]) -> bytes:
