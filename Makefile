@@ -22,7 +22,7 @@ demo: setup ## run and report (CELL=packing, palletizing, blocks; SEED; ARGS)
 
 # PYTHONDONTWRITEBYTECODE=: pytest keeps the tests that it has rewritten; else every worker rewrites all, for 10 s.
 test: setup ## tests but benchmarks (ARGS for pytest; WORKERS=0: one process)
-	@echo "Compiling what moves arms and plans rearrangements (a minute the first time)"
+	@echo "Compiling what takes longest (a minute the first time)"
 	@$(IN_ENV) python -m pack_bringup.compiling
 	@$(IN_ENV) PYTHONDONTWRITEBYTECODE= pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder \
 		--benchmark-disable --durations=30 -m "not benchmark and not long" $(ARGS)
