@@ -8,6 +8,7 @@ from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
+from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from unit.pallet_fsm.fake_cell import FakeCell
@@ -47,7 +48,9 @@ def test_an_order_with_low_boxes_at_the_table_and_high_neighbours_on_the_pallet_
     order = given_order(22)
     plan = LayoutPlanner(LayoutConfig()).plan(order)
     cell = PlannedCell(order)
-    session = Palletizer(order, plan, palletizing_cell(), PalletizerConfig(), 0.0)
+    session = Palletizer(
+        OrderBook.of_order(order, plan, palletizing_cell()), palletizing_cell(), PalletizerConfig(), 0.0
+    )
     while not session.machine.is_over:
         for command in session.step(cell.observe()):
             cell.apply(command)

@@ -4,6 +4,7 @@ import pytest
 
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.ports import StopArm
+from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.report import BoxOutcome
@@ -218,7 +219,10 @@ def test_a_part_of_the_cell_that_never_answers_is_named(mute: str, outcome: Stat
 def test_a_halt_stops_the_arm_with_its_reason() -> None:
     order = given_order(3)
     cell = FakeCell(order)
-    machine = Palletizer(order, plan_as_given(order), palletizing_cell(), PalletizerConfig(), 0.0)
+    machine = Palletizer(
+        OrderBook.of_order(order, plan_as_given(order), palletizing_cell()), palletizing_cell(),
+        PalletizerConfig(), 0.0,
+    )  # fmt: skip
     for _ in range(40):
         for command in machine.step(cell.observe()):
             cell.apply(command)

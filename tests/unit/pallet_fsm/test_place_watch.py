@@ -43,8 +43,9 @@ def built(
     name = order.boxes[moment[0]].id
     cell, scanned = FakeCell(order, faults or Faults()), list[str]()
     machine = Palletizer(
-        order, plan_as_given(order), CELL, PalletizerConfig(profile=profile, scans=SCANS), 0.0
-    )
+        OrderBook.of_order(order, plan_as_given(order), CELL), CELL,
+        PalletizerConfig(profile=profile, scans=SCANS), 0.0,
+    )  # fmt: skip
     while not machine.machine.is_over:
         visits = {(visit.box, visit.state) for visit in machine.machine.visits}
         if hand is not None and (name, moment[1]) in visits:
@@ -182,7 +183,7 @@ def test_a_scan_waits_for_a_measurement_of_the_arm_that_is_as_new() -> None:
 
 def test_what_is_seen_on_table_b_counts_once() -> None:
     order = given_order(16)
-    book = OrderBook(order, plan_as_given(order), CELL)
+    book = OrderBook.of_order(order, plan_as_given(order), CELL)
     table = CELL.reorientation_table
     book.current.X_WB = Pose(np.array([*table.centre, table.height + 0.2]))
     book.current.approach = np.array([1.0, 0.0, 0.0])

@@ -25,7 +25,7 @@ AHEAD = Pose(np.array([-0.5, 2.2, 1.2]), LOOKING_DOWN)
 def item_with(handling: Handling, number: int = 9) -> WorkItem:
     """The first box of an order that is handled so, held by the middle of its top."""
     order = given_order(number)
-    items = OrderBook(order, plan_as_given(order), CELL).items
+    items = OrderBook.of_order(order, plan_as_given(order), CELL).items
     item = next(item for item in items if item.handling is handling)
     item.X_TB = Pose(np.array([0.0, 0.0, 0.5 * item.dims[2]]), LOOKING_DOWN)
     return item

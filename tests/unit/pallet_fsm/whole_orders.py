@@ -10,6 +10,7 @@ from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
 from pack_core.rotations import angle_between
+from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
 from unit.pallet_fsm.fake_cell import FakeCell
@@ -35,7 +36,9 @@ def run(
     """An order from start to end; a status of the motion is `delay` [s] old when it is observed."""
     cell = FakeCell(order, faults or Faults())
     config = PalletizerConfig(profile=profile, scans=NO_SCANS)
-    machine = Palletizer(order, plan_as_given(order), palletizing_cell(), config, 0.0)
+    machine = Palletizer(
+        OrderBook.of_order(order, plan_as_given(order), palletizing_cell()), palletizing_cell(), config, 0.0
+    )
     while not machine.machine.is_over:
         seen = cell.observe()
         motion = replace(seen.motion, time=seen.motion.time - delay)

@@ -99,13 +99,13 @@ class BlendedMoves:
     def _to_place(self, item: WorkItem, X_WT: Pose) -> list[Leg]:
         """Along the planned insertion; where that is not clear, straight down onto the pallet."""
         config, insertion = self._config, item.plan.insertion
-        hover = self._retreat(self._goals.in_world(UP), config.hover)
+        hover = self._retreat(self._goals.in_world(UP, item.deck), config.hover)
         offsets = [insertion.offset(config.standoff, config.final_height), config.final_height * UP]
         return [
             Leg(Transfer(lines, hover, self._lift()), goal, State.DEPOSIT)
             for offset in offsets[: 2 if insertion.corridor > 0.0 else 1]
             for goal in self._goals.placements(item, X_WT)
-            for lines in [self._lines(goal, self._goals.in_world(offset))]
+            for lines in [self._lines(goal, self._goals.in_world(offset, item.deck))]
         ]
 
     def _home(self, X_WT: Pose) -> Leg:

@@ -46,8 +46,10 @@ class Feeder:
         if self.item is item:
             return
         self._sent = time
-        self.item, self.answer, self._arrival, self._looked = item, None, None, None
-        self._commands.append(SpawnBox(item.name, item.box.dims, item.box.weight))
+        self.item, self.answer, self._looked = item, None, None
+        self._arrival = time - self._config.settle if item.has_come else None
+        if not item.has_come:
+            self._commands.append(SpawnBox(item.name, item.box.dims, item.box.weight))
 
     def forget(self) -> None:
         """Drop the detection of the box, so that it is detected again."""
@@ -112,8 +114,8 @@ class SecondLook:
         self._asked: float | None = None
         self._answer: BoxDetection | None = None
 
-    def begin(self, item: WorkItem) -> None:
-        """Set off to a box that was just detected."""
+    def begin(self, item: WorkItem | None) -> None:
+        """Set off to a box that was just detected; None: to one that no picture is taken of."""
         self._item, self._was_far, self._asked, self._answer = item, False, None, None
 
     def follow(self, seen: PalletObservation) -> TakePicture | None:
@@ -198,6 +200,8 @@ class BoxWatch:
 
     def arrival(self, item: WorkItem, time: float) -> Happening | None:
         """Send for a box, and tell when it has come or is too late."""
+        if self._is_known(item):
+            return Event.SPAWNED, ""
         self._feeder.send_for(item, time)
         if self._feeder.has_arrived:
             return Event.SPAWNED, ""
@@ -205,6 +209,9 @@ class BoxWatch:
 
     def sighting(self, item: WorkItem, time: float) -> Happening | None:
         """Have the box looked at, and tell what was seen."""
+        if self._is_known(item):
+            self._second_look.begin(None)
+            return Event.DETECTED, ""
         self._feeder.look(time)
         answer = self._feeder.answer
         if answer is None:
@@ -229,8 +236,14 @@ class BoxWatch:
 
     def feed_ahead(self, item: WorkItem, time: float) -> None:
         """Send for the next box and have it looked at while another one is on its way."""
+        if self._is_known(item):
+            return
         self._feeder.send_for(item, time)
         self._feeder.look(time)
+
+    def _is_known(self, item: WorkItem) -> bool:
+        """Whether a box that was never sent for stands in a known place: set aside, or scanned there."""
+        return item.X_WB is not None and self._feeder.item is not item
 
     def _silence(self, item: WorkItem) -> Happening:
         """The camera's: no box can be found without it, so the last try ends the order."""

@@ -24,6 +24,7 @@ from pack_core.ros.messages.palletizing import from_layout
 from pack_core.ros.run import run_node
 from pallet_calibration.ros.calibration_action import CalibrationAction
 from pallet_fsm.goals import warm_up
+from pallet_fsm.order_book import OrderBook
 from pallet_fsm.palletizer import Palletizer
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ros.cell_ports import CellPorts
@@ -127,7 +128,7 @@ class PalletFsmNode(GoalNode):
         shown = goal_markers(goals)
         shown.markers = [*shown.markers, *vertex_markers(goals).markers]
         self._goals.publish(shown)
-        session = Palletizer(order, plan, cell, config, seen.time)
+        session = Palletizer(OrderBook.of_order(order, plan, cell), cell, config, seen.time)
         self._run = run = OrderRun(self, session, self._cell.apply, self._states)
         await self.until_goal_ends()
         result = to_result(session.report(), run.elapsed)

@@ -14,7 +14,7 @@ import numpy as np
 
 from pack_core.motion.moves import Move
 from pack_core.palletizing.arm import arm_kinematics
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import PALLET, PalletizingCell
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.robots.joint_properties import step_effort
 from pack_core.robots.kr210 import LIMITS
@@ -113,13 +113,13 @@ class Goals:
         assert item.X_TB is not None
         return self._placements(item, item.X_TB, X_WT)[1]
 
-    def in_world(self, v_P: Array) -> Array:
-        """A vector `(3,)` that is given along the pallet's axes, along the world's.
+    def in_world(self, v_D: Array, deck: str = PALLET) -> Array:
+        """A vector `(3,)` that is given along the axes of a pallet or table, along the world's.
 
         A pallet stands a little askew, and the boxes on it with it: a box that came down along the world's
         vertical would come nearer to a tall neighbour on its way than it is at its place.
         """
-        return np.asarray(to_matrix(self._cell.pallet.X_WP.q) @ v_P)
+        return np.asarray(to_matrix(self._cell.deck(deck).X_WD.q) @ v_D)
 
     def _grasps(
         self, item: WorkItem, X_WB: Pose, X_WT: Pose, *, is_to_stand: bool
@@ -139,7 +139,8 @@ class Goals:
         return _quickest([(stand, stand.X_WT) for stand in found], X_WT, onward)
 
     def _placements(self, item: WorkItem, X_TB: Pose, X_WT: Pose) -> tuple[float, list[Pose]]:
-        found = placements(item.plan.placed, item.box, X_TB, self._cell.pallet.X_WP, self._config)
+        X_WD = self._cell.deck(item.deck).X_WD
+        found = placements(item.plan.placed, item.box, X_TB, X_WD, self._config)
         return _quickest([(goal, goal) for goal in found], X_WT, lambda _: 0.0)
 
     def _is_to_stand(self, item: WorkItem) -> bool:

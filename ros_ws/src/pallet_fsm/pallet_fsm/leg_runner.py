@@ -14,7 +14,7 @@ import numpy as np
 from pack_core.motion.moves import DEPART, DESCEND, RISE, TRANSIT
 from pack_core.motion.target import MotionState, MotionStatus, MotionTarget, ReachTolerance
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.palletizing.cell import PICKING_TABLE, REORIENTATION_TABLE, PalletizingCell
+from pack_core.palletizing.cell import REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.ports import PalletObservation, PursueTarget
 from pack_core.rotations import Array, Pose, angle_between
 from pack_core.tasks.move import MoveFollower
@@ -208,10 +208,6 @@ PARTS = {
 """The part of a blended move that each segment label of the motion stands for."""
 
 
-TABLES = {Place.TABLE_A: PICKING_TABLE, Place.TABLE_B: REORIENTATION_TABLE}
-"""Name of the obstacle of each table on which boxes are gripped."""
-
-
 class LegRunner:
     """Begins and follows the legs of the arm.
 
@@ -252,10 +248,10 @@ class LegRunner:
         """The state in which the present leg ends; None between legs."""
         return None if self._mover.leg is None else self._mover.leg.end
 
-    def note_grip(self, state: State) -> None:
+    def note_grip(self, state: State, item: WorkItem) -> None:
         """Note that the box was gripped at the state's target: it still touches what it stands on."""
-        place = ROWS[state].place
-        self._touched = frozenset({TABLES[place]}) if place in TABLES else frozenset()
+        is_first = ROWS[state].place is Place.TABLE_A
+        self._touched = frozenset({item.source if is_first else REORIENTATION_TABLE})
 
     def drop(self) -> None:
         """Give up the leg that runs; the next call of `follow` begins another one."""
@@ -293,4 +289,4 @@ class LegRunner:
 
     def _standing_on(self, place: Place, item: WorkItem) -> frozenset[str]:
         """Names of the obstacles that a box touches, or nearly touches, where it is put down."""
-        return self._book.beside(item) if place is Place.PALLET else frozenset({TABLES[place]})
+        return self._book.beside(item) if place is Place.PALLET else frozenset({REORIENTATION_TABLE})

@@ -1,15 +1,15 @@
-"""The boxes of an order, with all that is known of each: the one in work, the next one, those put down."""
+"""The boxes of an order or a shift, with all that is known of each: in work, the next one, those put down."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.palletizing.cell import PALLET, PalletizingCell
+from pack_core.palletizing.cell import PALLET, PICKING_TABLE, REORIENTATION_TABLE, PalletizingCell
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, PlannedBox
 from pack_core.palletizing.orders.order import Order, OrderBox
@@ -26,7 +26,10 @@ class WorkItem:
 
     Attributes:
         box: the box as ordered.
-        plan: its place in the layout and its insertion.
+        plan: its place and its insertion, in the frame of the deck that it goes to.
+        deck: name of the pallet or table that it goes to.
+        source: name of the table on which it stands before it is gripped.
+        has_come: whether it stands there already, so that nobody needs to be sent for it.
         X_WB: estimated pose where it stands; None before it was detected and while it is gripped.
         X_TB: pose in the tool's frame while it is gripped; None otherwise.
         approach: approach direction of the tool when it stood the box up on table B `(3,)`.
@@ -37,6 +40,9 @@ class WorkItem:
 
     box: OrderBox
     plan: PlannedBox
+    deck: str = PALLET
+    source: str = PICKING_TABLE
+    has_come: bool = False
     X_WB: Pose | None = None
     X_TB: Pose | None = None
     approach: Array | None = None
@@ -90,22 +96,35 @@ BESIDE = 0.02
 
 
 class OrderBook:
-    """Work items in the sequence of the plan.
+    """Work items in the sequence in which they are placed.
 
     Args:
-        order: what to build.
-        plan: where every box goes.
+        name: of the order or shift.
+        items: the boxes, those that stand already before those that are to be placed.
         cell: the cell's physical facts.
 
     Attributes:
         current: the box in work.
     """
 
-    def __init__(self, order: Order, plan: LayoutPlan, cell: PalletizingCell) -> None:
-        self._cell = cell
-        self.items = [WorkItem(order.box(planned.placed.id), planned) for planned in plan.boxes]
+    def __init__(self, name: str, items: Sequence[WorkItem], cell: PalletizingCell) -> None:
+        self._cell, self.name, self.items = cell, name, list(items)
         self._furniture = cell.furniture
-        self.current = self.items[0]
+        self.current = next((item for item in self.items if not item.is_finished), self.items[-1])
+
+    @classmethod
+    def of_order(cls, order: Order, plan: LayoutPlan, cell: PalletizingCell) -> OrderBook:
+        """The book of an order whose boxes go to the places of a plan."""
+        items = [WorkItem(order.box(planned.placed.id), planned) for planned in plan.boxes]
+        return cls(order.order_id, items, cell)
+
+    def add(self, item: WorkItem) -> None:
+        """Take a box more, to be placed after all others."""
+        self.items.append(item)
+
+    def strike(self, item: WorkItem) -> None:
+        """Forget a box that is not in work any more: it has left the cell, or another item stands for it."""
+        self.items.remove(item)
 
     @property
     def upcoming(self) -> WorkItem | None:
@@ -127,8 +146,8 @@ class OrderBook:
         self.current.finish(BoxOutcome.SKIPPED, reason)
         self.current.X_WB = None
         for item in self.items:
-            missing = [other.name for other in self.items if other.outcome is BoxOutcome.SKIPPED
-                       and item.plan.placed.rests_on(other.plan.placed)]  # fmt: skip
+            skipped = (o for o in self.items if o.outcome is BoxOutcome.SKIPPED and o.deck == item.deck)
+            missing = [other.name for other in skipped if item.plan.placed.rests_on(other.plan.placed)]
             if missing and not item.is_finished:
                 item.finish(BoxOutcome.SKIPPED, f"it would rest on {', '.join(missing)}, which was skipped")
 
@@ -137,20 +156,23 @@ class OrderBook:
         boxes = (standing_box(item.box, item.X_WB) for item in self.items if item.X_WB is not None)
         return (*self._furniture, *boxes)
 
-    def on_pallet(self) -> tuple[Obstacle, ...]:
-        """The boxes that were placed."""
-        return tuple(
-            standing_box(item.box, item.X_WB)
+    def standing_on(self, deck: str) -> tuple[Obstacle, ...]:
+        """The boxes that were put down on a pallet or table, and those that wait there to be gripped."""
+        found = [
+            item
             for item in self.items
-            if item.outcome is BoxOutcome.PLACED and item.X_WB is not None
-        )
+            if (item.deck == deck and item.outcome is BoxOutcome.PLACED)
+            or (item.source == deck and not item.is_finished)
+        ]
+        if deck == REORIENTATION_TABLE and self.is_on_table and self.current not in found:
+            found.append(self.current)
+        return tuple(standing_box(item.box, item.X_WB) for item in found if item.X_WB is not None)
 
-    def on_table(self) -> tuple[Obstacle, ...]:
-        """The box in work where it stands on table B, if it does."""
+    @property
+    def is_on_table(self) -> bool:
+        """Whether the box in work stands on table B, to be gripped again."""
         item = self.current
-        if item.approach is None or item.X_WB is None or item.is_finished:
-            return ()
-        return (standing_box(item.box, item.X_WB),)
+        return item.approach is not None and item.X_WB is not None and not item.is_finished
 
     def lose(self, name: str, reason: str) -> None:
         """Note that a box which was placed no longer stands in its place."""
@@ -158,8 +180,12 @@ class OrderBook:
 
     def beside(self, item: WorkItem) -> frozenset[str]:
         """Names of the obstacles that a box touches, or nearly touches, at its place."""
-        placed = {other.name: other.plan.placed for other in self.items if other.X_WB is not None}
-        return neighbours(item.plan.placed, placed)
+        placed = {
+            other.name: other.plan.placed
+            for other in self.items
+            if other.X_WB is not None and other.deck == item.deck
+        }
+        return neighbours(item.plan.placed, placed) | {item.deck}
 
     def reports(self) -> tuple[BoxReport, ...]:
         """What became of each box."""
@@ -167,14 +193,10 @@ class OrderBook:
             BoxReport(
                 item.name, item.box.dims, item.box.weight, item.handling.value, item.outcome, item.reason,
                 item.plan.insertion.direction,
-                placed_pose(item.plan.placed, item.box, self._X_WP, item.X_WB),
+                placed_pose(item.plan.placed, item.box, self._cell.deck(item.deck).X_WD, item.X_WB),
             )
             for item in self.items
         )  # fmt: skip
-
-    @property
-    def _X_WP(self) -> Pose:
-        return self._cell.pallet.X_WP
 
 
 def standing_box(box: OrderBox, X_WB: Pose) -> Obstacle:
@@ -183,6 +205,6 @@ def standing_box(box: OrderBox, X_WB: Pose) -> Obstacle:
 
 
 def neighbours(placed: PlacedBox, others: Mapping[str, PlacedBox]) -> frozenset[str]:
-    """Names of the pallet and of the boxes that are next to a place, over it or under it."""
+    """Names of the boxes that are next to a place, over it or under it."""
     near = {name for name, other in others.items() if np.all(placed.clearance(other) < BESIDE)}
-    return frozenset(near - {placed.id}) | {PALLET}
+    return frozenset(near - {placed.id})

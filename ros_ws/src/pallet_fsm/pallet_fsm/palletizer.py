@@ -1,4 +1,4 @@
-"""An order in progress: the machine, the box in work, and the commands to the cell, step by step.
+"""An order or shift in progress: the machine, the box in work, and the commands to the cell, step by step.
 
 It has no clock and calls nothing outside: a step takes an observation and returns commands.
 """
@@ -9,8 +9,6 @@ from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.grip import ASKED, GripState
 from pack_core.palletizing.orders.handling import Handling
-from pack_core.palletizing.orders.layout_plan import LayoutPlan
-from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.ports import (
     CloseGripper,
     Command,
@@ -82,22 +80,18 @@ TOWARDS_BOX = (State.ABOVE_BOX, State.GRASP)
 
 
 class Palletizer:
-    """Builds one pallet.
+    """Puts boxes in their places, one after the other: those of an order, or those that a shift adds.
 
     Args:
-        order: what to build.
-        plan: where every box goes, in which sequence.
+        book: the boxes, and where each of them goes.
         cell: the cell's physical facts.
         config: parameters.
         time: now [s].
     """
 
-    def __init__(
-        self, order: Order, plan: LayoutPlan, cell: PalletizingCell, config: PalletizerConfig, time: float
-    ) -> None:
-        self._order, self._config, self._X_WP = order.order_id, config, cell.pallet.X_WP
+    def __init__(self, book: OrderBook, cell: PalletizingCell, config: PalletizerConfig, time: float) -> None:
+        self._book, self._config, self._X_WP = book, config, cell.pallet.X_WP
         self._profile = profile_of(config.profile)
-        self._book = OrderBook(order, plan, cell)
         self._watch = BoxWatch(config, cell)
         self._places = PlaceWatch(config.scans, cell, self._book)
         self._grip = GripCycle(config.dwell, config.grip_patience)
@@ -121,7 +115,9 @@ class Palletizer:
         boxes = self._book.reports()
         is_complete = all(box.outcome is BoxOutcome.PLACED for box in boxes)
         reason = self.machine.reason if self.machine.state is State.SAFE_STOP else ""
-        return OrderReport(self._order, is_complete, reason, boxes, tuple(self.machine.visits), self._X_WP)
+        return OrderReport(
+            self._book.name, is_complete, reason, boxes, tuple(self.machine.visits), self._X_WP
+        )
 
     def halt(self, reason: str) -> None:
         """Stop safely at the next step."""
@@ -206,7 +202,7 @@ class Palletizer:
         item, X_WT = self.item, seen.motion.X_WT
         if event is Event.GRIPPED:
             item.take(X_WT)
-            self._legs.note_grip(state)
+            self._legs.note_grip(state, item)
             item.approach = None
         elif event is Event.RELEASED:
             item.let_go(X_WT, self._config.poses.drop)

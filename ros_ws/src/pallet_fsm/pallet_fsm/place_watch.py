@@ -1,4 +1,4 @@
-"""What the machine watches on the pallet and on table B: that all stands as it was put there.
+"""What the machine watches on pallets and on table B: that all stands as it was put there.
 
 Each place is scanned again and again while the arm is near it and hides nothing of it.
 """
@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE, PalletizingCell
+from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE, SECOND_PALLET, PalletizingCell
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.ports import Command, PalletObservation, ScanPlace
-from pack_core.palletizing.scanner import ScannerMount
 from pack_core.robots.kr210 import WRIST_LENGTH
 from pack_core.rotations import Array, Pose
 from pack_perception.scans.comparison import Finding, ScannedScene, compare
@@ -96,7 +96,7 @@ class PlaceLook:
     def __init__(self, name: str, place: Obstacle, cell: PalletizingCell, config: ScanConfig) -> None:
         self._name, self._place, self._config = name, place, config
         self._shadow, self._X_WS = ArmShadow(place, cell), cell.scanner_pose(name)
-        mount: ScannerMount = getattr(cell.scanners, name)
+        mount = cell.scanner(name)
         # On what is higher than the place rays are denser: less of it is enough to count.
         self._least = config.tolerances.area / mount.spacing**2
         self._asked = -float("inf")
@@ -156,7 +156,7 @@ class PlaceLook:
 
 
 class PlaceWatch:
-    """Has both places scanned, and tells what is not as it should be.
+    """Has pallets and table B scanned, and tells what is not as it should be.
 
     Args:
         config: when places are scanned, and what counts as a change.
@@ -166,28 +166,28 @@ class PlaceWatch:
 
     def __init__(self, config: ScanConfig, cell: PalletizingCell, book: OrderBook) -> None:
         blocks = {block.name: block for block in cell.furniture}
-        self._pallet, self._table = (
-            PlaceLook(name, blocks[name], cell, config) for name in (PALLET, REORIENTATION_TABLE)
-        )
+        self._looks = {
+            name: PlaceLook(name, blocks[name], cell, config) for name in (*cell.pallets, REORIENTATION_TABLE)
+        }
         self._book = book
-        self._on_pallet: tuple[Finding, ...] = ()
-        self._on_table: tuple[Finding, ...] = ()
+        self._found: dict[str, tuple[Finding, ...]] = {}
         self._commands: list[Command] = []
 
     @property
     def is_looking(self) -> bool:
         """Whether a scan was asked for and has not come."""
-        return self._pallet.is_awaited or self._table.is_awaited
+        return any(look.is_awaited for look in self._looks.values())
 
     def observe(self, seen: PalletObservation) -> None:
         """Take note of scans that have come, and have places scanned."""
         carried = self._book.current.carried
-        self._on_pallet = self._pallet.answer(seen, carried)
-        self._on_table = self._table.answer(seen, carried)
-        wanted = [self._pallet.ask(seen, self._book.on_pallet, carried)]
-        if self._is_table_in_use:
-            wanted.append(self._table.ask(seen, self._book.on_table, carried))
-        self._commands += [command for command in wanted if command is not None]
+        self._found = {name: look.answer(seen, carried) for name, look in self._looks.items()}
+        for name, look in self._looks.items():
+            if name in seen.taken or (name == REORIENTATION_TABLE and not self._is_table_in_use):
+                continue
+            command = look.ask(seen, partial(self._book.standing_on, name), carried)
+            if command is not None:
+                self._commands.append(command)
 
     def commands(self) -> tuple[Command, ...]:
         """The commands since the last call."""
@@ -196,30 +196,42 @@ class PlaceWatch:
 
     def change(self, state: State, time: float) -> Happening | None:
         """What is seen that is not as it should be, as an event that the state knows."""
-        for look, where in ((self._pallet, "the pallet"), (self._table, "table B")):
+        for name, look in self._looks.items():
             if look.is_late(time):
-                return Event.HALTED, f"the scanner over {where} does not answer"
-        if self._on_pallet:
-            return Event.PLACE_CHANGED, f"seen on the pallet: {_words(self._on_pallet)}"
-        found, self._on_table = self._on_table, ()  # it counts once: the machine goes on without the box
+                return Event.HALTED, f"the scanner over {WORDS[name]} does not answer"
+        for name, found in self._on_pallets():
+            return Event.PLACE_CHANGED, f"seen on {WORDS[name]}: {_words(found)}"
+        found = self._found.pop(
+            REORIENTATION_TABLE, ()
+        )  # it counts once: the machine goes on without the box
         if found:
-            is_box = state in BEFORE_REGRASP and any(finding.box for finding in found)
+            in_work = self._book.current.name
+            is_box = state in BEFORE_REGRASP and any(finding.box == in_work for finding in found)
             event = Event.BOX_CHANGED if is_box else Event.PLACE_CHANGED
             return event, f"seen on table B: {_words(found)}"
         return None
 
     def note_loss(self) -> None:
-        """Strike the boxes off that no longer stand in their places on the pallet."""
-        for finding in self._on_pallet:
-            if finding.box:
-                self._book.lose(finding.box, f"seen on the pallet: {finding}")
+        """Strike the boxes off that no longer stand in their places on a pallet."""
+        for name, found in self._on_pallets():
+            for finding in found:
+                if finding.box:
+                    self._book.lose(finding.box, f"seen on {WORDS[name]}: {finding}")
+
+    def _on_pallets(self) -> list[tuple[str, tuple[Finding, ...]]]:
+        """The pallets on which something is not as it should be, and what."""
+        return [(name, found) for name, found in self._found.items() if found and name != REORIENTATION_TABLE]
 
     @property
     def _is_table_in_use(self) -> bool:
-        """Whether the box in work is on its way to table B, or stands there."""
+        """Whether the box in work is on its way to table B, or a box stands there."""
         item = self._book.current
         is_on_its_way = item.handling is Handling.TABLE and item.X_TB is not None and item.approach is None
-        return is_on_its_way or bool(self._book.on_table())
+        return is_on_its_way or bool(self._book.standing_on(REORIENTATION_TABLE))
+
+
+WORDS = {PALLET: "the pallet", SECOND_PALLET: "the second pallet", REORIENTATION_TABLE: "table B"}
+"""What scanned places are called in reasons."""
 
 
 def _words(findings: tuple[Finding, ...]) -> str:

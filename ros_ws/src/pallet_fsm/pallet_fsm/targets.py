@@ -141,12 +141,12 @@ def _turned_to_place(now: Situation) -> list[Pose]:
 
 
 def _over_place(now: Situation) -> list[ToolTarget]:
-    offset = now.goals.in_world(_over_insertion(now))
+    offset = now.goals.in_world(_over_insertion(now), now.item.deck)
     return _at([raised(X_WT, offset) for X_WT in now.goals.placements(now.item, now.X_WT)])
 
 
 def _close_over_place(now: Situation) -> list[ToolTarget]:
-    offset = now.goals.in_world(now.config.final_height * UP)
+    offset = now.goals.in_world(now.config.final_height * UP, now.item.deck)
     return _at([raised(X_WT, offset) for X_WT in now.goals.placements(now.item, now.X_WT)])
 
 

@@ -79,13 +79,13 @@ def grasps(X_WB: Pose, dims: Array, config: ToolPoseConfig) -> list[Pose]:
 
 
 def placements(
-    placed: PlacedBox, box: OrderBox, X_TB: Pose, X_WP: Pose, config: ToolPoseConfig
+    placed: PlacedBox, box: OrderBox, X_TB: Pose, X_WD: Pose, config: ToolPoseConfig
 ) -> list[Pose]:
-    """Tool poses X_WT, looking down, at which the gripped box is released over its place."""
-    p_WB = X_WP.apply(placed.centre) + np.array([0.0, 0.0, config.drop])
+    """Tool poses X_WT, looking down, at which the gripped box is released over its place on deck D."""
+    p_WB = X_WD.apply(placed.centre) + np.array([0.0, 0.0, config.drop])
     poses = [
-        Pose(p_WB, multiply(X_WP.q, q_PB)) @ X_TB.inverse()
-        for q_PB in box_orientations(box.dims, [float(edge) for edge in placed.size])
+        Pose(p_WB, multiply(X_WD.q, q_DB)) @ X_TB.inverse()
+        for q_DB in box_orientations(box.dims, [float(edge) for edge in placed.size])
     ]
     return [X_WT for X_WT in poses if points_along(X_WT, DOWN)]
 

@@ -11,6 +11,7 @@ import pytest
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.load_bearing import overloaded_boxes
+from pack_core.palletizing.orders.next_place import NextStep
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.tipping import TippingConfig, tipping_boxes
 from pack_planner.layout.insertion_direction import InsertionConfig
@@ -18,7 +19,6 @@ from pack_planner.layout.online_packer import PackerConfig
 from pack_planner.layout.online_planner import (
     Decision,
     Floor,
-    NextStep,
     OnlineConfig,
     OnlinePlanner,
     carried_out,
@@ -63,7 +63,7 @@ def test_boxes_go_where_they_stand_tip_nothing_and_overload_nothing() -> None:
     floor, made = run(items)
     assert sum(decision.step is NextStep.PLACE for decision in made) >= 30
     for pallet in floor.pallets:
-        boxes = [entry.placed for entry in pallet.entries]
+        boxes = pallet.boxes
         assert tipping_boxes(boxes, TippingConfig()) == {}
         assert overloaded_boxes(boxes) == {}
 
@@ -86,7 +86,7 @@ def test_the_fuller_of_two_pallets_is_closed() -> None:
     closing = next(decision for decision in made if decision.step is NextStep.CLOSE)
     placed = [decision for decision in made if decision.step is NextStep.PLACE]
     assert closing.pallet == placed[1].pallet
-    assert sum(len(pallet.entries) for pallet in floor.pallets) == 2
+    assert sum(len(pallet.boxes) for pallet in floor.pallets) == 2
 
 
 def test_with_a_preview_the_box_with_the_better_place_is_taken_first() -> None:

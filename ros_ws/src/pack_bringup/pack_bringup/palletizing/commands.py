@@ -142,6 +142,8 @@ def demo(
     video: Video = True,
     live: Live = False,
     port: Port = PORT,
+    shift: shift_command.ShiftDemo = False,
+    boxes: shift_command.Boxes = 20,
     output: RunFolder = None,
     domain: FreeDomain = None,
 ) -> None:
@@ -151,11 +153,28 @@ def demo(
     nodes' log. The exit code is 0 only if every box was placed. Presets are described in
     docs/cells/palletizing/presets.md.
 
+    With --shift there are no nodes: a shift runs on simulated time, as fast as it can. Boxes come on a
+    conveyor in a sequence that nobody knows, are measured, and go to one of two pallets. The folder has the
+    journal and report.json; the exit code is 0 only if all came and nothing was lost, skipped or touched.
+
     - `pack demo palletizing --order config/orders/order_16.json`
     - `pack demo palletizing --profile thesis --no-video`
     - `pack demo palletizing --visitors person --live`
     - `pack demo palletizing --preset real --seed 3 --calibration /tmp/cell3/calibration.yaml`
+    - `pack demo palletizing --shift --boxes 50 --seed 1000`
     """
+    if shift:
+        shift_command.refuse(
+            {
+                "--order": order, "--profile": profile, "--visitors": visitors, "--preset": preset,
+                "--live": live, "--calibration": calibration, "--domain": domain is not None,
+                "--real-time-factor": real_time_factor is not None,
+            },
+            "--boxes, --seed, --output",
+        )  # fmt: skip
+        folder = output or default_folder("palletizing_shift", seed, datetime.now())
+        shift_command.demo_shift(boxes, seed, folder)
+        return
     from pack_bringup.palletizing.goals import PalletizingJob
     from pack_sim.palletizing.crossings import visitors_of
 
@@ -275,7 +294,8 @@ def benchmark(
                 "--profile": profile, "--motion": motion, "--preset": preset != "rigid", "--plots": plots,
                 "--no-vision": not vision, "--limits": limits is not None, "--visitors": visitors,
                 "--calibration": calibration, "--no-calibrate": not calibrate, "--gap": gap is not None,
-            }
+            },
+            "--streams, --seed, what its help says is for --shift, and the options of every benchmark",
         )  # fmt: skip
         stream = shift_command.ShiftOptions(
             streams, seed, rule, buffer, preview, open_pallets, tipping, max_pressure, fragile

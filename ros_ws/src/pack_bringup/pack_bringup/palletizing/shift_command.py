@@ -1,10 +1,11 @@
-"""`pack benchmark palletizing --shift`: its options, and the streams of boxes that they ask for."""
+"""`--shift` of `pack demo` and `pack benchmark`: shifts in which everything moves, streams as geometry."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,6 +13,16 @@ from pack_bringup.cli.benchmark_run import RunOptions, run
 from pack_core.errors import ConfigError
 from pack_core.paths import config_path
 
+if TYPE_CHECKING:
+    from pack_core.palletizing.shift_journal import ShiftEvent
+
+ShiftDemo = Annotated[
+    bool,
+    typer.Option(
+        "--shift", help="Run a shift on simulated time instead: boxes come as they come, on a conveyor."
+    ),
+]
+Boxes = Annotated[int, typer.Option(min=1, help="With --shift: it ends when so many have come.")]
 Shift = Annotated[
     bool,
     typer.Option("--shift", help="Place streams of unknown boxes online, as geometry, instead of orders."),
@@ -60,13 +71,70 @@ class ShiftOptions:
     fragile: float
 
 
-def refuse(others: Mapping[str, Any]) -> None:
+def refuse(others: Mapping[str, Any], allowed: str) -> None:
     """Raise ConfigError where options are given, by name, that are for orders."""
     if given_too := [name for name, value in others.items() if value]:
         raise ConfigError(
-            f"{', '.join(given_too)} beside --shift; allowed: --streams, --seed, what its help says is for "
-            "--shift, and the options of every benchmark; the rest is for orders"
+            f"{', '.join(given_too)} beside --shift; allowed: {allowed}; the rest is for orders"
         )
+
+
+def demo_shift(boxes: int, seed: int, folder: Path) -> None:
+    """Run a shift, report it, and leave 0 if all its boxes came and nothing went wrong, else 1."""
+    from pack_bringup.cli.outputs import make_output_folder, write_json
+    from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, read_journal
+    from pack_evaluation.palletizing.shift_report import shift_report
+    from pack_lockstep.palletizing.shift import BoxStreamConfig
+    from pack_lockstep.palletizing.shift_lockstep import ArrivalConfig, ShiftLockstep, shift_run_setup
+    from pack_planner.layout.online_planner import OnlineConfig
+
+    make_output_folder(folder, taken_by=(JOURNAL,))
+    setup = shift_run_setup(OnlineConfig(), BoxStreamConfig(), ArrivalConfig())
+    facts = {"seed": seed, "boxes": boxes, "preset": setup.stream.cell.preset}
+    with ShiftJournal(folder / JOURNAL, facts) as journal:
+
+        def note(events: tuple[ShiftEvent, ...]) -> None:
+            journal.write(events)
+            for event in events:
+                if line := _line(event):
+                    typer.echo(line)
+
+        run_of_shift = ShiftLockstep(setup, boxes, seed).run(note)
+    report = shift_report(read_journal(folder / JOURNAL))
+    went_wrong = {
+        "unwanted_contacts": [f"{' and '.join(e.bodies)} at {e.time:.1f} s" for e in run_of_shift.touches],
+        "fallen": list(run_of_shift.fallen),
+    }
+    write_json(folder / "report.json", {**report, **went_wrong})
+    hourly, over = report["boxes_per_hour"], report["over_table_share"]
+    typer.echo(
+        f"{report['on_pallets']} of {report['came']} boxes on pallets, {len(report['pallets'])} pallets "
+        f"taken away, {len(report['rejected'])} boxes rejected"
+        + (f"; {hourly:.0f} boxes an hour, {over:.0%} over table B" if hourly else "")
+        + f"; {len(run_of_shift.touches)} unwanted contacts, {len(run_of_shift.fallen)} boxes fallen\n"
+        f"journal and report: {folder}"
+    )
+    is_well = report["came"] == boxes and not any((*went_wrong.values(), report["lost"], report["skipped"]))
+    raise typer.Exit(0 if is_well else 1)
+
+
+def _line(event: ShiftEvent) -> str:
+    """An event as a line of the terminal; empty for those that only the journal has."""
+    match event.kind:
+        case "came":
+            edges = " x ".join(f"{1e3 * edge:.0f}" for edge in event.data["size"])
+            what = f"came, {edges} mm" + (f", {event.reason}" if event.reason else "")
+        case "put down":
+            what = f"stands on {event.place.replace('_', ' ')}"
+        case "taken":
+            what = f"{event.place.replace('_', ' ')} with {len(event.data['boxes'])} boxes is taken away"
+        case "skipped" | "lost" | "ended":
+            what = f"{event.kind}: {event.reason}"
+        case "state" if event.reason:
+            what = f"{event.data['state']}: {event.reason}"
+        case _:
+            return ""
+    return " ".join(filter(None, (f"{event.time:8.1f} s", event.box, what)))
 
 
 def run_shift(given: ShiftOptions, options: RunOptions) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Annotated, Self
 
@@ -15,7 +15,7 @@ from pack_core.motion.world import Obstacle
 from pack_core.palletizing.grip import GripLimits
 from pack_core.palletizing.imperfections import NOWHERE, Displacement, Imperfections
 from pack_core.palletizing.preset import palletizing_preset
-from pack_core.palletizing.scanner import ScannerMount, Scanners
+from pack_core.palletizing.scanner import SCANNED, ScannerMount, Scanners
 from pack_core.paths import config_path
 from pack_core.robots.joint_properties import JointServoGains
 from pack_core.robots.surface_gripper import GripperTool, gripper_tool
@@ -28,6 +28,8 @@ Size = tuple[PositiveFloat, PositiveFloat]
 
 PICKING_TABLE, REORIENTATION_TABLE, PALLET = "picking_table", "reorientation_table", "pallet"
 """Names of the places: table A, table B and the pallet."""
+SECOND_PALLET, REJECT_TABLE, QUEUE_BELT = "second_pallet", "reject_table", "queue_belt"
+"""Names of the places that only a shift has."""
 
 
 class ArmMount(Config):
@@ -127,6 +129,67 @@ class BoxContact(Config):
     """Speed above which a carried box that comes down on something counts as a collision [m/s]."""
 
 
+class Conveyor(Config):
+    """A conveyor that brings boxes along -x: a belt on which they queue, then table A as a second belt.
+
+    Both stop by light barriers: one across table A, where a box is to be picked, one where the belts meet.
+    """
+
+    length: PositiveFloat
+    """Of the belt on which boxes queue [m]; it is as wide and as high as table A."""
+    queue_speed: PositiveFloat
+    """Of that belt [m/s]."""
+    pick_speed: PositiveFloat
+    """Of table A [m/s]; it is faster, so that gaps open between boxes."""
+    acceleration: PositiveFloat
+    """Of both belts [m/s^2]."""
+    barrier: PositiveFloat
+    """From the end of table A, where the front of a box to be picked stops [m]."""
+
+    @model_validator(mode="after")
+    def _opens_gaps(self) -> Self:
+        if self.pick_speed <= self.queue_speed:
+            raise ValueError(
+                f"pick_speed is {self.pick_speed} m/s; allowed: more than queue_speed, {self.queue_speed}, "
+                "or boxes that touch are never parted"
+            )
+        return self
+
+
+class ShiftScanners(Config):
+    """The scanners that a shift has besides, by the name of the place that each looks at."""
+
+    picking_table: ScannerMount
+    second_pallet: ScannerMount
+
+
+class ShiftPlaces(Config):
+    """What a cell has for shifts, besides all that it has for orders."""
+
+    infeed: Conveyor
+    second_pallet: PalletPlace
+    reject_table: BoxTable
+    """From which somebody takes boxes that are on no pallet."""
+    buffer: tuple[Pair, ...]
+    """Middles of the places on table B where boxes are set aside [m]."""
+    scanners: ShiftScanners
+
+
+@dataclass(frozen=True)
+class Deck:
+    """A level place D where boxes are put down.
+
+    Attributes:
+        name: of the place.
+        X_WD: its frame: the origin at a corner of its top, x and y along its edges, z up.
+        size: along x and y [m].
+    """
+
+    name: str
+    X_WD: Pose
+    size: tuple[float, float]
+
+
 class PalletizingCell(Config):
     """The palletizing cell."""
 
@@ -144,6 +207,8 @@ class PalletizingCell(Config):
     contact: BoxContact
     imperfections: Imperfections
     """How the real cell differs from this one."""
+    shift: ShiftPlaces | None = None
+    """What it has for shifts; None: orders alone are built in it."""
     preset: str = "rigid"
     """Name of the preset that changed these facts."""
 
@@ -165,22 +230,62 @@ class PalletizingCell(Config):
 
     @property
     def furniture(self) -> tuple[Obstacle, ...]:
-        """Tables and pallet as obstacles of the arm, each a block down to the floor."""
-        return (
-            _block(PICKING_TABLE, self.picking_table),
-            _block(REORIENTATION_TABLE, self.reorientation_table),
-            _block(PALLET, self.pallet),
-        )
+        """Tables, pallets and conveyor as obstacles of the arm, each a block down to the floor."""
+        names = [PICKING_TABLE, REORIENTATION_TABLE, PALLET]
+        if self.shift is not None:
+            names += [SECOND_PALLET, REJECT_TABLE, QUEUE_BELT]
+        return tuple(_block(name, self.place(name)) for name in names)
+
+    @property
+    def pallets(self) -> tuple[str, ...]:
+        """Names of the places for pallets."""
+        return (PALLET,) if self.shift is None else (PALLET, SECOND_PALLET)
+
+    @property
+    def scanned(self) -> tuple[str, ...]:
+        """Names of the places that a scanner looks at."""
+        return SCANNED if self.shift is None else (*SCANNED, *ShiftScanners.model_fields)
+
+    @property
+    def queue_belt(self) -> BoxTable:
+        """The belt on which boxes queue, on from the end of table A at which they come in."""
+        assert self.shift is not None
+        (x, y), (length, width) = self.picking_table.centre, self.picking_table.size
+        x += 0.5 * (length + self.shift.infeed.length) + SEAM
+        return BoxTable(
+            centre=(x, y), size=(self.shift.infeed.length, width), height=self.picking_table.height,
+            displacement=self.picking_table.displacement,
+        )  # fmt: skip
+
+    def place(self, name: str) -> BoxTable | PalletPlace:
+        """The table or pallet of this name."""
+        is_of_shift = name in ShiftPlaces.model_fields
+        found: BoxTable | PalletPlace = getattr(self.shift if is_of_shift else self, name)
+        return found
+
+    def deck(self, name: str) -> Deck:
+        """The top of a table or pallet, as a place where boxes are put down."""
+        place = self.place(name)
+        corner = place.middle - 0.5 * np.array([*place.size, 0.0])
+        return Deck(name, place.displaced(Pose(corner)), place.size)
+
+    def scanner(self, place: str) -> ScannerMount:
+        """The mount of the scanner over a place, one of `scanned`."""
+        has_it = self.scanners if place in SCANNED or self.shift is None else self.shift.scanners
+        mount: ScannerMount = getattr(has_it, place)
+        return mount
 
     def scanner_pose(self, place: str) -> Pose:
-        """X_WS of the scanner over a place that `Scanners` names."""
-        scanner: ScannerMount = getattr(self.scanners, place)
-        return scanner.X_WS(getattr(self, place).middle)
+        """X_WS of the scanner over a place, one of `scanned`."""
+        return self.scanner(place).X_WS(self.place(place).middle)
 
     def scanner_rays(self, place: str) -> Array:
         """Directions of that scanner's rays `(n, 3)` in its frame S, of length 1."""
-        scanner: ScannerMount = getattr(self.scanners, place)
-        return scanner.rays(getattr(self, place).middle, getattr(self, place).size)
+        return self.scanner(place).rays(self.place(place).middle, self.place(place).size)
+
+
+SEAM = 0.005
+"""Between the two belts of an infeed [m]."""
 
 
 def _block(name: str, place: BoxTable | PalletPlace) -> Obstacle:

@@ -8,7 +8,15 @@ import numpy as np
 from pack_core.drawing.room import Light, add_lights, add_sky, add_tiles
 from pack_core.drawing.textures import add_material, cardboard_faces, wood_picture
 from pack_core.palletizing.calibration_board import CALIBRATION_BOARD, board_face
-from pack_core.palletizing.cell import BoxTable, PalletizingCell, PalletPlace
+from pack_core.palletizing.cell import (
+    PICKING_TABLE,
+    QUEUE_BELT,
+    REJECT_TABLE,
+    REORIENTATION_TABLE,
+    BoxTable,
+    PalletizingCell,
+    PalletPlace,
+)
 from pack_core.robots.kr210 import ARM_BITS
 from pack_core.rotations import Pose
 
@@ -31,42 +39,65 @@ WOOD = (0.76, 0.62, 0.42)
 CARDBOARDS = 8
 """Number of different cardboard materials."""
 BOARD = "calibration_board"
+BELT_MASS = 500.0
+"""Of a belt with all that turns with it: boxes do not slow it down within a step of the physics [kg]."""
 
 
 def add_furniture(spec: mujoco.MjSpec, cell: PalletizingCell, *, visuals: bool) -> None:
-    """Add what stands still: bodies `floor`, `picking_table`, `reorientation_table` and `pallet`."""
+    """Add what stands still: bodies `floor`, `pallet` and the tables, each of the name of its place."""
     floor = spec.worldbody.add_body(name="floor")
     floor.add_geom(
         name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(8, 8, 0.1), rgba=(0.6, 0.6, 0.6, 1), **SOLID
     )
-    for name in ("picking_table", "reorientation_table"):
-        _add_table(spec, name, getattr(cell, name), visuals=visuals)
-    _add_pallet(spec, cell.pallet, visuals=visuals)
+    is_conveyor = cell.shift is not None  # then table A is a belt, which comes behind the arm's joints
+    tables = (REORIENTATION_TABLE, REJECT_TABLE) if is_conveyor else (PICKING_TABLE, REORIENTATION_TABLE)
+    for name in tables:
+        _add_table(spec, name, cell.place(name), visuals=visuals)
+    for name in cell.pallets:
+        _add_pallet(spec, name, cell.place(name), visuals=visuals)
 
 
-def _add_table(spec: mujoco.MjSpec, name: str, table: BoxTable, *, visuals: bool) -> None:
+def add_belts(spec: mujoco.MjSpec, cell: PalletizingCell, *, visuals: bool) -> None:
+    """Add the belts of the infeed, if the cell has one: bodies `picking_table` and `queue_belt`.
+
+    Each is a body on a slide of its own name along x. Whoever steps the physics gives the slide the belt's
+    speed and puts it back to 0 in every step: friction then acts as under a belt that goes round.
+    """
+    if cell.shift is None:
+        return
+    for name, table in ((PICKING_TABLE, cell.picking_table), (QUEUE_BELT, cell.queue_belt)):
+        body = _add_table(spec, name, table, visuals=visuals)
+        body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=(1, 0, 0))
+        body.explicitinertial = True
+        body.mass, body.inertia, body.ipos = BELT_MASS, (BELT_MASS,) * 3, (0.0, 0.0, 0.0)
+        body.sleep = mujoco.mjtSleepPolicy.mjSLEEP_NEVER
+
+
+def _add_table(
+    spec: mujoco.MjSpec, name: str, table: BoxTable | PalletPlace, *, visuals: bool
+) -> mujoco.MjsBody:
     X_WT = table.displaced(Pose(table.middle))
     body = spec.worldbody.add_body(name=name, pos=X_WT.p, quat=X_WT.q)
     x, y = 0.5 * np.array(table.size)
     body.add_geom(name=name, type=BOX, pos=(0, 0, -TOP / 2), size=(x, y, TOP / 2), rgba=RUBBER, **SOLID)
     if not visuals:
-        return
-    leg = (table.height - TOP) / 2
+        return body
+    leg = (table.middle[2] - TOP) / 2
     for sign_x in (-1, 1):
         for sign_y in (-1, 1):
             pos = (sign_x * (x - LEG), sign_y * (y - LEG), -TOP - leg)
             body.add_geom(type=BOX, pos=pos, size=(LEG, LEG, leg), rgba=FRAME, **DRAWN)
         body.add_geom(type=BOX, pos=(sign_x * (x - LEG), 0, -TOP - LEG), size=(LEG / 2, y - 2 * LEG, LEG),
                       rgba=FRAME, **DRAWN)  # fmt: skip
+    return body
 
 
-def _add_pallet(spec: mujoco.MjSpec, pallet: PalletPlace, *, visuals: bool) -> None:
+def _add_pallet(spec: mujoco.MjSpec, name: str, pallet: BoxTable | PalletPlace, *, visuals: bool) -> None:
     """A solid block for contacts; boards and blocks that are only drawn."""
-    (l, w), h = 0.5 * np.array(pallet.size), pallet.deck_height
-    x, y = pallet.corner
-    X_WD = pallet.displaced(Pose(np.array([x + l, y + w, 0.0])))
-    body = spec.worldbody.add_body(name="pallet", pos=X_WD.p, quat=X_WD.q)
-    body.add_geom(name="pallet", type=BOX, pos=(0, 0, h / 2), size=(l, w, h / 2),
+    (l, w), h = 0.5 * np.array(pallet.size), float(pallet.middle[2])
+    X_WD = pallet.displaced(Pose(np.array([*pallet.middle[:2], 0.0])))
+    body = spec.worldbody.add_body(name=name, pos=X_WD.p, quat=X_WD.q)
+    body.add_geom(name=name, type=BOX, pos=(0, 0, h / 2), size=(l, w, h / 2),
                   rgba=(*WOOD, float(not visuals)), **SOLID)  # fmt: skip
     if not visuals:
         return

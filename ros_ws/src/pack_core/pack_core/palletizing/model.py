@@ -8,8 +8,8 @@ import mujoco
 
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import BoxContact, PalletizingCell
-from pack_core.palletizing.furniture import add_furniture, add_surroundings
-from pack_core.palletizing.scanner import SCANNED, scanner_frame
+from pack_core.palletizing.furniture import add_belts, add_furniture, add_surroundings
+from pack_core.palletizing.scanner import scanner_frame
 from pack_core.palletizing.visitors import Visitor
 from pack_core.robots.joint_properties import Gears
 from pack_core.robots.kr210 import ARM_BITS, LIMITS, add_kr210
@@ -53,6 +53,7 @@ def build_model(
     add_furniture(spec, cell, visuals=visuals)
     flange = add_kr210(spec, X_WB or cell.arm.X_WB, visuals=visuals, gears=gears)
     cell.tool.add_to(flange, visuals=visuals)
+    add_belts(spec, cell, visuals=visuals)
     _add_motors(spec)
     for visitor in visitors:
         _add_visitor(spec, visitor)
@@ -137,4 +138,4 @@ def fixed_frames(cell: PalletizingCell) -> dict[str, tuple[str, Pose]]:
     return {
         "pallet_deck": ("world", cell.pallet.X_WP),
         "overhead_camera": ("world", cell.overhead_camera.X_WC),
-    } | {scanner_frame(place): ("world", cell.scanner_pose(place)) for place in SCANNED}
+    } | {scanner_frame(place): ("world", cell.scanner_pose(place)) for place in cell.scanned}

@@ -10,8 +10,26 @@ from dataclasses import dataclass
 from pack_core.motion.target import MotionStatus, MotionTarget
 from pack_core.palletizing.boxes import BoxBody, BoxDetection, ExpectedBox
 from pack_core.palletizing.grip import GripState
+from pack_core.palletizing.orders.next_place import PlaceAnswer, PlaceQuestion
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Pose
+
+
+@dataclass(frozen=True)
+class InfeedState:
+    """What the conveyor of a shift tells.
+
+    Attributes:
+        time: present time [s].
+        number: how many boxes have come to its barrier so far.
+        box: the box that stands there, by what it is tracked by; empty while none does.
+        label: what that box's bar code says; empty where it cannot be read.
+    """
+
+    time: float
+    number: int = 0
+    box: str = ""
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -26,6 +44,9 @@ class PalletObservation:
         detection: newest detection of a box; None before the first.
         scans: newest scan of each place that was scanned.
         laid: name of what the operator laid on table A last; empty before the first.
+        infeed: what the conveyor tells; None where there is none.
+        place: newest answer about the place of a box; None before the first.
+        taken: names of the places whose full pallet is being replaced by an empty one.
     """
 
     time: float
@@ -35,6 +56,9 @@ class PalletObservation:
     detection: BoxDetection | None = None
     scans: tuple[PlaceScan, ...] = ()
     laid: str = ""
+    infeed: InfeedState | None = None
+    place: PlaceAnswer | None = None
+    taken: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -102,7 +126,32 @@ class OpenGripper:
     """Let go."""
 
 
+@dataclass(frozen=True)
+class SendBox:
+    """Have the conveyor bring the next box, now that the last one has left it."""
+
+
+@dataclass(frozen=True)
+class AskPlace:
+    """Ask where a box goes."""
+
+    question: PlaceQuestion
+
+
+@dataclass(frozen=True)
+class TakePallet:
+    """Have a full pallet taken away and an empty one put in its place.
+
+    Attributes:
+        place: name of the pallet's place.
+        boxes: names of those that stand on it.
+    """
+
+    place: str
+    boxes: tuple[str, ...]
+
+
 Command = (
     SpawnBox | LayOnTable | DiscardBox | TakePicture | ScanPlace | PursueTarget | StopArm | CloseGripper
-    | OpenGripper
+    | OpenGripper | SendBox | AskPlace | TakePallet
 )  # fmt: skip

@@ -20,8 +20,9 @@ from pack_evaluation.palletizing.measures import measure_order, measures_of_unbu
 from pack_evaluation.palletizing.plots import visitors_picture
 from pack_evaluation.palletizing.run import PalletRun
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
-from pack_lockstep.palletizing.lockstep import PalletLockstep, PalletLockstepConfig
+from pack_lockstep.palletizing.lockstep import PalletLockstep
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm
+from pack_lockstep.palletizing.stepped_cell import PalletLockstepConfig
 from pack_planner.layout.layout_planner import LayoutConfig, LayoutPlanner
 from pack_sim.palletizing.crossings import visitors_of
 

@@ -24,7 +24,7 @@ from pack_core.robots.joint_properties import GearCompensation
 from pack_core.tasks.steps import A
 from pack_lockstep.driven_arm import DrivenArm
 from pack_lockstep.palletizing.calibration_log import CalibrationLog
-from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
+from pack_lockstep.palletizing.stepped_cell import PalletLockstepConfig
 from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController
 from pack_motion.tracking.config import motion_set

@@ -115,7 +115,7 @@ def _lose_vacuum(site: PalletSite) -> None:
 
 
 def _silence_camera(site: PalletSite) -> None:
-    site.cell.camera_is_silent = True
+    site.cell.stepped.camera_is_silent = True
 
 
 CHANGES: dict[str, PalletChange] = {

@@ -9,7 +9,7 @@ from pack_core.palletizing.preset import PalletizingPreset, palletizing_preset
 from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.palletizing.benchmark import PalletSetup
 from pack_lockstep.palletizing.box_finder import BoxFinderConfig
-from pack_lockstep.palletizing.lockstep import PalletLockstepConfig
+from pack_lockstep.palletizing.stepped_cell import PalletLockstepConfig
 from pack_motion.tracking.config import motion_set
 from pack_perception.boxes.box_vision import VisionConfig
 from pack_planner.layout.layout_planner import LayoutConfig

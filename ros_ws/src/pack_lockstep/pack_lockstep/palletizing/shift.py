@@ -22,6 +22,7 @@ from pack_core.errors import ConfigError
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.item_list import Item, load_items
 from pack_core.palletizing.orders.load_bearing import overloaded_boxes
+from pack_core.palletizing.orders.next_place import NextStep
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.tipping import pushes_of
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
@@ -30,7 +31,6 @@ from pack_planner.layout.insertion_direction import InsertionConfig
 from pack_planner.layout.online_packer import Turns, warm_up
 from pack_planner.layout.online_planner import (
     Floor,
-    NextStep,
     OnlineConfig,
     OnlinePlanner,
     OpenPallet,
@@ -137,7 +137,7 @@ def run_stream(setup: ShiftSetup, job: StreamJob) -> dict[str, Any]:
     reach, turns = PlaceReach(setup.cell, setup.insertion), dict[str, Any]()
     planner = OnlinePlanner(
         setup.cell.pallet.size, turns, setup.config,
-        lambda pallet, entry: reach.allows(entry.placed, [other.placed for other in pallet.entries]),
+        lambda pallet, entry: reach.allows(entry.placed, pallet.boxes),
     )  # fmt: skip
     source, floor = stream_of(setup, job.seed), Floor.empty(setup.config.pallets)
     infeed, closed, times, came, steps = (
@@ -160,7 +160,7 @@ def run_stream(setup: ShiftSetup, job: StreamJob) -> dict[str, Any]:
         steps[decision.step] += 1
         floor = carried_out(floor, decision)
         infeed = [item for item in infeed if item is not decision.item]
-    stacks = [[entry.placed for entry in pallet.entries] for pallet in closed]
+    stacks = [pallet.boxes for pallet in closed]
     return {
         "name": job.name, "seed": job.seed, "came": came, "set_aside": steps[NextStep.SET_ASIDE],
         "rejected": steps[NextStep.REJECT], "decision_s": times,

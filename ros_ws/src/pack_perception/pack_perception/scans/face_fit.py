@@ -120,14 +120,14 @@ def fit_face(points: Array, is_on: Array, half: Array, slack: float) -> FaceFit:
 
 def depths(points: Array, half: Array, shift: Array) -> Array:
     """How far points `(n, 2)` lie inside the nearest edge of a rectangle that was moved by `shift` [m]."""
-    return _inside(points, half, shift)[0]
+    return inside(points, half, shift)[0]
 
 
 def _newton(points: Array, sign: Array, half: Array, width: float, shift: Array) -> tuple[Array, Array]:
     """The best shift with one width of the edge, and the Fisher information of it `(3, 3)`."""
     information = np.diag(PRIOR**-2)
     for _ in range(STEPS):
-        depth, slopes = _inside(points, half, shift)
+        depth, slopes, _ = inside(points, half, shift)
         wrong = 1.0 / (1.0 + np.exp(np.clip(sign * depth / width, -50.0, 50.0)))
         gradient = slopes.T @ (sign * wrong) / width - shift / PRIOR**2
         weight = wrong * (1.0 - wrong) / width**2
@@ -140,8 +140,17 @@ def _newton(points: Array, sign: Array, half: Array, width: float, shift: Array)
     return shift, information
 
 
-def _inside(points: Array, half: Array, shift: Array) -> tuple[Array, Array]:
-    """Depth of points inside the nearest edge `(n,)` [m], and its slopes along the shift `(n, 3)`."""
+def inside(points: Array, half: Array, shift: Array) -> tuple[Array, Array, Array]:
+    """Depth of points inside the nearest edge, its slopes along the shift, and which edge that is.
+
+    Args:
+        points: `(n, 2)` [m].
+        half: half the edges of the rectangle `(2,)` [m].
+        shift: by which it was moved and turned `(3,)` [m, m, rad].
+
+    Returns:
+        The depth `(n,)` [m], the slopes `(n, 3)`, and the axis to which that edge is normal `(n,)`, 0 or 1.
+    """
     c, s = np.cos(shift[2]), np.sin(shift[2])
     R = np.array([[c, -s], [s, c]])
     local = (points - shift[:2]) @ R
@@ -151,4 +160,4 @@ def _inside(points: Array, half: Array, shift: Array) -> tuple[Array, Array]:
     # The face's x axis is (c, s), its y axis (-s, c); a turn moves local x by y, and local y by -x.
     turned = np.array([-1.0, 1.0])[nearest] * local[rows, 1 - nearest]
     slopes = np.column_stack([side[:, None] * R.T[nearest], side * turned])
-    return depth[rows, nearest], slopes
+    return depth[rows, nearest], slopes, nearest

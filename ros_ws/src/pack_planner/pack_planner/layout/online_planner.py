@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from functools import partial
 
 import numpy as np
 from pydantic import Field, NonNegativeInt, PositiveInt
 
 from pack_core.config import Config
+from pack_core.palletizing.cell import PALLET
 from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.next_place import NextStep
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.stack import Stack, empty_stack, with_box
 from pack_planner.layout.online_packer import (
     FoundPlace,
@@ -36,30 +38,30 @@ class OnlineConfig(Config):
     preview: PositiveInt = Field(1, description="boxes of the infeed that are known and can be taken")
 
 
-class NextStep(StrEnum):
-    """What is done next."""
-
-    PLACE = "place"
-    SET_ASIDE = "set aside"
-    REJECT = "reject"
-    CLOSE = "close"
-
-
 @dataclass(frozen=True)
 class OpenPallet:
-    """A pallet that is being built, its boxes in the sequence of placing."""
+    """A pallet that is being built, its boxes in the sequence of placing; `place` names where it stands."""
 
     stack: Stack
-    entries: tuple[PackedItem, ...] = ()
+    boxes: tuple[PlacedBox, ...] = ()
+    place: str = PALLET
 
     @property
     def volume(self) -> float:
         """Of all its boxes [m^3]."""
-        return sum(float(np.prod(entry.placed.size)) for entry in self.entries)
+        return sum(float(np.prod(box.size)) for box in self.boxes)
 
-    def with_entry(self, entry: PackedItem) -> OpenPallet:
+    def with_box(self, box: PlacedBox) -> OpenPallet:
         """The pallet with one box more."""
-        return OpenPallet(with_box(self.stack, entry.placed), (*self.entries, entry))
+        return replace(self, stack=with_box(self.stack, box), boxes=(*self.boxes, box))
+
+    @staticmethod
+    def of(boxes: Sequence[PlacedBox], place: str) -> OpenPallet:
+        """The pallet at a place on which boxes stand, given in the sequence of placing."""
+        stack = empty_stack()
+        for box in boxes:
+            stack = with_box(stack, box)
+        return OpenPallet(stack, tuple(boxes), place)
 
 
 @dataclass(frozen=True)
@@ -156,6 +158,6 @@ def carried_out(floor: Floor, decision: Decision) -> Floor:
     if decision.entry is None:
         pallets[decision.pallet] = OpenPallet(empty_stack())
         return replace(floor, pallets=tuple(pallets))
-    pallets[decision.pallet] = pallets[decision.pallet].with_entry(decision.entry)
+    pallets[decision.pallet] = pallets[decision.pallet].with_box(decision.entry.placed)
     buffered = tuple(item for item in floor.buffered if item is not decision.item)
     return Floor(tuple(pallets), buffered)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from pack_core.palletizing.arm import arm_kinematics
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import PALLET, PalletizingCell
+from pack_core.palletizing.orders.layout_plan import Insertion
 from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array, Pose, from_yaw, multiply
@@ -27,12 +28,18 @@ class PlaceReach:
     Args:
         cell: the cell, whose arm and pallet are meant.
         config: how the side is chosen from which a box comes.
+        place: name of the pallet's place.
     """
 
-    def __init__(self, cell: PalletizingCell, config: InsertionConfig) -> None:
-        length, width = cell.pallet.size
-        self._pallet = OrderPallet(length=length, width=width, deck_height=cell.pallet.deck_height)
-        self._X_WP, self._config = cell.pallet.X_WP, config
+    def __init__(self, cell: PalletizingCell, config: InsertionConfig, place: str = PALLET) -> None:
+        deck = cell.deck(place)
+        length, width = deck.size
+        self._pallet = OrderPallet(length=length, width=width, deck_height=float(deck.X_WD.p[2]))
+        self._X_WP, self._config = deck.X_WD, config
+
+    def insertion(self, box: PlacedBox, placed: Sequence[PlacedBox]) -> Insertion:
+        """The way on which a box comes to its place beside what stands already."""
+        return INSERTION_RULES[self._config.rule](box, placed, self._config, self._pallet)
 
     def allows(self, box: PlacedBox, placed: Sequence[PlacedBox]) -> bool:
         """Whether the arm reaches a place and the point above and beside it, with the tool looking down.
@@ -41,7 +48,7 @@ class PlaceReach:
             box: the box at its place.
             placed: what stands already.
         """
-        insertion = INSERTION_RULES[self._config.rule](box, placed, self._config, self._pallet)
+        insertion = self.insertion(box, placed)
         top = box.centre + np.array([0.0, 0.0, 0.5 * box.size[2]])
         return any(
             self._reaches(top, q_PT) and self._reaches(top + insertion.offset(STANDOFF, LIFT), q_PT)

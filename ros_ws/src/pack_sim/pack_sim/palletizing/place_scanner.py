@@ -12,7 +12,7 @@ from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.scanner import SCANNED, PlaceScan
+from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Array, rotate
 
 REACH = 6.0
@@ -53,8 +53,8 @@ class PlaceScanner:
 
     def __init__(self, cell: PalletizingCell, config: PlaceScannerConfig, seed: int) -> None:
         self._config, self._seed = config, seed
-        self._X_WS = {place: cell.scanner_pose(place) for place in SCANNED}
-        self._rays = {place: cell.scanner_rays(place) for place in SCANNED}
+        self._X_WS = {place: cell.scanner_pose(place) for place in cell.scanned}
+        self._rays = {place: cell.scanner_rays(place) for place in cell.scanned}
 
     def scan(self, place: str, still: PhysicsSnapshot) -> PlaceScan:
         """What the scanner over a place measures of a state of the physics."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from copy import copy
 
 import mujoco
@@ -15,6 +15,7 @@ from pack_core.joints import Desired, JointSample, Setpoints
 from pack_core.palletizing.arm_dynamics import CarriedLoad
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.ports import InfeedState
 from pack_core.palletizing.visitors import Visitor
 from pack_core.robots.joint_properties import GearCompensation
 from pack_core.robots.kr210 import LIMITS
@@ -24,6 +25,7 @@ from pack_core.states import ObjectState, SceneState
 from pack_sim.brakes import GentleBrake
 from pack_sim.joint_servo import JointServo
 from pack_sim.palletizing.contact_watch import ContactWatch, visitor_distances
+from pack_sim.palletizing.infeed import ArrivingBox, Infeed
 from pack_sim.palletizing.overhead_camera import PalletCamera, PalletCameraConfig, Snapshot
 from pack_sim.palletizing.physics import Physics
 from pack_sim.palletizing.place_scanner import PhysicsSnapshot, PlaceScanner, PlaceScannerConfig
@@ -47,6 +49,9 @@ class PalletSimulatorConfig(Config):
         default=True,
         description="whether joints and grip have the limits that are known of them; not so in the thesis",
     )
+    swap_time: PositiveFloat = Field(
+        default=60.0, description="until an empty pallet stands where a full one was taken away [s]"
+    )
 
 
 class PalletSimulator:
@@ -60,6 +65,7 @@ class PalletSimulator:
         assumed: what the driver assumes of the arm's gears; by default what the preset says.
         errors_of: seed of the errors of a real cell; by default `seed`.
         visitors: who comes near the arm.
+        arrivals: what comes on the conveyor of a cell that has one.
 
     Attributes:
         cell: the cell as it truly is; no part of a control loop may use it.
@@ -70,7 +76,7 @@ class PalletSimulator:
     def __init__(
         self, cell: PalletizingCell, config: PalletSimulatorConfig, seed: int = 0, time: float = 0.0,
         assumed: GearCompensation | None = None, visitors: Sequence[Visitor] = (),
-        errors_of: int | None = None,
+        errors_of: int | None = None, arrivals: Iterable[ArrivingBox] = (),
     ) -> None:  # fmt: skip
         wrong = seed if errors_of is None else errors_of
         self.cell, self.config, self._seed = true_cell(cell, wrong), config, seed
@@ -92,6 +98,8 @@ class PalletSimulator:
         self.gripper = SurfaceGripper(cell.tool, grip)
         self.contacts = ContactWatch(cell.contact)
         self.contacts.index(self._physics.model)
+        self._infeed = None if cell.shift is None else Infeed(self.cell, iter(arrivals))
+        self._away: dict[str, float] = {}
         self.reference()  # from here on the arm is held: setpoints must begin where it stands
 
     @property
@@ -114,6 +122,16 @@ class PalletSimulator:
         """The boxes in the cell, in the order of their arrival."""
         return tuple(self._physics.boxes.values())
 
+    @property
+    def infeed(self) -> InfeedState | None:
+        """What the conveyor tells; None in a cell without one."""
+        return None if self._infeed is None else self._infeed.state(self.time)
+
+    @property
+    def taken(self) -> frozenset[str]:
+        """Names of the places whose full pallet is being replaced by an empty one."""
+        return frozenset(place for place, end in self._away.items() if self.time < end)
+
     def accept(self, setpoints: Setpoints) -> None:
         """Pass setpoints to the driver; raises MessageError if they are refused."""
         self.follower.accept(setpoints, self.time)
@@ -129,6 +147,10 @@ class PalletSimulator:
             data.qfrc_applied[self._physics.gears] = self._gears.torque(data.qpos[self._physics.gears])
         data.ctrl[:] = self._servo.torque(q, v, desired)
         self._physics.move_visitors()
+        if self._infeed is not None:
+            self._infeed.step(self._physics)
+            self._put_on_belt()
+            model, data = self._physics.model, self._physics.data
         mujoco.mj_step(model, data)
         held = self.gripper.state.held
         self.contacts.update(model, data, held)
@@ -199,7 +221,25 @@ class PalletSimulator:
             self.gripper.let_go(self._physics.model, self._physics.data, f"box '{name}' was taken away")
             self._tell_load("")
         self._physics.remove(name)
+        if self._infeed is not None:
+            self._infeed.forget(name)
         self.contacts.index(self._physics.model)
+
+    def send_box(self) -> None:
+        """Have the conveyor bring the next box; nothing happens in a cell without one."""
+        if self._infeed is not None:
+            self._infeed.send()
+
+    def take_pallet(self, place: str, boxes: Sequence[str]) -> None:
+        """Have somebody take a pallet away with the boxes on it, and bring an empty one a while later.
+
+        Args:
+            place: name of the pallet's place.
+            boxes: names of what stands on it.
+        """
+        for name in boxes:
+            self.remove(name)
+        self._away[place] = self.time + self.config.swap_time
 
     def tool_pose(self) -> Pose:
         """X_WT, the true pose of the tool."""
@@ -238,6 +278,14 @@ class PalletSimulator:
         """The data with body poses that match qpos: a step of MuJoCo leaves those from before the step."""
         mujoco.mj_kinematics(self._physics.model, self._physics.data)
         return self._physics.data
+
+    def _put_on_belt(self) -> None:
+        """Put the next box on the conveyor, once there is room for it."""
+        assert self._infeed is not None
+        arrival = self._infeed.arrival(self._physics)
+        if arrival is not None:
+            self._physics.add(arrival[0].body, arrival[1])
+            self.contacts.index(self._physics.model)
 
     def _tell_load(self, held: str) -> None:
         if not held:

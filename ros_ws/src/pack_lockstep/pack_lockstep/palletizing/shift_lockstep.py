@@ -1,0 +1,246 @@
+"""A shift in the palletizing cell in one process, without ROS, on simulated time: everything moves."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat
+
+from pack_core.config import Config
+from pack_core.palletizing.boxes import BoxBody
+from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.next_place import PlaceAnswer
+from pack_core.palletizing.ports import AskPlace, Command, TakePallet
+from pack_core.palletizing.shift_journal import ShiftEvent
+from pack_core.paths import config_path
+from pack_core.rotations import Pose
+from pack_evaluation.palletizing.run import UnwantedTouch
+from pack_lockstep.palletizing.box_finder import BoxFinder, open_box_finder
+from pack_lockstep.palletizing.settings import set_up
+from pack_lockstep.palletizing.shift import BoxStreamConfig, ShiftSetup, shift_setup, stream_of
+from pack_lockstep.palletizing.stepped_cell import PalletLockstepConfig, SteppedCell
+from pack_planner.layout.online_planner import OnlineConfig
+from pack_planner.layout.place_answers import PlaceAnswers
+from pack_sim.palletizing.infeed import ArrivingBox
+from pallet_fsm.goals import warm_up
+from pallet_fsm.shift_job import ShiftConfig, ShiftJob
+
+ARRIVALS, DETECTIONS = 11, 12
+"""Streams of random numbers of how boxes lie on the conveyor, and of the noise of detections."""
+FALLEN = 0.1
+"""A box whose middle is lower over the floor lies on it, as no deck is so low [m]."""
+
+BoxFault = Literal["", "no label", "wrong label", "double", "crushed"]
+FAULTS: tuple[BoxFault, ...] = ("no label", "wrong label", "double", "crushed")
+
+
+class ArrivalConfig(Config):
+    """How boxes come."""
+
+    yaw_deg: NonNegativeFloat = Field(default=8.0, description="turned by at most, to either side [deg]")
+    offset: NonNegativeFloat = Field(default=0.05, description="beside the belt's middle, at most [m]")
+    gaps: tuple[NonNegativeFloat, NonNegativeFloat] = Field(
+        default=(0.01, 0.3), description="from one box to the next, least and most [m]"
+    )
+    faulty: float = Field(
+        default=0.02, ge=0, le=1, description="share of boxes without a label, with a wrong one, of which "
+        "two stick together, or that are crushed"
+    )  # fmt: skip
+    decision: NonNegativeFloat = Field(default=0.1, description="from a question to its answer [s]")
+
+
+@dataclass(frozen=True)
+class ClosedPallet:
+    """A pallet that was taken away: its place, when [s], its boxes and where they truly stood."""
+
+    place: str
+    time: float
+    boxes: dict[BoxBody, Pose]
+
+
+@dataclass(frozen=True)
+class ShiftRun:
+    """What is known of a shift that has ended.
+
+    Attributes:
+        seed: seed of what came, and of all noise.
+        reason: why it ended.
+        time: how long it took [s].
+        events: what happened, in order.
+        pallets: those that were taken away.
+        left: what stood in the cell at the end, by the name of the place: pallets that were not full.
+        faults: by what boxes were tracked by, what was wrong with those of which something was.
+        touches: contacts that should not have been.
+        fallen: boxes that lay on the floor at the end.
+        decisions: processor time of each decision [s].
+    """
+
+    seed: int
+    reason: str
+    time: float
+    events: tuple[ShiftEvent, ...]
+    pallets: tuple[ClosedPallet, ...]
+    left: tuple[ClosedPallet, ...]
+    faults: dict[str, BoxFault]
+    touches: tuple[UnwantedTouch, ...]
+    fallen: tuple[str, ...]
+    decisions: tuple[float, ...]
+
+
+class Arrivals:
+    """The boxes of a stream, as somebody lays them on the conveyor.
+
+    Attributes:
+        faults: what is wrong with boxes, by what they are tracked by; only those of which something is.
+    """
+
+    def __init__(self, setup: ShiftSetup, config: ArrivalConfig, seed: int) -> None:
+        self._setup, self._config, self._seed = setup, config, seed
+        self.faults: dict[str, BoxFault] = {}
+
+    def __iter__(self) -> Iterator[ArrivingBox]:
+        """One box after the other, without end."""
+        rng, config = np.random.default_rng([self._seed, ARRIVALS]), self._config
+        for item, listed in stream_of(self._setup, self._seed):
+            fault: BoxFault = FAULTS[rng.integers(len(FAULTS))] if rng.random() < config.faulty else ""
+            other = self._setup.items[rng.integers(len(self._setup.items))]
+            if fault == "wrong label" and other.size == listed.size:
+                fault = ""
+            if fault:
+                self.faults[item.id] = fault
+            label = {"no label": "", "wrong label": other.id}.get(fault, listed.id)
+            quarter = rng.integers(2) * np.pi / 2.0
+            yaw = float(quarter + np.deg2rad(rng.uniform(-config.yaw_deg, config.yaw_deg)))
+            offset, gap = float(rng.uniform(-config.offset, config.offset)), float(rng.uniform(*config.gaps))
+            yield ArrivingBox(_body(item, fault, float(rng.uniform(0.015, 0.04))), label, yaw, offset, gap)
+
+
+def _body(item: Item, fault: BoxFault, crushed: float) -> BoxBody:
+    """A box as it arrives: on its largest face; two that stick together lie side by side."""
+    d_x, d_y, d_z = sorted(item.size, reverse=True)
+    mass = item.weight
+    if fault == "double":
+        d_x, d_y, mass = max(d_x, 2.0 * d_y), min(d_x, 2.0 * d_y), 2.0 * mass
+    if fault == "crushed":
+        d_z -= min(crushed, 0.3 * d_z)
+    return BoxBody(item.id, (d_x, d_y, d_z), mass)
+
+
+@dataclass(frozen=True)
+class ShiftRunSetup:
+    """All settings that decide the results, besides the seeds.
+
+    Attributes:
+        stream: what comes, and the planner's settings.
+        config: parameters of the cell.
+        shift: parameters of the shift.
+        arrivals: how boxes come.
+    """
+
+    stream: ShiftSetup
+    config: PalletLockstepConfig
+    shift: ShiftConfig
+    arrivals: ArrivalConfig
+
+
+def shift_run_setup(online: OnlineConfig, stream: BoxStreamConfig, arrivals: ArrivalConfig) -> ShiftRunSetup:
+    """The settings of the cell for shifts, boxes being found by their true pose with noise."""
+    cell = set_up(preset="shift", vision=False)
+    files = sorted(config_path("item_lists").glob("*.csv"))
+    drawn = shift_setup(files, cell.cell, online, stream, cell.layout.insertion)
+    return ShiftRunSetup(drawn, cell.config, ShiftConfig(), arrivals)
+
+
+class ShiftLockstep:
+    """Runs one shift.
+
+    Args:
+        setup: the settings.
+        boxes: the shift ends when so many have come and are in their places.
+        seed: seed of what comes, and of all noise.
+    """
+
+    def __init__(self, setup: ShiftRunSetup, boxes: int, seed: int) -> None:
+        warm_up()
+        stream, config = setup.stream, setup.config
+        self._config, self._cell, self._seed = config, stream.cell, seed
+        self._arrival_config = setup.arrivals
+        self._arrivals = Arrivals(stream, setup.arrivals, seed)
+        self._rng = np.random.default_rng([seed, DETECTIONS])
+        catalogue = {item.id: item for item in stream.items}
+        self.job = ShiftJob(stream.cell, catalogue, setup.shift, config.palletizer, boxes)
+        self.stepped = SteppedCell(
+            stream.cell, stream.cell, config, seed, self._rng, self.job.halt, arrivals=self._arrivals
+        )
+        self._planner = PlaceAnswers(stream.cell, stream.config, stream.insertion)
+        self._answer: tuple[float, PlaceAnswer] | None = None
+        self._decisions: list[float] = []
+        self._pallets: list[ClosedPallet] = []
+
+    def run(self, on_events: Callable[[tuple[ShiftEvent, ...]], None] = lambda events: None) -> ShiftRun:
+        """Run to the end.
+
+        Args:
+            on_events: is called with what has happened, at once.
+        """
+        events: list[ShiftEvent] = []
+        simulator = self.stepped.simulator
+        with open_box_finder(self._cell, self._config.sight, simulator, self._rng) as finder:
+            while not self.job.is_over:
+                self._turn(finder)
+                if happened := self.job.events():
+                    events += happened
+                    on_events(happened)
+        for _ in range(round(self._config.settle / self._config.period)):
+            self.stepped.advance()
+        fallen = [name for name, state in simulator.truth().objects.items() if state.X_WO.p[2] < FALLEN]
+        touches = [UnwantedTouch(e.time, e.bodies, e.force) for e in simulator.contacts.events]
+        left = tuple(self._closed(place, self._over(place)) for place in self._cell.pallets)
+        return ShiftRun(
+            self._seed, self.job.reason, simulator.time, tuple(events), tuple(self._pallets), left,
+            self._arrivals.faults, tuple(touches), tuple(fallen), tuple(self._decisions),
+        )  # fmt: skip
+
+    def _turn(self, finder: BoxFinder) -> None:
+        """One cycle: observe, step the shift, carry out its commands, and advance motion and physics."""
+        seen = self.stepped.observe()
+        if self._answer is not None and seen.time >= self._answer[0]:
+            seen = replace(seen, place=self._answer[1])
+        for command in self.job.step(seen):
+            self._apply(command)
+        self.stepped.expose(finder)
+        self.stepped.advance()
+
+    def _apply(self, command: Command) -> None:
+        match command:
+            case AskPlace(question):
+                started = time.thread_time()
+                answer = self._planner.answer(question)
+                self._decisions.append(time.thread_time() - started)
+                self._answer = self.stepped.simulator.time + self._arrival_config.decision, answer
+            case TakePallet(place, boxes):
+                self._pallets.append(self._closed(place, boxes))
+                self.stepped.apply(command)
+            case _:
+                self.stepped.apply(command)
+
+    def _closed(self, place: str, names: tuple[str, ...]) -> ClosedPallet:
+        simulator = self.stepped.simulator
+        truth = simulator.truth().objects
+        boxes = {box: truth[box.name].X_WO for box in simulator.boxes if box.name in names}
+        return ClosedPallet(place, simulator.time, boxes)
+
+    def _over(self, place: str) -> tuple[str, ...]:
+        """Names of the boxes that truly are over a pallet."""
+        deck = self._cell.deck(place)
+        held, X_DW = self.stepped.simulator.gripper.state.held, deck.X_WD.inverse()
+        return tuple(
+            name
+            for name, state in self.stepped.simulator.truth().objects.items()
+            if name != held and np.all(np.abs(X_DW.apply(state.X_WO.p)[:2] - 0.5 * np.array(deck.size))
+                                       <= 0.5 * np.array(deck.size))
+        )  # fmt: skip

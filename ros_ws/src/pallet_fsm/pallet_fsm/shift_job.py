@@ -1,0 +1,300 @@
+"""A shift: boxes come as they come, each gets a place when it is there, and full pallets are replaced.
+
+It is a job above the machine, as an order is: the machine runs through its states box by box, and is begun
+anew when a box comes after none was left. The shift says which box is next and where it goes. It has no
+clock and calls nothing outside: a step takes an observation and returns commands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from pydantic import Field, PositiveFloat, PositiveInt
+
+from pack_core.config import Config
+from pack_core.palletizing.cell import PICKING_TABLE, REJECT_TABLE, PalletizingCell
+from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.next_place import NextStep, PlaceAnswer, PlaceQuestion
+from pack_core.palletizing.ports import AskPlace, Command, DiscardBox, PalletObservation, TakePallet
+from pack_core.palletizing.shift_journal import EventKind, ShiftEvent
+from pallet_fsm.intake import Intake, IntakeConfig
+from pallet_fsm.order_book import WorkItem
+from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.palletizer_config import PalletizerConfig
+from pallet_fsm.place_watch import ArmShadow
+from pallet_fsm.report import BoxOutcome
+from pallet_fsm.shift_floor import ShiftFloor
+from pallet_fsm.states import State
+
+
+class ShiftConfig(Config):
+    """Parameters of a shift, besides those of the machine."""
+
+    intake: IntakeConfig = IntakeConfig()
+    most_rejects: PositiveInt = Field(
+        default=3, description="rejected boxes in a row after which a person is called"
+    )
+    patience: PositiveFloat = Field(
+        default=120.0, description="time without a box after which a shift that waits for one ends [s]"
+    )
+    away: PositiveFloat = Field(
+        default=0.3, description="distance of arm and carried box from a pallet, seen from above, from which "
+        "on it is taken away [m]",
+    )  # fmt: skip
+
+
+class ShiftJob:
+    """Runs a shift.
+
+    Args:
+        cell: the cell's physical facts; it has what shifts need.
+        catalogue: what each label stands for.
+        config: parameters.
+        machine: parameters of the machine.
+        boxes: the shift ends when so many have come and are in their places.
+        standing: boxes that stand already, on pallets and on table B, with what they are.
+
+    Attributes:
+        machine: what moves the arm at present; None while no box is to be moved.
+        reason: why the shift has ended; empty while it goes on.
+    """
+
+    def __init__(
+        self, cell: PalletizingCell, catalogue: Mapping[str, Item], config: ShiftConfig,
+        machine: PalletizerConfig, boxes: int, standing: Sequence[tuple[WorkItem, Item]] = (),
+    ) -> None:  # fmt: skip
+        self._cell, self._config, self._machine_config, self._boxes = cell, config, machine, boxes
+        self._intake = Intake(cell, catalogue, config.intake)
+        self._floor = ShiftFloor(cell, standing)
+        self._shadows = {
+            block.name: ArmShadow(block, cell) for block in cell.furniture if block.name in cell.pallets
+        }
+        self._came = self._rejects = self._asked = self._noted = 0
+        self._sent = 0.0
+        self._arriving: WorkItem | None = None
+        self._unreported: list[WorkItem] = []
+        self._closing: set[str] = set()
+        self._question: PlaceQuestion | None = None
+        self._blocked: frozenset[str] | None = None
+        self._events: list[ShiftEvent] = []
+        self._halt = ""
+        self.machine: Palletizer | None = None
+        self.reason = ""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the shift has ended."""
+        return bool(self.reason)
+
+    def events(self) -> tuple[ShiftEvent, ...]:
+        """What has happened since the last call."""
+        events, self._events = tuple(self._events), []
+        return events
+
+    def halt(self, reason: str) -> None:
+        """Stop safely at the next step."""
+        self._halt = reason
+        if self.machine is not None:
+            self.machine.halt(reason)
+
+    def step(self, seen: PalletObservation) -> tuple[Command, ...]:
+        """Go as far as the observation allows, and return the commands of this step."""
+        if self.is_over:
+            return ()
+        commands = [*self._take_in(seen), *self._decide(seen), *self._clear_away(seen)]
+        if self.machine is None and self._floor.pending:
+            self.machine = Palletizer(self._floor.begin(), self._cell, self._machine_config, seen.time)
+            self._noted = 0
+        if self.machine is not None:
+            commands += self.machine.step(seen)
+            self._note_progress(seen)
+        self._end(seen)
+        return tuple(commands)
+
+    @property
+    def _busy(self) -> WorkItem | None:
+        """The box that the machine is busy with, or was last."""
+        return None if self.machine is None else self.machine.item
+
+    def _take_in(self, seen: PalletObservation) -> list[Command]:
+        """Have the next box brought once the last one has left the conveyor, and have it measured."""
+        intake, before = self._intake, self._intake.arrival
+        if before is not None and self._arriving is not None and self._has_left(self._arriving):
+            self._arriving = None
+            intake.clear()
+        has_box = intake.arrival is not None or intake.is_sent
+        if not has_box and self._came < self._boxes:
+            self._sent = seen.time
+            return [intake.send()]
+        commands = list(intake.step(seen, self._busy))
+        arrival = intake.arrival
+        if arrival is not None and before is None:
+            self._came += 1
+            item = arrival.item
+            self._note(
+                seen, EventKind.CAME, arrival.box, PICKING_TABLE, arrival.doubt, size=arrival.dims.tolist(),
+                article="" if item is None else item.article,
+            )  # fmt: skip
+        return commands
+
+    def _has_left(self, work: WorkItem) -> bool:
+        """Whether a box is not on the conveyor any more."""
+        if work.is_finished or work is not self._busy or self.machine is None:
+            return work.is_finished
+        is_lifted = work.X_TB is not None and self.machine.machine.state is not State.LIFT
+        return is_lifted or work.approach is not None
+
+    def _decide(self, seen: PalletObservation) -> list[Command]:
+        """Ask where the box goes that has come, and do what is answered."""
+        if self._question is not None:
+            if seen.place is None or seen.place.number != self._question.number:
+                return []
+            self._question = None
+            self._follow(seen.place, seen)
+        arrival = self._intake.arrival
+        has_upcoming = any(work is not self._busy for work in self._floor.pending)
+        if arrival is None or self._arriving is not None or has_upcoming:
+            return []
+        if arrival.item is None:
+            self._send_away(arrival.doubt, seen)
+            return []
+        places = self._open_pallets(seen)
+        if not places or self._blocked == frozenset(places):
+            return []
+        self._asked += 1
+        floor = self._floor
+        self._question = PlaceQuestion(
+            self._asked, tuple(floor.standing(place) for place in places), floor.buffered, (arrival.item,),
+            len(floor.free_buffers),
+        )  # fmt: skip
+        return [AskPlace(self._question)]
+
+    def _open_pallets(self, seen: PalletObservation) -> list[str]:
+        return [place for place in self._cell.pallets if place not in self._closing | seen.taken]
+
+    def _follow(self, answer: PlaceAnswer, seen: PalletObservation) -> None:
+        """Do what was answered."""
+        arrival, self._blocked = self._intake.arrival, None
+        assert arrival is not None
+        data: dict[str, object] = {"step": answer.step.value}
+        match answer.step:
+            case NextStep.PLACE:
+                assert answer.plan is not None
+                placed = answer.plan.placed
+                data |= {"lower": placed.lower.tolist(), "size": placed.size.tolist()}
+                self._expect(self._floor.place(answer, arrival))
+            case NextStep.SET_ASIDE if arrival.item is not None:
+                self._expect(self._floor.set_aside(arrival.item))
+            case NextStep.REJECT:
+                self._send_away(answer.reason, seen)
+                return
+            case NextStep.CLOSE:
+                places = self._open_pallets(seen)
+                if len(places) < len(self._cell.pallets):
+                    self._blocked = frozenset(places)  # an empty pallet comes soon
+                    return
+                self._closing.add(answer.pallet)
+        self._note(seen, EventKind.DECIDED, answer.item, answer.pallet, answer.reason, **data)
+
+    def _expect(self, work: WorkItem) -> None:
+        """Note that the machine is to move a box."""
+        self._unreported.append(work)
+        if work.source == PICKING_TABLE:
+            self._arriving = work
+
+    def _send_away(self, reason: str, seen: PalletObservation) -> None:
+        """Have the box that came put where somebody takes it away, or call a person to take it."""
+        arrival = self._intake.arrival
+        assert arrival is not None
+        self._rejects += 1
+        self._note(seen, EventKind.DECIDED, arrival.box, REJECT_TABLE, reason, step=NextStep.REJECT.value)
+        if arrival.X_WB is None:
+            self.halt(f"take box {arrival.box} off the conveyor: {reason}")
+        else:
+            self._expect(self._floor.send_away(arrival))
+
+    def _note_progress(self, seen: PalletObservation) -> None:
+        """Note the states that were entered, and what became of boxes."""
+        assert self.machine is not None
+        machine = self.machine.machine
+        for visit in machine.visits[self._noted :]:
+            state = {"state": visit.state.label}
+            self._events.append(ShiftEvent(visit.time, EventKind.STATE, visit.box, "", visit.reason, state))
+        self._noted = len(machine.visits)
+        for work in [work for work in self._unreported if work.is_finished]:
+            self._unreported.remove(work)
+            self._note_outcome(work, seen)
+        if machine.state is State.SAFE_STOP:
+            self.reason = machine.reason or "the arm has stopped"
+        elif machine.state is State.DONE:
+            self.machine = self._floor.book = None
+
+    def _note_outcome(self, work: WorkItem, seen: PalletObservation) -> None:
+        if work.outcome is BoxOutcome.SKIPPED and work is not self._busy:
+            self._floor.forget(work)  # what it was to stand on is not there: it gets another place
+            self._arriving = None if work is self._arriving else self._arriving
+            return
+        if work.outcome is not BoxOutcome.PLACED:
+            kind = EventKind.SKIPPED if work.outcome is BoxOutcome.SKIPPED else EventKind.LOST
+            self._note(seen, kind, work.name, work.deck, work.reason)
+            return
+        assert work.X_WB is not None
+        placed = work.plan.placed
+        self._note(
+            seen, EventKind.PUT_DOWN, work.name, work.deck,
+            pose=[*work.X_WB.p.tolist(), *work.X_WB.q.tolist()],
+            handling=work.handling.value, lower=placed.lower.tolist(), size=placed.size.tolist(),
+            dims=list(work.box.dims), weight=work.box.weight, article=work.box.article,
+        )  # fmt: skip
+        if work.deck != REJECT_TABLE:
+            self._rejects = 0
+
+    def _clear_away(self, seen: PalletObservation) -> list[Command]:
+        """Have rejected boxes and full pallets taken away that the arm has left, and forget skipped boxes."""
+        commands: list[Command] = []
+        for work in [work for work in self._floor.work if work.outcome is BoxOutcome.SKIPPED]:
+            if work is not self._busy:
+                self._floor.forget(work)
+        for work in self._floor.boxes_of(REJECT_TABLE):
+            if work.is_finished and work is not self._busy:
+                self._floor.forget(work)
+                commands.append(DiscardBox(work.name))
+        for place in sorted(self._closing):
+            boxes, busy = self._floor.boxes_of(place), self._busy
+            carried = None if busy is None else busy.carried
+            is_away = self._shadows[place].clearance(seen.motion.X_WT, carried) >= self._config.away
+            if not is_away or busy in boxes or any(not work.is_finished for work in boxes):
+                continue
+            self._closing.discard(place)
+            for work in boxes:
+                self._floor.forget(work)
+            names = tuple(work.name for work in boxes if work.outcome is BoxOutcome.PLACED)
+            self._note(seen, EventKind.TAKEN, place=place, boxes=list(names))
+            commands.append(TakePallet(place, names))
+        return commands
+
+    def _end(self, seen: PalletObservation) -> None:
+        """End where nothing is left to do, or where a person is needed."""
+        if self.machine is None:
+            self.reason = self._halt or self._intake.reason or self._why_done(seen)
+        elif self._intake.reason and not self._halt:
+            self.halt(self._intake.reason)
+        if self.reason:
+            self._note(seen, EventKind.ENDED, reason=self.reason)
+
+    def _why_done(self, seen: PalletObservation) -> str:
+        """Why nothing is left to do for an arm that rests; empty where something is."""
+        if self._rejects >= self._config.most_rejects:
+            return f"{self._rejects} boxes in a row belong on no pallet: look at the conveyor"
+        if self._floor.pending or self._intake.arrival is not None or self._closing:
+            return ""
+        if self._came >= self._boxes:
+            return f"all {self._boxes} boxes came"
+        is_late = self._intake.is_waiting and seen.time > self._sent + self._config.patience
+        return f"no box has come for {self._config.patience:g} s" if is_late else ""
+
+    def _note(
+        self, seen: PalletObservation, kind: EventKind, box: str = "", place: str = "", reason: str = "",
+        **data: object,
+    ) -> None:  # fmt: skip
+        self._events.append(ShiftEvent(seen.time, kind, box, place, reason, data))

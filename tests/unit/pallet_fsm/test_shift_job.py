@@ -1,0 +1,94 @@
+"""Shifts from start to end in a cell without physics."""
+
+import numpy as np
+import pytest
+
+from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE
+from pack_core.palletizing.shift_journal import EventKind
+from pack_planner.layout.online_packer import PackerConfig
+from pack_planner.layout.online_planner import OnlineConfig
+from unit.pallet_fsm.fake_shift import CELL, Came, listed, run_shift
+from unit.pallet_fsm.faults import Faults
+
+TEA = listed("tea")
+LARGE = listed("large", (0.59, 0.39, 0.15))
+LOW = OnlineConfig(packer=PackerConfig(highest=0.16))
+"""A single layer: a pallet holds four large boxes."""
+
+
+def test_boxes_that_come_stand_where_it_was_decided() -> None:
+    shift = run_shift([Came("tea")] * 4, [TEA], period=0.2)
+    assert shift.job.reason == "all 4 boxes came"
+    put_down = shift.of(EventKind.PUT_DOWN)
+    assert [event.box for event in put_down] == ["b1", "b2", "b3", "b4"]
+    for event in put_down:
+        centre = np.array(event.data["lower"]) + 0.5 * np.array(event.data["size"])
+        p_WB = CELL.deck(event.place).X_WD.apply(centre)
+        assert np.linalg.norm(shift.cell.boxes[event.box].p - p_WB) < 1e-3
+
+
+def test_the_next_box_is_sent_for_while_the_one_before_is_on_its_way() -> None:
+    shift = run_shift([Came("tea")] * 3, [TEA])
+    put_down = [event.time for event in shift.of(EventKind.PUT_DOWN)]
+    assert len(shift.cell.sent) == 3
+    assert all(sent < down for sent, down in zip(shift.cell.sent[1:], put_down, strict=False))
+
+
+@pytest.mark.parametrize(
+    ("odd", "reason"),
+    [
+        (Came("tea", (0.4, 0.3, 0.18)), "it is 400 x 300 x 180 mm, its label says 400 x 300 x 200 mm"),
+        (Came("", (0.4, 0.3, 0.2)), "its label cannot be read"),
+        (Came("coal", (0.4, 0.3, 0.2)), "its label says 'coal', which is in no list"),
+    ],
+)
+def test_a_box_that_is_not_what_its_label_says_is_rejected_and_the_shift_goes_on(odd, reason) -> None:
+    shift = run_shift([odd, Came("tea")], [TEA])
+    places = {event.box: event.place for event in shift.of(EventKind.PUT_DOWN)}
+    assert places == {"b1": REJECT_TABLE, "b2": PALLET}
+    assert shift.of(EventKind.CAME)[0].reason == reason
+    assert "b1" not in shift.cell.boxes
+    assert shift.job.reason == "all 2 boxes came"
+
+
+def test_three_rejected_boxes_in_a_row_call_a_person() -> None:
+    shift = run_shift([Came("", (0.4, 0.3, 0.2))] * 5, [TEA])
+    assert shift.job.reason == "3 boxes in a row belong on no pallet: look at the conveyor"
+    assert len(shift.of(EventKind.CAME)) == 3
+
+
+def test_a_box_that_stands_upright_is_left_to_a_person() -> None:
+    shift = run_shift([Came("tea", (0.3, 0.2, 0.4))], [TEA])
+    assert shift.job.reason == "take box b1 off the conveyor: it does not lie on its largest face"
+
+
+def test_a_full_pallet_is_replaced_while_the_other_one_is_built() -> None:
+    # Two pallets hold eight and two more are set aside: the eleventh closes a pallet.
+    shift = run_shift([Came("large")] * 12, [LARGE], LOW)
+    (taken,) = shift.of(EventKind.TAKEN)
+    assert len(taken.data["boxes"]) == 4
+    assert shift.job.reason == "all 12 boxes came"
+    aside = [event for event in shift.of(EventKind.PUT_DOWN) if event.place == REORIENTATION_TABLE]
+    assert [event.box for event in aside] == ["b9", "b10"]
+    # The boxes set aside go first to the new pallet.
+    after = [event.box for event in shift.of(EventKind.PUT_DOWN) if event.time > taken.time]
+    assert after == ["b9", "b10", "b11", "b12"]
+    assert set(shift.cell.boxes) == {f"b{n}" for n in range(1, 13)} - set(taken.data["boxes"])
+
+
+def test_a_box_that_cannot_be_gripped_is_skipped_and_the_next_one_comes() -> None:
+    shift = run_shift([Came("tea")] * 2, [TEA], faults=Faults(slips=3))
+    (skipped,) = shift.of(EventKind.SKIPPED)
+    assert skipped.box == "b1"
+    assert [event.box for event in shift.of(EventKind.PUT_DOWN)] == ["b2"]
+
+
+def test_a_shift_for_which_nothing_comes_ends() -> None:
+    shift = run_shift([], [TEA], boxes=3)
+    assert shift.job.reason == "no box has come for 20 s"
+
+
+def test_a_lost_box_ends_the_shift_in_a_safe_stop() -> None:
+    shift = run_shift([Came("tea")], [TEA], faults=Faults(lost_at="APPROACH", reason="shear 300 N"))
+    assert shift.job.reason == "shear 300 N"
+    assert shift.cell.has_stopped
