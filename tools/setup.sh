@@ -51,7 +51,7 @@ install_requirements() {
 
 build_workspace() {
     local sources key
-    mapfile -t sources < <(find ros_ws/src -type f \( -path '*/pack_interfaces/*' -o -path '*/tf2_msgs/*' \
+    mapfile -t sources < <(find ros_ws/src -type f \( -path '*/pack_interfaces/*' -o -path '*/tf2_msgs/*' -o -path '*/control_msgs/*' \
         -o -name package.xml -o -name setup.py -o -name setup.cfg -o -name colcon.pkg \) | LC_ALL=C sort)
     key=$(hash_of "$venv/.requirements" tools/wheels_fix.cmake "${sources[@]}")
     is_stamped ros_ws/install/.sources "$key" && return

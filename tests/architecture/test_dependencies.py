@@ -17,7 +17,7 @@ SOURCES = project_root() / "ros_ws" / "src"
 PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/package.xml"))
 PYTHON_PACKAGES = sorted(path.parent.name for path in SOURCES.glob("*/setup.py"))
 FLOORS = (
-    {"pack_interfaces", "tf2_msgs"},
+    {"pack_interfaces", "tf2_msgs", "control_msgs"},
     {"pack_core"},
     {"pallet_calibration", "pack_perception", "pack_motion"},
     {"pack_sim", "pack_planner", "pack_mpc", "pallet_fsm", "block_fsm", "pack_evaluation"},

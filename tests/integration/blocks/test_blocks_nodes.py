@@ -35,10 +35,12 @@ def graph() -> Iterator[Graph]:
     opened.close()
 
 
-def start_sim(graph: Graph, tmp_path: Path, factor: float) -> BlocksSimNode:
+def start_sim(
+    graph: Graph, tmp_path: Path, factor: float, make: type[BlocksSimNode] = BlocksSimNode
+) -> BlocksSimNode:
     file = tmp_path / "problem.yaml"
     file.write_text(TEXT)
-    node = graph.start(BlocksSimNode, problem=str(file), real_time_factor=factor)
+    node = graph.start(make, problem=str(file), real_time_factor=factor)
     sensors = (shared.CLOCK, motion.JOINT_STATES, contracts.JAW_STATE, contracts.TRUTH)
     graph.probe.listen(*sensors, contracts.BLOCK_POSES)
     graph.wait_until(lambda: all(graph.probe.last(contract) for contract in sensors))

@@ -7,7 +7,9 @@ import pathlib
 import numpy as np
 import pytest
 
+from foreign_driver.blocks_driver_node import BlocksDriverNode
 from integration.blocks.test_blocks_nodes import start_sim
+from integration.blocks.test_trajectories import ACTION
 from integration.harness import Graph
 from integration.simulation_rig import assert_a_pause_loses_nothing, braking_time, pause, set_state, slowly
 from pack_core.blocks.cell import blocks_cell
@@ -29,21 +31,26 @@ TURNED = LOOK + np.array([0.9, 0.0, 0.0, 0.0, 0.0, 0.0])
 TURNED_THE_OTHER_WAY = LOOK - np.array([0.9, 0.0, 0.0, 0.0, 0.0, 0.0])
 BRAKING = 1.0
 """The arm stands this long after a stop [s]."""
+STANDS_ON = 0.3
+"""An arm that is released is watched for so long without a move [s]."""
 HELD = "a"
 
 
 @pytest.fixture
-def sim(graph: Graph, tmp_path: pathlib.Path) -> BlocksSimNode:
+def sim(request: pytest.FixtureRequest, graph: Graph, tmp_path: pathlib.Path) -> BlocksSimNode:
+    """The cell's simulator, or the class that the test gives."""
     graph.probe.listen(shared.ARM_STATE, shared.SIMULATION_STATE, shared.REAL_TIME_FACTOR)
-    return start_sim(graph, tmp_path, factor=0.4)
+    return start_sim(graph, tmp_path, 0.4, getattr(request, "param", BlocksSimNode))
 
 
 @pytest.fixture
 def motion_node(graph: Graph, sim: BlocksSimNode) -> MotionNode:
-    node = graph.start(MotionNode, cell="blocks")
+    action = ACTION if isinstance(sim, BlocksDriverNode) else ""
+    node = graph.start(MotionNode, cell="blocks", follow_joint_trajectory=action)
     graph.probe.listen(motion.MOTION_STATUS)
     graph.connect(motion.MOTION_TARGET)
     graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS))
+    graph.wait_until_ready("motion")
     return node
 
 
@@ -76,6 +83,7 @@ def begin(graph: Graph, number: int, q: np.ndarray) -> None:
     graph.wait_until(lambda: np.abs(joints(graph).v).max() > 0.6, 30.0)
 
 
+@pytest.mark.parametrize("sim", [BlocksSimNode, BlocksDriverNode], indirect=True)
 def test_a_stopped_arm_keeps_its_block_and_takes_the_next_move(
     graph: Graph, sim: BlocksSimNode, motion_node: MotionNode
 ) -> None:
@@ -85,7 +93,10 @@ def test_a_stopped_arm_keeps_its_block_and_takes_the_next_move(
     graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS).state == "IDLE")
     refused = sim.health.counts["refused /joint_setpoints"]  # sent before the stop was heard of
     assert np.abs(joints(graph).q - TURNED).max() > 0.1
+    rested = joints(graph)
     assert graph.call(shared.RESUME_ARM, shared.RESUME_ARM.type.Request()).success
+    graph.wait_until(lambda: joints(graph).time > rested.time + STANDS_ON)
+    np.testing.assert_allclose(joints(graph).q, rested.q, atol=1e-3)
     with slowly(sim):
         begin(graph, 2, TURNED_THE_OTHER_WAY)
     assert sim.health.counts["refused /joint_setpoints"] == refused

@@ -70,6 +70,8 @@ def standing_plan(q: Array, interrupted: MotionPlan, segment: int) -> MotionPlan
     return MotionPlan(trajectory, (JointMove(q, label=label),), interrupted.X_WT)
 
 
+ON_PLAN = 1e-4
+"""A joint that is no farther from its reference follows the plan [rad]: tracking leaves less than that."""
 LONGEST_STEP = 0.1
 """Longest step that is integrated [s]; a longer one is a gap in the measurements and an error."""
 
@@ -168,6 +170,11 @@ class MotionController:
         plan = self._planner.stop(self.commanded)
         self._follow(replace(self._target, move=Path(())), plan)
 
+    def refuse(self, reason: str) -> None:
+        """Give the move up, as the driver does not take it, and report it as refused."""
+        self.stop()
+        self._monitor.refuse(self._target.id, reason)
+
     def wait(self, time: float) -> None:
         """Skip to `time` [s] after a gap in the measurements; allowed only while `is_standing`."""
         self._time = time
@@ -240,6 +247,17 @@ class MotionController:
         self._monitor.record(time, tracker.state, pursuit.segment)
         self._monitor.judge(h, sample, pursuit, self._target, (tracker.least_distance, self._field.names))
         return tracker.state
+
+    def outlook(self) -> ReferenceTrajectory:
+        """What the joints do from the last setpoint on until they rest, as far as it can be told now.
+
+        It is the rest of the plan where the arm follows that as planned, and a stop where something holds
+        the arm up or pushes it aside, or the driver holds it.
+        """
+        rest = self._pursuit.rest
+        if rest is None or self._is_held or np.abs(rest.start.q - self.commanded.q).max() > ON_PLAN:
+            return self._planner.stop(self.commanded).trajectory
+        return rest
 
     def status(self) -> MotionStatus:
         """State and progress of the newest move."""

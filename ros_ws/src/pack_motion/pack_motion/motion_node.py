@@ -8,7 +8,7 @@ from typing import Any
 
 from pack_interfaces.msg import ArmState, BoxObstacles
 from pack_interfaces.msg import MotionTarget as MotionTargetMsg
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
@@ -27,9 +27,11 @@ from pack_core.ros.run import run_node
 from pack_core.ros.stream import Stream, StreamReader
 from pack_motion.arm.arm import load_arm
 from pack_motion.controller import MotionController, warm_up
+from pack_motion.ros.trajectory_client import ACTION, TrajectoryClient
 from pack_motion.setpoint_stream import SetpointStream, StreamConfig
 from pack_motion.target_planner import PlanningThread, PreparedTarget
 from pack_motion.tracking.config import motion_set
+from pack_motion.trajectory_output import LONGEST_GAP, Cancel, DriverClock, TrajectoryOutput
 
 COMMANDER = "fsm"
 """The node whose moves are given up when its process ends: a new one knows nothing of them."""
@@ -42,9 +44,21 @@ class MotionNodeConfig(StreamConfig):
 
     cell: str = Field(default="palletizing", description="whose arm it moves")
     parameters: str = Field(default="shipped", description="named set of config/motion")
+    follow_joint_trajectory: str = Field(
+        default="",
+        description="action of a driver's joint trajectory controller, which gets whole moves, such as "
+        "/scaled_joint_trajectory_controller/follow_joint_trajectory; empty: setpoints are sent",
+    )
     watched: tuple[str, ...] = Field(
         default=("sim",), description="the arm brakes and waits while one of them is silent"
     )
+
+    @field_validator("follow_joint_trajectory")
+    @classmethod
+    def _check_action(cls, name: str) -> str:
+        if name and not (name.startswith("/") and name.endswith(ACTION)):
+            raise ValueError(f"'{name}'; allowed: '', or a name with its namespace, /CONTROLLER{ACTION}")
+        return name
 
 
 class MotionNode(CellNode):
@@ -62,7 +76,10 @@ class MotionNode(CellNode):
         self._arm_state = ArmState()
         self._silent, self._stamps = set[str](), StampCheck(self)
         self._planning = PlanningThread(self._prepare, self._on_error)
-        self._setpoints = self.advertise(contracts.SETPOINTS)
+        self._trajectories = self._open_trajectories()
+        self._output: TrajectoryOutput | None = None
+        self._driver_clock = DriverClock()
+        self._setpoints = None if self._trajectories else self.advertise(contracts.SETPOINTS)
         self._writer = TrajectoryWriter(self._arm.limits.names)
         self._status = self.advertise(contracts.MOTION_STATUS)
         self.listen(contracts.MOTION_TARGET, self._on_target)
@@ -76,13 +93,50 @@ class MotionNode(CellNode):
 
     @property
     def waits_for(self) -> str:
-        return "" if self._stream is not None else f"no {contracts.JOINT_STATES.name} yet: is sim up?"
+        if self._stream is None:
+            return f"no {contracts.JOINT_STATES.name} yet: is sim up?"
+        if self._trajectories is not None and not self._trajectories.is_there:
+            return f"nobody takes trajectories at {self._trajectories.action} yet: is the driver up?"
+        return ""
 
     def destroy_node(self) -> None:
         """Stop reading and planning, then the node."""
         self._reader.end()
         self._planning.end()
+        if self._trajectories is not None:
+            self._trajectories.close()
         super().destroy_node()
+
+    def _open_trajectories(self) -> TrajectoryClient | None:
+        """The client of the driver's controller, if whole moves are sent."""
+        action = self._config.follow_joint_trajectory
+        if not action:
+            return None
+        limits = self._arm.limits
+        return TrajectoryClient(
+            self, action, limits.names, self._config.deviation * limits.velocity,
+            self._on_rejection, self._on_abort,
+        )  # fmt: skip
+
+    def _on_rejection(self, reason: str) -> None:
+        """The driver takes no trajectory now: the move ends, as it would not take the next one either."""
+        self.health.count("rejected trajectory", reason)
+        self.get_logger().error(reason)
+        self.executor.create_task(self._refuse, reason)
+
+    def _refuse(self, reason: str) -> None:
+        with self._stepping:
+            if self._stream is not None:
+                self._stream.interrupt(reason)
+                self._stream.controller.refuse(reason)
+                self._plan_again()
+
+    def _on_abort(self, reason: str) -> None:
+        """The driver holds the arm somewhere on the way: the rest of the move is planned from there."""
+        with self._stepping:
+            if self._stream is not None and not self._arm_state.is_stopped:
+                self._stream.interrupt(reason)
+                self._note_interruption(reason)
 
     def _read(self) -> None:
         for message in self._joints.take_all():
@@ -104,7 +158,7 @@ class MotionNode(CellNode):
         time = from_stamp(message.header.stamp) or None
         with self._stepping:
             if self._stream is not None:
-                self._stream.controller.observe(obstacles, time)
+                self._stream.controller.observe(obstacles, time and self._driver_clock.at(time))
 
     def _on_arm_state(self, message: ArmState) -> None:
         """Give up the move when the arm is stopped; a target that comes later waits until it is released."""
@@ -139,34 +193,67 @@ class MotionNode(CellNode):
             self._give_up(reason)
 
     def _on_joints(self, data: bytes) -> None:
-        sample = self._joint_reader.read(data)
-        self._stamps.check(sample.time)
+        measured = self._joint_reader.read(data)
+        self._stamps.check(measured.time)
+        self._look_at_driver()
+        sample = replace(measured, time=self._driver_clock.at(measured.time))
         stream = self._stream
         if stream is None or stream.has_begun_anew(sample):
+            self._driver_clock.restart()
+            sample = measured
             stream = self._stream = self._start(sample)
             self._bar()
         if not self._arm_state.is_stopped and not self._silent:
             self._take_up(stream.controller)
-        reference = stream.advance(sample)
-        if reference is not None and not self._arm_state.is_stopped:
-            self._setpoints.publish(self._writer.write(reference))
+        self._drive(stream, sample)
         if stream.interruption:
-            self._note_interruption(stream.interruption)
+            self._note_interruption(
+                f"{stream.interruption}: is the machine too slow for this real_time_factor?"
+            )
         self._waiting = self._waiting or stream.left
-        self._status.publish(to_status(stream.controller.status()))
+        late = measured.time - sample.time
+        status = stream.controller.status()
+        self._status.publish(to_status(replace(status, time=status.time + late)))
+
+    def _drive(self, stream: SetpointStream, sample: JointSample) -> None:
+        """Tell the driver what is new: the next setpoints, or another trajectory."""
+        is_stopped = self._arm_state.is_stopped
+        if self._output is None or self._trajectories is None:
+            reference = stream.advance(sample)
+            if reference is not None and not is_stopped:
+                self._setpoints.publish(self._writer.write(reference))
+            return
+        command = self._output.advance(sample, is_stopped=is_stopped)
+        if isinstance(command, Cancel):
+            self._trajectories.cancel()
+        elif command is not None:
+            self._trajectories.send(replace(command, time=self._driver_clock.stamp(command.time)))
+
+    def _look_at_driver(self) -> None:
+        """Note how fast the driver goes through its trajectory."""
+        state = self._trajectories and self._trajectories.newest_state()
+        if state:
+            self._driver_clock.see(from_stamp(state.header.stamp), state.speed_scaling_factor)
 
     def _start(self, sample: JointSample) -> SetpointStream:
         """Start from the measured posture, and drop all targets: time has begun anew."""
         self._waiting = self._planned = None
         controller = MotionController(self._arm, self._set, sample.time, sample.q)
-        return SetpointStream(controller, self._config, self._arm.limits.velocity)
+        if self._trajectories is None:
+            return SetpointStream(controller, self._config, self._arm.limits.velocity)
+        stream = SetpointStream(controller, self._config, self._arm.limits.velocity, LONGEST_GAP)
+        self._output = TrajectoryOutput(stream, self._config.horizon)
+        return stream
 
     def _note_interruption(self, reason: str) -> None:
-        """Report an interruption; a target that is being planned is planned again from the new posture."""
+        """Report an interruption."""
+        self._plan_again()
+        self.health.count("interrupted", reason)
+        self.get_logger().warning(reason)
+
+    def _plan_again(self) -> None:
+        """Plan a target anew that is being planned, from the posture in which the arm comes to rest."""
         self._waiting, self._planned = self._waiting or self._planned, None
-        text = f"{reason}: is the machine too slow for this real_time_factor?"
-        self.health.count("interrupted", text)
-        self.get_logger().warning(text)
 
     def _take_up(self, controller: MotionController) -> None:
         """Pass a waiting target to the planner, and a planned one to the controller."""

@@ -40,17 +40,23 @@ class SetpointStream:
         controller: a newly started controller.
         config: how far setpoints reach, and when an arm counts as held.
         velocity: velocity limits of the joints `(n,)` [rad/s].
+        gap: between two measurements, for which the driver goes on by itself [s]; None: the horizon.
     """
 
-    def __init__(self, controller: MotionController, config: StreamConfig, velocity: Array) -> None:
+    def __init__(
+        self, controller: MotionController, config: StreamConfig, velocity: Array, gap: float | None = None
+    ) -> None:
         self.controller = controller
         self._period, self._horizon = config.period, config.horizon
+        self._gap = config.horizon if gap is None else gap
         self._deviation = config.deviation * velocity
         self._rested = np.inf
         self.left: MotionTarget | None = None
         """The rest of an interrupted move; set in the step in which the arm has come to rest."""
         self.interruption = ""
         """Why the stream pauses; set in the step in which the pause begins."""
+        self.is_astray = False
+        """Whether the pause began because the arm was not where its setpoints were, or was not heard of."""
         self.is_barred = False
         """Whether a held arm must not move on yet, even if it stands."""
         self._restart()
@@ -70,18 +76,24 @@ class SetpointStream:
                 return None
             self.left = controller.resume(sample.time, sample.q)
             self._restart()
-        elif gap > self._horizon and controller.is_standing:
+        elif gap > self._gap and controller.is_standing:
             controller.wait(sample.time)
             self._restart()
-        elif gap > self._horizon:
-            self._pause(f"no joint states for {gap + self._horizon:.2f} s")
+        elif gap > self._gap:
+            self.interrupt(f"no joint states for {gap + self._horizon:.2f} s")
             return None
         reference = self._rows_until(sample)
         apart = np.abs(reference.at(sample.time)[0] - sample.q)
         if np.any(apart > self._deviation):
-            self._pause(f"a joint is {apart.max():.3f} rad from its setpoint")
+            self.interrupt(f"a joint is {apart.max():.3f} rad from its setpoint")
             return None
         return reference
+
+    def interrupt(self, reason: str) -> None:
+        """Pause, as the arm does not follow; when it stands, the rest of the move is to be planned anew."""
+        if not self.controller.is_held:
+            self._pause(reason)
+        self.is_astray = True
 
     def bar(self, reason: str) -> None:
         """Have the driver brake a moving arm for a reason; without one the move may go on."""
@@ -97,6 +109,7 @@ class SetpointStream:
 
     def _pause(self, reason: str) -> None:
         self._rested, self.interruption = np.inf, f"{reason}; the driver holds the arm"
+        self.is_astray = False
         self.controller.hold(self.interruption)
 
     def _has_rested(self, sample: JointSample) -> bool:
@@ -116,6 +129,11 @@ class SetpointStream:
             self._rows.append((self.controller.time, state))
         while len(self._rows) > 1 and self._rows[1][0] <= sample.time:
             self._rows.popleft()
+        return self.given
+
+    @property
+    def given(self) -> Setpoints:
+        """The setpoints that were given out and may not be over."""
         times = np.array([time for time, _ in self._rows])
         q, v, a = (np.array([getattr(state, name) for _, state in self._rows]) for name in ("q", "v", "a"))
         return Setpoints(float(times[0]), times - times[0], q, v, a=a)

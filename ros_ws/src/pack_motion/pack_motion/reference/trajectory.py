@@ -12,6 +12,8 @@ from pack_core.rotations import Array
 
 GRID = 0.004
 """Longest time between rows [s]."""
+SAME_TIME = 1e-6
+"""Rows are not nearer to each other than this [s], so that they differ in whole nanoseconds, too."""
 REST_SPEED, REST_ACCELERATION = 1e-3, 2e-2
 """Below both a joint counts as standing still [rad/s, rad/s^2]."""
 
@@ -81,6 +83,17 @@ class ReferenceTrajectory:
         h = float(times[i + 1] - times[i])
         rows = self.q[i : i + 2], self.v[i : i + 2], self.a[i : i + 2]
         return _quintic((time - float(times[i])) / h, h, *rows), int(self.segment[i + 1])
+
+    def after(self, time: float) -> ReferenceTrajectory:
+        """The reference from `time` [s] on; its first row is the state then."""
+        start, segment = self.at(time)
+        rest = self.times > time + SAME_TIME
+        q, v, a = (
+            np.concatenate([first[None], rows[rest]])
+            for first, rows in ((start.q, self.q), (start.v, self.v), (start.a, self.a))
+        )
+        times = np.concatenate([[0.0], self.times[rest] - time])
+        return ReferenceTrajectory(times, q, v, a, np.concatenate([[segment], self.segment[rest]]))
 
     def followed_by(self, other: ReferenceTrajectory) -> ReferenceTrajectory:
         """This reference and then another one, whose first row must be the last row of this one."""

@@ -9,7 +9,7 @@ import numpy as np
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.path_planner import MotionPlan
-from pack_motion.reference.trajectory import JointState
+from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
 from pack_motion.tracking.config import MotionSet, Reference
 from pack_motion.tracking.speed_separation import SpeedSeparationMonitor, Threat
 
@@ -49,6 +49,11 @@ class Pursuit(ABC):
         """Planned time that is left to the end of the plan [s]."""
 
     @property
+    def rest(self) -> ReferenceTrajectory | None:
+        """The reference from here to its end, where it advances as planned; None where it does not."""
+        return None
+
+    @property
     def is_over(self) -> bool:
         """Whether the reference is at the end of the plan."""
         return self.remaining <= 0.0
@@ -86,6 +91,11 @@ class ShapedPursuit(Pursuit):
     def remaining(self) -> float:
         """Planned time that is left to the end of the plan [s]."""
         return self.plan.trajectory.duration - self._time
+
+    @property
+    def rest(self) -> ReferenceTrajectory | None:
+        """See `Pursuit`."""
+        return self.plan.trajectory.after(self._time) if self.rate == 1.0 else None
 
 
 class StaticPursuit(Pursuit):

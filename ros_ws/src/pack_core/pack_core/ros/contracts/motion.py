@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from control_msgs.action import FollowJointTrajectory
+from control_msgs.msg import JointTrajectoryControllerState
 from pack_interfaces.msg import BoxObstacles, MotionStatus, MotionTarget
 from sensor_msgs.msg import CameraInfo, Image, JointState
 from std_srvs.srv import Trigger
@@ -9,7 +11,17 @@ from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from pack_core.motion import topics
-from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
+from pack_core.ros.contracts.contract import (
+    EVENTS,
+    LATCHED,
+    LATEST,
+    NEWEST,
+    STREAM,
+    Contract,
+    Kind,
+    contracts_in,
+    hz,
+)
 
 # fmt: off
 JOINT_STATES = Contract(
@@ -31,6 +43,13 @@ SETPOINTS = Contract(
     topics.SETPOINTS, JointTrajectory, ("motion",), ("sim", "recorder"),
     "joint positions, velocities and accelerations, stamped with their start, which has come",
     qos=LATEST, rate=hz(topics.JOINT_RATE), recorded=True)
+FOLLOW_JOINT_TRAJECTORY = Contract(
+    f"{topics.CONTROLLER}/follow_joint_trajectory", FollowJointTrajectory, ("motion",), ("user",),
+    "whole moves for a driver's controller, not setpoints, where `motion.follow_joint_trajectory` names it",
+    kind=Kind.ACTION)
+CONTROLLER_STATE = Contract(
+    f"{topics.CONTROLLER}/controller_state", JointTrajectoryControllerState, ("user",), ("motion",),
+    "how fast that controller goes through its trajectory", qos=NEWEST, rate="each cycle of the controller")
 GOAL_MARKERS = Contract(
     topics.GOAL_MARKERS, MarkerArray, ("fsm",), ("recorder", "user"),
     "where boxes or blocks are to stand at the end of the goal, for RViz and Foxglove", qos=LATCHED,

@@ -1,0 +1,1 @@
+"""What the motion node shares of its ROS side with nobody else."""

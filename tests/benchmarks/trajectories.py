@@ -1,0 +1,189 @@
+"""Blocks and orders carried out by setpoints and by whole trajectories, side by side, in lockstep.
+
+`PYTHONPATH=tests:$PYTHONPATH python -m benchmarks.trajectories blocks --first 0 --number 20` prints for each
+problem, and in all, how both ways went: success, duration, by how much a joint was off what its driver asked
+of it, and how many trajectories were sent. Trajectories are followed by the tests' own joint trajectory
+controller, setpoints by the cell's driver.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from foreign_driver.lockstep_arm import drive_by_trajectories
+from pack_core.blocks.cell import blocks_cell
+from pack_core.config import Config
+from pack_core.joints import Desired, Setpoints
+from pack_core.palletizing.orders.order_file import load_order
+from pack_core.paths import config_path
+from pack_core.robots import kr210, ur10e
+from pack_core.rotations import Array
+from pack_evaluation.palletizing.measures import measure_order
+from pack_lockstep.blocks import execution
+from pack_lockstep.blocks.lockstep import BlocksLockstep, CountedPlannerConfig
+from pack_lockstep.blocks.settings import lockstep_config
+from pack_lockstep.node_parameters import load_parameters
+from pack_lockstep.palletizing.benchmark import order_files, plan_order
+from pack_lockstep.palletizing.lockstep import PalletLockstep
+from pack_lockstep.palletizing.settings import set_up
+from pack_motion.setpoint_stream import StreamConfig
+from pack_planner.rearrangement.instances import make_instance
+
+
+class Output(StrEnum):
+    """What the motion controller sends."""
+
+    SETPOINTS = "setpoints"
+    TRAJECTORIES = "trajectories"
+
+
+class Watched:
+    """A follower, and by how much the joints are off what it asks for.
+
+    Attributes:
+        worst: largest error of a joint [rad].
+    """
+
+    def __init__(self, follower: Any) -> None:
+        self._follower, self.feed_forward = follower, follower.feed_forward
+        self.worst, self._squares, self._count = 0.0, 0.0, 0
+
+    @property
+    def rms(self) -> float:
+        """Of all joints and steps [rad]."""
+        return float(np.sqrt(self._squares / max(self._count, 1)))
+
+    def at(self, time: float, q: Array, v: Array) -> Desired:
+        desired: Desired = self._follower.at(time, q, v)
+        error = desired[0] - q
+        self.worst = max(self.worst, float(np.abs(error).max()))
+        self._squares, self._count = self._squares + float(error @ error), self._count + len(q)
+        return desired
+
+    def accept(self, setpoints: Setpoints, time: float) -> None:
+        self._follower.accept(setpoints, time)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """How one problem or order went.
+
+    Attributes:
+        succeeded: parts that are where they should be.
+        of: parts in all.
+        duration: simulated [s].
+        error_mm: largest of a part's place.
+        tracking_mrad: largest error of a joint from what was asked of it.
+        rms_mrad: the same, root mean square.
+        sent: trajectories.
+        trouble: what ended trajectories early.
+    """
+
+    succeeded: int
+    of: int
+    duration: float
+    error_mm: float
+    tracking_mrad: float
+    rms_mrad: float
+    sent: int
+    trouble: str
+
+
+def prepared(lockstep: Any, output: Output, cell: str, velocity: Array) -> tuple[Watched, Any]:
+    """Have a cell in lockstep driven as wanted; the follower, and the arm if trajectories drive it."""
+    arm = None
+    if output is Output.TRAJECTORIES:
+        parameters = load_parameters(f"{cell}/motion", OutputParameters)
+        arm = drive_by_trajectories(lockstep, StreamConfig(**parameters.model_dump()), velocity)
+    watched = lockstep.simulator.follower = Watched(lockstep.simulator.follower)
+    return watched, arm
+
+
+class OutputParameters(Config):
+    """The part of the motion node's parameters that is the stream's."""
+
+    period: float
+    horizon: float
+    deviation: float
+
+
+def run_blocks(seed: int, output: Output) -> Trial:
+    """A problem of four blocks."""
+    cell, made = blocks_cell(), []
+
+    class Driven(BlocksLockstep):
+        def __init__(self, *args: Any, **kwargs: Any) -> None:
+            super().__init__(*args, **kwargs)
+            made.append(prepared(self, output, "blocks", ur10e.LIMITS.velocity))
+
+    problem = make_instance(4, 0.2, seed, centre=cell.workspace.centre)
+    execution.BlocksLockstep = Driven  # type: ignore[misc]
+    done = execution.execute(problem, cell, CountedPlannerConfig(), lockstep_config())
+    return trial(int(done.is_ok), 1, done.duration_s, done.error_mm, *made[0])
+
+
+def run_order(number: int, output: Output) -> Trial:
+    """An order of config/orders, from the first on, with seed 0."""
+    order, setup = load_order(order_files(config_path("orders"))[number]), set_up()
+    plan = plan_order(order, setup.layout)
+    lockstep = PalletLockstep(setup.cell, order, plan, setup.config, 0)
+    driven = prepared(lockstep, output, "palletizing", kr210.LIMITS.velocity)
+    done = measure_order(lockstep.run())
+    error = max((box.error_mm for box in done.boxes if box.error_mm is not None), default=np.inf)
+    return trial(done.reward, done.reward + done.penalty, lockstep.simulator.time, error, *driven)
+
+
+def trial(ok: int, of: int, duration: float, error_mm: float, watched: Watched, arm: Any) -> Trial:
+    """The measures of one run."""
+    sent, trouble = (0, "") if arm is None else (arm.sent, "; ".join(arm.trouble))
+    return Trial(ok, of, duration, error_mm, 1e3 * watched.worst, 1e3 * watched.rms, sent, trouble)
+
+
+RUNS = {"blocks": run_blocks, "palletizing": run_order}
+
+
+def main(cell: str, first: int = 0, number: int = 20) -> None:
+    """Print both ways side by side."""
+    columns = (
+        "problem",
+        "output",
+        "ok",
+        "of",
+        "duration [s]",
+        "error [mm]",
+        "off [mrad]",
+        "rms [mrad]",
+        "sent",
+    )
+    table, console = Table(*columns, title=cell), Console(width=150)
+    trials: dict[Output, list[Trial]] = {output: [] for output in Output}
+    for seed in range(first, first + number):
+        for output in Output:
+            done = RUNS[cell](seed, output)
+            trials[output].append(done)
+            table.add_row(*row(str(seed), output, [done]))
+            console.print(seed, output, done)
+    for output, runs in trials.items():
+        table.add_row(*row("all", output, runs))
+    console.print(table)
+
+
+def row(name: str, output: Output, runs: list[Trial]) -> list[str]:
+    """Of one run or several: sums of counts, the mean duration, the largest errors, the mean of the rms."""
+    return [
+        name, output, str(sum(r.succeeded for r in runs)), str(sum(r.of for r in runs)),
+        f"{np.mean([r.duration for r in runs]):.2f}", f"{max(r.error_mm for r in runs):.2f}",
+        f"{max(r.tracking_mrad for r in runs):.3f}", f"{np.mean([r.rms_mrad for r in runs]):.4f}",
+        str(sum(r.sent for r in runs)),
+    ]  # fmt: skip
+
+
+if __name__ == "__main__":
+    typer.run(main)
