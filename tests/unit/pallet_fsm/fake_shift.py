@@ -16,11 +16,14 @@ from pack_planner.layout.online_planner import OnlineConfig
 from pack_planner.layout.place_answers import PlaceAnswers
 from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
 from pallet_fsm.shift_job import ShiftConfig, ShiftJob
+from pallet_fsm.taking_over import TakenOver
 from unit.pack_perception.scans.closed_form import scan_of
 from unit.pallet_fsm.fake_cell import REACH, FakeCell
 from unit.pallet_fsm.faults import Faults
 
 CELL = palletizing_cell("shift")
+LONGEST = 600.0
+"""Time that a shift may take [s]."""
 ON_THE_WAY, SWAP = 2.0, 30.0
 """Times until the next box is at the barrier, and until an empty pallet stands where a full one was [s]."""
 
@@ -116,18 +119,26 @@ class ShiftRunning:
 
 def run_shift(
     stream: list[Came], catalogue: list[Item], config: OnlineConfig | None = None,
-    faults: Faults | None = None, *, period: float = 0.0, boxes: int | None = None, most: float = 600.0,
+    faults: Faults | None = None, *, period: float = 0.0, boxes: int | None = None,
 ) -> ShiftRunning:  # fmt: skip
-    """A shift from start to end; `period` [s] between scans of pallets, 0: none; `most` [s] it may take."""
+    """A shift from start to end; `period` [s] is that of scans of pallets and table B, 0: none."""
     labels = {item.id: item for item in catalogue}
     cell = FakeShiftCell(
         None, faults or Faults(), stream=stream, catalogue=labels, config=config or OnlineConfig()
     )
+    return go_on(cell, boxes or len(stream), period=period)
+
+
+def go_on(
+    cell: FakeShiftCell, boxes: int, taken_over: TakenOver | None = None, *, period: float = 0.0
+) -> ShiftRunning:
+    """A shift in a cell in which something may stand already."""
     machine = PalletizerConfig(scans=ScanConfig(period=period))
-    job = ShiftJob(CELL, labels, ShiftConfig(patience=20.0), machine, boxes or len(stream))
+    job = ShiftJob(CELL, cell.catalogue, ShiftConfig(patience=20.0), machine, boxes, taken_over)
     shift = ShiftRunning(job, cell)
-    while not job.is_over and cell.time < most:
+    while not job.is_over:
         for command in job.step(cell.observe()):
             cell.apply(command)
         shift.events += job.events()
+        assert cell.time < LONGEST, shift.events[-5:]
     return shift

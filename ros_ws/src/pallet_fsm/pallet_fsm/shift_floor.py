@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pack_core.palletizing.cell import REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
-from pack_core.palletizing.orders.handling import TurnChoice, turns_of
+from pack_core.palletizing.orders.handling import Extents, TurnChoice, turns_of
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.next_place import PlaceAnswer, StandingPallet
@@ -104,9 +104,8 @@ class ShiftFloor:
         """Have a box set aside, its long side along y, in which table B has more room."""
         d_x, d_y, d_z = sorted(item.size, reverse=True)
         across = d_y, d_x, d_z
-        turn = next(turn for turn in turns_of((d_x, d_y, d_z), this_side_up=True) if turn.extents == across)
         plan = self._on_table(item, REORIENTATION_TABLE, self.free_buffers[0], across)
-        return self._add(item, turn, plan, REORIENTATION_TABLE)
+        return self._add(item, listed_turn(item, across), plan, REORIENTATION_TABLE)
 
     def send_away(self, arrival: Arrival) -> WorkItem:
         """Have a box put where somebody takes it away: all that is known of it is what was measured."""
@@ -114,9 +113,9 @@ class ShiftFloor:
         dims = d_x, d_y, d_z
         mass = DENSITY * float(np.prod(dims)) if arrival.item is None else arrival.item.weight
         item = Item(id=arrival.box, article="", size=dims, weight=mass, this_side_up=True)
-        turn = next(turn for turn in turns_of(dims, this_side_up=True) if turn.extents == dims)
         middle = self._cell.place(REJECT_TABLE).middle[:2]
-        work = self._add(item, turn, self._on_table(item, REJECT_TABLE, middle, dims), REJECT_TABLE)
+        plan = self._on_table(item, REJECT_TABLE, middle, dims)
+        work = self._add(item, listed_turn(item, dims), plan, REJECT_TABLE)
         work.X_WB = arrival.X_WB
         return work
 
@@ -130,20 +129,34 @@ class ShiftFloor:
         lower = np.array([*(middle[:2] - 0.5 * np.array(size)[:2]), 0.0])
         return PlannedBox(PlacedBox(item.id, lower, np.array(size), item.weight), STRAIGHT_DOWN)
 
+    def item(self, name: str) -> Item:
+        """What a box is."""
+        return self._items[name]
+
     def _add(self, item: Item, turn: TurnChoice, plan: PlannedBox, deck: str) -> WorkItem:
-        d_x, d_y, d_z = sorted(item.size, reverse=True)
-        x, y, z = (float(value) for value in plan.placed.lower)
-        box = OrderBox(
-            id=item.id, dims=(d_x, d_y, d_z), weight=item.weight, orient_id=turn.orient_id,
-            bundling_axis=turn.bundling_axis, position=(x, y, z), article=item.article,
-            this_side_up=item.this_side_up, max_load=item.max_load, max_pressure=item.max_pressure,
-        )  # fmt: skip
-        work = WorkItem(box, plan, deck, has_come=True)
+        work = WorkItem(order_box(item, turn, plan), plan, deck, has_come=True)
         self._items[item.id] = item
         self.work.append(work)
         if self.book is not None:
             self.book.add(work)
         return work
+
+
+def listed_turn(item: Item, extents: Extents) -> TurnChoice:
+    """The turn that gives a box its extents along the axes of the place where it stands [m]."""
+    choices = turns_of(item.size, this_side_up=False)
+    return min(choices, key=lambda turn: float(np.abs(np.array(turn.extents) - extents).max()))
+
+
+def order_box(item: Item, turn: TurnChoice, plan: PlannedBox) -> OrderBox:
+    """A box as an order would have it."""
+    d_x, d_y, d_z = sorted(item.size, reverse=True)
+    x, y, z = (float(value) for value in plan.placed.lower)
+    return OrderBox(
+        id=item.id, dims=(d_x, d_y, d_z), weight=item.weight, orient_id=turn.orient_id,
+        bundling_axis=turn.bundling_axis, position=(x, y, z), article=item.article,
+        this_side_up=item.this_side_up, max_load=item.max_load, max_pressure=item.max_pressure,
+    )  # fmt: skip
 
 
 def _waits_on_table(work: WorkItem) -> bool:

@@ -7,7 +7,7 @@ clock and calls nothing outside: a step takes an observation and returns command
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from pydantic import Field, PositiveFloat, PositiveInt
 
@@ -25,6 +25,7 @@ from pallet_fsm.place_watch import ArmShadow
 from pallet_fsm.report import BoxOutcome
 from pallet_fsm.shift_floor import ShiftFloor
 from pallet_fsm.states import State
+from pallet_fsm.taking_over import TakenOver
 
 
 class ShiftConfig(Config):
@@ -52,7 +53,7 @@ class ShiftJob:
         config: parameters.
         machine: parameters of the machine.
         boxes: the shift ends when so many have come and are in their places.
-        standing: boxes that stand already, on pallets and on table B, with what they are.
+        taken_over: what stands already, on pallets and on table B; by default nothing.
 
     Attributes:
         machine: what moves the arm at present; None while no box is to be moved.
@@ -61,11 +62,12 @@ class ShiftJob:
 
     def __init__(
         self, cell: PalletizingCell, catalogue: Mapping[str, Item], config: ShiftConfig,
-        machine: PalletizerConfig, boxes: int, standing: Sequence[tuple[WorkItem, Item]] = (),
+        machine: PalletizerConfig, boxes: int, taken_over: TakenOver | None = None,
     ) -> None:  # fmt: skip
+        found = taken_over or TakenOver()
         self._cell, self._config, self._machine_config, self._boxes = cell, config, machine, boxes
         self._intake = Intake(cell, catalogue, config.intake)
-        self._floor = ShiftFloor(cell, standing)
+        self._floor = ShiftFloor(cell, found.standing)
         self._shadows = {
             block.name: ArmShadow(block, cell) for block in cell.furniture if block.name in cell.pallets
         }
@@ -73,11 +75,11 @@ class ShiftJob:
         self._sent = 0.0
         self._arriving: WorkItem | None = None
         self._unreported: list[WorkItem] = []
-        self._closing: set[str] = set()
+        self._closing = set(found.closed)
         self._question: PlaceQuestion | None = None
         self._blocked: frozenset[str] | None = None
         self._events: list[ShiftEvent] = []
-        self._halt = ""
+        self._halt, self._doubts, self._has_begun = "", found.doubts, False
         self.machine: Palletizer | None = None
         self.reason = ""
 
@@ -101,6 +103,9 @@ class ShiftJob:
         """Go as far as the observation allows, and return the commands of this step."""
         if self.is_over:
             return ()
+        if not self._has_begun:
+            self._has_begun = True
+            self._note(seen, EventKind.BEGAN, reason="; ".join(self._doubts), standing=len(self._floor.work))
         commands = [*self._take_in(seen), *self._decide(seen), *self._clear_away(seen)]
         if self.machine is None and self._floor.pending:
             self.machine = Palletizer(self._floor.begin(), self._cell, self._machine_config, seen.time)
@@ -244,7 +249,7 @@ class ShiftJob:
             seen, EventKind.PUT_DOWN, work.name, work.deck,
             pose=[*work.X_WB.p.tolist(), *work.X_WB.q.tolist()],
             handling=work.handling.value, lower=placed.lower.tolist(), size=placed.size.tolist(),
-            dims=list(work.box.dims), weight=work.box.weight, article=work.box.article,
+            item=self._floor.item(work.name).model_dump(mode="json"),
         )  # fmt: skip
         if work.deck != REJECT_TABLE:
             self._rejects = 0

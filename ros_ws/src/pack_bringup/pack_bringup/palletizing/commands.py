@@ -144,6 +144,7 @@ def demo(
     port: Port = PORT,
     shift: shift_command.ShiftDemo = False,
     boxes: shift_command.Boxes = 20,
+    resume: shift_command.Resume = None,
     output: RunFolder = None,
     domain: FreeDomain = None,
 ) -> None:
@@ -161,7 +162,8 @@ def demo(
     - `pack demo palletizing --profile thesis --no-video`
     - `pack demo palletizing --visitors person --live`
     - `pack demo palletizing --preset real --seed 3 --calibration /tmp/cell3/calibration.yaml`
-    - `pack demo palletizing --shift --boxes 50 --seed 1000`
+    - `pack demo palletizing --shift --boxes 50 --seed 1000 --output /tmp/shift`
+    - `pack demo palletizing --shift --resume /tmp/shift`, after a kill or a power cut
     """
     if shift:
         shift_command.refuse(
@@ -170,10 +172,10 @@ def demo(
                 "--live": live, "--calibration": calibration, "--domain": domain is not None,
                 "--real-time-factor": real_time_factor is not None,
             },
-            "--boxes, --seed, --output",
+            "--boxes, --seed, --output, --resume",
         )  # fmt: skip
-        folder = output or default_folder("palletizing_shift", seed, datetime.now())
-        shift_command.demo_shift(boxes, seed, folder)
+        folder = resume or output or default_folder("palletizing_shift", seed, datetime.now())
+        shift_command.demo_shift(boxes, seed, folder, is_resumed=resume is not None)
         return
     from pack_bringup.palletizing.goals import PalletizingJob
     from pack_sim.palletizing.crossings import visitors_of

@@ -23,6 +23,12 @@ ShiftDemo = Annotated[
     ),
 ]
 Boxes = Annotated[int, typer.Option(min=1, help="With --shift: it ends when so many have come.")]
+Resume = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR", help="With --shift: go on with the shift of this folder, which was interrupted."
+    ),
+]
 Shift = Annotated[
     bool,
     typer.Option("--shift", help="Place streams of unknown boxes online, as geometry, instead of orders."),
@@ -79,16 +85,28 @@ def refuse(others: Mapping[str, Any], allowed: str) -> None:
         )
 
 
-def demo_shift(boxes: int, seed: int, folder: Path) -> None:
-    """Run a shift, report it, and leave 0 if all its boxes came and nothing went wrong, else 1."""
+def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None:
+    """Run a shift, report it, and leave 0 if all its boxes came and nothing went wrong, else 1.
+
+    Args:
+        boxes: it ends when so many have come.
+        seed: of what comes.
+        folder: takes journal and report.
+        is_resumed: whether it goes on with what the journal there has; boxes and seed are those of it.
+    """
     from pack_bringup.cli.outputs import make_output_folder, write_json
-    from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, read_journal
+    from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, WrittenShift, read_journal
     from pack_evaluation.palletizing.shift_report import shift_report
     from pack_lockstep.palletizing.shift import BoxStreamConfig
     from pack_lockstep.palletizing.shift_lockstep import ArrivalConfig, ShiftLockstep, shift_run_setup
     from pack_planner.layout.online_planner import OnlineConfig
 
-    make_output_folder(folder, taken_by=(JOURNAL,))
+    before = WrittenShift({}, ())
+    if is_resumed:
+        before = read_journal(folder / JOURNAL)
+        boxes, seed = before.facts["boxes"], before.facts["seed"]
+    else:
+        make_output_folder(folder, taken_by=(JOURNAL,))
     setup = shift_run_setup(OnlineConfig(), BoxStreamConfig(), ArrivalConfig())
     facts = {"seed": seed, "boxes": boxes, "preset": setup.stream.cell.preset}
     with ShiftJournal(folder / JOURNAL, facts) as journal:
@@ -99,7 +117,7 @@ def demo_shift(boxes: int, seed: int, folder: Path) -> None:
                 if line := _line(event):
                     typer.echo(line)
 
-        run_of_shift = ShiftLockstep(setup, boxes, seed).run(note)
+        run_of_shift = ShiftLockstep(setup, boxes, seed, before.events).run(note)
     report = shift_report(read_journal(folder / JOURNAL))
     went_wrong = {
         "unwanted_contacts": [f"{' and '.join(e.bodies)} at {e.time:.1f} s" for e in run_of_shift.touches],
@@ -114,7 +132,9 @@ def demo_shift(boxes: int, seed: int, folder: Path) -> None:
         + f"; {len(run_of_shift.touches)} unwanted contacts, {len(run_of_shift.fallen)} boxes fallen\n"
         f"journal and report: {folder}"
     )
-    is_well = report["came"] == boxes and not any((*went_wrong.values(), report["lost"], report["skipped"]))
+    is_well = report["settled"] == boxes and not any(
+        (*went_wrong.values(), report["lost"], report["skipped"])
+    )
     raise typer.Exit(0 if is_well else 1)
 
 
@@ -130,6 +150,10 @@ def _line(event: ShiftEvent) -> str:
             what = f"{event.place.replace('_', ' ')} with {len(event.data['boxes'])} boxes is taken away"
         case "skipped" | "lost" | "ended":
             what = f"{event.kind}: {event.reason}"
+        case "began" if event.data["standing"]:
+            what = f"goes on with {event.data['standing']} boxes that stand" + (
+                f"; not as the journal says: {event.reason}" if event.reason else ""
+            )
         case "state" if event.reason:
             what = f"{event.data['state']}: {event.reason}"
         case _:

@@ -45,6 +45,10 @@ class EventKind(StrEnum):
     ENDED = "ended"
 
 
+SETTLED = (EventKind.PUT_DOWN, EventKind.SKIPPED, EventKind.LOST)
+"""Events with which a box has been dealt with, and does not come again."""
+
+
 @dataclass(frozen=True)
 class ShiftEvent:
     """Something that happened.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pack_core.palletizing.cell import PALLET, SECOND_PALLET
-from pack_core.palletizing.shift_journal import EventKind, ShiftEvent, WrittenShift
+from pack_core.palletizing.shift_journal import SETTLED, EventKind, ShiftEvent, WrittenShift
 
 HOUR = 3600.0
 """In seconds."""
@@ -38,7 +38,8 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
         "seed": shift.facts.get("seed"),
         "reason": next((event.reason for event in events if event.kind is EventKind.ENDED), "it goes on"),
         "duration_s": duration,
-        "came": len(came),
+        "came": len({event.box for event in came}),
+        "settled": len({event.box for event in events if event.kind in SETTLED}),
         "on_pallets": len(on_pallets),
         "boxes_per_hour": HOUR * len(on_pallets) / duration if duration else None,
         "set_aside": steps["set aside"],
@@ -69,9 +70,11 @@ def _times(events: Sequence[ShiftEvent]) -> tuple[dict[str, list[float]], dict[s
     """
     states: dict[str, list[float]] = defaultdict(list)
     waits: dict[str, float] = defaultdict(float)
-    visits = [event for event in events if event.kind is EventKind.STATE]
+    visits = [event for event in events if event.kind in (EventKind.STATE, EventKind.BEGAN)]
     came = [event.time for event in events if event.kind is EventKind.CAME]
     for event, following in pairwise(visits):
+        if EventKind.BEGAN in (event.kind, following.kind):
+            continue  # what was under way when a shift was interrupted has no end
         spent = following.time - event.time
         if event.data["state"] == "done":
             arrived = next((time for time in came if event.time <= time <= following.time), event.time)
@@ -92,7 +95,7 @@ def _pallets(events: Sequence[ShiftEvent]) -> list[dict[str, Any]]:
             boxes = standing.pop(event.place, [])
             found.append({
                 "place": event.place, "taken_at_s": event.time, "boxes": len(boxes),
-                "weight_kg": sum(box.data["weight"] for box in boxes),
+                "weight_kg": sum(box.data["item"]["weight"] for box in boxes),
                 "volume_m3": float(sum(np.prod(box.data["size"]) for box in boxes)),
                 "height_m": max((box.data["lower"][2] + box.data["size"][2] for box in boxes), default=0.0),
             })  # fmt: skip

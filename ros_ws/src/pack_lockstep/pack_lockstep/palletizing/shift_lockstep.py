@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -12,10 +12,11 @@ from pydantic import Field, NonNegativeFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.boxes import BoxBody
+from pack_core.palletizing.cell import REORIENTATION_TABLE
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.next_place import PlaceAnswer
 from pack_core.palletizing.ports import AskPlace, Command, TakePallet
-from pack_core.palletizing.shift_journal import ShiftEvent
+from pack_core.palletizing.shift_journal import SETTLED, ShiftEvent
 from pack_core.paths import config_path
 from pack_core.rotations import Pose
 from pack_evaluation.palletizing.run import UnwantedTouch
@@ -28,6 +29,7 @@ from pack_planner.layout.place_answers import PlaceAnswers
 from pack_sim.palletizing.infeed import ArrivingBox
 from pallet_fsm.goals import warm_up
 from pallet_fsm.shift_job import ShiftConfig, ShiftJob
+from pallet_fsm.taking_over import TakenOver, TakeOverConfig, standing_by_journal, take_over
 
 ARRIVALS, DETECTIONS = 11, 12
 """Streams of random numbers of how boxes lie on the conveyor, and of the noise of detections."""
@@ -94,12 +96,20 @@ class ShiftRun:
 class Arrivals:
     """The boxes of a stream, as somebody lays them on the conveyor.
 
+    Args:
+        setup: what comes.
+        config: how it comes.
+        seed: of the stream.
+        without: boxes that are left out, as they have come already.
+
     Attributes:
         faults: what is wrong with boxes, by what they are tracked by; only those of which something is.
     """
 
-    def __init__(self, setup: ShiftSetup, config: ArrivalConfig, seed: int) -> None:
-        self._setup, self._config, self._seed = setup, config, seed
+    def __init__(
+        self, setup: ShiftSetup, config: ArrivalConfig, seed: int, without: frozenset[str] = frozenset()
+    ) -> None:
+        self._setup, self._config, self._seed, self._without = setup, config, seed, without
         self.faults: dict[str, BoxFault] = {}
 
     def __iter__(self) -> Iterator[ArrivingBox]:
@@ -110,12 +120,14 @@ class Arrivals:
             other = self._setup.items[rng.integers(len(self._setup.items))]
             if fault == "wrong label" and other.size == listed.size:
                 fault = ""
-            if fault:
+            if fault and item.id not in self._without:
                 self.faults[item.id] = fault
             label = {"no label": "", "wrong label": other.id}.get(fault, listed.id)
             quarter = rng.integers(2) * np.pi / 2.0
             yaw = float(quarter + np.deg2rad(rng.uniform(-config.yaw_deg, config.yaw_deg)))
             offset, gap = float(rng.uniform(-config.offset, config.offset)), float(rng.uniform(*config.gaps))
+            if item.id in self._without:
+                continue
             yield ArrivingBox(_body(item, fault, float(rng.uniform(0.015, 0.04))), label, yaw, offset, gap)
 
 
@@ -162,24 +174,47 @@ class ShiftLockstep:
         setup: the settings.
         boxes: the shift ends when so many have come and are in their places.
         seed: seed of what comes, and of all noise.
+        before: what the journal has of a shift that was interrupted and is gone on with; what it says of
+            boxes that stand is how the simulated cell begins. A box that was under way comes again.
     """
 
-    def __init__(self, setup: ShiftRunSetup, boxes: int, seed: int) -> None:
+    def __init__(
+        self, setup: ShiftRunSetup, boxes: int, seed: int, before: Sequence[ShiftEvent] = ()
+    ) -> None:
         warm_up()
+        settled = frozenset(event.box for event in before if event.kind in SETTLED)
         stream, config = setup.stream, setup.config
         self._config, self._cell, self._seed = config, stream.cell, seed
         self._arrival_config = setup.arrivals
-        self._arrivals = Arrivals(stream, setup.arrivals, seed)
+        self._arrivals = Arrivals(stream, setup.arrivals, seed, settled)
         self._rng = np.random.default_rng([seed, DETECTIONS])
         catalogue = {item.id: item for item in stream.items}
-        self.job = ShiftJob(stream.cell, catalogue, setup.shift, config.palletizer, boxes)
         self.stepped = SteppedCell(
-            stream.cell, stream.cell, config, seed, self._rng, self.job.halt, arrivals=self._arrivals
+            stream.cell, stream.cell, config, seed, self._rng, lambda reason: self.job.halt(reason),
+            arrivals=self._arrivals, time=before[-1].time if before else 0.0,
+        )  # fmt: skip
+        self.job = ShiftJob(
+            stream.cell,
+            catalogue,
+            setup.shift,
+            config.palletizer,
+            boxes - len(settled),
+            self._taken_over(before),
         )
         self._planner = PlaceAnswers(stream.cell, stream.config, stream.insertion)
         self._answer: tuple[float, PlaceAnswer] | None = None
         self._decisions: list[float] = []
         self._pallets: list[ClosedPallet] = []
+
+    def _taken_over(self, before: Sequence[ShiftEvent]) -> TakenOver:
+        """What the journal says is put into the simulated cell; what is seen of it then."""
+        standing = standing_by_journal(before)
+        if not standing:
+            return TakenOver()
+        for work, _ in standing:
+            self.stepped.simulator.spawn(BoxBody(work.name, work.box.dims, work.box.weight), work.X_WB)
+        scans = {place: self.stepped.scan(place) for place in (*self._cell.pallets, REORIENTATION_TABLE)}
+        return take_over(standing, scans, self._cell, TakeOverConfig())
 
     def run(self, on_events: Callable[[tuple[ShiftEvent, ...]], None] = lambda events: None) -> ShiftRun:
         """Run to the end.

@@ -70,6 +70,7 @@ class SteppedCell:
         on_refusal: called with the reason when the driver refuses setpoints.
         assumed: what the driver assumes of the arm's gears; by default what the preset says.
         arrivals: what comes on the conveyor of a cell that has one.
+        time: what the clock shows at the start [s].
 
     Attributes:
         camera_is_silent: whether pictures are asked for in vain.
@@ -79,11 +80,11 @@ class SteppedCell:
     def __init__(
         self, cell: PalletizingCell, known: PalletizingCell, config: PalletLockstepConfig, seed: int,
         rng: np.random.Generator, on_refusal: Callable[[str], None],
-        assumed: GearCompensation | None = None, arrivals: Iterable[ArrivingBox] = (),
+        assumed: GearCompensation | None = None, arrivals: Iterable[ArrivingBox] = (), time: float = 0.0,
     ) -> None:  # fmt: skip
         self._known, self._config, self._rng = known, config, rng
         self.simulator = PalletSimulator(
-            cell, config.simulator, seed, assumed=assumed, visitors=config.visitors, arrivals=arrivals
+            cell, config.simulator, seed, time, assumed, config.visitors, arrivals=arrivals
         )
         self._sensor = VisitorSensor(config.visitors, config.sensor, cell.arm.X_WB.p, seed)
         self._scanner = self.simulator.open_scanner(config.scanner)
@@ -97,6 +98,10 @@ class SteppedCell:
         self._exposure: tuple[float, ExpectedBox] | None = None
         self._pending: tuple[float, BoxDetection] | None = None
         self.on_target: Callable[[MotionTarget], None] = lambda target: None
+
+    def scan(self, place: str) -> PlaceScan:
+        """A scan of a place, at once."""
+        return self._scanner.scan(place, self.simulator.still())
 
     def observe(self) -> PalletObservation:
         """What is known now."""
@@ -159,7 +164,7 @@ class SteppedCell:
     def _look(self, command: TakePicture | ScanPlace) -> None:
         """Ask for a picture, or scan a place; the result is known a little later."""
         if isinstance(command, ScanPlace):
-            self._scans[command.place] = self._scanner.scan(command.place, self.simulator.still())
+            self._scans[command.place] = self.scan(command.place)
         elif not self.camera_is_silent:
             time = self._config.sight.camera.exposure_time(self.simulator.time)
             self._exposure = time, command.expected

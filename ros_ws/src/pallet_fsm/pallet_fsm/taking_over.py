@@ -1,0 +1,129 @@
+"""Takes over pallets that stand half built, and boxes that were set aside: by the journal, and by looking.
+
+The journal says what was put down where and what it is, also of boxes that others cover. A scan of each place
+says whether that still stands: a box that was moved a little is known to stand elsewhere from then on; a
+pallet on which more than that has changed is closed, and somebody takes it away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from pack_core.config import Config
+from pack_core.palletizing.cell import REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
+from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.layout_plan import PlannedBox
+from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.palletizing.scanner import PlaceScan
+from pack_core.palletizing.shift_journal import EventKind, ShiftEvent
+from pack_core.rotations import Pose, from_yaw, multiply
+from pack_perception.scans.comparison import Finding, Oddity, ScannedScene, ScanTolerances, compare
+from pack_perception.scans.rays import Rays
+from pallet_fsm.order_book import WorkItem, standing_box
+from pallet_fsm.report import BoxOutcome
+from pallet_fsm.shift_floor import STRAIGHT_DOWN, listed_turn, order_box
+
+
+class TakeOverConfig(Config):
+    """What may have changed on a pallet that is gone on with."""
+
+    shift: PositiveFloat = Field(default=0.03, description="by which a box may have been moved [m]")
+    turn_deg: PositiveFloat = Field(default=2.0, description="by which it may have been turned [deg]")
+    tolerances: ScanTolerances = ScanTolerances()
+
+
+@dataclass(frozen=True)
+class TakenOver:
+    """What stands in the cell.
+
+    Attributes:
+        standing: the boxes on pallets and on table B, with what they are.
+        closed: names of the places whose pallet is to be taken away, as too much has changed on it.
+        doubts: what is not as the journal says, in words.
+    """
+
+    standing: tuple[tuple[WorkItem, Item], ...] = ()
+    closed: frozenset[str] = frozenset()
+    doubts: tuple[str, ...] = ()
+
+
+def standing_by_journal(events: Iterable[ShiftEvent]) -> list[tuple[WorkItem, Item]]:
+    """The boxes that must stand on pallets and on table B, in the sequence in which they were put down."""
+    found: dict[str, ShiftEvent] = {}
+    for event in events:
+        match event.kind:
+            case EventKind.PUT_DOWN:
+                found.pop(event.box, None)
+                if event.place != REJECT_TABLE:
+                    found[event.box] = event
+            case EventKind.LOST | EventKind.SKIPPED:
+                found.pop(event.box, None)
+            case EventKind.TAKEN:
+                found = {name: one for name, one in found.items() if one.place != event.place}
+    return [_standing(event) for event in found.values()]
+
+
+def _standing(event: ShiftEvent) -> tuple[WorkItem, Item]:
+    data = event.data
+    item = Item.model_validate(data["item"])
+    lower, size = np.array(data["lower"]), np.array(data["size"])
+    plan = PlannedBox(PlacedBox(event.box, lower, size, item.weight), STRAIGHT_DOWN)
+    turn = listed_turn(item, tuple(data["size"]))
+    X_WB = Pose(np.array(data["pose"][:3]), np.array(data["pose"][3:]))
+    return (
+        WorkItem(
+            order_box(item, turn, plan), plan, event.place, has_come=True, X_WB=X_WB,
+            outcome=BoxOutcome.PLACED,
+        ),
+        item,
+    )  # fmt: skip
+
+
+def take_over(
+    boxes: list[tuple[WorkItem, Item]], scans: Mapping[str, PlaceScan], cell: PalletizingCell,
+    config: TakeOverConfig,
+) -> TakenOver:  # fmt: skip
+    """Compare what must stand with what is seen.
+
+    Args:
+        boxes: what must stand, as `standing_by_journal` gives it; boxes that were moved a little are
+            changed in place.
+        scans: of both pallets and of table B, by the names of the places; the arm hid nothing of them.
+        cell: the cell's physical facts.
+        config: what may have changed.
+    """
+    blocks = {block.name: block for block in cell.furniture}
+    closed, doubts, gone = set[str](), list[str](), set[str]()
+    for place in (*cell.pallets, REORIENTATION_TABLE):
+        there = {work.name: work for work, _ in boxes if work.deck == place}
+        expected = tuple(
+            standing_box(work.box, work.X_WB) for work in there.values() if work.X_WB is not None
+        )
+        rays = Rays.of(scans[place], cell.scanner_pose(place))
+        least = config.tolerances.area / cell.scanner(place).spacing ** 2
+        for finding in compare(ScannedScene(rays, blocks[place], expected, least), config.tolerances):
+            doubts.append(f"{place.replace('_', ' ')}: {finding}")
+            if _is_small(finding, config):
+                _move(there[finding.box], finding)
+            elif place == REORIENTATION_TABLE and finding.box:
+                gone.add(finding.box)
+            else:
+                closed.add(place)
+    standing = tuple((work, item) for work, item in boxes if work.name not in gone)
+    return TakenOver(standing, frozenset(closed), tuple(doubts))
+
+
+def _is_small(finding: Finding, config: TakeOverConfig) -> bool:
+    is_near = float(np.linalg.norm(finding.shift_W)) <= config.shift
+    return finding.oddity is Oddity.MOVED and is_near and abs(finding.turn_deg) <= config.turn_deg
+
+
+def _move(work: WorkItem, finding: Finding) -> None:
+    """Note that a box stands elsewhere; it turned about its own vertical."""
+    assert work.X_WB is not None
+    turn = from_yaw(np.deg2rad(finding.turn_deg))
+    work.X_WB = Pose(work.X_WB.p + np.array([*finding.shift_W, 0.0]), multiply(turn, work.X_WB.q))
