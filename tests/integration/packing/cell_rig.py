@@ -9,6 +9,7 @@ import yaml
 
 from integration.harness import Graph
 from integration.witness import Witness
+from pack_bringup.graph.launch import launch_parameters
 from pack_core.paths import config_path, project_root
 from pack_core.ros.contracts import packing as contracts
 from pack_mpc.mpc_node import MpcNode
@@ -38,19 +39,26 @@ class Cell(Witness):
     """Its nodes, up and ready for a goal, and a witness."""
 
     def __init__(
-        self, graph: Graph, factor: float, scene: Path = EASY, facts: str = "{}", unseen: str = "none"
-    ) -> None:
+        self, graph: Graph, factor: float, scene: Path = EASY, facts: str = "{}", unseen: str = "none",
+        preset: str = "",
+    ) -> None:  # fmt: skip
         super().__init__(graph)
-        # What lies over config/cells/packing.yaml, the same for all nodes.
-        cell = {"cell": facts}
+        # What lies over config/cells/packing.yaml, the same for all nodes, and a preset over their own files.
+        changes = {
+            node: {"cell": facts} | {name: value for name, value in over.items() if name != "use_sim_time"}
+            for node, over in launch_parameters("packing", preset, []).items()
+        }
         watched = ["sim", "perception", "planner"]
         self.sim = graph.start(
-            PackingSimNode, **parameters_of("sim", scene=str(scene), real_time_factor=factor, **cell)
+            PackingSimNode,
+            **parameters_of("sim", scene=str(scene), real_time_factor=factor, **changes["sim"]),
         )
-        self.perception = graph.start(PerceptionNode, **parameters_of("perception", **cell))
-        self.planner = graph.start(PlannerNode, **parameters_of("planner", **cell))
+        self.perception = graph.start(PerceptionNode, **parameters_of("perception", **changes["perception"]))
+        self.planner = graph.start(PlannerNode, **parameters_of("planner", **changes["planner"]))
         # Four nodes in one process keep each other waiting, the more so on a busy machine.
-        self.mpc = graph.start(MpcNode, **parameters_of("mpc", watched=watched, fault_time=3.0, **cell))
+        self.mpc = graph.start(
+            MpcNode, **parameters_of("mpc", watched=watched, fault_time=3.0, **changes["mpc"])
+        )
         graph.wait_until(lambda: not self.mpc.waits_for and not self.planner.waits_for)
         # With an object unseen a goal begins with a look for it: `unseen` names those that are hidden.
         graph.wait_until(lambda: self.perception.health.values.get("not seen yet") == unseen)

@@ -1,4 +1,4 @@
-"""Pictures made in threads of their own, so that drawing never holds up the physics."""
+"""Pictures made in threads of their own, so that neither drawing nor ray casting holds up the physics."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from contextlib import AbstractContextManager
 from queue import Queue
 from typing import Generic, Protocol, TypeVar
 
-from pack_core.camera import Picture
 from pack_core.errors import PackError
 
 NICENESS = 10
-"""Unix niceness of the thread that draws, so that the physics gets the processor first."""
+"""Unix niceness of a thread that draws, so that the physics gets the processor first."""
 Snapshot = TypeVar("Snapshot", contravariant=True)
+Picture = TypeVar("Picture", covariant=True)
 
 
-class SnapshotCamera(Protocol[Snapshot]):
+class SnapshotCamera(Protocol[Snapshot, Picture]):
     """Draws snapshots."""
 
     def picture(self, snapshot: Snapshot, /) -> Picture:
-        """The cell when the snapshot was taken, `(height, width, 3)` RGB."""
+        """The cell when the snapshot was taken."""
         ...
 
 
-class CameraThread(Generic[Snapshot]):
+class CameraThread(Generic[Snapshot, Picture]):
     """Takes one picture at a time; once made, it is ready to.
 
     A second thread of normal priority passes the pictures on. Copying megabytes holds the interpreter's
@@ -36,14 +36,17 @@ class CameraThread(Generic[Snapshot]):
         camera: the camera, which is entered and used only in the thread that draws.
         on_picture: called in the second thread with the time of exposure [s] and the picture.
         on_error: called in the thread that draws with what went wrong; no more pictures come then.
+        niceness: Unix niceness of the thread that draws.
     """
 
     def __init__(
         self,
-        camera: AbstractContextManager[SnapshotCamera[Snapshot]],
+        camera: AbstractContextManager[SnapshotCamera[Snapshot, Picture]],
         on_picture: Callable[[float, Picture], None],
         on_error: Callable[[str], None],
+        niceness: int = NICENESS,
     ) -> None:
+        self._niceness = niceness
         self._camera, self._on_picture, self._on_error = camera, on_picture, on_error
         self._wake = threading.Condition()
         self._exposed: tuple[float, Snapshot] | None = None
@@ -89,7 +92,7 @@ class CameraThread(Generic[Snapshot]):
             with self._camera as camera:
                 self._is_open.set()
                 # Only now: at low priority making the context would keep all other threads waiting.
-                os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICENESS)
+                os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), self._niceness)
                 while (exposed := self._next()) is not None:
                     self._drawn.put((exposed[0], camera.picture(exposed[1])))
         except PackError as error:

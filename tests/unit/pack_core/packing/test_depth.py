@@ -3,7 +3,8 @@ import pytest
 
 from pack_core.camera import PinholeCamera, looking_at
 from pack_core.packing.cell import packing_cell
-from pack_core.packing.depth import points_of
+from pack_core.packing.depth import FramePairing, points_of
+from pack_core.rotations import Array
 
 
 def test_the_error_of_depth_grows_with_its_square() -> None:
@@ -49,3 +50,44 @@ def test_the_cameras_see_the_whole_base_and_the_whole_rim() -> None:
     for camera in cell.depth.cameras():
         pixels = camera.project(corners)
         assert np.all((pixels >= 0.0) & (pixels < [camera.width, camera.height]))
+
+
+def filled(value: float) -> Array:
+    return np.full((2, 3), value)
+
+
+def test_a_frame_is_complete_when_every_camera_has_brought_its_image() -> None:
+    pairing = FramePairing(2, 0.3)
+    assert pairing.add(1, 1.0, filled(0.2)) is None
+    frame = pairing.add(0, 1.0, filled(0.1))
+    assert frame is not None
+    assert frame.time == 1.0
+    assert frame.images == pytest.approx(np.stack([filled(0.1), filled(0.2)]))
+    assert pairing.silent == ()
+
+
+def test_an_image_that_was_lost_costs_its_frame_alone() -> None:
+    pairing = FramePairing(2, 0.3)
+    assert pairing.add(0, 1.0, filled(0.1)) is None
+    assert pairing.add(0, 1.1, filled(0.1)) is None
+    assert pairing.add(1, 1.0, filled(0.2)) is None  # a newer frame has begun
+    assert pairing.add(1, 1.1, filled(0.2)) is not None
+
+
+def test_a_camera_that_died_is_not_waited_for_and_is_when_it_is_back() -> None:
+    pairing = FramePairing(2, 0.35)
+    frames = [pairing.add(0, time, filled(0.1)) for time in (1.0, 1.1, 1.2, 1.3, 1.4)]
+    assert [frame is not None for frame in frames] == [False, False, False, False, True]
+    assert pairing.silent == (1,)
+    assert frames[-1] is not None
+    assert not frames[-1].images[1].any()
+    pairing.add(1, 1.5, filled(0.2))
+    assert pairing.silent == ()
+    assert pairing.add(0, 1.5, filled(0.1)) is not None
+
+
+def test_frames_go_on_when_time_begins_anew() -> None:
+    pairing = FramePairing(2, 0.3)
+    for time in (7.0, 0.1):
+        assert pairing.add(0, time, filled(0.1)) is None
+        assert pairing.add(1, time, filled(0.2)) is not None

@@ -1,6 +1,8 @@
 """Perception by depth images in lockstep: what is known before a goal, and what is recorded of it."""
 
+from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,16 +14,11 @@ from pack_core.packing.goals import FillMethod
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, from_yaw
 from pack_core.states import Source
-from pack_evaluation.packing.run import Iterations, Run
+from pack_evaluation.packing.run import Iterations, Run, SeenObject, SeenScene
+from pack_evaluation.packing.run_file import load_saved_run, save_run
+from pack_evaluation.packing.seen_objects import figures, perception_errors, with_true_names
 from pack_evaluation.track import Track
 from pack_lockstep.packing.benchmark import fill_setup
-from pack_lockstep.packing.depth_record import (
-    SeenObject,
-    SeenScene,
-    perception_errors,
-    seen_objects,
-    with_true_names,
-)
 from pack_lockstep.packing.lockstep import LockstepCell
 from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 from pack_lockstep.packing.settings import BenchmarkSettings, set_up
@@ -44,7 +41,8 @@ def scene() -> Scene:
 
 def fresh(preset: str) -> LockstepCell:
     """The cell under a preset, after the time in which perception looks."""
-    cell = LockstepCell(CELL, scene(), lockstep_config(load_preset(preset)), 0, lambda *_: None)
+    given = load_preset(preset)
+    cell = LockstepCell(given.packing_cell(), scene(), lockstep_config(given), 0, lambda *_: None)
     cell.settle()
     return cell
 
@@ -55,7 +53,7 @@ settled = cache(fresh)
 @pytest.mark.parametrize("preset", ["depth", "unknown"])
 def test_all_objects_are_known_before_the_goal(preset: str) -> None:
     cell = settled(preset)
-    seen = seen_objects(cell.known_scene, cell.estimator, cell.simulator)
+    seen = cell.seen()
     assert seen.count == len(seen.objects) == len(SPOTS)
     estimate, truth = cell.estimator.state(cell.estimator.time), cell.simulator.truth()
     for name, item in seen.objects.items():
@@ -72,7 +70,7 @@ def test_described_objects_keep_their_names_and_unknown_ones_get_some() -> None:
 
 def test_sizes_of_unknown_objects_are_seen() -> None:
     cell = settled("unknown")
-    seen = seen_objects(cell.known_scene, cell.estimator, cell.simulator)
+    seen = cell.seen()
     sizes = np.abs([item.sizes for item in seen.objects.values()])
     assert np.median(sizes) < 0.002
     assert sizes.max() < 0.01
@@ -117,36 +115,63 @@ def run_of(estimate: dict[str, Track], truth: dict[str, Track]) -> Run:
 
 
 def test_what_was_seen_is_recorded_under_the_true_objects_name() -> None:
-    simulator = settled("unknown").simulator
+    true = settled("unknown").simulator.scene
     track = still("tea_box", (0.5, 0.0, 0.065), 0.0)
     seen = SeenScene(2, {"tea_box": SeenObject("seen_2", True, 0.9, (0.0, 0.0, 0.0))})
-    named = with_true_names(run_of({"seen_1": track, "seen_2": track}, {}), seen, simulator)
+    named = with_true_names(run_of({"seen_1": track, "seen_2": track}, {}), seen, true)
     assert named.estimate.keys() == {"seen_1", "tea_box"}
-    assert named.scene.names == simulator.scene.names
+    assert named.scene.names == true.names
+    assert named.seen == seen
 
 
-def test_errors_are_those_of_found_objects_less_their_symmetries() -> None:
-    simulator = settled("unknown").simulator
+def a_run() -> Run:
+    """One of five objects was found, 5 mm and 0.05 rad off."""
     truth = {"tea_box": still("tea_box", (0.5, 0.0, 0.065), 0.2)}
     estimate = {"tea_box": still("tea_box", (0.503, 0.004, 0.065), 0.25 + np.pi / 2)}
     seen = SeenScene(4, {"tea_box": SeenObject("seen_2", True, 0.9, (0.001, -0.002, 0.0))})
-    errors = perception_errors(run_of(estimate, truth), seen, simulator)
+    return replace(run_of(estimate, truth), seen=seen)
+
+
+def test_errors_are_those_of_found_objects_less_their_symmetries() -> None:
+    errors = perception_errors(a_run())
+    assert errors is not None
     assert (errors.objects, errors.seen, errors.found) == (5, 4, 1)
-    assert errors.position_mm.median == pytest.approx(5.0)
+    assert errors.positions == pytest.approx([0.005, 0.005])
     # nobody says which side of a box that was seen is its x axis
-    assert errors.angle_deg.max == pytest.approx(np.rad2deg(0.05))
-    assert (errors.size_mm.median, errors.size_mm.max) == pytest.approx((1.0, 2.0))
+    assert errors.angles == pytest.approx([0.05, 0.05])
+    assert errors.sizes == pytest.approx([0.001, -0.002, 0.0])
+    assert perception_errors(run_of({}, {})) is None
+
+
+def test_figures_of_many_runs_are_those_of_all_their_errors() -> None:
+    errors = perception_errors(a_run())
+    assert errors is not None
+    exact = replace(errors, seen=5, found=5, positions=np.zeros(2), angles=np.zeros(2), sizes=np.zeros(3))
+    found = figures([errors, exact])
+    assert {name: found[name] for name in ("objects", "seen", "found", "right_number")} == {
+        "objects": 10, "seen": 9, "found": 6, "right_number": 1,
+    }  # fmt: skip
+    assert found["position_mm"]["median"] == pytest.approx(2.5)
+    assert found["size_mm"]["max"] == pytest.approx(2.0)
+    nothing = replace(errors, found=0, positions=np.empty(0), angles=np.empty(0), sizes=np.empty(0))
+    assert figures([nothing])["angle_deg"] == {"median": None, "p95": None, "max": None}
+
+
+def test_what_was_seen_comes_back_from_the_file_of_a_run(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    save_run(a_run(), path)
+    assert load_saved_run(path).seen == a_run().seen
 
 
 def test_depth_cameras_decide_no_result_with_markers() -> None:
     with_markers, by_depth = (
         set_up(BenchmarkSettings(preset=name), 1).record() for name in ("ideal", "depth")
     )
-    assert "depth" not in with_markers["cell"] | with_markers["config"]
-    assert by_depth["config"]["depth"]["objects"] == "described"
+    assert "depth" not in with_markers["cell"] | with_markers["config"]["estimator"]
+    assert by_depth["config"]["estimator"]["depth"]["objects"] == "described"
     assert by_depth["cell"]["depth"]["rate"] == CELL.depth.rate
 
 
 def test_a_list_is_not_packed_by_depth() -> None:
-    with pytest.raises(ConfigError, match="'unknown' with --fill; allowed: presets without `depth`"):
+    with pytest.raises(ConfigError, match="'unknown' with --fill; allowed: presets with motion capture"):
         fill_setup(FillMethod.CONTACT, "unknown", 1)

@@ -11,7 +11,7 @@ from pack_bringup.graph.graph import conditions, flat_parameters, yaml_line
 from pack_bringup.job import Progress, recorder_parameters
 from pack_core.config import merged
 from pack_core.errors import ConfigError
-from pack_core.packing.cell import PackingCell
+from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.packing_list import PackingList, load_list, parse_list, supermarket_list
 
 if TYPE_CHECKING:
@@ -175,6 +175,8 @@ def packing_fill_job(
     from pack_lockstep.packing.lockstep_config import PackingPreset, load_preset
 
     cell = (load_preset(preset) if preset else PackingPreset()).packing_cell()
+    if cell.perception is Perception.DEPTH:
+        raise ConfigError(f"preset '{preset}' with --fill; allowed: presets with motion capture")
     listed = wanted_list(seed, given, cell)
     folder.mkdir(parents=True, exist_ok=True)
     start = folder / START
@@ -199,11 +201,6 @@ def preset_overrides(name: str) -> dict[str, dict[str, str]]:
     from pack_lockstep.packing.lockstep_config import load_preset, lockstep_config
 
     preset = load_preset(name)
-    if preset.depth:
-        raise ConfigError(
-            f"preset '{name}' is for perception by depth images, which runs without ROS alone; allowed: "
-            f"`pack benchmark packing --preset {name}`, or another preset"
-        )
     preset.packing_cell()
     lockstep_config(preset)
     facts = {"cell": yaml_line(yaml_line(preset.cell))} if preset.cell else {}

@@ -50,7 +50,9 @@ class GoalClient(CellNode):
         super().__init__("goal", **kwargs)
         self._goal, self._peers = goal, peers
         service, self._request = reset or (None, None)
-        self._sender = GoalSender(self, contract, service, on_feedback=self._on_feedback)
+        self._sender = GoalSender(
+            self, contract, service, on_feedback=self._on_feedback, is_ready=lambda: not self.missing
+        )
         self._statuses: dict[str, NodeStatus] = {}
         self._is_complete = False
         self.real_time_factor = 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from functools import cache
 from typing import Annotated
 
@@ -78,6 +79,15 @@ class MocapCameras(Config):
     has_side_markers: bool
 
 
+class Perception(Enum):
+    """What tells where objects are."""
+
+    MOCAP = "mocap"
+    """Motion capture of the markers that they carry."""
+    DEPTH = "depth"
+    """Depth cameras over the container."""
+
+
 class HandOver(Config):
     """Where the next object of a list is presented, e.g. on a tray at the end of a conveyor.
 
@@ -121,9 +131,10 @@ class PackingCell(Config):
     push: PushLimits
     tip: Tip | None
     """Compliance of the cup; None: the held object is rigidly fixed to it."""
+    perception: Perception
+    """Which of the cameras there are."""
     mocap: MocapCameras
     depth: DepthCameras
-    """Depth cameras over the container, for perception without markers."""
     hand_over: HandOver = HandOver()
     """Where objects of a list are handed over."""
     scene: Scene

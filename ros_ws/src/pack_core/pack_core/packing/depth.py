@@ -42,6 +42,7 @@ class DepthNoise(Config):
         grazing_deg: angle of incidence from which pixels get lost, and that at which all are [deg].
         surface_loss: largest share of pixels that a surface loses as it is dark or shiny; each has its own.
         loss: share of all pixels that bring nothing.
+        step: between the depths that an image can tell [m]; 0: none.
         mount_position: standard deviation of where a camera truly hangs, along each axis [m].
         mount_deg: of how it is turned, about each axis [deg].
     """
@@ -58,6 +59,7 @@ class DepthNoise(Config):
     grazing_deg: tuple[Angle, Angle]
     surface_loss: Share
     loss: Share
+    step: NonNegativeFloat
     mount_position: NonNegativeFloat
     mount_deg: NonNegativeFloat
 
@@ -77,7 +79,7 @@ class DepthCameras(Config):
     """The depth cameras, all of the same kind.
 
     Attributes:
-        mounts: where each of them hangs.
+        mounts: where each of the two hangs.
         focal: focal length [pixel].
         width: of an image [pixel].
         height: of an image [pixel].
@@ -86,7 +88,7 @@ class DepthCameras(Config):
         noise: errors of an image.
     """
 
-    mounts: Annotated[list[DepthMount], Field(min_length=1)]
+    mounts: Annotated[list[DepthMount], Field(min_length=2, max_length=2)]
     focal: PositiveFloat
     width: PositiveInt
     height: PositiveInt
@@ -116,6 +118,52 @@ class DepthFrame:
 
     time: float
     images: Array
+
+
+SILENCE = 0.3
+"""After which the other depth camera goes on alone [s]: four images."""
+
+
+class FramePairing:
+    """Puts images of one exposure together.
+
+    A camera that has been silent for a while is not waited for any longer: its image has 0 everywhere.
+
+    Args:
+        cameras: how many there are.
+        patience: silence after which a camera is not waited for [s].
+    """
+
+    def __init__(self, cameras: int, patience: float = SILENCE) -> None:
+        self._cameras, self._patience = cameras, patience
+        self._last: list[float] = []
+        self._time = -np.inf
+        self._images: dict[int, Array] = {}
+
+    @property
+    def silent(self) -> tuple[int, ...]:
+        """Cameras that are not waited for, by their place in the list."""
+        return tuple(i for i, last in enumerate(self._last) if self._time - last > self._patience)
+
+    def add(self, camera: int, time: float, image: Array) -> DepthFrame | None:
+        """Take an image `(height, width)` [m] that was exposed at `time` [s].
+
+        Returns:
+            The frame that it completes, if it does. Frames that stay incomplete are dropped.
+        """
+        if not self._last or time < self._last[camera]:  # time has begun anew
+            self._last, self._time = [time] * self._cameras, -np.inf
+        self._last[camera] = time
+        if time < self._time:
+            return None
+        if time > self._time:
+            self._time, self._images = time, {}
+        self._images[camera] = image
+        silent = self.silent
+        if any(i not in self._images and i not in silent for i in range(self._cameras)):
+            return None
+        nothing = np.zeros_like(image)
+        return DepthFrame(time, np.stack([self._images.get(i, nothing) for i in range(self._cameras)]))
 
 
 def points_of(camera: PinholeCamera, image: Array, every: int = 1) -> Array:

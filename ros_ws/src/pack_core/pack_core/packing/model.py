@@ -14,7 +14,7 @@ import numpy as np
 from pack_core.camera import looking_at
 from pack_core.drawing.room import Light, add_lights, add_sky, add_table, add_tiles
 from pack_core.errors import ConfigError
-from pack_core.packing.cell import PackingCell, Tip
+from pack_core.packing.cell import PackingCell, Perception, Tip
 from pack_core.packing.scene import Container, Scene
 from pack_core.packing.scene_item import SceneItem
 from pack_core.robots.arm_drive import add_motors, add_servos, make_heavy
@@ -314,12 +314,17 @@ def describe_robot(cell: PackingCell) -> DescribedRobot:
     return DescribedRobot.of(spec, arm.name)
 
 
+DEPTH_CAMERAS = ("depth_1", "depth_2")
+"""Frames of the depth cameras, in the order of config/cells/packing.yaml."""
+
+
 def fixed_frames(cell: PackingCell, container: Container) -> dict[str, tuple[str, Pose]]:
     """X_PF and the parent's name P, by the name of frame F.
 
     Besides container and table there are two at the tool. `cup` is the cup's lip. `tip` is the frame of
     `/wrench`: the middle of the held object's top, with the axes of an object that hangs upright (what a
-    compliant cup adds to that is left out). `mocap_camera_1` and so on look along z, with x to the right.
+    compliant cup adds to that is left out). `mocap_camera_1` and so on, or `depth_1` and `depth_2`, look
+    along z, with x to the right.
     """
     here = Pose(np.zeros(3))
     frames = {
@@ -328,6 +333,10 @@ def fixed_frames(cell: PackingCell, container: Container) -> dict[str, tuple[str
         "cup": ("tool", here),
         "tip": ("tool", Pose(np.zeros(3), np.array(UPSIDE_DOWN))),
     }
+    if cell.perception is Perception.DEPTH:
+        for name, camera in zip(DEPTH_CAMERAS, cell.depth.cameras(), strict=True):
+            frames[name] = ("world", camera.X_WC)
+        return frames
     for number, position in enumerate(cell.mocap.cameras, start=1):
         frames[f"mocap_camera_{number}"] = ("world", looking_at(position, cell.mocap.target))
     return frames

@@ -7,6 +7,9 @@ JOINT_STATES, SETPOINTS, WRENCH = "/joint_states", "/joint_torque_setpoints", "/
 GRIPPER_STATE, MPC_STATUS, RESULT = "/gripper/state", "/mpc/status", "/pack_object/result"
 FILL_PROGRESS, FILL_RESULT = "/fill_container/progress", "/fill_container/result"
 SETTLED_SAMPLES = "/placement/settled_samples"
+SIM_DESCRIPTION = "/sim/description"
+DEPTH_IMAGES = ("/depth_1/image_rect", "/depth_2/image_rect")
+DEPTH_INFOS = ("/depth_1/camera_info", "/depth_2/camera_info")
 
 JOINT_RATE = 500.0
 """Two messages for each tick."""
@@ -18,3 +21,5 @@ TRUTH_RATE = 125.0
 """With every second tick."""
 GRIPPER_RATE = 50.0
 """With every fifth tick."""
+DEPTH_RATE = 15.0
+"""Default rate of the depth cameras' images."""

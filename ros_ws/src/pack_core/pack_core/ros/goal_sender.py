@@ -35,6 +35,7 @@ class GoalSender:
         reset: the service that puts the cell into a goal's scene; None: the cell is taken as it stands.
         on_feedback: is called with each feedback.
         on_change: is called when a goal has been taken, has ended or has failed.
+        is_ready: whether the cell is ready for a goal; after a reset perception may have to look anew.
 
     Attributes:
         is_accepted: whether the goal was taken.
@@ -46,8 +47,10 @@ class GoalSender:
     def __init__(
         self, node: CellNode, action: Contract, reset: Contract | None = None, *,
         on_feedback: Callable[[Any], None] = lambda _: None, on_change: Callable[[], None] = lambda: None,
+        is_ready: Callable[[], bool] = lambda: True,
     ) -> None:  # fmt: skip
         self._node, self._on_feedback, self._on_change = node, on_feedback, on_change
+        self._is_ready = is_ready
         self._name = action.name
         self._action = ActionClient(node, action.type, action.name)
         self._reset = node.create_client(reset.type, reset.name) if reset else None
@@ -92,6 +95,8 @@ class GoalSender:
         if self._reset is not None:
             yield from self._put_into_scene(reset)
         yield from wait(lambda: False, SETTLE, time.monotonic)
+        # after that the goal is sent all the same, and refused with the reason
+        yield from wait(self._is_ready, ANSWER, time.monotonic)
         if not (yield from wait(self._action.server_is_ready, ANSWER, time.monotonic)):
             raise PackError(f"nobody takes goals of {self._name}")
         sent = self._action.send_goal_async(goal, feedback_callback=self._take_feedback)

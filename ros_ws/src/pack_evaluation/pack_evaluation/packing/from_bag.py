@@ -13,6 +13,7 @@ from pack_core.errors import BagError, MessageError
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.packing.topics import (
+    DEPTH_INFOS,
     DESCRIPTION,
     GRIPPER_STATE,
     JOINT_STATES,
@@ -20,6 +21,7 @@ from pack_core.packing.topics import (
     RESULT,
     SCENE,
     SETTLED_SAMPLES,
+    SIM_DESCRIPTION,
     TRUTH,
     WRENCH,
 )
@@ -30,11 +32,12 @@ from pack_evaluation.bag import Bag, Recorded, fitting, read_bag, result_in, sec
 from pack_evaluation.goals import goal_of
 from pack_evaluation.packing.run import Iterations, Run
 from pack_evaluation.packing.run_file import SUFFIX, load_saved_run
+from pack_evaluation.packing.seen_objects import seen_objects, with_true_names
 from pack_evaluation.track import orientation, position, recorded_tracks
 
 TOPICS = (
     DESCRIPTION, MPC_STATUS, RESULT, TRUTH, SCENE, JOINT_STATES, WRENCH, GRIPPER_STATE, REAL_TIME_FACTOR,
-    SETTLED_SAMPLES,
+    SETTLED_SAMPLES, SIM_DESCRIPTION, DEPTH_INFOS[0],
 )  # fmt: skip
 
 
@@ -51,25 +54,41 @@ def load_run(path: Path, goal: int | None = None) -> Run:
     if path.suffix == SUFFIX:
         return load_saved_run(path)
     with fitting(path):
-        return to_run(read_bag(path, TOPICS), goal)
+        return named_as_true(*_goal_in(read_bag(path, TOPICS), goal))
 
 
 def to_run(bag: Bag, goal: int | None = None) -> Run:
-    """A goal in a bag, by its number from 1; the last if None.
+    """A goal in a bag, by its number from 1; the last if None. Objects have the names that perception gave.
 
     Raises:
         BagError: a topic that every run has is missing, or there is no such goal.
     """
+    return _goal_in(bag, goal)[0]
+
+
+def named_as_true(run: Run, bag: Bag) -> Run:
+    """A bag's run with what depth cameras saw, under the true objects' names; as it is with markers."""
+    if not bag.of(DEPTH_INFOS[0]) or not bag.of(SIM_DESCRIPTION):
+        return run
+    told = Scene.from_yaml(bag.of(SIM_DESCRIPTION)[-1].data, SIM_DESCRIPTION)
+    moment = np.array([run.start])
+    estimate = {name: track.at(moment).pose(0) for name, track in run.estimate.items()}
+    truth = {name: track.at(moment).pose(0) for name, track in run.truth.items()}
+    return with_true_names(run, seen_objects(run.scene, estimate, told, truth), told)
+
+
+def _goal_in(bag: Bag, goal: int | None) -> tuple[Run, Bag]:
+    """A goal, and the part of the bag that it is in."""
     bag, number = goal_of(
         bag, goal, result=RESULT, needed=(DESCRIPTION, TRUTH, SCENE, JOINT_STATES, WRENCH),
-        latched=(DESCRIPTION, SETTLED_SAMPLES), has_begun=_has_begun,
+        latched=(DESCRIPTION, SIM_DESCRIPTION, DEPTH_INFOS[0], SETTLED_SAMPLES), has_begun=_has_begun,
     )  # fmt: skip
     if not bag.of(MPC_STATUS) and not bag.of(RESULT):
         raise BagError(f"{bag.path} has no message on {MPC_STATUS} or {RESULT}: was a goal sent?")
     iterations, outcome = _last_goal(bag)
     start, end = _window(bag, iterations, outcome)
     joints, wrenches = bag.of(JOINT_STATES), bag.of(WRENCH)
-    return Run(
+    run = Run(
         scene=Scene.from_yaml(bag.of(DESCRIPTION)[-1].data, DESCRIPTION), start=start, end=end,
         iterations=iterations, truth=recorded_tracks(bag.of(TRUTH)), estimate=recorded_tracks(bag.of(SCENE)),
         joint_times=times_of(joints), joints=np.array([message.position for message in joints]),
@@ -79,6 +98,7 @@ def to_run(bag: Bag, goal: int | None = None) -> Run:
         outcome=outcome, is_cut=bag.is_cut, damaged=bag.damaged, notes=bag.notes, arm=_arm(bag, joints[0]),
         samples=_samples(bag, start), goal=number,
     )  # fmt: skip
+    return run, bag
 
 
 def _has_begun(rest: Sequence[Recorded]) -> bool:

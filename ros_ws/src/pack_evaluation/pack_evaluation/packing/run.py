@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -49,6 +50,36 @@ class Iterations:
 
 
 @dataclass(frozen=True)
+class SeenObject:
+    """What was seen of an object before the goal.
+
+    Attributes:
+        name: what perception calls it.
+        has_heading: whether it is seen as a shape of its kind that has a heading; a hull has none.
+        overlap: of the outlines as seen and as true, intersection over union.
+        sizes: lengths as seen less true ones: short and long side of its outline, and height `(3,)` [m].
+    """
+
+    name: str
+    has_heading: bool
+    overlap: float
+    sizes: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class SeenScene:
+    """What was seen before the goal.
+
+    Attributes:
+        count: number of objects that perception knew of.
+        objects: what was found, by the true object's name.
+    """
+
+    count: int
+    objects: Mapping[str, SeenObject]
+
+
+@dataclass(frozen=True)
 class Run(RecordedRun):
     """One goal of a run.
 
@@ -68,6 +99,7 @@ class Run(RecordedRun):
         outcome: fields of the action's result; empty when none was recorded.
         arm: name of the arm, one of `pack_core.robots.packing_arms`.
         samples: some settled samples of the first placement, the cheapest first; empty if none were recorded.
+        seen: what depth cameras saw before the goal; None with markers.
     """
 
     scene: Scene
@@ -85,6 +117,7 @@ class Run(RecordedRun):
     outcome: dict[str, Any] = field(default_factory=dict)
     arm: str = "panda"
     samples: tuple[SettledSample, ...] = ()
+    seen: SeenScene | None = None
 
     @property
     def held(self) -> str:

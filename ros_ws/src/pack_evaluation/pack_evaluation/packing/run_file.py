@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from pack_core.errors import BagError
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
 from pack_core.rotations import Pose
-from pack_evaluation.packing.run import Iterations, Run
+from pack_evaluation.packing.run import Iterations, Run, SeenObject, SeenScene
 from pack_evaluation.track import Track
 
 LARGEST = 500e6
@@ -34,6 +34,7 @@ def save_run(run: Run, path: Path) -> None:
     about = {
         "scene": run.scene.to_yaml(), "start": run.start, "end": run.end, "outcome": run.outcome,
         "release_reason": run.release_reason, "is_cut": run.is_cut, "arm": run.arm,
+        "seen": None if run.seen is None else asdict(run.seen),
         **{name: getattr(run.iterations, name) for name in TEXTS},
     }  # fmt: skip
     arrays: dict[str, Any] = {ABOUT: np.array(json.dumps(about)), **dict(_arrays(run))}
@@ -92,8 +93,18 @@ def _run(about: dict[str, Any], arrays: Mapping[str, npt.NDArray[Any]]) -> Run:
         arm=about.get("arm", DEFAULT_ARM),  # files from before there was a second arm do not name it
         # files from before samples were kept have none
         samples=tuple(_sample(given) for given in json.loads(str(arrays.get(SAMPLES, "[]")))),
+        seen=_seen(about.get("seen")),  # files from before there were depth cameras do not have it
         **given,
     )  # fmt: skip
+
+
+def _seen(given: dict[str, Any] | None) -> SeenScene | None:
+    if given is None:
+        return None
+    objects = {
+        name: SeenObject(**{**item, "sizes": tuple(item["sizes"])}) for name, item in given["objects"].items()
+    }
+    return SeenScene(given["count"], objects)
 
 
 def _plain(sample: SettledSample) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from pack_core.rotations import Array
 from pack_evaluation.packing.criteria import Criteria
 from pack_evaluation.packing.measures import CYCLE_MS, PackingMeasures, goal_force, measure
 from pack_evaluation.packing.run import Run
+from pack_evaluation.packing.seen_objects import PerceptionErrors, figures, perception_errors
 from pack_evaluation.spread import Split, split, spread
 from pack_evaluation.study import Study
 
@@ -32,6 +33,7 @@ class PackingTrial:
         message: how it ended, in words.
         forces: force samples during the goal `(n,)` [N].
         iterations_ms: wall clock time of every controller iteration `(N,)` [ms].
+        perception: errors of perception by depth images; None with markers.
     """
 
     name: str
@@ -39,6 +41,7 @@ class PackingTrial:
     message: str
     forces: Array
     iterations_ms: Array
+    perception: PerceptionErrors | None = None
 
     @property
     def ended_early(self) -> bool:
@@ -49,7 +52,9 @@ class PackingTrial:
 def trial_of(name: str, run: Run, criteria: Criteria | None = None) -> PackingTrial:
     """Measure a run as part of a study."""
     message = str(run.outcome.get("message", ""))
-    return PackingTrial(name, measure(run, criteria), message, goal_force(run)[1], run.iterations.ms)
+    return PackingTrial(
+        name, measure(run, criteria), message, goal_force(run)[1], run.iterations.ms, perception_errors(run)
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,8 +118,15 @@ def summarize(study: PackingStudy) -> dict[str, Any]:
             {"scene": trial.name, "exit": trial.measures.exit_reason.value, "message": trial.message}
             for trial in study.failures
         ],
+        **perception(study),
         **study.about,
     }
+
+
+def perception(study: PackingStudy) -> dict[str, Any]:
+    """The figures of perception by depth images, below `perception`; nothing where objects carry markers."""
+    errors = [trial.perception for trial in study.trials if trial.perception is not None]
+    return {"perception": figures(errors)} if errors else {}
 
 
 def exits(study: PackingStudy) -> dict[str, int]:

@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
 from pack_core.errors import ConfigError, PackError
-from pack_core.packing.cell import PackingCell
+from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.goals import FillMethod
 from pack_core.packing.packing_list import PackingList, supermarket_list
 from pack_core.packing.scene import Scene
 from pack_evaluation.packing.run import Run
 from pack_evaluation.packing.run_file import SUFFIX, save_run
+from pack_evaluation.packing.seen_objects import figures
 from pack_evaluation.packing.studies import RUNS
 from pack_evaluation.packing.summary import FAILURE_METRICS, PackingTrial, trial_of
 from pack_lockstep.benchmarking.benchmark import Benchmark, JobT, ResultT, Verdict
-from pack_lockstep.packing.depth_record import PerceptionErrors
 from pack_lockstep.packing.fill_lockstep import FillLockstep, FillResult
 from pack_lockstep.packing.lockstep import Lockstep
 from pack_lockstep.packing.lockstep_config import LockstepConfig, PackingPreset, load_preset, lockstep_config
@@ -63,17 +63,12 @@ class ControlledBenchmark(Benchmark[JobT, ResultT]):
 
 @dataclass(frozen=True)
 class SceneResult:
-    """A scene, its run, and the wall clock time that the run took [s].
-
-    Attributes:
-        perception: errors of perception by depth images; None with markers.
-    """
+    """A scene, its run, and the wall clock time that the run took [s]."""
 
     job: SceneJob
     scene: Scene
     run: Run
     wall_time: float
-    perception: PerceptionErrors | None = None
 
 
 def run_scene(setup: PackingSetup, job: SceneJob) -> SceneResult:
@@ -90,7 +85,7 @@ def run_scene(setup: PackingSetup, job: SceneJob) -> SceneResult:
     lockstep = Lockstep(setup.cell, scene, setup.config, setup.settings.method, job.seed)
     lockstep.run()
     run, wall_time = lockstep.recorded(), time.perf_counter() - started
-    return SceneResult(job, scene, run, wall_time, lockstep.perception_errors(run))
+    return SceneResult(job, scene, run, wall_time)
 
 
 def trial_line(result: SceneResult, trial: PackingTrial, threads: int) -> dict[str, Any]:
@@ -105,7 +100,7 @@ def trial_line(result: SceneResult, trial: PackingTrial, threads: int) -> dict[s
         "iterations": m.iterations, "iteration_ms": m.iteration_ms, "displacement_cm": 1e2 * m.displacement,
         **{name: metric(m) for name, metric in FAILURE_METRICS.items()},
         "threads": threads, "wall_time_s": result.wall_time,
-        **({} if result.perception is None else {"perception": asdict(result.perception)}),
+        **({} if trial.perception is None else {"perception": figures([trial.perception])}),
     }  # fmt: skip
 
 
@@ -192,8 +187,8 @@ class PackingFillBenchmark(ControlledBenchmark[ListJob, tuple[ListJob, FillResul
         config = self.setup.config.model_dump(mode="json")
         config["session"]["controller"].pop("threads")
         config["planner"].pop("threads")
-        config.pop("depth")
-        cell = self.setup.cell.model_dump(mode="json", exclude={"depth"})
+        config["estimator"].pop("depth")
+        cell = self.setup.cell.model_dump(mode="json", exclude={"depth", "perception"})
         return {
             "name": self.setup.name, "studies": self.studies, "method": self.setup.method.value,
             "preset": self.setup.preset, "cell": cell, "config": config,
@@ -242,8 +237,8 @@ def fill_setup(method: FillMethod, preset: str, threads: int) -> FillSetup:
         ConfigError: there is no such preset, or it is for perception by depth.
     """
     given: PackingPreset = load_preset(preset)
-    if given.depth:
-        raise ConfigError(f"preset '{preset}' with --fill; allowed: presets without `depth`")
+    if given.packing_cell().perception is Perception.DEPTH:
+        raise ConfigError(f"preset '{preset}' with --fill; allowed: presets with motion capture")
     given = given.over("mpc", {"controller": {"threads": threads}}).over("planner", {"threads": threads})
     return FillSetup(method, preset, given.packing_cell(), lockstep_config(given))
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pack_core.joints import JointSample
-from pack_core.packing.cell import PackingCell
+from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
@@ -20,20 +20,15 @@ from pack_core.packing.topics import JOINT_RATE, WRENCH_RATE
 from pack_core.rotations import Pose
 from pack_core.states import SceneState
 from pack_core.topics import steps_between
-from pack_evaluation.packing.run import Run
-from pack_lockstep.packing.depth_record import (
-    PerceptionErrors,
-    perception_errors,
-    seen_objects,
-    with_true_names,
-)
+from pack_evaluation.packing.run import Run, SeenScene
+from pack_evaluation.packing.seen_objects import seen_objects, with_true_names
 from pack_lockstep.packing.lockstep_config import LockstepConfig
 from pack_lockstep.packing.run_log import PackingRunLog
 from pack_mpc.controller import ControlPlan
 from pack_mpc.observation import PackingObservation, blind_for
 from pack_mpc.session import PackingSession
 from pack_mpc.task.task import PackingOutcome
-from pack_perception.depth.depth_estimator import DepthEstimator, Objects
+from pack_perception.depth.depth_estimator import DepthEstimator
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
 from pack_planner.placement.placement_planner import PlacementPlanner, PlacementPlanners
 from pack_planner.placement.placement_result import PlannedPlacement
@@ -79,8 +74,8 @@ class LockstepCell:
         description = self.simulator.description
         self.estimator = HandOverEstimator(description, cell, config.estimator)
         self._depth: DepthLink | None = None
-        if config.depth is not None:
-            self.estimator = depth = DepthEstimator(description, cell, config.estimator, config.depth)
+        if cell.perception is Perception.DEPTH:
+            self.estimator = depth = DepthEstimator(description, cell, config.estimator)
             self._depth = DepthLink(DepthCameraSystem(cell.depth, np.random.default_rng([seed, 2])), depth)
         self._forces: list[float] = []
         self.cameras: Callable[[MarkerFrame], MarkerFrame] = lambda frame: frame
@@ -113,6 +108,11 @@ class LockstepCell:
     def known_scene(self) -> Scene:
         """What planner and controller may know: the description, or what was seen of unknown objects."""
         return self.simulator.description if self._depth is None else self._depth.estimator.scene
+
+    def seen(self) -> SeenScene:
+        """What perception knows now, matched to what is there."""
+        estimate, truth = self.estimator.state(self.estimator.time), self.simulator.truth()
+        return seen_objects(self.known_scene, estimate.poses(), self.simulator.scene, truth.poses())
 
     def observe(self) -> PackingObservation:
         """What is known now, with the forces since the last call."""
@@ -197,7 +197,7 @@ class Lockstep:
         self.simulator = self._cell.simulator
         self._cell.settle()
         known = self._cell.known_scene
-        self._seen = seen_objects(known, self._cell.estimator, self.simulator)
+        self._seen = self._cell.seen()
         planners = PlacementPlanners(known, cell, config.planner)
         self._placements = LockstepPlacements(planners.of(method.placement_variant), config, seed)
         self._start = self.simulator.time
@@ -252,13 +252,6 @@ class Lockstep:
             self.session.scene, self._start, outcome, simulator.pump.state.release_reason,
             simulator.cell.robot.model,
         )  # fmt: skip
-        return with_true_names(run, self._seen, simulator) if self._looks else run
-
-    @property
-    def _looks(self) -> bool:
-        """Whether objects are unknown until they are seen."""
-        return self._config.depth is not None and self._config.depth.objects is Objects.UNKNOWN
-
-    def perception_errors(self, run: Run) -> PerceptionErrors | None:
-        """Errors of perception by depth images in a recorded run; None with markers."""
-        return None if self._config.depth is None else perception_errors(run, self._seen, self.simulator)
+        if simulator.cell.perception is Perception.MOCAP:
+            return run
+        return with_true_names(run, self._seen, simulator.scene)

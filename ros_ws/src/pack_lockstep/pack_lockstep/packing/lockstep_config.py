@@ -7,14 +7,13 @@ from typing import TypeVar
 import yaml
 from pydantic import BaseModel, Field, NonNegativeFloat, PositiveFloat
 
-from pack_core.config import Config, validate_config
+from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.packing.cell import PackingCell, packing_cell
 from pack_core.presets import Preset, Section, read_preset
 from pack_lockstep.node_parameters import load_parameters
 from pack_mpc.filling.fill_config import FillSessionConfig
-from pack_perception.depth.depth_estimator import DepthConfig
-from pack_perception.mocap.physics_estimator import EstimatorConfig
+from pack_perception.depth.depth_estimator import PerceptionConfig
 from pack_planner.placement.placement_planner import PlacementPlannerConfig
 from pack_sim.packing.simulator import SimulatorConfig
 
@@ -26,14 +25,12 @@ class PackingPreset(Preset):
 
     Attributes:
         sim: overrides config/nodes/packing/sim.yaml; the other nodes likewise.
-        depth: parameters of perception by depth images, in lockstep; empty: objects carry markers.
     """
 
     sim: Section = Field(default_factory=dict)
     perception: Section = Field(default_factory=dict)
     planner: Section = Field(default_factory=dict)
     mpc: Section = Field(default_factory=dict)
-    depth: Section = Field(default_factory=dict)
 
     def packing_cell(self) -> PackingCell:
         """The packing cell with this preset's changes."""
@@ -73,10 +70,9 @@ class LockstepConfig(Config):
         default=0.3, description="before the goal, so that everything has been seen [s]"
     )
     simulator: SimulatorConfig = SimulatorConfig()
-    estimator: EstimatorConfig = EstimatorConfig()
+    estimator: PerceptionConfig = PerceptionConfig()
     planner: PlacementPlannerConfig = PlacementPlannerConfig()
     session: FillSessionConfig = FillSessionConfig()
-    depth: DepthConfig | None = Field(default=None, description="None: objects carry markers")
 
 
 def lockstep_config(preset: PackingPreset | None = None) -> LockstepConfig:
@@ -84,8 +80,7 @@ def lockstep_config(preset: PackingPreset | None = None) -> LockstepConfig:
     given = preset or PackingPreset()
     return LockstepConfig(
         simulator=given.parameters("sim", SimulatorConfig),
-        estimator=given.parameters("perception", EstimatorConfig),
+        estimator=given.parameters("perception", PerceptionConfig),
         planner=given.parameters("planner", PlacementPlannerConfig),
         session=given.parameters("mpc", FillSessionConfig),
-        depth=validate_config(DepthConfig, given.depth, "preset: depth") if given.depth else None,
     )

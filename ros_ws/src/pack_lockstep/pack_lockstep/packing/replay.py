@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from pack_core.errors import BagError
 from pack_core.joints import JointSample
+from pack_core.packing.cell import PackingCell, Perception
+from pack_core.packing.depth import DepthFrame, FramePairing
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.markers import MarkerFrame
 from pack_core.packing.scene import Scene
 from pack_core.packing.topics import (
+    DEPTH_IMAGES,
     DESCRIPTION,
     FILL_RESULT,
     GRIPPER_STATE,
@@ -21,7 +25,9 @@ from pack_core.packing.topics import (
     MARKERS,
     SCENE,
     SETTLED_SAMPLES,
+    SIM_DESCRIPTION,
 )
+from pack_core.ros.messages.camera import from_depth_image
 from pack_core.ros.messages.conversions import from_stamp
 from pack_core.ros.messages.joints import from_joint_state
 from pack_core.ros.messages.packing import from_markers
@@ -39,8 +45,8 @@ from pack_lockstep.replay import EXACT_MM, ComparisonRow, Replay, RunConditions
 from pack_mpc.cost.weights import load_weights
 from pack_mpc.filling.fill_config import FillSessionConfig
 from pack_mpc.session import SessionConfig
+from pack_perception.depth.depth_estimator import DepthEstimator, Objects, PerceptionConfig
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
-from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_planner.placement.placement_planner import (
     PlacementPlanner,
     PlacementPlannerConfig,
@@ -104,21 +110,35 @@ def replay_perception(bag: Bag, preset: PackingPreset | None = None) -> Replay:
     Raises:
         BagError: the recording lacks a topic or too many of its messages.
     """
+    preset = preset or PackingPreset()
     run = to_run(bag)
     job = _job_window(bag)
     start, end = job or (run.start, run.end)
-    bag = bag if job else without_earlier_gaps(bag, start, latched=(DESCRIPTION,))
+    bag = bag if job else without_earlier_gaps(bag, start, latched=(DESCRIPTION, SIM_DESCRIPTION))
+    if preset.packing_cell().perception is Perception.DEPTH:
+        counts = {topic: _count_images(bag, topic) for topic in DEPTH_IMAGES}
+        estimated = estimate_by_depth(bag, preset)
+        return Replay("perception", counts, _compare(run, start, end, estimated))
     joints = [from_stamp(message.header.stamp) for message in bag.of(JOINT_STATES)]
     frames = [from_markers(message).time for message in bag.of(MARKERS)]
     counts = {
         topic: check_frames(bag, topic, times) for topic, times in ((JOINT_STATES, joints), (MARKERS, frames))
     }
-    estimated = estimate_again(bag, preset or PackingPreset())
-    rows = tuple(
+    return Replay("perception", counts, _compare(run, start, end, estimate_again(bag, preset)))
+
+
+def _compare(run: Run, start: float, end: float, estimated: dict[str, Track]) -> tuple[ComparisonRow, ...]:
+    return tuple(
         _compare_tracks(name, track.between(start, end), estimated.get(name))
         for name, track in run.estimate.items()
     )
-    return Replay("perception", counts, rows)
+
+
+def _count_images(bag: Bag, topic: str) -> int:
+    """Number of a depth camera's images; none counts as missing: their rate is what the machine could do."""
+    if len(images := bag.of(topic)) < 2:
+        raise BagError(f"{bag.path} has {len(images)} messages on {topic}: was it recorded?")
+    return len(images)
 
 
 def _job_window(bag: Bag) -> tuple[float, float] | None:
@@ -131,7 +151,7 @@ def _job_window(bag: Bag) -> tuple[float, float] | None:
 
 def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
     """Estimated tracks by object, with a pose after every marker frame, from the messages as recorded."""
-    config, cell = preset.parameters("perception", EstimatorConfig), preset.packing_cell()
+    config, cell = preset.parameters("perception", PerceptionConfig), preset.packing_cell()
     scene, *changes = [Scene.from_yaml(message.data, DESCRIPTION) for message in bag.of(DESCRIPTION)]
     estimator = HandOverEstimator(scene, cell, config)
     later = iter([None, *changes])  # the first is known before anything else comes
@@ -155,6 +175,51 @@ def estimate_again(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
             estimator.correct(waiting.popleft())
             states.append(estimator.state(estimator.time))
     return to_tracks(states)
+
+
+def estimate_by_depth(bag: Bag, preset: PackingPreset) -> dict[str, Track]:
+    """Estimated tracks by object, with a pose after every joint state that is used, and after every frame.
+
+    Where the recording has no frame from before the look, what was seen then counts as described.
+    """
+    config, cell = preset.parameters("perception", PerceptionConfig), preset.packing_cell()
+    estimator: DepthEstimator | None = None
+    pairing = FramePairing(len(DEPTH_IMAGES))
+    waiting: deque[DepthFrame] = deque()
+    states: list[SceneState] = []
+    has_looked = False
+    for item in bag.messages:
+        if item.topic == SIM_DESCRIPTION:
+            scene = Scene.from_yaml(item.message.data, SIM_DESCRIPTION)
+            estimator, has_looked = DepthEstimator(scene, cell, config), False
+            waiting.clear()
+        elif item.topic == DESCRIPTION and not has_looked:
+            scene = Scene.from_yaml(item.message.data, DESCRIPTION)
+            estimator = DepthEstimator(scene, cell, _as_described(config))
+        elif item.topic == JOINT_STATES and estimator is not None:
+            _advance(estimator, from_joint_state(item.message, cell.robot.arm.joints))
+            if estimator.knows_objects:
+                states.append(estimator.state(estimator.time))
+        elif item.topic in DEPTH_IMAGES:
+            waiting.extend(_frames(pairing, cell, item.topic, item.message))
+        while estimator is not None and waiting and not estimator.is_ahead(waiting[0]):
+            estimator.see(waiting.popleft())
+            has_looked = True
+            states.append(estimator.state(estimator.time))
+    return to_tracks(states)
+
+
+def _frames(pairing: FramePairing, cell: PackingCell, topic: str, message: Any) -> list[DepthFrame]:
+    """The frame that an image completes, if it does."""
+    number = DEPTH_IMAGES.index(topic)
+    image = from_depth_image(message, cell.depth.cameras()[number])
+    frame = pairing.add(number, from_stamp(message.header.stamp), image)
+    return [] if frame is None else [frame]
+
+
+def _as_described(config: PerceptionConfig) -> PerceptionConfig:
+    depth = config.depth.model_copy(update={"objects": Objects.DESCRIBED})
+    return config.model_copy(update={"depth": depth})
 
 
 def _grip(estimator: HandOverEstimator, *, is_closed: bool) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from pack_core.config import Config
 from pack_core.errors import ConfigError
-from pack_core.packing.cell import PackingCell
+from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.goals import PackingMethod
 from pack_core.packing.scene import Scene
 from pack_core.packing.scene_file import load_scene
@@ -77,9 +77,10 @@ class PackingSetup:
         config["planner"].pop("arrangement")  # this and the next are parameters of another benchmark
         config["session"].pop("fill")
         cell = self.cell.model_dump(mode="json")
-        if self.config.depth is None:
-            config.pop("depth")
+        if self.cell.perception is Perception.MOCAP:
+            config["estimator"].pop("depth")
             cell.pop("depth")
+            cell.pop("perception")
         return {
             "name": self.name, **self.settings.model_dump(mode="json"), "weights": session.weights,
             "optimizer": self.optimizer, "cell": cell,

@@ -51,26 +51,31 @@ class DepthConfig(Config):
     every: PositiveInt = Field(default=3, description="every many pixels of a row or column one is tracked")
 
 
+class PerceptionConfig(EstimatorConfig):
+    """Parameters of perception, by markers or by depth images."""
+
+    depth: DepthConfig = DepthConfig()
+
+
 class DepthEstimator(HandOverEstimator):
     """A `HandOverEstimator` that depth images correct instead of markers.
 
     Args:
         scene: container, held object and, where they are described, the objects in the container.
         cell: the cell's physical facts.
-        config: gains and limits.
-        depth: parameters of looks and fits.
+        config: gains and limits, and parameters of looks and fits.
     """
 
-    def __init__(self, scene: Scene, cell: PackingCell, config: EstimatorConfig, depth: DepthConfig) -> None:
-        self._depth, self._cameras = depth, cell.depth.cameras()
+    def __init__(self, scene: Scene, cell: PackingCell, config: PerceptionConfig) -> None:
+        self._depth, self._cameras = config.depth, cell.depth.cameras()
         self._needs_look = True
-        is_known = depth.objects is Objects.DESCRIBED
+        is_known = self._depth.objects is Objects.DESCRIBED
         super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
 
     @property
-    def scene(self) -> Scene:
-        """The scene as it is known: of unknown objects, those that the look found."""
-        return self._scene
+    def knows_objects(self) -> bool:
+        """Whether it is known which objects there are: from a description, or after a look."""
+        return self._depth.objects is Objects.DESCRIBED or not self._needs_look
 
     def see(self, frame: DepthFrame) -> Correction:
         """Correct the estimate by images; before all objects are known, look for them.

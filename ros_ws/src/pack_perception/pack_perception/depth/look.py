@@ -14,6 +14,7 @@ from pack_core.config import Config
 from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.free_space import footprint
 from pack_core.packing.scene import Container
+from pack_core.packing.scene_item import colour_of
 from pack_core.rotations import Array
 from pack_perception.depth.height_map import (
     HeightMap,
@@ -67,7 +68,11 @@ def look_at(points: Array, container: Container, config: DepthLookConfig) -> lis
         for mask in regions(heights, config.heights)
         for shape in _objects_of(mask, points, heights, config)
     ]
-    return [replace(f, item=f.item.model_copy(update={"name": f"seen_{i}"})) for i, f in enumerate(found, 1)]
+    return [_named(f, f"seen_{i}") for i, f in enumerate(found, 1)]
+
+
+def _named(fit: FittedShape, name: str) -> FittedShape:
+    return replace(fit, item=fit.item.model_copy(update={"name": name, "colour": colour_of(name)}))
 
 
 def _objects_of(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:

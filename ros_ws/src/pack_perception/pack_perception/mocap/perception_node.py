@@ -1,4 +1,4 @@
-"""Perception as a ROS 2 node: markers and joints in, the estimated scene out."""
+"""Perception as a ROS 2 node: markers or depth images, and joints in; the estimated scene out."""
 
 from __future__ import annotations
 
@@ -7,40 +7,40 @@ from collections import deque
 from functools import partial
 from typing import Any
 
-from pack_interfaces.msg import GripperState, MocapMarkers
+from pack_interfaces.msg import GripperState
 from pydantic import Field, PositiveFloat
 from std_msgs.msg import String
 
-from pack_core.packing.markers import MarkerFrame
+from pack_core.packing.cell import Perception
 from pack_core.packing.scene import Scene
 from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.messages.conversions import stamp_in
-from pack_core.ros.messages.packing import from_markers
 from pack_core.ros.messages.serialized import JointStateReader, SceneWriter
 from pack_core.ros.node import CellNode
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import Stream, StreamReader
 from pack_core.states import SceneState, Source
+from pack_perception.depth.depth_estimator import PerceptionConfig
 from pack_perception.mocap.hand_over_estimator import HandOverEstimator
-from pack_perception.mocap.physics_estimator import EstimatorConfig
 from pack_perception.mocap.rigid_body_fit import FitRefusal
+from pack_perception.ros.frame_sources import DepthSource, Frame, FrameSource, MarkerSource
 
 JOINTS_DEPTH = 500
 """Joint states that may wait: those of 1 s."""
 
 
-class PerceptionNodeConfig(EstimatorConfig):
+class PerceptionNodeConfig(PerceptionConfig):
     """Parameters of the node `perception`."""
 
     min_rate: PositiveFloat = Field(default=60.0, description="of /scene while no frames come [Hz]")
 
 
 class PerceptionNode(CellNode):
-    """Publishes the estimated scene after every marker frame, and at `min_rate` while none come.
+    """Publishes the estimated scene after every frame, and at `min_rate` while none come.
 
-    A thread reads what has come whenever a marker frame comes: the joint states up to it, and then the frame.
+    A thread reads what has come whenever a frame comes: the joint states up to it, and then the frame.
     """
 
     def __init__(self, **kwargs: Any) -> None:
@@ -48,26 +48,27 @@ class PerceptionNode(CellNode):
         self._config = self.read_parameters(PerceptionNodeConfig)
         self._cell = read_packing_cell(self)
         self._estimator: HandOverEstimator | None = None
-        self._names: list[str] = []
-        self._new_object = ""
         self._published = -float("inf")
-        self._frames: deque[MarkerFrame] = deque(maxlen=50)
+        self._frames: deque[Frame] = deque(maxlen=50)
         self._unused_frames = 0
-        self._joint_stamps, self._frame_stamps = StampCheck(self), StampCheck(self)
+        self._joint_stamps = StampCheck(self)
         self._scene, self._writer = self.advertise(contracts.SCENE), SceneWriter()
         self._lock = threading.Lock()
         self._joint_reader = JointStateReader(self._cell.robot.arm.joints)
         self._joints = Stream(self, contracts.JOINT_STATES, depth=JOINTS_DEPTH, raw=True)
-        self._markers = Stream(self, contracts.MARKERS)
+        by_depth = self._cell.perception is Perception.DEPTH
+        self._source: FrameSource = (DepthSource if by_depth else MarkerSource)(
+            self, self._cell, self._config
+        )
         self._gripper = Stream(self, contracts.GRIPPER_STATE)
         self._is_handed_over = False
-        self.listen(contracts.DESCRIPTION, self._on_description)
-        self._reader = StreamReader(self, (self._markers,), self._read, 1.0 / self._config.min_rate)
+        self.listen(self._source.told, self._on_description)
+        self._reader = StreamReader(self, self._source.streams, self._read, 1.0 / self._config.min_rate)
         self.watch(("sim",))
 
     @property
     def waits_for(self) -> str:
-        return "" if self._estimator is not None else f"no {contracts.DESCRIPTION.name} yet: is sim up?"
+        return self._source.unknown(self._estimator)
 
     def destroy_node(self) -> None:
         """Stop reading, then the node."""
@@ -75,23 +76,24 @@ class PerceptionNode(CellNode):
         super().destroy_node()
 
     def _on_description(self, message: String) -> None:
-        scene = Scene.from_yaml(message.data, contracts.DESCRIPTION.name)
+        scene = Scene.from_yaml(message.data, self._source.told.name)
         with self._lock:
             # what was packed before is still where it was, whoever is handed over now
             if scene.is_handed_over and self._estimator is not None:
                 self._estimator.change_scene(scene)
             else:
-                self._estimator = HandOverEstimator(scene, self._cell, self._config)
+                self._estimator = self._source.begin(scene)
             self._is_handed_over = scene.is_handed_over
-            self._names, self._new_object = scene.names, scene.new_object.name
             self._start_over()
+        self.tell_status()
 
     def _read(self) -> None:
         """Take all that has come, in the reader's thread."""
         with self._lock:
-            # Markers first: the joint states of their time were sent before them, so that they are there.
-            for frame in self._markers.take_all():
-                self.guard(contracts.MARKERS, self._on_markers, frame)
+            # Frames first: the joint states of their time were sent before them, so that they are there.
+            frames = self._source.take()
+            if self._estimator is not None:
+                self._frames.extend(frames)
             for joints in self._joints.take_all():
                 self.guard(contracts.JOINT_STATES, self._on_joints, joints)
             self._use_frames()
@@ -128,20 +130,16 @@ class PerceptionNode(CellNode):
         if estimator.time + self._config.step - self._published > 1.0 / self._config.min_rate:
             self._publish(estimator)
 
-    def _on_markers(self, message: MocapMarkers) -> None:
-        if self._estimator is not None:
-            frame = from_markers(message)
-            self._frame_stamps.check(frame.time)
-            self._frames.append(frame)
-
     def _use_frames(self) -> None:
         """Correct the estimate by the frames for which the joint states have come."""
         estimator = self._estimator
         while estimator is not None and self._frames and not estimator.is_ahead(self._frames[0]):
-            self.guard(contracts.MARKERS, partial(self._correct, estimator), self._frames.popleft())
+            self.guard(
+                self._source.streams[0].contract, partial(self._correct, estimator), self._frames.popleft()
+            )
 
-    def _correct(self, estimator: HandOverEstimator, frame: MarkerFrame) -> None:
-        correction = estimator.correct(frame)
+    def _correct(self, estimator: HandOverEstimator, frame: Frame) -> None:
+        correction = self._source.correct(estimator, frame)
         self._unused_frames += correction.is_unused
         for name, refusal in correction.refused.items():
             if refusal is FitRefusal.RESIDUAL:
@@ -152,20 +150,23 @@ class PerceptionNode(CellNode):
             self._publish(estimator)
 
     def _publish(self, estimator: HandOverEstimator) -> None:
+        if self._source.unknown(estimator):  # nobody could tell what the names stand for
+            return
         state = estimator.state(estimator.time)
         self._published = state.time
         self._scene.publish(self._writer.write(state))
-        self._note(state, estimator.is_held)
+        self._note(state, estimator)
 
-    def _note(self, state: SceneState, is_held: bool) -> None:
+    def _note(self, state: SceneState, estimator: HandOverEstimator) -> None:
         hidden = [f"{n} {o.age:.1f} s" for n, o in state.objects.items() if o.source is Source.PHYSICS]
-        unknown = [name for name in self._names if name not in state.objects]
+        unknown = [name for name in estimator.scene.names if name not in state.objects]
         self.health.values["carried by physics"] = ", ".join(hidden) or "none"
         self.health.values["not seen yet"] = ", ".join(unknown) or "none"
         self.health.values["frames too late"] = str(self._unused_frames)
         self.health.faults.pop("grip", None)
-        if not is_held and not self._is_handed_over:
-            self.health.faults["grip"] = f"'{self._new_object}' no longer hangs on the cup as it was gripped"
+        if not estimator.is_held and not self._is_handed_over:
+            name = estimator.scene.new_object.name
+            self.health.faults["grip"] = f"'{name}' no longer hangs on the cup as it was gripped"
 
 
 def main() -> int:

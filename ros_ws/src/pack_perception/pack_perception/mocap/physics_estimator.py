@@ -152,6 +152,11 @@ class PhysicsEstimator:
         self._start_over()
 
     @property
+    def scene(self) -> Scene:
+        """The scene as it is known: as described or, of unknown objects, as a look has found it."""
+        return self._scene
+
+    @property
     def time(self) -> float:
         """Time of the estimate [s]; nan before the first joint sample."""
         return self._joints.time if self._joints else float("nan")

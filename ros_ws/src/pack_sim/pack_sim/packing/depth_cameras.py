@@ -38,32 +38,32 @@ class RayImage:
     geoms: npt.NDArray[np.int32]
 
 
-def cast(model: mujoco.MjModel, data: mujoco.MjData, camera: PinholeCamera, step: int = 1) -> RayImage:
-    """The image of a camera as the physics stands, of every `step`-th pixel along both axes."""
-    v, u = np.mgrid[0 : camera.height : step, 0 : camera.width : step]
-    rays_C = np.stack([(u - camera.c[0]) / camera.f, (v - camera.c[1]) / camera.f, np.ones(u.shape)], axis=-1)
-    lengths = np.linalg.norm(rays_C, axis=-1)
-    rays_W = rotate(camera.X_WC.q, (rays_C / lengths[..., None]).reshape(-1, 3))
-    n = u.size
-    distances, geoms, normals = np.empty(n), np.empty(n, dtype=np.int32), np.empty((n, 3))
-    mujoco.mj_multiRay(
-        model,
-        data,
-        camera.X_WC.p,
-        rays_W.ravel(),
-        None,
-        True,
-        -1,
-        geoms,
-        distances,
-        normals.ravel(),
-        n,
-        REACH,
-    )
-    is_hit = distances >= 0.0
-    depth = np.where(is_hit, distances, 0.0).reshape(u.shape) / lengths
-    cosine = np.where(is_hit, -np.einsum("ij,ij->i", rays_W, normals), 0.0)
-    return RayImage(depth, cosine.reshape(u.shape), geoms.reshape(u.shape))
+class CameraRays:
+    """The rays of a camera's pixels, which stay the same as long as it hangs where it does.
+
+    Args:
+        camera: the camera, as it truly hangs.
+    """
+
+    def __init__(self, camera: PinholeCamera) -> None:
+        v, u = np.indices((camera.height, camera.width))
+        x, y = (u - camera.c[0]) / camera.f, (v - camera.c[1]) / camera.f
+        rays_C = np.stack([x, y, np.ones(u.shape)], axis=-1)
+        self._origin, self._lengths = camera.X_WC.p, np.linalg.norm(rays_C, axis=-1)
+        self._directions = rotate(camera.X_WC.q, (rays_C / self._lengths[..., None]).reshape(-1, 3))
+
+    def cast(self, model: mujoco.MjModel, data: mujoco.MjData) -> RayImage:
+        """What the rays meet as the physics stands."""
+        shape, n, rays = self._lengths.shape, self._lengths.size, self._directions
+        distances, geoms, normals = np.empty(n), np.empty(n, dtype=np.int32), np.empty((n, 3))
+        mujoco.mj_multiRay(
+            model, data, self._origin, rays.ravel(), None, True, -1, geoms, distances, normals.ravel(), n,
+            REACH,
+        )  # fmt: skip
+        is_hit = distances >= 0.0
+        depth = np.where(is_hit, distances, 0.0).reshape(shape) / self._lengths
+        cosine = np.where(is_hit, -np.einsum("ij,ij->i", rays, normals), 0.0)
+        return RayImage(depth, cosine.reshape(shape), geoms.reshape(shape))
 
 
 def displaced(camera: PinholeCamera, noise: DepthNoise, rng: np.random.Generator) -> PinholeCamera:
@@ -94,6 +94,7 @@ class DepthCameraSystem:
     def __init__(self, described: DepthCameras, rng: np.random.Generator) -> None:
         self._described, self._noise, self._rng = described, described.noise, rng
         self.cameras = [displaced(camera, self._noise, rng) for camera in described.cameras()]
+        self._rays = [CameraRays(camera) for camera in self.cameras]
         self._static = [self._alike() for _ in self.cameras]
         self._surface_seed = int(rng.integers(2**31))
         self._next = -np.inf
@@ -101,12 +102,21 @@ class DepthCameraSystem:
 
     def update(self, model: mujoco.MjModel, data: mujoco.MjData, time: float) -> None:
         """Expose if a frame is due at `time` [s]; call it at every step of the physics."""
+        if self.is_due(time):
+            self.deliver(self.capture(model, data, time))
+
+    def is_due(self, time: float) -> bool:
+        """Whether to expose now, at `time` [s]; the next frame is then due a period later."""
         if time < self._next - ROUNDING:
-            return
+            return False
         period = 1.0 / self._described.rate
         # keep the rate's raster unless more than a period was missed, as at the first frame
         self._next = (self._next if time - self._next < period else time) + period
-        self._pending.append(self.capture(model, data, time))
+        return True
+
+    def deliver(self, frame: DepthFrame) -> None:
+        """Have a frame returned by `due` once its latency has passed."""
+        self._pending.append(frame)
 
     def due(self, time: float) -> list[DepthFrame]:
         """Frames that are delivered by `time` [s] and were not returned before, oldest first."""
@@ -119,8 +129,8 @@ class DepthCameraSystem:
         """The frame exposed now."""
         losses = self._surface_losses(model)
         images = [
-            self._measured(cast(model, data, camera), static, losses)
-            for camera, static in zip(self.cameras, self._static, strict=True)
+            self._measured(rays.cast(model, data), static, losses)
+            for rays, static in zip(self._rays, self._static, strict=True)
         ]
         return DepthFrame(time, np.stack(images))
 
@@ -157,4 +167,6 @@ class DepthCameraSystem:
         is_lost = is_edge & (chance > 1.0 - noise.edge_loss)
         for share in (grazing, losses[geoms], noise.loss):
             is_lost |= rng.random(shape) < share
+        if noise.step > 0.0:
+            measured = noise.step * np.rint(measured / noise.step)
         return np.where(is_lost | (depth <= 0.0), 0.0, measured)

@@ -11,6 +11,7 @@ from pydantic import Field
 from std_msgs.msg import String
 
 from pack_core.errors import PackError
+from pack_core.packing.cell import Perception
 from pack_core.packing.model import describe_robot, fixed_frames
 from pack_core.packing.objects import parse_object
 from pack_core.packing.scene import Scene
@@ -18,6 +19,7 @@ from pack_core.packing.scene_file import load_scene, parse_scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
+from pack_sim.packing.ros.depth_publisher import DepthPublisher
 from pack_sim.packing.ros.sensor_publisher import SensorPublisher
 from pack_sim.packing.scene_generator import generate_scene
 from pack_sim.packing.simulator import Simulator, SimulatorConfig
@@ -32,14 +34,18 @@ class PackingSimNodeConfig(SimulatorConfig, Pacing):
 
 
 class PackingSimNode(PhysicsNode):
-    """Node `sim` of the packing cell: driver, pump and motion capture."""
+    """Node `sim` of the packing cell: driver, pump, and motion capture or depth cameras."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self._config = self.read_parameters(PackingSimNodeConfig, self._change)
         self._cell = read_packing_cell(self)
         self._sensors = SensorPublisher(self, self._config.timestep, self._cell.robot.arm.joints)
-        self._description = self.advertise(contracts.DESCRIPTION)
+        has_depth = self._cell.perception is Perception.DEPTH
+        self._depth = DepthPublisher(self, self._cell) if has_depth else None
+        self._told = [self.advertise(contracts.SIM_DESCRIPTION)]
+        if self._depth is None:  # else perception describes the cell
+            self._told.append(self.advertise(contracts.DESCRIPTION))
         self._shown = self.show(describe_robot(self._cell))
         self._simulator = self._build(self._first_scene(), self._config.seed, 0.0)
         services = (
@@ -48,7 +54,8 @@ class PackingSimNode(PhysicsNode):
             (contracts.PRESENT, self._present),
         )
         joints = self._cell.robot.arm.joints
-        self.start(contracts.SETPOINTS, "mpc", joints, services, self._config.real_time_factor)
+        factor = self._config.real_time_factor
+        self.start(contracts.SETPOINTS, "mpc", joints, services, factor, self._depth)
 
     def _change(self, config: PackingSimNodeConfig) -> None:
         self.change_pace(config)
@@ -64,6 +71,8 @@ class PackingSimNode(PhysicsNode):
     def advance(self) -> float:
         """Advance by a block of steps, publish what is due, and return the simulated time that passed [s]."""
         self._sensors.step(self._simulator)
+        if self._depth is not None:
+            self._depth.step(self._simulator)
         return self._sensors.period
 
     def _first_scene(self) -> Scene:
@@ -73,9 +82,15 @@ class PackingSimNode(PhysicsNode):
 
     def _build(self, scene: Scene, seed: int, start: float) -> Simulator:
         simulator = Simulator(self._cell, scene, self._config, np.random.default_rng(seed), start)
-        self._description.publish(String(data=simulator.description.to_yaml()))
+        self._describe(simulator)
         self._shown.fix(fixed_frames(self._cell, scene.container))
+        if self._depth is not None:
+            self._depth.open(seed, start)
         return simulator
+
+    def _describe(self, simulator: Simulator) -> None:
+        for publisher in self._told:
+            publisher.publish(String(data=simulator.description.to_yaml()))
 
     def _reset(self, request: ResetScene.Request, response: ResetScene.Response) -> ResetScene.Response:
         try:
@@ -100,7 +115,7 @@ class PackingSimNode(PhysicsNode):
             with self.lock:
                 response.message = self._simulator.present(item)
                 if not response.message:
-                    self._description.publish(String(data=self._simulator.description.to_yaml()))
+                    self._describe(self._simulator)
         except PackError as error:
             response.message = str(error)
         response.success = not response.message

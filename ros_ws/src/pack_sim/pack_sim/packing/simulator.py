@@ -13,7 +13,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 from pack_core.bodies import body_pose
 from pack_core.config import AT_ONCE, Config
 from pack_core.joints import JointSample, Setpoints
-from pack_core.packing.cell import PackingCell
+from pack_core.packing.cell import PackingCell, Perception
 from pack_core.packing.free_space import is_packed
 from pack_core.packing.model import HeldRole, held_pose
 from pack_core.packing.objects import ObjectModel
@@ -153,7 +153,8 @@ class Simulator:
         self._wrench_sensor.advance()
         if self.pump.state.is_closed and not self.pump.update(*physics.cup_load):
             self._rebuild(HeldRole.FREE)
-        self.mocap.update(self.model, data, self.time)
+        if self.cell.perception is Perception.MOCAP:
+            self.mocap.update(self.model, data, self.time)
 
     def joints(self) -> JointSample:
         """Measured positions, velocities and torques of the joints."""

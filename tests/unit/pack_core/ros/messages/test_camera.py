@@ -6,7 +6,14 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from pack_core.camera import PinholeCamera, focal_length
 from pack_core.errors import MessageError
-from pack_core.ros.messages.camera import from_camera_info, from_image, to_camera_info, to_image
+from pack_core.ros.messages.camera import (
+    from_camera_info,
+    from_depth_image,
+    from_image,
+    to_camera_info,
+    to_depth_image,
+    to_image,
+)
 
 CAMERA = PinholeCamera.looking_down([0.5, 0.0, 1.2], focal_length(42.0, 48), 64, 48)
 PICTURE = np.arange(64 * 48 * 3, dtype=np.uint8).reshape(48, 64, 3)
@@ -39,6 +46,23 @@ def test_a_picture_of_another_kind_or_a_part_of_one_is_refused(change: dict[str,
         setattr(message, name, value)
     with pytest.raises(MessageError, match="allowed: rgb8, 3 bytes a pixel"):
         from_image(message, CAMERA)
+
+
+def test_depths_come_back_in_whole_millimetres() -> None:
+    depth = np.random.default_rng(0).uniform(0.3, 1.5, (48, 64))
+    depth[::7] = 0.0
+    message = to_depth_image(1.5, depth, "depth_1")
+    assert (message.encoding, message.step, len(message.data)) == ("16UC1", 128, 48 * 128)
+    assert from_depth_image(message, CAMERA) == pytest.approx(np.rint(1e3 * depth) / 1e3)
+
+
+@pytest.mark.parametrize("change", [{"encoding": "32FC1"}, {"is_bigendian": 1}, {"step": 64}, {"height": 24}])
+def test_a_depth_image_of_another_kind_or_size_is_refused(change: dict[str, object]) -> None:
+    message = to_depth_image(1.5, np.ones((48, 64)), "depth_1")
+    for name, value in change.items():
+        setattr(message, name, value)
+    with pytest.raises(MessageError, match="depth image of 64 x"):
+        from_depth_image(message, CAMERA)
 
 
 @pytest.mark.parametrize(("x", "y"), [(2, 1), (1, 2), (4, 4)])

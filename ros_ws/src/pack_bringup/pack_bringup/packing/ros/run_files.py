@@ -8,14 +8,14 @@ from rclpy.serialization import deserialize_message
 
 from pack_core.errors import BagError
 from pack_core.packing.scene import Scene
-from pack_core.ros.contracts.packing import DESCRIPTION, TRUTH
+from pack_core.ros.contracts.packing import SIM_DESCRIPTION, TRUTH
 from pack_core.ros.messages.scene import from_scene
 
 SCENE_FILE = "scene.yaml"
 
 
 class RunFiles:
-    """Writes scene.yaml from the scene's description and the first true poses that follow it.
+    """Writes scene.yaml from the description that the simulator has and the first true poses that follow it.
 
     Args:
         folder: the run's folder.
@@ -31,9 +31,9 @@ class RunFiles:
         Raises:
             PackError: the message holds no scene, or the file cannot be written.
         """
-        if topic == DESCRIPTION.name:
-            text = deserialize_message(data, DESCRIPTION.type).data
-            self._description = Scene.from_yaml(text, DESCRIPTION.name)
+        if topic == SIM_DESCRIPTION.name:
+            text = deserialize_message(data, SIM_DESCRIPTION.type).data
+            self._description = Scene.from_yaml(text, SIM_DESCRIPTION.name)
         elif topic == TRUTH.name and self._description is not None:
             # Only the first poses after a description are those at which the run began.
             description, self._description = self._description, None

@@ -6,7 +6,7 @@ from geometry_msgs.msg import WrenchStamped
 from pack_interfaces.action import FillContainer, PackObject
 from pack_interfaces.msg import GripperState, MocapMarkers, MpcStatus, SceneState, SettledSamples
 from pack_interfaces.srv import GripperCommand, PlanFilling, PlanPlacement, PresentObject, ResetScene
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import CameraInfo, Image, JointState
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
@@ -17,9 +17,14 @@ from pack_core.ros.contracts.shared import SHARED
 
 # fmt: off
 DESCRIPTION = Contract(
-    topics.DESCRIPTION, String, ("sim",), ("perception", "planner", "mpc", "recorder", "user"),
-    "shapes, sizes and masses of container and objects, as a scene file without poses",
-    qos=LATCHED, rate="at reset and each hand-over", recorded=True)
+    topics.DESCRIPTION, String, ("sim", "perception"), ("perception", "planner", "mpc", "recorder", "user"),
+    "shapes, sizes and masses of container and objects, as a scene file without poses; with depth cameras "
+    "from perception, as described or as seen",
+    qos=LATCHED, rate="at reset, each hand-over, each look", recorded=True)
+SIM_DESCRIPTION = Contract(
+    topics.SIM_DESCRIPTION, String, ("sim",), ("perception", "recorder", "user"),
+    "the same as the cell was told; perception with depth cameras begins with it", qos=LATCHED,
+    rate="at reset and each hand-over", recorded=True)
 JOINT_STATES = Contract(
     topics.JOINT_STATES, JointState, ("sim",), ("perception", "mpc", "recorder", "user"),
     "measured joint positions, velocities and torques", qos=STREAM, rate=hz(topics.JOINT_RATE), recorded=True)
@@ -30,6 +35,17 @@ SETPOINTS = Contract(
 MARKERS = Contract(
     topics.MARKERS, MocapMarkers, ("sim",), ("perception", "recorder"),
     "markers that at least two cameras see", qos=STREAM, rate=hz(topics.MARKER_RATE), recorded=True)
+DEPTH_IMAGE_1, DEPTH_IMAGE_2 = (
+    Contract(
+        name, Image, ("sim",), ("perception", "recorder", "user"),
+        "depths of a depth camera, if there is one, 16UC1: whole millimetres, 0 where nothing was measured",
+        qos=STREAM, rate=hz(topics.DEPTH_RATE), recorded=True)
+    for name in topics.DEPTH_IMAGES)
+DEPTH_INFO_1, DEPTH_INFO_2 = (
+    Contract(
+        name, CameraInfo, ("sim",), ("perception", "recorder", "user"), "intrinsics of a depth camera",
+        qos=LATCHED, rate="at reset", recorded=True)
+    for name in topics.DEPTH_INFOS)
 SCENE = Contract(
     topics.SCENE, SceneState, ("perception",), ("mpc", "recorder", "user"),
     "estimated pose and twist of every object, with source and age", qos=STREAM,

@@ -11,7 +11,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from pack_core.camera import PinholeCamera
 from pack_core.errors import MessageError
 from pack_core.ros.messages.conversions import finite, to_stamp
-from pack_core.rotations import Pose
+from pack_core.rotations import Array, Pose
 
 
 def to_image(time: float, picture: npt.NDArray[np.uint8], frame: str) -> Image:
@@ -42,6 +42,40 @@ def from_image(message: Image, camera: PinholeCamera) -> npt.NDArray[np.uint8]:
         size = f"{camera.width} x {camera.height}"
         raise MessageError(f"picture of {width} x {height} but intrinsics of {size}")
     return np.frombuffer(message.data, dtype=np.uint8).reshape(height, width, 3)
+
+
+MM = 1e-3
+"""A millimetre [m], the unit of 16UC1 (REP 118)."""
+FARTHEST = 65.535
+"""Depth that 16 bits can tell [m]."""
+
+
+def to_depth_image(time: float, depth: Array, frame: str) -> Image:
+    """A message of depths `(height, width)` [m] in whole millimetres; 0 where nothing was measured."""
+    height, width = depth.shape
+    message = Image(height=height, width=width, encoding="16UC1", step=2 * width)
+    message.header.stamp, message.header.frame_id = to_stamp(time), frame
+    message.data = array("B", np.rint(np.clip(depth, 0.0, FARTHEST) / MM).astype("<u2").tobytes())
+    return message
+
+
+def from_depth_image(message: Image, camera: PinholeCamera) -> Array:
+    """The depths `(height, width)` [m] in a message, taken by a camera.
+
+    Raises:
+        MessageError: the image has another encoding or another size than the camera's, or is cut off.
+    """
+    height, width, n = message.height, message.width, len(message.data)
+    is_whole = message.step == 2 * width and n == 2 * width * height
+    if message.encoding != "16UC1" or message.is_bigendian or not is_whole:
+        raise MessageError(
+            f"depth image of {width} x {height} in '{message.encoding}', {n} bytes in rows of "
+            f"{message.step}; allowed: 16UC1, little-endian, 2 bytes a pixel, without padding"
+        )
+    if (camera.width, camera.height) != (width, height):
+        size = f"{camera.width} x {camera.height}"
+        raise MessageError(f"depth image of {width} x {height} but intrinsics of {size}")
+    return np.asarray(MM * np.frombuffer(message.data, dtype="<u2").reshape(height, width))
 
 
 def from_camera_info(message: CameraInfo, X_WC: Pose) -> PinholeCamera:

@@ -1,0 +1,146 @@
+"""How right perception by depth images was: what was seen of which object, and how far off."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import shapely
+from scipy.optimize import linear_sum_assignment
+
+from pack_core.packing.convex_mesh import ConvexMesh
+from pack_core.packing.free_space import footprint
+from pack_core.packing.scene import Scene
+from pack_core.packing.scene_item import SceneItem
+from pack_core.rotations import Array, Pose, rotate, yaw_of
+from pack_evaluation.packing.run import Run, SeenObject, SeenScene
+from pack_evaluation.track import Track
+
+FOUND = 0.5
+"""Overlap of outlines from which something that was seen stands for an object."""
+
+
+@dataclass(frozen=True)
+class PerceptionErrors:
+    """Errors of perception by depth images in one run.
+
+    Attributes:
+        objects: number of objects in the container.
+        seen: number of objects that perception knew of before the goal.
+        found: objects of which one of these covers most.
+        positions: of all found objects over the whole goal `(n,)` [m].
+        angles: of their axes and headings, less symmetries; headings of the same shapes alone `(n,)` [rad].
+        sizes: of lengths and heights of what was seen before the goal `(3 found,)` [m].
+    """
+
+    objects: int
+    seen: int
+    found: int
+    positions: Array
+    angles: Array
+    sizes: Array
+
+    @property
+    def is_right_number(self) -> bool:
+        """Whether perception knew of all objects and of nothing else."""
+        return self.objects == self.seen == self.found
+
+
+def quantiles(errors: Array) -> dict[str, float | None]:
+    """Median, 95th percentile and largest of absolute errors `(n,)`; None without any."""
+    names = ("median", "p95", "max")
+    values = np.quantile(np.abs(errors), [0.5, 0.95, 1.0]).tolist() if errors.size else [None] * len(names)
+    return dict(zip(names, values, strict=True))
+
+
+def figures(runs: Sequence[PerceptionErrors]) -> dict[str, Any]:
+    """Numbers of objects, and quantiles of the errors of all runs together."""
+    return {
+        **{name: sum(getattr(run, name) for run in runs) for name in ("objects", "seen", "found")},
+        "right_number": sum(run.is_right_number for run in runs),
+        "position_mm": quantiles(1e3 * np.concatenate([run.positions for run in runs])),
+        "angle_deg": quantiles(np.rad2deg(np.concatenate([run.angles for run in runs]))),
+        "size_mm": quantiles(1e3 * np.concatenate([run.sizes for run in runs])),
+    }
+
+
+def seen_objects(
+    known: Scene, estimate: Mapping[str, Pose], true: Scene, truth: Mapping[str, Pose]
+) -> SeenScene:
+    """Match what perception knows to the true objects, by their outlines.
+
+    Args:
+        known: the scene as perception describes it.
+        estimate: estimated X_WO of its objects; those that were not seen are missing.
+        true: the true scene.
+        truth: true X_WO of its objects at the same time.
+    """
+    names = [name for name in known.names if name in estimate]
+    seen = [footprint(known.model_of(name), estimate[name]) for name in names]
+    outlines = [footprint(item, truth[item.name]) for item in true.objects]
+    overlaps = np.array([[s.intersection(t).area / s.union(t).area for t in outlines] for s in seen])
+    found = {}
+    for i, j in zip(*linear_sum_assignment(-overlaps.reshape(len(seen), len(outlines))), strict=True):
+        if overlaps[i, j] > FOUND:
+            item, model = true.objects[j], known.model_of(names[i])
+            height = 2.0 * float(model.half_extents[2] - item.half_extents[2])
+            sides = _sides(seen[i]) - _sides(outlines[j])
+            alike = type(model) is type(item) and not isinstance(model, ConvexMesh)
+            found[item.name] = SeenObject(names[i], alike, float(overlaps[i, j]), (*sides.tolist(), height))
+    return SeenScene(len(names), found)
+
+
+def with_true_names(run: Run, seen: SeenScene, true: Scene) -> Run:
+    """The run with the true scene and what was seen of it, which has the true objects' names."""
+    names = {item.name: true for true, item in seen.objects.items()}
+    collisions = tuple(tuple(names.get(name, name) for name in row) for row in run.iterations.collisions)
+    return replace(
+        run, scene=true.description(), seen=seen, samples=(),
+        estimate={names.get(name, name): track for name, track in run.estimate.items()},
+        iterations=replace(run.iterations, collisions=collisions),
+    )  # fmt: skip
+
+
+def perception_errors(run: Run) -> PerceptionErrors | None:
+    """The errors in a run whose objects have their true names; None with markers."""
+    if (seen := run.seen) is None:
+        return None
+    positions, angles = [np.empty(0)], [np.empty(0)]
+    for name, item in seen.objects.items():
+        estimate = run.estimate[name].between(run.start, run.end)
+        truth = run.truth[name].at(estimate.times)
+        positions.append(estimate.distance_to(truth.p))
+        angles.append(_angles(_symmetry(run.scene.model_of(name), item), estimate, truth))
+    sizes = np.array([item.sizes for item in seen.objects.values()]).ravel()
+    return PerceptionErrors(
+        len(run.scene.objects), seen.count, len(seen.objects), np.concatenate(positions),
+        np.concatenate(angles), sizes,
+    )  # fmt: skip
+
+
+def _sides(outline: shapely.Polygon) -> Array:
+    """Short and long side `(2,)` of the tightest rectangle around an outline [m]."""
+    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(outline))
+    return np.sort(np.linalg.norm(np.diff(corners[:3], axis=0), axis=1))
+
+
+def _symmetry(item: SceneItem, seen: SeenObject) -> float:
+    """Turn by which headings are alike [rad]; 0 where they cannot be compared."""
+    if seen.name == item.name:
+        return item.symmetry
+    # nobody told which of a seen box's sides is its x axis
+    return min(item.symmetry, np.pi / 2) if seen.has_heading else 0.0
+
+
+def _angles(symmetry: float, estimate: Track, truth: Track) -> Array:
+    """Angles `(T,)` between axes, or between headings less a symmetry if these are larger [rad]."""
+    z = np.array([0.0, 0.0, 1.0])
+    cosines = np.einsum("ij,ij->i", rotate(estimate.q, z), rotate(truth.q, z))
+    tilts = np.arccos(np.clip(cosines, -1.0, 1.0))
+    if symmetry == 0.0:
+        return np.asarray(tilts)
+    turns = np.array([yaw_of(a) - yaw_of(b) for a, b in zip(estimate.q, truth.q, strict=True)])
+    turns = np.abs((turns + 0.5 * symmetry) % symmetry - 0.5 * symmetry)
+    return np.asarray(np.maximum(tilts, turns))

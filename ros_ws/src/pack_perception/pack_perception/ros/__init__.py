@@ -1,0 +1,1 @@
+"""Where the frames that perception uses come from."""
