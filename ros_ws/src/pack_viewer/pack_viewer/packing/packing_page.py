@@ -16,8 +16,9 @@ from pack_viewer.cell_page import IDLE, CellPage, Headline, preset_from_angles
 from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import GREY, ORANGE, boxed, chips, facts, put, signed_list
 from pack_viewer.news import News, Topics, seconds
+from pack_viewer.packing.depth_panel import DepthPanel
 from pack_viewer.packing.fill_panel import FillPanel
-from pack_viewer.packing.packing_scene import ESTIMATE, TRUTH, Ghosts, PackingScene
+from pack_viewer.packing.packing_scene import BOTH, ESTIMATE, TRUTH, Ghosts, PackingScene
 from pack_viewer.rolling_plot import RollingPlot
 
 ENDS = ("placed", "done")
@@ -31,6 +32,7 @@ class PackingPage(CellPage):
     topics = Topics(
         states=(
             *PackingScene.topics.all, topics.GRIPPER_STATE, topics.WRENCH, topics.SETTLED_SAMPLES,
+            *topics.DEPTH_IMAGES,
         ),
         events=(topics.MPC_STATUS, topics.RESULT, topics.FILL_PROGRESS, topics.FILL_RESULT),
         followed=(topics.WRENCH, topics.SETTLED_SAMPLES),
@@ -47,7 +49,7 @@ class PackingPage(CellPage):
         super().__init__(server, log)
         self.scene = PackingScene(server.scene)
         self._ghosts = Ghosts(server.scene)
-        self._fill = FillPanel()
+        self._fill, self._depth = FillPanel(), DepthPanel()
         self._stage, self._visited = "", list[str]()
         self._status: Any = None
         self._grip: Any = None
@@ -55,9 +57,10 @@ class PackingPage(CellPage):
         self._load = LoadShedding()
 
     def tabs(self) -> dict[str, Callable[[], None]]:
-        """Stages and what may be pushed, plots over time, and the container that is filled."""
+        """Stages and what may be pushed, plots over time, the container that is filled, and depth images."""
         add_fill = partial(self._fill.add, self.server.gui)
-        return {"Task": self._add_task, "Plots": self._add_plots, "Fill": add_fill}
+        add_depth = partial(self._depth.add, self.server.gui)
+        return {"Task": self._add_task, "Plots": self._add_plots, "Fill": add_fill, "Cameras": add_depth}
 
     @property
     def is_sparing(self) -> bool:
@@ -67,7 +70,7 @@ class PackingPage(CellPage):
     def view_options(self) -> None:
         """Choose where objects are drawn, and which ghosts are."""
         gui = self.server.gui
-        source = gui.add_dropdown("objects", (ESTIMATE, TRUTH), hint="as perceived, or as simulated")
+        source = gui.add_dropdown("objects", (ESTIMATE, TRUTH, BOTH), hint="shapes and poses")
         source.on_update(lambda _: self.scene.draw_from(source.value))
         target = gui.add_checkbox("target", initial_value=True)
         target.on_update(lambda _: self._ghosts.show_target(target.value))
@@ -79,6 +82,7 @@ class PackingPage(CellPage):
         if text := news.newest(topics.DESCRIPTION):
             self._ghosts.describe(text.data)
         self.scene.update(news)
+        self._depth.update(news, self.scene.perceived)
         self._grip = news.newest(topics.GRIPPER_STATE) or self._grip
         if wrench := news.newest(topics.WRENCH):
             force = wrench.wrench.force
@@ -113,6 +117,7 @@ class PackingPage(CellPage):
             rest += [("iteration", f"{status.iteration_ms:.0f} ms")]
         put(self._values, facts(rest))
         self._fill.show()
+        self._depth.show()
         for plot in (self._force_plot, *self._iteration_plots):
             plot.send()
 
@@ -123,6 +128,7 @@ class PackingPage(CellPage):
         self.headline = IDLE
         self._ghosts.clear()
         self._fill.clear()
+        self._depth.forget()
         self._clear_plots()
 
     def _take_progress(self, progress: dict[str, Any]) -> None:

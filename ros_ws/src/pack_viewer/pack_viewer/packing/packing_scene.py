@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -21,9 +21,11 @@ from pack_viewer.geom_meshes import body_glb
 from pack_viewer.model_scene import ModelScene
 from pack_viewer.news import News, Topics
 
-ESTIMATE, TRUTH = "as perceived", "as simulated"
+ESTIMATE, TRUTH, BOTH = "as perceived", "as simulated", "both"
 WALL_OPACITY = 0.45
 """The container's walls are seen through, as in the videos."""
+TRUE_OPACITY = 0.35
+"""Of the objects as simulated where they are drawn beside those that are perceived."""
 
 
 class PackingScene(CellScene):
@@ -31,22 +33,33 @@ class PackingScene(CellScene):
 
     Attributes:
         drawn: what is drawn; None until both are known.
+        true: the objects as simulated, where they are drawn beside those that are perceived.
     """
 
-    topics = Topics(states=(topics.DESCRIPTION, topics.JOINT_STATES, topics.SCENE, topics.TRUTH))
+    topics = Topics(
+        states=(
+            topics.DESCRIPTION, topics.SIM_DESCRIPTION, topics.JOINT_STATES, topics.SCENE, topics.TRUTH,
+        )
+    )  # fmt: skip
 
     def __init__(self, scene: SceneApi) -> None:
         self._scene = scene
-        self._text = ""
+        self._texts = {ESTIMATE: "", TRUTH: ""}
         self._arm: SevenAxisArm | None = None
         self.drawn: ModelScene | None = None
-        self._source = ESTIMATE
+        self.true: ModelScene | None = None
+        self._source, self._is_stale = ESTIMATE, False
         self._poses: dict[str, dict[str, Pose]] = {ESTIMATE: {}, TRUTH: {}}
 
-    def _describe(self, text: str) -> None:
+    @property
+    def perceived(self) -> Mapping[str, Pose]:
+        """X_WO of the objects by name, as perceived."""
+        return self._poses[ESTIMATE]
+
+    def _describe(self, source: str, text: str) -> None:
         """Take up a scene file's text; the same text again changes nothing."""
-        if text != self._text:
-            self._text = text
+        if text != self._texts[source]:
+            self._texts[source] = text
             self._rebuild()
 
     def _set_arm(self, arm: SevenAxisArm, q: Array) -> None:
@@ -58,13 +71,16 @@ class PackingScene(CellScene):
             self.drawn.set_joints(arm.joints, q)
 
     def draw_from(self, source: str) -> None:
-        """Draw objects as perceived or as simulated."""
-        self._source = source
+        """Draw objects as perceived, as simulated, or both: unknown ones differ in their shapes, too."""
+        self._source, self._is_stale = source, True  # told by another thread than the one that draws
 
     def update(self, news: News) -> None:
         """Build what has become known, and move what has moved."""
-        if text := news.newest(topics.DESCRIPTION):
-            self._describe(text.data)
+        if self._is_stale:
+            self._rebuild()
+        for source, topic in ((ESTIMATE, topics.DESCRIPTION), (TRUTH, topics.SIM_DESCRIPTION)):
+            if text := news.newest(topic):
+                self._describe(source, text.data)
         if joints := news.newest(topics.JOINT_STATES):
             self._set_arm(arm_of(joints.name), np.asarray(joints.position))
         for source, topic in ((ESTIMATE, topics.SCENE), (TRUTH, topics.TRUTH)):
@@ -73,25 +89,52 @@ class PackingScene(CellScene):
         if self.drawn is None:
             return
         # What is not perceived yet is drawn where the simulator has it, rather than in the middle of the arm.
-        for name, X_WO in {**self._poses[TRUTH], **self._poses[self._source]}.items():
-            if name in self._names:
-                self.drawn.set_body(name, X_WO)
-        self.drawn.send()
+        _place_bodies(self.drawn, {**self._poses[TRUTH], **self._poses[self._first]})
+        if self.true is not None:
+            _place_bodies(self.true, self._poses[TRUTH])
+
+    @property
+    def _first(self) -> str:
+        """Where the objects that are drawn solid come from."""
+        return TRUTH if self._source == TRUTH else ESTIMATE
 
     def _rebuild(self) -> None:
-        if not self._text or self._arm is None:
+        self._is_stale = False
+        # recordings from before there was a description of the simulator's have the other one alone
+        text = self._texts[self._first] or self._texts[ESTIMATE]
+        if not text or self._arm is None:
             return
-        if self.drawn is not None:
-            self.drawn.remove()
-        scene = Scene.from_yaml(self._text)
-        self._names = {*scene.names, scene.new_object.name}
+        for drawn in (self.drawn, self.true):
+            if drawn is not None:
+                drawn.remove()
         model = build_model(
-            scene, packing_cell().with_arm(self._arm.name), timestep=0.002, arm=ArmRole.DRIVEN,
-            held=HeldRole.FREE, surroundings=True,
+            Scene.from_yaml(text), packing_cell().with_arm(self._arm.name), timestep=0.002,
+            arm=ArmRole.DRIVEN, held=HeldRole.FREE, surroundings=True,
         )  # fmt: skip
         for wall in WALLS:
             model.geom(wall).rgba[3] = WALL_OPACITY
-        self.drawn = ModelScene(self._scene, model)
+        self.drawn, self.true = ModelScene(self._scene, model), None
+        if self._source == BOTH and (true := self._texts[TRUTH]):
+            self.true = ModelScene(self._scene, _objects_of(Scene.from_yaml(true)), "/true")
+
+
+def _objects_of(scene: Scene) -> mujoco.MjModel:
+    """A model of a scene's objects alone, to be seen through."""
+    spec = mujoco.MjSpec()
+    for item in (*scene.objects, scene.new_object):
+        body = spec.worldbody.add_body(name=item.name)
+        body.add_freejoint(name=item.name)
+        body.add_geom(**{**item.geometry(spec), "rgba": [*item.colour, TRUE_OPACITY]})
+    return spec.compile()
+
+
+def _place_bodies(drawn: ModelScene, poses: Mapping[str, Pose]) -> None:
+    """Put the bodies that there are at X_WO, by name."""
+    names = {drawn.model.joint(i).name for i in range(drawn.model.njnt)}
+    for name, X_WO in poses.items():
+        if name in names:
+            drawn.set_body(name, X_WO)
+    drawn.send()
 
 
 def _pose(message: object) -> Pose:
