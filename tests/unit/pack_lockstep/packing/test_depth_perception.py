@@ -14,6 +14,7 @@ from pack_core.packing.goals import FillMethod
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Pose, from_yaw
 from pack_core.states import Source
+from pack_evaluation.packing.plots import draw_seen
 from pack_evaluation.packing.run import Iterations, Run, SeenObject, SeenScene
 from pack_evaluation.packing.run_file import load_saved_run, save_run
 from pack_evaluation.packing.seen_objects import figures, perception_errors, with_true_names
@@ -54,7 +55,7 @@ settled = cache(fresh)
 def test_all_objects_are_known_before_the_goal(preset: str) -> None:
     cell = settled(preset)
     seen = cell.seen()
-    assert seen.count == len(seen.objects) == len(SPOTS)
+    assert len(seen.poses) == len(seen.objects) == len(SPOTS)
     estimate, truth = cell.estimator.state(cell.estimator.time), cell.simulator.truth()
     for name, item in seen.objects.items():
         assert estimate.objects[item.name].X_WO.p == pytest.approx(truth.objects[name].X_WO.p, abs=0.004)
@@ -114,10 +115,21 @@ def run_of(estimate: dict[str, Track], truth: dict[str, Track]) -> Run:
     return Run(CELL.scene, 0.0, 1.0, Iterations(), truth, estimate, nothing, nothing, nothing, nothing)
 
 
+def what_was_seen(count: int) -> SeenScene:
+    """Some boxes beside each other, of which the second is the tea box."""
+    box = CELL.scene.model_of("tea_box")
+    names = [f"seen_{i}" for i in range(1, count + 1)]
+    scene = CELL.scene.model_copy(
+        update={"objects": [box.model_copy(update={"name": name}) for name in names]}
+    )
+    poses = {name: Pose(np.array([0.5, 0.05 * i, 0.065])) for i, name in enumerate(names)}
+    return SeenScene(scene, poses, {"tea_box": SeenObject("seen_2", True, 0.9, (0.001, -0.002, 0.0))})
+
+
 def test_what_was_seen_is_recorded_under_the_true_objects_name() -> None:
     true = settled("unknown").simulator.scene
     track = still("tea_box", (0.5, 0.0, 0.065), 0.0)
-    seen = SeenScene(2, {"tea_box": SeenObject("seen_2", True, 0.9, (0.0, 0.0, 0.0))})
+    seen = what_was_seen(2)
     named = with_true_names(run_of({"seen_1": track, "seen_2": track}, {}), seen, true)
     assert named.estimate.keys() == {"seen_1", "tea_box"}
     assert named.scene.names == true.names
@@ -128,7 +140,7 @@ def a_run() -> Run:
     """One of five objects was found, 5 mm and 0.05 rad off."""
     truth = {"tea_box": still("tea_box", (0.5, 0.0, 0.065), 0.2)}
     estimate = {"tea_box": still("tea_box", (0.503, 0.004, 0.065), 0.25 + np.pi / 2)}
-    seen = SeenScene(4, {"tea_box": SeenObject("seen_2", True, 0.9, (0.001, -0.002, 0.0))})
+    seen = what_was_seen(4)
     return replace(run_of(estimate, truth), seen=seen)
 
 
@@ -160,7 +172,25 @@ def test_figures_of_many_runs_are_those_of_all_their_errors() -> None:
 def test_what_was_seen_comes_back_from_the_file_of_a_run(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
     save_run(a_run(), path)
-    assert load_saved_run(path).seen == a_run().seen
+    again, seen = load_saved_run(path).seen, a_run().seen
+    assert again is not None
+    assert seen is not None
+    assert (again.scene, again.objects) == (seen.scene, seen.objects)
+    for name, X_WO in seen.poses.items():
+        assert again.poses[name].p == pytest.approx(X_WO.p)
+
+
+def test_a_picture_has_the_outlines_of_what_was_seen_and_of_what_was_there() -> None:
+    run = a_run()
+    run = replace(run, truth={name: still(name, (0.5, 0.0, 0.065), 0.0) for name in run.scene.names})
+    assert run.seen is not None
+    axes = draw_seen(run, run.seen).axes[0]
+    assert "1 of 5 objects found, 4 seen" in axes.get_title()
+    assert len(axes.patches) == 5
+    # four objects and the container; a box of 9 cm by 6 cm is seen with its middle at x = 50 cm
+    assert len(axes.lines) == 5
+    x, _ = axes.lines[0].get_data()
+    assert (min(x), max(x)) == pytest.approx((45.5, 54.5))
 
 
 def test_depth_cameras_decide_no_result_with_markers() -> None:

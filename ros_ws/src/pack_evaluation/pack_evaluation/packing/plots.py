@@ -1,4 +1,4 @@
-"""Plots of a run: distance, force, iteration times, displacement, error of the estimate."""
+"""Plots of a run: what was seen, distance, force, iteration times, displacement, error of the estimate."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from pack_core.packing.free_space import footprint
+from pack_core.rotations import Array
 from pack_evaluation.figures import INK, RED, write_figures
 from pack_evaluation.packing.criteria import Criteria
-from pack_evaluation.packing.run import Run
+from pack_evaluation.packing.run import Run, SeenScene
 from pack_evaluation.packing.video import OTHER_COLOUR, STAGE_COLOURS, STAGE_TITLES
 from pack_evaluation.track import Track
 
@@ -25,7 +28,33 @@ Draw = Callable[[Axes, Run], None]
 
 def write_plots(run: Run, folder: Path) -> list[Path]:
     """Write every plot as PNG into `folder`, in the order a report shows them."""
-    return write_figures({name: plot_of(run, draw) for name, draw in PLOTS.items()}, folder)
+    figures = {name: plot_of(run, draw) for name, draw in PLOTS.items()}
+    if run.seen is not None:
+        figures = {"seen": draw_seen(run, run.seen), **figures}
+    return write_figures(figures, folder)
+
+
+def draw_seen(run: Run, seen: SeenScene) -> Figure:
+    """What was seen before the goal, as lines, over what was there: outlines from above."""
+    figure = Figure(figsize=(0.6 * SIZE[0], 0.5 * SIZE[0]), layout="constrained")
+    axes, container = figure.add_subplot(), run.scene.container
+    moment = np.array([run.start])
+    for item in run.scene.objects:
+        outline = footprint(item, run.truth[item.name].at(moment).pose(0))
+        axes.fill(*_cm(outline), color=item.colour, alpha=0.45, lw=0)
+    for name, X_WO in seen.poses.items():
+        axes.plot(*_cm(footprint(seen.scene.model_of(name), X_WO)), color=INK, lw=1.4)
+    axes.plot(*_cm(shapely.box(*container.lower, *container.upper)), color=INK, lw=2.5, alpha=0.4)
+    found = f"{len(seen.objects)} of {len(run.scene.objects)} objects found, {len(seen.poses)} seen"
+    axes.set(title=f"Before the goal: {found}", xlabel="x [cm]", ylabel="y [cm]", aspect="equal")
+    axes.spines[["top", "right"]].set_visible(False)
+    return figure
+
+
+def _cm(outline: shapely.Polygon) -> tuple[Array, Array]:
+    """Corners of an outline `(n,)` along x and y [cm], the first one again at the end."""
+    x, y = 100.0 * shapely.get_coordinates(outline.exterior).T
+    return x, y
 
 
 def draw_distance(axes: Axes, run: Run) -> None:
@@ -96,7 +125,7 @@ PLOTS: dict[str, Draw] = {
 
 
 def _tracks(run: Run, tracks: dict[str, Track]) -> Iterator[tuple[str, Track]]:
-    return ((name, tracks[name].between(run.start, run.end)) for name in run.scene.names)
+    return ((name, tracks[name].between(run.start, run.end)) for name in run.scene.names if name in tracks)
 
 
 def plot_of(run: Run, draw: Draw) -> Figure:

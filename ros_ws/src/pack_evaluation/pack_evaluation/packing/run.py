@@ -10,7 +10,7 @@ import numpy as np
 
 from pack_core.packing.scene import Scene
 from pack_core.packing.settled_sample import SettledSample
-from pack_core.rotations import Array
+from pack_core.rotations import Array, Pose
 from pack_evaluation.goals import RecordedRun
 from pack_evaluation.track import Track
 
@@ -71,11 +71,13 @@ class SeenScene:
     """What was seen before the goal.
 
     Attributes:
-        count: number of objects that perception knew of.
+        scene: the scene as perception described it.
+        poses: X_WO of what it knew of, by its own names.
         objects: what was found, by the true object's name.
     """
 
-    count: int
+    scene: Scene
+    poses: Mapping[str, Pose]
     objects: Mapping[str, SeenObject]
 
 

@@ -34,7 +34,7 @@ def save_run(run: Run, path: Path) -> None:
     about = {
         "scene": run.scene.to_yaml(), "start": run.start, "end": run.end, "outcome": run.outcome,
         "release_reason": run.release_reason, "is_cut": run.is_cut, "arm": run.arm,
-        "seen": None if run.seen is None else asdict(run.seen),
+        "seen": None if run.seen is None else _plain_seen(run.seen),
         **{name: getattr(run.iterations, name) for name in TEXTS},
     }  # fmt: skip
     arrays: dict[str, Any] = {ABOUT: np.array(json.dumps(about)), **dict(_arrays(run))}
@@ -104,19 +104,30 @@ def _seen(given: dict[str, Any] | None) -> SeenScene | None:
     objects = {
         name: SeenObject(**{**item, "sizes": tuple(item["sizes"])}) for name, item in given["objects"].items()
     }
-    return SeenScene(given["count"], objects)
+    return SeenScene(Scene.from_yaml(given["scene"]), _poses(given["poses"]), objects)
+
+
+def _plain_seen(seen: SeenScene) -> dict[str, Any]:
+    objects = {name: asdict(item) for name, item in seen.objects.items()}
+    return {"scene": seen.scene.to_yaml(), "poses": _rows(seen.poses), "objects": objects}
 
 
 def _plain(sample: SettledSample) -> dict[str, Any]:
     """The sample's fields, each pose as a list of position and quaternion."""
-    poses = {name: [*X_WO.p.tolist(), *X_WO.q.tolist()] for name, X_WO in sample.poses.items()}
-    return {**vars(sample), "poses": poses}
+    return {**vars(sample), "poses": _rows(sample.poses)}
 
 
 def _sample(given: dict[str, Any]) -> SettledSample:
     """The sample that `_plain` wrote."""
-    poses = {name: Pose(np.array(row[:3]), np.array(row[3:])) for name, row in given["poses"].items()}
-    return SettledSample(**{**given, "poses": poses})
+    return SettledSample(**{**given, "poses": _poses(given["poses"])})
+
+
+def _rows(poses: Mapping[str, Pose]) -> dict[str, list[float]]:
+    return {name: [*X_WO.p.tolist(), *X_WO.q.tolist()] for name, X_WO in poses.items()}
+
+
+def _poses(rows: Mapping[str, list[float]]) -> dict[str, Pose]:
+    return {name: Pose(np.array(row[:3]), np.array(row[3:])) for name, row in rows.items()}
 
 
 def _tracks(kind: str, names: list[str], arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, Track]:

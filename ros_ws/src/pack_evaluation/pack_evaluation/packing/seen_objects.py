@@ -89,7 +89,7 @@ def seen_objects(
             sides = _sides(seen[i]) - _sides(outlines[j])
             alike = type(model) is type(item) and not isinstance(model, ConvexMesh)
             found[item.name] = SeenObject(names[i], alike, float(overlaps[i, j]), (*sides.tolist(), height))
-    return SeenScene(len(names), found)
+    return SeenScene(known, {name: estimate[name] for name in names}, found)
 
 
 def with_true_names(run: Run, seen: SeenScene, true: Scene) -> Run:
@@ -115,7 +115,7 @@ def perception_errors(run: Run) -> PerceptionErrors | None:
         angles.append(_angles(_symmetry(run.scene.model_of(name), item), estimate, truth))
     sizes = np.array([item.sizes for item in seen.objects.values()]).ravel()
     return PerceptionErrors(
-        len(run.scene.objects), seen.count, len(seen.objects), np.concatenate(positions),
+        len(run.scene.objects), len(seen.poses), len(seen.objects), np.concatenate(positions),
         np.concatenate(angles), sizes,
     )  # fmt: skip
 
