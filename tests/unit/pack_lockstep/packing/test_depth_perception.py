@@ -89,6 +89,17 @@ def test_an_object_that_is_shifted_is_followed() -> None:
     assert estimate.p == pytest.approx(truth.p, abs=0.002)
 
 
+def test_with_a_camera_that_was_knocked_nothing_is_looked_for() -> None:
+    given = load_preset("unknown").over("cell", {"depth": {"noise": {"mount_position": 0.02}}})
+    cell = LockstepCell(given.packing_cell(), scene(), lockstep_config(given), 0, lambda *_: None)
+    cell.settle()
+    estimator = cell.estimator
+    assert isinstance(estimator, DepthEstimator)
+    assert set(estimator.misplaced) == {0, 1}
+    assert not estimator.knows_objects
+    assert cell.seen().poses == {}
+
+
 def test_while_the_cameras_are_covered_physics_carries_all_objects() -> None:
     cell = fresh("depth")
     estimator, camera = cell.estimator, CELL.depth

@@ -15,7 +15,7 @@ from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_perception.depth.height_map import HeightMapConfig, halves, height_map, regions
 from pack_perception.depth.look import DepthLookConfig, look_at
 from pack_perception.depth.shape_fit import FittedShape
-from pack_sim.packing.depth_cameras import cast
+from pack_sim.packing.depth_cameras import CameraRays
 
 CELL = packing_cell()
 CONTAINER = CELL.scene.container
@@ -37,7 +37,7 @@ def seen(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, floa
     set_object_poses(model, data, poses)
     mujoco.mj_forward(model, data)
     return np.concatenate(
-        [points_of(camera, cast(model, data, camera).depth) for camera in CELL.depth.cameras()]
+        [points_of(camera, CameraRays(camera).cast(model, data).depth) for camera in CELL.depth.cameras()]
     )
 
 

@@ -14,10 +14,11 @@ from pydantic import Field, PositiveInt
 
 from pack_core.config import Config
 from pack_core.packing.cell import PackingCell
-from pack_core.packing.depth import DepthFrame
+from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_perception.depth.look import DepthLookConfig, look_at, scene_points
+from pack_perception.depth.registration import RegistrationConfig, register
 from pack_perception.depth.surface_fit import (
     ConvexSurface,
     SurfaceFitConfig,
@@ -46,6 +47,7 @@ class DepthConfig(Config):
     """Perception by depth images."""
 
     objects: Objects = Field(default=Objects.DESCRIBED, description="what is known of the objects")
+    registration: RegistrationConfig = RegistrationConfig()
     look: DepthLookConfig = DepthLookConfig()
     fit: SurfaceFitConfig = SurfaceFitConfig()
     every: PositiveInt = Field(default=3, description="every many pixels of a row or column one is tracked")
@@ -64,10 +66,16 @@ class DepthEstimator(HandOverEstimator):
         scene: container, held object and, where they are described, the objects in the container.
         cell: the cell's physical facts.
         config: gains and limits, and parameters of looks and fits.
+
+    Attributes:
+        misplaced: how far off each camera is that hangs elsewhere than described, in words, by its place in
+            the list. Nothing is looked for while there are any.
     """
 
     def __init__(self, scene: Scene, cell: PackingCell, config: PerceptionConfig) -> None:
-        self._depth, self._cameras = config.depth, cell.depth.cameras()
+        self._depth, self._described = config.depth, cell.depth.cameras()
+        self._cameras = [*self._described]
+        self.misplaced: dict[int, str] = {}
         self._needs_look = True
         is_known = self._depth.objects is Objects.DESCRIBED
         super().__init__(scene if is_known else scene.model_copy(update={"objects": []}), cell, config)
@@ -106,6 +114,10 @@ class DepthEstimator(HandOverEstimator):
         points = scene_points([frame], self._cameras, ceiling)
         if not len(points):  # the cameras are covered
             return
+        self._register(frame)
+        if self.misplaced:
+            return
+        points = scene_points([frame], self._cameras, ceiling)
         found = look_at(points, self._scene.container, self._depth.look)
         if self._depth.objects is Objects.UNKNOWN:
             self.change_scene(self._scene.model_copy(update={"objects": [fit.item for fit in found]}))
@@ -120,6 +132,19 @@ class DepthEstimator(HandOverEstimator):
         self._correct_free(rows, seen[rows], self._physics.poses()[rows], frame.time)
         self._seen[rows] = self._fitted[rows] = frame.time
         self._needs_look = not np.all(self._is_known[: len(self._scene.objects)])
+
+    def _register(self, frame: DepthFrame) -> None:
+        """Take the cameras to be where the container, as they see it, says; note those that have moved."""
+        container, config, described = self._scene.container, self._depth.registration, self._described
+        self.misplaced = {}
+        for i, (camera, image) in enumerate(zip(described, frame.images, strict=True)):
+            found = register(points_of(camera, image, self._depth.every), camera.X_WC.p, container, config)
+            if found is None:  # too little to see: it stays where it was
+                continue
+            if found.is_within(config):
+                self._cameras[i] = found.applied_to(camera)
+            else:
+                self.misplaced[i] = found.in_words()
 
     def _poses(self, time: float) -> Array:
         """X_WO `(n, 7)` of all objects at an earlier time, the new one last."""

@@ -36,6 +36,8 @@ Frame = MarkerFrame | DepthFrame
 IMAGES = contracts.DEPTH_IMAGE_1, contracts.DEPTH_IMAGE_2
 INFOS = contracts.DEPTH_INFO_1, contracts.DEPTH_INFO_2
 """By camera, as config/cells/packing.yaml lists them."""
+COVERED = 0.1
+"""Share of its pixels that a depth camera at least measures when nothing covers it; it is 0.9."""
 INTRINSICS = 0.5
 """Largest difference between a depth camera's intrinsics and those that are described [pixel]."""
 
@@ -127,6 +129,7 @@ class DepthSource:
         self._node, self._cell, self._config = node, cell, config
         self._stamps = StampCheck(node)
         self._cameras = cell.depth.cameras()
+        self._measured: dict[int, float] = {}
         self._has_info = [False] * len(self._cameras)
         self.streams = tuple(Stream(node, contract) for contract in IMAGES)
         self._taken: list[tuple[float, int, Array]] = []
@@ -160,16 +163,26 @@ class DepthSource:
         assert isinstance(estimator, DepthEstimator)
         correction = estimator.see(frame)
         self._describe(estimator)
+        self._node.health.faults.pop("registration", None)
+        if moved := self._moved(estimator):
+            self._node.health.faults["registration"] = moved
         return correction
 
     def unknown(self, estimator: HandOverEstimator | None) -> str:
         """What has to be known before a goal, in words; empty: nothing."""
         if not isinstance(estimator, DepthEstimator):
             return f"no {self.told.name} yet: is sim up?"
+        if moved := self._moved(estimator):
+            return moved
         if estimator.knows_objects:
             return ""
         missing = [c.name for c, has in zip(INFOS, self._has_info, strict=True) if not has]
         return f"no {', '.join(missing)} yet" if missing else "no look into the container yet"
+
+    def _moved(self, estimator: DepthEstimator) -> str:
+        """Cameras that hang elsewhere than described, in words."""
+        off = [f"{DEPTH_CAMERAS[i]} is off by {words}" for i, words in estimator.misplaced.items()]
+        return f"{', '.join(off)}: hang it, or describe it in config/cells/packing.yaml" if off else ""
 
     def _describe(self, estimator: DepthEstimator) -> None:
         if estimator.knows_objects and estimator.scene is not self._described:
@@ -192,10 +205,18 @@ class DepthSource:
         if not self._has_info[camera]:
             self._node.health.count("unused image", f"no intrinsics of {DEPTH_CAMERAS[camera]} yet")
             return
-        self._taken.append((time, camera, from_depth_image(message, self._cameras[camera])))
+        image = from_depth_image(message, self._cameras[camera])
+        self._measured[camera] = np.count_nonzero(image) / image.size
+        self._taken.append((time, camera, image))
 
     def _note(self) -> None:
-        """Report cameras that are not waited for."""
+        """Report cameras that are not waited for, and those that see next to nothing."""
+        for camera, share in self._measured.items():
+            name = DEPTH_CAMERAS[camera]
+            self._node.health.faults.pop(name, None)
+            if share < COVERED:
+                seen = f"{name} measures {100 * share:.0f} % of its pixels"
+                self._node.health.faults[name] = f"{seen}: is its lens covered?"
         silent = ", ".join(DEPTH_CAMERAS[i] for i in self._pairing.silent)
         self._node.health.faults.pop("cameras", None)
         if silent:
