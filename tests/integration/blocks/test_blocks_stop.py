@@ -7,9 +7,8 @@ import pathlib
 import numpy as np
 import pytest
 
-from foreign_driver.blocks_driver_node import BlocksDriverNode
+from foreign_driver.driver_nodes import ACTION, BlocksDriverNode
 from integration.blocks.test_blocks_nodes import start_sim
-from integration.blocks.test_trajectories import ACTION
 from integration.harness import Graph
 from integration.simulation_rig import assert_a_pause_loses_nothing, braking_time, pause, set_state, slowly
 from pack_core.blocks.cell import blocks_cell

@@ -9,7 +9,7 @@ import pytest
 from control_msgs.msg import SpeedScalingFactor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from foreign_driver.blocks_driver_node import CONTROLLER, BlocksDriverNode
+from foreign_driver.driver_nodes import ACTION, CONTROLLER, BlocksDriverNode
 from integration.blocks.test_blocks_nodes import start_sim
 from integration.harness import Graph
 from pack_core.blocks.cell import blocks_cell
@@ -20,7 +20,6 @@ from pack_core.ros.messages.motion import to_target
 from pack_core.rotations import Array
 from pack_motion.motion_node import MotionNode
 
-ACTION = f"/{CONTROLLER}/follow_joint_trajectory"
 LOOK = np.array(blocks_cell().robot.look)
 TURN = np.array([0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
 NEAR = 1e-3

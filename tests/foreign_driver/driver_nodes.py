@@ -1,7 +1,6 @@
-"""The blocks cell with another driver: the arm takes trajectories, as below ros2_control, and no setpoints.
+"""Cells with another driver: the arm takes trajectories, as below ros2_control, and no setpoints.
 
-Physics, gripper and camera are the simulator's; what drives the arm is not. `python -m
-foreign_driver.blocks_driver_node` starts it in place of the cell's `sim`.
+Physics, gripper and camera are the simulator's; what drives the arm is not.
 """
 
 from __future__ import annotations
@@ -14,29 +13,39 @@ import numpy as np
 from foreign_driver.controller_shell import ControllerShell
 from foreign_driver.joint_trajectory_controller import JointTrajectoryController, Tolerances
 from foreign_driver.trajectory_follower import TrajectoryFollower
-from pack_core.robots.ur10e import LIMITS
 from pack_core.ros.contracts.contract import Contract
 from pack_sim.blocks.blocks_sim_node import BlocksSimNode
-from pack_sim.blocks.simulator import BlocksSimulator
-from pack_sim.ros.physics_node import run_sim_with_camera
+from pack_sim.palletizing.pallet_sim_node import PalletSimNode
+from pack_sim.ros.physics_node import PhysicsNode
 
 CONTROLLER = "joint_trajectory_controller"
+ACTION = f"/{CONTROLLER}/follow_joint_trajectory"
 NOBODY = "nobody"
-"""Whom this driver watches: it does not know who sends trajectories."""
+"""Whom such a driver watches: it does not know who sends trajectories."""
 
 
-class BlocksDriverNode(BlocksSimNode):
-    """Node `sim` with a joint trajectory controller.
+class TrajectoryDriven(PhysicsNode):
+    """What makes a simulator's node one with a joint trajectory controller.
 
     Attributes:
         refusal: why trajectories are rejected; empty: they are not.
     """
 
     refusal = ""
+    controller: JointTrajectoryController | None = None
+    _simulated: Any = None
 
-    def __init__(self, **kwargs: Any) -> None:
-        self.controller: JointTrajectoryController | None = None
-        super().__init__(**kwargs)
+    @property
+    def _simulator(self) -> Any:
+        """The simulated cell; whichever the cell's node builds, the controller drives it."""
+        return self._simulated
+
+    @_simulator.setter
+    def _simulator(self, simulator: Any) -> None:
+        self._simulated = simulator
+        if self.controller is not None:
+            self.controller.stop()
+            self._drive(simulator)
 
     def start(
         self, setpoints: Contract, sender: str, joints: Sequence[str], services: Iterable[Any], factor: float,
@@ -45,9 +54,9 @@ class BlocksDriverNode(BlocksSimNode):
         none = np.zeros(len(joints))
         self.controller = JointTrajectoryController(len(joints), Tolerances(none, none))
         self.shell = ControllerShell(
-            self, CONTROLLER, LIMITS.names, self.controller, self.lock, self._refusal
+            self, CONTROLLER, tuple(joints), self.controller, self.lock, self._refusal
         )
-        self._drive(self._simulator)
+        self._drive(self._simulated)
         super().start(setpoints, NOBODY, joints, services, factor, camera)
 
     def destroy_node(self) -> None:
@@ -62,23 +71,19 @@ class BlocksDriverNode(BlocksSimNode):
             self.controller.release()
         return self.refusal
 
-    def _build(self, *args: Any) -> BlocksSimulator:
-        simulator = super()._build(*args)
-        if self.controller is not None:
-            self.controller.stop()
-            self._drive(simulator)
-        return simulator
-
-    def _drive(self, simulator: BlocksSimulator) -> None:
+    def _drive(self, simulator: Any) -> None:
         assert self.controller is not None
         joints = simulator.joints()
         self.controller.begin(joints.time, joints.q, joints.v)
         simulator.follower = TrajectoryFollower(self.controller, self.shell.after_cycle)
 
 
-def main() -> int:
-    return run_sim_with_camera(BlocksDriverNode)
+class BlocksDriverNode(TrajectoryDriven, BlocksSimNode):
+    """The UR10e of the blocks cell."""
 
 
-if __name__ == "__main__":
-    raise SystemExit(main())
+class PalletDriverNode(TrajectoryDriven, PalletSimNode):
+    """The KR 210 of the palletizing cell."""
+
+
+NODES = {"blocks": BlocksDriverNode, "palletizing": PalletDriverNode}

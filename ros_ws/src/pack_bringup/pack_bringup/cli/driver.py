@@ -1,0 +1,50 @@
+"""`pack driver check`: whether a driver of an arm does what a cell asks of it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Annotated
+
+import typer
+
+from pack_core.cells import CELLS
+from pack_core.errors import ConfigError
+from pack_core.paths import project_root
+
+app = typer.Typer()
+driver = typer.Typer(help="Drivers of arms that are not the simulator's.", no_args_is_help=True)
+app.add_typer(driver, name="driver")
+
+
+@driver.callback()
+def _group() -> None:
+    """Commands for whoever writes a driver."""
+
+
+@driver.command()
+def check(
+    cell: Annotated[str, typer.Argument(help=f"The cell whose arm it drives: {', '.join(CELLS)}.")],
+    command: Annotated[str, typer.Option(help="Starts the driver; it is ended by an interrupt.")] = "",
+    domain: Annotated[int | None, typer.Option(help="ROS domain on which the driver runs already.")] = None,
+    name: Annotated[str, typer.Option(help="Of its node, in /diagnostics and /alive.")] = "sim",
+    action: Annotated[str, typer.Option(help="Its action for trajectories; empty: it takes setpoints.")] = "",
+    only: Annotated[str, typer.Option(help="Names of tests, as `pytest -k` takes them.")] = "",
+) -> None:
+    """Run the contract tests against a driver. They MOVE a real arm: read docs/operate/driver.md first.
+
+    - `pack driver check blocks --domain 7 --action /joint_trajectory_controller/follow_joint_trajectory`
+    - `pack driver check palletizing --command "my_driver --arm kr210"`
+    - `pack driver check packing --domain 7 --name my_driver --only "not beyond-limits"`
+    """
+    if cell not in CELLS:
+        raise ConfigError(f"no cell '{cell}'; there are: {', '.join(CELLS)}")
+    if bool(command) == (domain is not None):
+        raise ConfigError("which driver? Give --command, which starts it, or --domain, on which it runs")
+    running = ["--driver", command] if domain is None else ["--driver-domain", str(domain)]
+    options = ["--driver-cell", cell, "--driver-name", name, *running]
+    options += ["--driver-action", action] if action else []
+    tests = "test_packing_driver.py" if cell == "packing" else "test_position_driver.py"
+    pytest = [sys.executable, "-m", "pytest", "-v", f"tests/contract/{tests}", *options]
+    done = subprocess.run([*pytest, *(["-k", only] if only else [])], cwd=project_root(), check=False)
+    raise typer.Exit(done.returncode)
