@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
 from pack_core.motion.moves import Line
 from pack_core.rotations import Array, Pose, angle_between, exp, from_matrix, multiply
-from pack_motion.reference.curve import curve_segments
+from pack_motion.reference.curve import curve_segments, hermite
 from pack_motion.reference.trajectory import MoveRefused
 
 START = Pose(np.array([0.5, 0.0, 0.3]), exp(np.array([0.3, -0.2, 0.5])))
@@ -64,3 +65,12 @@ def test_neither_direction_nor_turn_jumps_where_a_corner_meets_its_lines() -> No
 def test_no_corner_is_rounded_where_the_tool_turns_unevenly_or_quickly(turn: Array, share: float) -> None:
     with pytest.raises(MoveRefused, match="set blend to 0"):
         curve_segments(START, path(turn, share), 0)
+
+
+def test_the_cubic_through_values_and_slopes_is_that_of_scipy() -> None:
+    rng = np.random.default_rng(0)
+    xs = np.cumsum(rng.uniform(0.1, 1.0, 9))
+    ys, slopes = rng.normal(size=(2, 9))
+    x = np.concatenate([xs, rng.uniform(xs[0], xs[-1], 50)])
+    expected = CubicHermiteSpline(xs, ys, slopes)(x)
+    np.testing.assert_allclose(hermite(x, xs, ys, slopes), expected, rtol=1e-12, atol=1e-12)

@@ -12,7 +12,6 @@ from typing import Protocol
 import numpy as np
 from pydantic import Field, PositiveFloat
 
-from pack_baselines.ilqr.riccati import backward_pass, forward_pass
 from pack_core.config import Config
 from pack_core.rotations import Array
 from pack_mpc.cost.cost import Expansion
@@ -127,27 +126,31 @@ def iterate(
     if not all(np.all(np.isfinite(a)) for a in (lin.A, lin.B, quadratic.lxx, quadratic.lx)):
         return Iteration(nominal, 0.0, regularisation, "derivatives are not finite")
     while regularisation <= config.regularisation_max:
-        gains = _gains(lin, quadratic, regularisation)
-        if gains is not None:
+        direction = _direction(lin, quadratic, regularisation)
+        if direction is not None:
             break
         regularisation *= REGULARISATION_UP
     else:
         return Iteration(nominal, 0.0, config.regularisation_max, "no descent direction")
-    direction = forward_pass(np.ascontiguousarray(lin.A), np.ascontiguousarray(lin.B), *gains)
     return _line_search(plant, cost, nominal, direction, regularisation, config)
 
 
-def _gains(lin: Linearization, cost: Expansion, regularisation: float) -> tuple[Array, Array] | None:
-    """Gains k, K of du = k + K dx; None if Quu is not positive definite at some step.
+def _direction(lin: Linearization, cost: Expansion, regularisation: float) -> Array | None:
+    """Change of the controls `(T, m)` for a full step; None if Quu is not positive definite at some step.
 
     The recursion works on z = (x, u): F = [A B], and Q is the Hessian of the step's cost by z.
     """
+    # a second and 50 MB, which a process saves that plans with another optimizer
+    from pack_baselines.ilqr.riccati import backward_pass, forward_pass
+
     F = np.concatenate([lin.A, lin.B], axis=2)
     q = np.concatenate([cost.lx[:-1], cost.lu], axis=1)
     Q = np.block([[cost.lxx[:-1], cost.lux.swapaxes(1, 2)], [cost.lux, cost.luu]])
     vx, vxx = np.ascontiguousarray(cost.lx[-1]), np.ascontiguousarray(cost.lxx[-1])
     is_definite, k, K = backward_pass(F, q, Q, vx, vxx, regularisation)
-    return (k, K) if is_definite else None
+    return (
+        forward_pass(np.ascontiguousarray(lin.A), np.ascontiguousarray(lin.B), k, K) if is_definite else None
+    )
 
 
 def _line_search(

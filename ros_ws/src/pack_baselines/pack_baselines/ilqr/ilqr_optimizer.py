@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
@@ -54,6 +56,11 @@ class IlqrOptimizer(Optimizer):
         self._rng = np.random.default_rng(0)
         self._regularisation = REGULARISATION
         self._last: Rollout | None = None
+
+    @classmethod
+    def require(cls) -> None:
+        """Have the recursions compiled, or loaded, before the first iteration needs them."""
+        import_module("pack_baselines.ilqr.riccati")
 
     def change_cost(self) -> None:
         """Start the regularisation anew; the last plan stays, as the driver is following it."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from pack_core.motion.moves import Line
 from pack_core.rotations import Array, Pose, conjugate, exp, log, multiply, to_matrix
@@ -99,7 +98,7 @@ class CornerCurve:
         inner = u[:-1, None] + np.diff(u)[:, None] * 0.5 * (nodes + 1.0)
         speeds = np.linalg.norm(self._bezier(inner.ravel(), 1), axis=1).reshape(inner.shape)
         way = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(u) * (speeds @ weights))])
-        self._u_of = CubicHermiteSpline(way, u, 1.0 / np.linalg.norm(self._bezier(u, 1), axis=1))
+        self._knots = way, u, 1.0 / np.linalg.norm(self._bezier(u, 1), axis=1)
         self.length = float(way[-1])
         cut_off = float(np.linalg.norm(corner - first) + np.linalg.norm(last - corner))
         # The corner is shorter than what it cuts off the lines, by this share, but the tool turns as far.
@@ -113,7 +112,7 @@ class CornerCurve:
 
     def at(self, s: Array) -> CurvePoints:
         """Tool poses at arc lengths `(T,)` [m]."""
-        u = np.clip(self._u_of(s), 0.0, 1.0)
+        u = np.clip(hermite(s, *self._knots), 0.0, 1.0)
         d, dd = self._bezier(u, 1), self._bezier(u, 2)
         rate = np.linalg.norm(d, axis=1, keepdims=True)
         dp = d / rate
@@ -144,6 +143,19 @@ class CornerCurve:
         for _ in range(degree):
             points = (1.0 - u) * points[:, :-1] + u * points[:, 1:]
         return np.asarray(factor * points[:, 0])
+
+
+def hermite(x: Array, xs: Array, ys: Array, slopes: Array) -> Array:
+    """Piecewise cubic `(T,)` at `x` `(T,)`, with values and slopes given at rising `xs` `(n,)`.
+
+    As `scipy.interpolate.CubicHermiteSpline`, whose import costs every start of an arm's nodes half a second.
+    """
+    k = np.clip(np.searchsorted(xs, x, side="right") - 1, 0, len(xs) - 2)
+    step = xs[k + 1] - xs[k]
+    t = (x - xs[k]) / step
+    mean = (ys[k + 1] - ys[k]) / step
+    first, last = slopes[k] - mean, mean - slopes[k + 1]  # how far the ends' slopes are off the chord's
+    return np.asarray(ys[k] + step * t * (mean + (1.0 - t) * ((1.0 - t) * first + t * last)))
 
 
 def trimmed(X_start: Pose, X_end: Pose, cuts: Sequence[float]) -> StraightCurve:

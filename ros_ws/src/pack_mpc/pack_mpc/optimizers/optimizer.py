@@ -68,4 +68,4 @@ class Optimizer(ABC):
 
     @classmethod  # noqa: B027 - most optimizers need nothing else
     def require(cls) -> None:
-        """Raise PackError if a package that the optimizer needs is not installed."""
+        """Load what only this optimizer needs; raises PackError if it is not installed."""
