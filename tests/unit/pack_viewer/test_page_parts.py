@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pytest
 
@@ -9,6 +10,7 @@ from pack_viewer.event_log import EventLog
 from pack_viewer.fragments import RED, chips, facts, headline, lines, signed_list
 from pack_viewer.node_board import NodeBoard, level_of
 from pack_viewer.palletizing.order_progress import OrderProgress
+from pack_viewer.rolling_plot import RollingPlot
 from pack_viewer.run_panel import CellCondition
 from pallet_fsm.states import ENDS, State
 
@@ -171,3 +173,12 @@ def test_a_fault_stays_on_view_with_its_reason() -> None:
     assert progress.is_fault
     progress.enter(State.SKIP_BOX.label, "a", "", 3.0)
     assert "it slipped" in progress.states_html()
+
+
+def test_the_ticks_of_a_plot_have_labels_that_differ_however_small_its_values_are() -> None:
+    gui = Mock()
+    RollingPlot(gui, "error [mm]", ("error",))
+    for axis in gui.add_uplot.call_args.kwargs["axes"]:
+        assert sorted(axis["incrs"]) == list(axis["incrs"])
+        for distance in axis["incrs"]:  # uPlot writes three decimals
+            assert len({f"{n * distance:.3f}" for n in range(10)}) == 10

@@ -23,6 +23,9 @@ HEIGHT = 150
 PADDING = (10, 24, 0, 0)
 """Room above and to the right of the curves [pixel], without which the last labels of the axes are cut."""
 
+TICKS = tuple(float(f"{digit}e{power}") for power in range(-3, 10) for digit in (1, 2, 5))
+"""Distances between two ticks of an axis: labels have three decimals, and closer ticks would all be "0"."""
+
 
 class RollingPlot:
     """A plot to which points are added as time goes on, and which is sent when it is asked to.
@@ -43,7 +46,7 @@ class RollingPlot:
             uplot.Series(label=name, stroke=colour, width=2)
             for name, colour in zip(curves, COLOURS, strict=False)
         ]
-        axis = uplot.Axis(stroke=GREY, grid={"stroke": f"{GREY}40", "width": 1})
+        axis = uplot.Axis(stroke=GREY, grid={"stroke": f"{GREY}40", "width": 1}, incrs=TICKS)
         self._handle = gui.add_uplot(
             self._data(), tuple(series), title=title, height=HEIGHT, axes=(axis, axis),
             scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(auto=True)}, padding=PADDING,
