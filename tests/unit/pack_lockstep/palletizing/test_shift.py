@@ -98,6 +98,23 @@ def test_the_summary_is_over_all_closed_pallets() -> None:
     assert STUDIES.tables([ShiftStudy(name="s", trials=(trial(full),))])
 
 
+def test_shifts_in_which_boxes_moved_have_their_throughput_and_faults() -> None:
+    moving = {
+        "reason": "all 40 boxes came", "duration_s": 300.0, "on_pallets": 36, "over_table": 9,
+        "state_s": {"3 grasp": 0.8}, "waits_s": {"a box": 4.0}, "faults": {}, "faulty": 3,
+        "faulty_rejected": 3, "falsely_rejected": 1, "skipped": 0, "unwanted_contacts": 2, "drops": 0,
+    }  # fmt: skip
+    empty = {"came": 40, "set_aside": 2, "rejected": 4, "decision_s": [0.1], "stacks": [], "moving": moving}
+    slower = {**empty, "moving": {**moving, "duration_s": 600.0, "state_s": {"3 grasp": 1.0}}}
+    found = summarize(ShiftStudy(name="s", trials=(empty, slower)))
+    assert found["boxes_per_hour"] == pytest.approx(72 * 3600.0 / 900.0)
+    assert (found["set_aside"], found["faulty"], found["false_set_aside"]) == (6, 6, 2)
+    assert (found["unwanted_contacts"], found["drops"]) == (4, 0)
+    assert found["over_table_share"] == 0.25
+    assert found["state_s"]["3 grasp"] == pytest.approx(0.9)
+    assert "Boxes moved" in [table.title for table in STUDIES.tables([ShiftStudy(name="s", trials=(empty,))])]
+
+
 def test_folders_are_told_apart_by_what_was_asked_for() -> None:
     names = {
         ShiftBenchmark(setup(stream, config), ()).folder_name

@@ -265,6 +265,7 @@ def benchmark(
     tipping: shift_command.Tipping = None,
     max_pressure: shift_command.MaxPressure = None,
     fragile: shift_command.Fragile = 0.0,
+    boxes: shift_command.BoxesMoved = 0,
     jobs: Jobs = 1,
     ray: Ray = None,
     output: BenchmarkFolder = None,
@@ -273,8 +274,8 @@ def benchmark(
 ) -> None:
     """Build many orders without ROS, on simulated time, and report how it went.
 
-    With --shift no arm moves: boxes come in a sequence that is not known, and each is placed on one of the
-    open pallets or set aside. Closed pallets are pushed in physics.
+    With --shift boxes come in a sequence that is not known, and each is placed on one of the open pallets or
+    set aside; no arm moves unless --boxes is given. Closed pallets are pushed in physics.
 
     Results repeat bit for bit, whatever the number of jobs, and are kept as they come: the same command
     goes on where it was interrupted, and --fresh measures anew.
@@ -287,6 +288,7 @@ def benchmark(
     - `pack benchmark palletizing --preset real --seeds 5`
     - `pack benchmark palletizing --preset thesis --plots`
     - `pack benchmark palletizing --shift --streams 30 --seed 7000 --json shift.json`
+    - `pack benchmark palletizing --shift --boxes 100 --streams 2 --seed 1000 --jobs 2 --json moved.json`
     """
     options = RunOptions(jobs, ray, output, fresh, json_file)
     if shift:
@@ -300,7 +302,7 @@ def benchmark(
             "--streams, --seed, what its help says is for --shift, and the options of every benchmark",
         )  # fmt: skip
         stream = shift_command.ShiftOptions(
-            streams, seed, rule, buffer, preview, open_pallets, tipping, max_pressure, fragile
+            streams, seed, rule, buffer, preview, open_pallets, tipping, max_pressure, fragile, boxes
         )
         shift_command.run_shift(stream, options)
         return

@@ -29,6 +29,12 @@ Resume = Annotated[
         metavar="DIR", help="With --shift: go on with the shift of this folder, which was interrupted."
     ),
 ]
+BoxesMoved = Annotated[
+    int,
+    typer.Option(
+        min=0, help="With --shift: move so many boxes of each stream on simulated time; 0: geometry alone."
+    ),
+]
 Shift = Annotated[
     bool,
     typer.Option("--shift", help="Place streams of unknown boxes online, as geometry, instead of orders."),
@@ -75,6 +81,7 @@ class ShiftOptions:
     tipping: float | None
     max_pressure: float | None
     fragile: float
+    boxes: int
 
 
 def refuse(others: Mapping[str, Any], allowed: str) -> None:
@@ -179,8 +186,20 @@ def run_shift(given: ShiftOptions, options: RunOptions) -> None:
     config = validate_config(OnlineConfig, values, source)
     limits = {"max_pressure": given.max_pressure, "fragile": given.fragile}
     stream = validate_config(BoxStreamConfig, limits, source)
+    jobs = tuple(StreamJob(seed) for seed in range(given.seed, given.seed + given.streams))
+    if given.boxes:
+        if (given.open_pallets, given.buffer, given.preview) != (2, 2, 1):
+            raise ConfigError(
+                f"--open-pallets {given.open_pallets}, --buffer {given.buffer}, --preview {given.preview} "
+                "beside --boxes; allowed: 2, 2 and 1, as the cell of the preset shift has them"
+            )
+        from pack_lockstep.palletizing.shift_benchmark import MovingShiftBenchmark
+        from pack_lockstep.palletizing.shift_lockstep import ArrivalConfig, shift_run_setup
+
+        moving = shift_run_setup(config, stream, ArrivalConfig())
+        run(MovingShiftBenchmark(moving, given.boxes, jobs), options)
+        return
     insertion = load_parameters("palletizing/layout", LayoutConfig).insertion
     files = sorted(config_path("item_lists").glob("*.csv"))
     setup = shift_setup(files, palletizing_cell(), config, stream, insertion)
-    jobs = tuple(StreamJob(seed) for seed in range(given.seed, given.seed + given.streams))
     run(ShiftBenchmark(setup, jobs), options)

@@ -19,12 +19,14 @@ from pydantic import Field, PositiveFloat, PositiveInt
 
 from pack_core.config import Config
 from pack_core.errors import ConfigError
+from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
 from pack_core.palletizing.orders.item_list import Item, load_items
 from pack_core.palletizing.orders.load_bearing import overloaded_boxes
 from pack_core.palletizing.orders.next_place import NextStep
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.orders.tipping import pushes_of
+from pack_core.rotations import Pose
 from pack_lockstep.benchmarking.benchmark import Benchmark, Verdict
 from pack_lockstep.palletizing.stack_hold import hold_shift_mm, standing
 from pack_planner.layout.insertion_direction import InsertionConfig
@@ -168,19 +170,23 @@ def run_stream(setup: ShiftSetup, job: StreamJob) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def judged_stack(boxes: Sequence[PlacedBox], cell: PalletizingCell, height: float) -> dict[str, Any]:
+def judged_stack(
+    boxes: Sequence[PlacedBox], cell: PalletizingCell, height: float,
+    stands: Mapping[BoxBody, Pose] | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """What is measured of a closed pallet.
 
     Args:
         boxes: what stands on it.
         cell: the cell's physical facts.
         height: up to which boxes may stand [m]; `fill` is the share of the room below that they take up.
+        stands: where the boxes truly stand; by default in their places.
     """
     volume = sum(float(np.prod(box.size)) for box in boxes)
     return {
         "boxes": len(boxes), "fill": volume / (float(np.prod(cell.pallet.size)) * height),
         "push": min(pushes_of(boxes).values()), "overloaded": len(overloaded_boxes(boxes)),
-        "hold_mm": hold_shift_mm(cell, standing(boxes, cell)),
+        "hold_mm": hold_shift_mm(cell, standing(boxes, cell) if stands is None else stands),
     }  # fmt: skip
 
 
