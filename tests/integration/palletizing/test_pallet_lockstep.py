@@ -5,10 +5,12 @@ from functools import cache
 import numpy as np
 import pytest
 
+from foreign_driver.lockstep_arm import drive_by_trajectories
 from pack_core.palletizing.boxes import BoxBody, DetectionStatus, ExpectedBox
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
+from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import angle_between
 from pack_evaluation.palletizing.measures import OrderMeasures, measure_order
 from pack_evaluation.palletizing.run import PalletRun
@@ -16,6 +18,7 @@ from pack_lockstep.palletizing.benchmark import OrderJob, plan_order, run_order
 from pack_lockstep.palletizing.box_finder import BoxFinderConfig, open_box_finder
 from pack_lockstep.palletizing.lockstep import PalletLockstep, Tick
 from pack_lockstep.palletizing.settings import set_up
+from pack_motion.setpoint_stream import StreamConfig
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.simulator import PalletSimulator, PalletSimulatorConfig
 from pallet_fsm.states import State
@@ -44,6 +47,18 @@ def test_an_order_is_built_within_its_tolerances() -> None:
     assert measures().is_complete
     assert measures().faults == ()
     assert (measures().drops, measures().touches) == (0, 0)
+
+
+@pytest.mark.timeout(300)
+def test_a_joint_trajectory_controller_builds_it_as_well_and_as_fast() -> None:
+    cell = order_03_cell()
+    arm = drive_by_trajectories(cell, StreamConfig(), LIMITS.velocity)
+    by_setpoints, by_trajectories = measures(), measure_order(cell.run())
+    assert by_trajectories.is_complete
+    assert by_trajectories.faults == ()
+    assert arm.trouble == []
+    cycles = [[box.cycle_s for box in run.boxes] for run in (by_trajectories, by_setpoints)]
+    np.testing.assert_allclose(*cycles, rtol=0.01)
 
 
 @pytest.mark.timeout(300)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -20,13 +21,14 @@ from pack_core.palletizing.model import describe_robot as describe_pallet_robot
 from pack_core.robots.packing_arms import PACKING_ARMS
 from pack_core.robots.seven_axis_arm import SevenAxisArm
 from pack_core.robots.urdf import DescribedRobot, robot_description
+from pack_core.rotations import Array
 
 
 def describe_arm(arm: SevenAxisArm) -> DescribedRobot:
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     arm.add_to(spec)
-    return DescribedRobot.of(spec, arm.name)
+    return DescribedRobot.of(spec, arm.name, arm.limits)
 
 
 ROBOTS: dict[str, Callable[[], DescribedRobot]] = {
@@ -45,15 +47,7 @@ def robot(request: pytest.FixtureRequest) -> DescribedRobot:
 
 
 def read_back(urdf: str) -> mujoco.MjModel:
-    # Links without mass are no matter for kinematics, but MuJoCo wants inertia where something moves.
-    moments = 'ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"'
-    inertia = f'<inertial><mass value="1"/><inertia {moments}/></inertial>'
-    with_mass = "".join(
-        line.replace("/>", f">{inertia}</link>") if line.strip().startswith("<link") and line.endswith("/>")
-        else line + (inertia if line.strip().startswith("<link") else "")
-        for line in urdf.splitlines(keepends=False)
-    )  # fmt: skip
-    return mujoco.MjModel.from_xml_string(with_mass.replace("</robot>", KEEP_ALL_LINKS + "</robot>"))
+    return mujoco.MjModel.from_xml_string(urdf.replace("</robot>", KEEP_ALL_LINKS + "</robot>"))
 
 
 def test_every_link_is_where_the_model_has_it_at_any_posture(robot: DescribedRobot) -> None:
@@ -74,6 +68,41 @@ def test_every_link_is_where_the_model_has_it_at_any_posture(robot: DescribedRob
             assert abs(abs(X_WU.q @ X_WL.q) - 1.0) < 1e-12
 
 
+def test_it_weighs_and_resists_as_the_model_does_at_any_posture(robot: DescribedRobot) -> None:
+    """Mass matrix, less the motors' inertia, which URDF cannot express, and torques against the weight."""
+    model, copy = robot.model, read_back(robot.urdf)
+    model.dof_armature[:] = 0.0
+    assert [copy.joint(j).name for j in range(copy.njnt)] == [model.joint(j).name for j in range(model.njnt)]
+    rng = np.random.default_rng(4)
+    for _ in range(5):
+        q = rng.uniform(*model.jnt_range.T)
+        masses, weights = zip(*(dynamics(each, q) for each in (model, copy)), strict=True)
+        np.testing.assert_allclose(*masses, rtol=1e-6, atol=1e-8 * masses[0].max())
+        np.testing.assert_allclose(*weights, rtol=1e-6, atol=1e-8 * np.abs(weights[0]).max())
+
+
+def dynamics(model: mujoco.MjModel, q: Array) -> tuple[Array, Array]:
+    """Mass matrix `(n, n)` and torques against the weight `(n,)` at a posture."""
+    data, M = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    data.qpos[:] = q
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, M)
+    return M, data.qfrc_bias.copy()
+
+
+def test_every_link_that_is_drawn_can_touch_and_every_moving_one_has_limits(robot: DescribedRobot) -> None:
+    links = ElementTree.fromstring(robot.urdf).findall("link")
+    shaped = {link.get("name") for link in links if link.find("visual") is not None}
+    assert shaped == {link.get("name") for link in links if link.find("collision") is not None}
+    limits = {
+        joint.get("name"): joint.find("limit") for joint in ElementTree.fromstring(robot.urdf).iter("joint")
+    }
+    for name in robot.joints:
+        if "finger" not in name:
+            assert float(limits[name].get("velocity")) > 0.0
+            assert float(limits[name].get("effort")) > 0.0
+
+
 def test_every_visible_shape_is_drawn_and_nothing_else(robot: DescribedRobot) -> None:
     drawn = robot.urdf.count("<visual>")
     ids = [robot.model.body(name).id for name in robot.links]
@@ -90,4 +119,4 @@ def test_a_body_with_two_joints_is_refused() -> None:
     for axis in np.eye(3)[:2]:
         body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=axis)
     with pytest.raises(ConfigError, match="has 2 joints"):
-        robot_description(spec.compile(), "both", "robot")
+        robot_description(spec.compile(), "both", "robot", packing_cell().robot.arm.limits)

@@ -12,7 +12,7 @@ from pack_core.blocks.problem import CUBES, BlockSize, BlockSizes
 from pack_core.drawing.room import Light, add_lights, add_sky, add_table, add_tiles
 from pack_core.drawing.textures import add_material, cube_faces
 from pack_core.robots.robotiq_2f85 import PADS, TIPS, add_robotiq_2f85
-from pack_core.robots.ur10e import add_motors, add_ur10e
+from pack_core.robots.ur10e import LIMITS, add_motors, add_ur10e
 from pack_core.robots.urdf import DescribedRobot
 from pack_core.rotations import Pose
 
@@ -163,7 +163,7 @@ def describe_robot(cell: BlocksCell) -> DescribedRobot:
     spec.compiler.degree = False
     flange = add_ur10e(spec, cell.robot.base.to_pose(), contype=0, conaffinity=0)
     add_robotiq_2f85(flange, spec, pad_friction=1.0, contype=0, conaffinity=0)
-    return DescribedRobot.of(spec, "ur10e")
+    return DescribedRobot.of(spec, "ur10e", LIMITS)
 
 
 def fixed_frames(cell: BlocksCell) -> dict[str, tuple[str, Pose]]:

@@ -311,7 +311,7 @@ def describe_robot(cell: PackingCell) -> DescribedRobot:
     spec.compiler.degree = False
     arm = cell.robot.arm
     add_pump(arm.add_to(spec), cell.pump, arm.flange)
-    return DescribedRobot.of(spec, arm.name)
+    return DescribedRobot.of(spec, arm.name, arm.limits)
 
 
 DEPTH_CAMERAS = ("depth_1", "depth_2")

@@ -126,7 +126,7 @@ def describe_robot(cell: PalletizingCell) -> DescribedRobot:
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     cell.tool.add_to(add_kr210(spec, cell.arm.X_WB, visuals=True), visuals=True)
-    return DescribedRobot.of(spec, "kr210")
+    return DescribedRobot.of(spec, "kr210", LIMITS)
 
 
 def fixed_frames(cell: PalletizingCell) -> dict[str, tuple[str, Pose]]:

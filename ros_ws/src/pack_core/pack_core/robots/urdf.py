@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from pack_core.errors import ConfigError
+from pack_core.robots.joint_properties import JointLimits
 from pack_core.rotations import Array, Pose, to_matrix
 
 WORLD = "world"
@@ -41,12 +42,13 @@ class DescribedRobot:
     urdf: str
 
     @classmethod
-    def of(cls, spec: mujoco.MjSpec, name: str) -> DescribedRobot:
+    def of(cls, spec: mujoco.MjSpec, name: str, limits: JointLimits) -> DescribedRobot:
         """The robot of a specification that holds nothing else.
 
         Args:
             spec: its first body is fixed to the world.
             name: of the robot.
+            limits: of the arm's joints.
 
         Raises:
             ConfigError: URDF cannot express a body's joints.
@@ -55,19 +57,22 @@ class DescribedRobot:
         root = model.body(1).name  # body 0 is the world
         links = tuple(model.body(body).name for body in bodies_below(model, root))
         joints = tuple(model.joint(joint).name for joint in range(model.njnt))
-        return cls(model, links, joints, robot_description(model, root, name))
+        return cls(model, links, joints, robot_description(model, root, name, limits))
 
 
-def robot_description(model: mujoco.MjModel, root: str, name: str) -> str:
+def robot_description(model: mujoco.MjModel, root: str, name: str, limits: JointLimits) -> str:
     """The URDF of the bodies below `root`; links and joints carry the model's names.
 
     The link `world` is the parent of `root`. Every other link's frame is that of its body, which in these
-    models lies in the joint's axis, as URDF wants it.
+    models lies in the joint's axis, as URDF wants it. Shapes for collisions are those that touch something
+    in the simulation; a link without such shapes has those that are drawn. Masses and moments of inertia are
+    the model's.
 
     Args:
         model: with joint positions 0 where URDF has them, so without reference angles.
         root: name of the robot's first body, which is fixed to the world.
         name: of the robot.
+        limits: of the arm's joints; the others, of fingers, get neither effort nor speed.
 
     Raises:
         ConfigError: a body has two joints, or one beside its frame's origin or of another kind.
@@ -76,7 +81,7 @@ def robot_description(model: mujoco.MjModel, root: str, name: str) -> str:
     SubElement(robot, "link", name=WORLD)
     for body in bodies_below(model, root):
         _add_link(robot, model, body)
-        _add_joint(robot, model, body)
+        _add_joint(robot, model, body, limits)
     ElementTree.indent(robot)
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(robot, encoding="unicode") + "\n"
 
@@ -92,20 +97,45 @@ def bodies_below(model: mujoco.MjModel, root: str) -> list[int]:
 
 def _add_link(robot: Element, model: mujoco.MjModel, body: int) -> None:
     link = SubElement(robot, "link", name=model.body(body).name)
-    start, count = int(model.body_geomadr[body]), int(model.body_geomnum[body])
-    for geom in range(start, start + count):
-        colour = model.geom_rgba[geom]
-        if model.geom_group[geom] >= HIDDEN_GROUP or colour[3] == 0.0:
-            continue
-        for kind, sizes, X_BG in _shapes(model, geom):
-            visual = SubElement(link, "visual")
-            _add_origin(visual, X_BG)
-            SubElement(SubElement(visual, "geometry"), kind, sizes)
+    _add_inertia(link, model, body)
+    start = int(model.body_geomadr[body])
+    geoms = range(start, start + int(model.body_geomnum[body]))
+    drawn = [g for g in geoms if model.geom_group[g] < HIDDEN_GROUP and model.geom_rgba[g, 3] > 0.0]
+    touching = [g for g in geoms if model.geom_contype[g] or model.geom_conaffinity[g]]
+    for geom in drawn:
+        for visual in _add_shapes(link, "visual", model, geom):
             material = SubElement(visual, "material", name=f"colour of geom {geom}")
-            SubElement(material, "color", rgba=_text(colour))
+            SubElement(material, "color", rgba=_text(model.geom_rgba[geom]))
+    for geom in touching or drawn:
+        _add_shapes(link, "collision", model, geom)
 
 
-def _add_joint(robot: Element, model: mujoco.MjModel, body: int) -> None:
+def _add_shapes(link: Element, kind: str, model: mujoco.MjModel, geom: int) -> list[Element]:
+    """The elements of a geom, of which a capsule has three."""
+    added = []
+    for shape, sizes, X_BG in _shapes(model, geom):
+        element = SubElement(link, kind)
+        _add_origin(element, X_BG)
+        SubElement(SubElement(element, "geometry"), shape, sizes)
+        added.append(element)
+    return added
+
+
+def _add_inertia(link: Element, model: mujoco.MjModel, body: int) -> None:
+    """Mass and moments about the centre of mass, in the axes of inertia; none for a frame without mass."""
+    if model.body_mass[body] == 0.0:
+        return
+    inertial = SubElement(link, "inertial")
+    _add_origin(inertial, Pose(model.body_ipos[body], model.body_iquat[body]))
+    SubElement(inertial, "mass", value=f"{model.body_mass[body]:.9g}")
+    moments = {
+        f"i{axis}{axis}": f"{moment:.9g}"
+        for axis, moment in zip("xyz", model.body_inertia[body], strict=True)
+    }
+    SubElement(inertial, "inertia", moments | {"ixy": "0", "ixz": "0", "iyz": "0"})
+
+
+def _add_joint(robot: Element, model: mujoco.MjModel, body: int, limits: JointLimits) -> None:
     first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
     name = model.body(body).name
     parent = model.body(model.body_parentid[body]).name  # MuJoCo's own name of the world is `world`
@@ -124,8 +154,12 @@ def _add_joint(robot: Element, model: mujoco.MjModel, body: int) -> None:
     joint.set("type", KINDS[kind])
     SubElement(joint, "axis", xyz=_text(model.jnt_axis[first]))
     lower, upper = model.jnt_range[first]
-    # URDF demands both limits; viewers do not use them.
-    SubElement(joint, "limit", lower=f"{lower:.9g}", upper=f"{upper:.9g}", effort="0", velocity="0")
+    effort = velocity = 0.0  # URDF demands both
+    if (known := joint.get("name")) in limits.names:
+        index = limits.names.index(known)
+        effort, velocity = limits.effort[index], limits.velocity[index]
+    values = {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
+    SubElement(joint, "limit", {what: f"{value:.9g}" for what, value in values.items()})
 
 
 def _shapes(model: mujoco.MjModel, geom: int) -> Iterator[Shape]:
