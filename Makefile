@@ -3,7 +3,8 @@ SHELL := /bin/bash
 CELL ?= packing
 SEED ?= 0
 ARGS ?=
-WORKERS ?= 2
+# Three on two cores: in many tests everybody waits, for simulated time or for a node to start.
+WORKERS ?= 3
 IN_ENV := source tools/env.sh &&
 
 .PHONY: help setup demo test slow bench fuzz mutation regression lint docs lock clean

@@ -1,4 +1,4 @@
-"""How the tests share the machine: two workers at once, and the tests marked `alone` one by one."""
+"""How the tests share the machine: several workers at once, and the tests marked `alone` one by one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from closing_line import ClosingLine
 
 FIRST_TO_LAST = ("e2e", "unit", "architecture", "replay", "contract", "integration")
 """Folders in the order in which they run: while one worker runs the demos, which are long and need most of
-the machine, the other one runs what waits for no clock."""
+the machine, the others run what waits for no clock."""
 LOCKS = pytest.StashKey[Path]()
 
 

@@ -35,6 +35,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.timeout(300)  # it measures twice, in processes of their own
 def test_a_missing_result_is_measured_published_and_valid_until_a_source_changes(folder: Path) -> None:
     code, shown = pack()
     assert code == 0
