@@ -17,7 +17,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from foreign_driver.lockstep_arm import drive_by_trajectories
+from foreign_driver.lockstep_arm import trajectory_driven
 from pack_core.blocks.cell import blocks_cell
 from pack_core.config import Config
 from pack_core.joints import Desired, Setpoints
@@ -33,6 +33,7 @@ from pack_lockstep.node_parameters import load_parameters
 from pack_lockstep.palletizing.benchmark import order_files, plan_order
 from pack_lockstep.palletizing.lockstep import PalletLockstep
 from pack_lockstep.palletizing.settings import set_up
+from pack_motion.controller import MotionController
 from pack_motion.setpoint_stream import StreamConfig
 from pack_planner.rearrangement.instances import make_instance
 
@@ -96,13 +97,15 @@ class Trial:
     trouble: str
 
 
-def prepared(lockstep: Any, output: Output, cell: str, velocity: Array) -> tuple[Watched, Any]:
+def prepared(
+    motion: MotionController, simulator: Any, output: Output, cell: str, velocity: Array
+) -> tuple[Watched, Any]:
     """Have a cell in lockstep driven as wanted; the follower, and the arm if trajectories drive it."""
     arm = None
     if output is Output.TRAJECTORIES:
         parameters = load_parameters(f"{cell}/motion", OutputParameters)
-        arm = drive_by_trajectories(lockstep, StreamConfig(**parameters.model_dump()), velocity)
-    watched = lockstep.simulator.follower = Watched(lockstep.simulator.follower)
+        arm = trajectory_driven(motion, simulator, StreamConfig(**parameters.model_dump()), velocity)
+    watched = simulator.follower = Watched(simulator.follower)
     return watched, arm
 
 
@@ -121,7 +124,8 @@ def run_blocks(seed: int, output: Output) -> Trial:
     class Driven(BlocksLockstep):
         def __init__(self, *args: Any, **kwargs: Any) -> None:
             super().__init__(*args, **kwargs)
-            made.append(prepared(self, output, "blocks", ur10e.LIMITS.velocity))
+            made.append(prepared(self.motion, self.simulator, output, "blocks", ur10e.LIMITS.velocity))
+            self._arm = made[0][1] or self._arm
 
     problem = make_instance(4, 0.2, seed, centre=cell.workspace.centre)
     execution.BlocksLockstep = Driven  # type: ignore[misc]
@@ -134,7 +138,9 @@ def run_order(number: int, output: Output) -> Trial:
     order, setup = load_order(order_files(config_path("orders"))[number]), set_up()
     plan = plan_order(order, setup.layout)
     lockstep = PalletLockstep(setup.cell, order, plan, setup.config, 0)
-    driven = prepared(lockstep, output, "palletizing", kr210.LIMITS.velocity)
+    stepped = lockstep.stepped
+    driven = prepared(stepped.motion, stepped.simulator, output, "palletizing", kr210.LIMITS.velocity)
+    stepped.arm = driven[1] or stepped.arm
     done = measure_order(lockstep.run())
     error = max((box.error_mm for box in done.boxes if box.error_mm is not None), default=np.inf)
     return trial(done.reward, done.reward + done.penalty, lockstep.simulator.time, error, *driven)

@@ -98,7 +98,7 @@ class JointTrajectoryController:
     defaults: Tolerances
     speed: float = 1.0
     scaling: float = 1.0
-    stop_time: float = 0.25
+    stop_time: float = 0.5
     goal: Goal | None = None
     is_stopped: bool = False
     state: State | None = None

@@ -98,14 +98,12 @@ class TrajectoryDrivenArm:
                 self._stream.interrupt(goal.error)
 
 
-def drive_by_trajectories(lockstep: Any, config: StreamConfig, velocity: Array) -> TrajectoryDrivenArm:
-    """Put the controller, and the arm that it drives, into a cell that runs in lockstep."""
-    simulator = lockstep.simulator
-    none = np.zeros(len(velocity))
+def trajectory_driven(
+    motion: MotionController, simulator: Any, config: StreamConfig, velocity: Array
+) -> TrajectoryDrivenArm:
+    """The arm for a cell in lockstep, whose simulator a joint trajectory controller drives from now on."""
+    none, joints = np.zeros(len(velocity)), simulator.joints()
     driver = JointTrajectoryController(len(velocity), Tolerances(none, none))
-    joints = simulator.joints()
     driver.begin(joints.time, joints.q, joints.v)
     simulator.follower = TrajectoryFollower(driver)
-    arm = TrajectoryDrivenArm(lockstep.motion, simulator, driver, config, velocity)
-    lockstep._arm = arm
-    return arm
+    return TrajectoryDrivenArm(motion, simulator, driver, config, velocity)

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from foreign_driver.lockstep_arm import drive_by_trajectories
+from foreign_driver.lockstep_arm import trajectory_driven
 from pack_core.palletizing.boxes import BoxBody, DetectionStatus, ExpectedBox
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.orders.order_file import load_order
@@ -50,15 +50,18 @@ def test_an_order_is_built_within_its_tolerances() -> None:
 
 
 @pytest.mark.timeout(300)
-def test_a_joint_trajectory_controller_builds_it_as_well_and_as_fast() -> None:
+def test_a_joint_trajectory_controller_builds_it_as_well_and_nearly_as_fast() -> None:
     cell = order_03_cell()
-    arm = drive_by_trajectories(cell, StreamConfig(), LIMITS.velocity)
+    stepped = cell.stepped
+    arm = trajectory_driven(stepped.motion, stepped.simulator, StreamConfig(), LIMITS.velocity)
+    stepped.arm = arm
     by_setpoints, by_trajectories = measures(), measure_order(cell.run())
     assert by_trajectories.is_complete
     assert by_trajectories.faults == ()
     assert arm.trouble == []
     cycles = [[box.cycle_s for box in run.boxes] for run in (by_trajectories, by_setpoints)]
-    np.testing.assert_allclose(*cycles, rtol=0.01)
+    # Each leg begins a horizon of 40 ms later than by setpoints, which have none in lockstep.
+    np.testing.assert_allclose(*cycles, rtol=0.02)
 
 
 @pytest.mark.timeout(300)

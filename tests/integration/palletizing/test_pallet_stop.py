@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from foreign_driver.driver_nodes import ACTION, PalletDriverNode
 from integration.harness import Graph
 from integration.palletizing.pallet_rig import joint_samples, newest_joints, start_pallet_sim
 from integration.simulation_rig import (
@@ -33,18 +34,21 @@ BOX = BoxBody("box", (0.4, 0.3, 0.25), 8.0)
 
 
 @pytest.fixture
-def sim(graph: Graph) -> PalletSimNode:
+def sim(request: pytest.FixtureRequest, graph: Graph) -> PalletSimNode:
+    """The cell's simulator, or the class that the test gives."""
     graph.probe.listen(shared.ARM_STATE)
-    return start_pallet_sim(graph, factor=0.5)
+    return start_pallet_sim(graph, 0.5, getattr(request, "param", PalletSimNode))
 
 
 @pytest.fixture
 def motion_node(graph: Graph, sim: PalletSimNode) -> MotionNode:
     graph.probe.silence(motion.SETPOINTS)
-    node = graph.start(MotionNode)
+    action = ACTION if isinstance(sim, PalletDriverNode) else ""
+    node = graph.start(MotionNode, follow_joint_trajectory=action)
     graph.probe.listen(motion.MOTION_STATUS)
     graph.connect(motion.MOTION_TARGET)
     graph.wait_until(lambda: graph.probe.last(motion.MOTION_STATUS))
+    graph.wait_until_ready("motion")
     return node
 
 
@@ -63,6 +67,7 @@ def begin(graph: Graph, number: int) -> None:
     graph.wait_until(lambda: np.abs(newest_joints(graph).v).max() > 0.8, 30.0)
 
 
+@pytest.mark.parametrize("sim", [PalletSimNode, PalletDriverNode], indirect=True)
 def test_a_stopped_arm_keeps_its_box_stays_where_it_is_and_takes_the_next_move(
     graph: Graph, sim: PalletSimNode, motion_node: MotionNode
 ) -> None:
