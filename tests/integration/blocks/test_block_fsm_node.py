@@ -15,6 +15,7 @@ from pack_interfaces.srv import PlanRearrangement
 from block_fsm.block_fsm_node import BlockFsmNode
 from integration.blocks.blocks_rig import BlocksRig
 from integration.harness import Graph
+from pack_core.blocks.gripper import FingerState, FingerStatus
 from pack_core.blocks.plan import PickPlace, Plan, PlanStatus
 from pack_core.blocks.planar import PlanarPose
 from pack_core.blocks.problem import PlacedBlock, Problem
@@ -188,6 +189,18 @@ def test_the_goals_of_a_problem_are_shown(graph: Graph, patient_node: BlockFsmNo
     _, *markers = graph.probe.last(motion.GOAL_MARKERS).markers
     assert [marker.text for marker in markers[1::2]] == list(GOALS)
     assert markers[0].pose.position.x == pytest.approx(GOALS["a"].x)
+
+
+def test_a_goal_is_refused_while_the_fingers_hold_something_and_taken_when_they_are_shut(
+    graph: Graph, patient_node: BlockFsmNode, rig: BlocksRig
+) -> None:
+    rig.fingers = FingerState(0.0, 0.05, 40.0, FingerStatus.HOLDING)
+    graph.wait_until_ready("fsm")
+    assert "hold something 50 mm wide" in graph.refusal(contracts.REARRANGE, Rearrange.Goal(problem=TEXT))
+    assert not rig.targets, "nothing moves"
+    rig.fingers = FingerState(0.0, 0.0, 40.0, FingerStatus.HOLDING)
+    graph.wait_until(lambda: patient_node.refusal(Rearrange.Goal(problem=TEXT)) == "")
+    assert outcome(graph).success
 
 
 def test_a_stop_of_the_arm_ends_the_goal_with_the_reason(

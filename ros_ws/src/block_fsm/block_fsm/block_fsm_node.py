@@ -20,6 +20,7 @@ from block_fsm.requests import Answer, ExecutorRequest
 from block_fsm.ros.request_runner import RequestRunner
 from block_fsm.task import RearrangeTask
 from pack_core.blocks.cell import blocks_cell
+from pack_core.blocks.gripper import FingerStatus
 from pack_core.blocks.model import TOOL, arm_model
 from pack_core.blocks.problem_file import parse_problem
 from pack_core.kinematics.chain import chain_from_model
@@ -32,6 +33,9 @@ from pack_core.ros.messages.conversions import to_stamp
 from pack_core.ros.messages.markers import goal_markers
 from pack_core.ros.run import run_node
 from pack_core.tasks.steps import TaskRun
+
+SHUT = 0.002
+"""Fingers that are no farther apart press on each other and hold nothing [m]."""
 
 
 class BlockFsmNodeConfig(ExecutorConfig):
@@ -85,6 +89,13 @@ class BlockFsmNode(GoalNode):
                 "the goal's `problem` is empty; allowed: a problem file's text (docs/cells/blocks/manual.md)"
             )
         parse_problem(request.problem, "goal", self._cell, goals_only=True)  # raises when it is no problem
+        fingers = self._runner.fingers
+        if fingers is not None and fingers.status is FingerStatus.HOLDING and fingers.opening > SHUT:
+            return (
+                f"the fingers hold something {1000 * fingers.opening:.0f} mm wide, as after a stop in the "
+                f"middle of a goal; support it and call {contracts.JAW_COMMAND.name} with an opening of "
+                "0.085, or reset the cell"
+            )
         return self.waits_for
 
     async def pursue(self, request: Rearrange.Goal) -> Rearrange.Result:

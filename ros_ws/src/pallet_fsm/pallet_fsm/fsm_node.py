@@ -89,6 +89,12 @@ class PalletFsmNode(GoalNode):
         return ""
 
     def refusal(self, _: Palletize.Goal | CalibrateCell.Goal) -> str:
+        seen = self._cell.observe()
+        if seen is not None and seen.grip.is_closed:
+            return (
+                f"the gripper holds '{seen.grip.held}', as after a stop in the middle of an order; "
+                f"support it and call {contracts.GRIPPER_COMMAND.name} with close=false, or reset the cell"
+            )
         return self.waits_for
 
     async def pursue(
