@@ -95,12 +95,13 @@ def start(graph: Graph, cell: Expected, factor: float = 0.5) -> tuple[PhysicsNod
     return node, viewer
 
 
-def test_every_frame_hangs_from_the_world_and_bodies_are_where_the_simulator_has_them(
+def test_frames_hang_from_the_world_are_where_the_simulator_has_them_and_are_those_that_are_named(
     graph: Graph, cell: Expected
 ) -> None:
+    """Named by the robot's description and by the markers."""
     node, viewer = start(graph, cell)
+    _assert_that_named_frames_are_there(graph, cell, viewer)
     pause(graph)
-    graph.wait_until(lambda: viewer.newest(shared.CELL_MARKERS) is not None)
     data = node.simulator.data
     for frame in viewer.transforms():
         X_WF, body = viewer.pose(frame), frame.replace("block_", "block ")
@@ -109,10 +110,7 @@ def test_every_frame_hangs_from_the_world_and_bodies_are_where_the_simulator_has
             assert abs(X_WF.q @ data.body(body).xquat) > 1.0 - 1e-5
 
 
-def test_the_robot_description_and_the_markers_name_frames_that_there_are(
-    graph: Graph, cell: Expected
-) -> None:
-    _, viewer = start(graph, cell)
+def _assert_that_named_frames_are_there(graph: Graph, cell: Expected, viewer: Viewer) -> None:
     # what came before an object did does not name it
     graph.wait_until(
         lambda: viewer.newest(shared.ROBOT_DESCRIPTION) and set(cell.shapes) <= viewer.frames_of_markers()

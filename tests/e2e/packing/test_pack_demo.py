@@ -1,4 +1,5 @@
 import json
+import re
 import shutil
 import signal
 from pathlib import Path
@@ -91,6 +92,12 @@ def test_a_node_that_does_not_come_up_is_named_with_its_last_words(
     shutil.copytree(project_root() / "config", tmp_path / "config")
     parameters = tmp_path / "config" / "nodes" / "packing" / "recorder.yaml"
     parameters.write_text(parameters.read_text().replace("split_mb", "spilt_mb"))
+    graph = tmp_path / "config" / "graphs" / "packing.yaml"
+    # the others would be started for nothing
+    needed = (
+        line for line in graph.read_text().splitlines() if not re.search("perception|planner|mpc", line)
+    )
+    graph.write_text("\n".join(needed))
     monkeypatch.setenv(ROOT_VARIABLE, str(tmp_path))
     process = pack("demo", "packing", "--scene", EASY_SCENE, "--output", tmp_path / "run")
     text = output_of(process)
