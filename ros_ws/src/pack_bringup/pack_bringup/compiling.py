@@ -20,15 +20,15 @@ AT_IMPORT = ("pack_baselines.ilqr.riccati", "pack_perception.mocap.physics_estim
 
 
 def compile_motion() -> None:
-    """What moves arms, and says how long a joint takes."""
+    """What moves arms, and what the palletizing machine looks at in every step."""
     from pack_motion.arm.arm import load_arm
     from pack_motion.controller import warm_up
     from pack_motion.tracking.config import motion_set
-    from pallet_fsm.goals import warm_up as warm_up_joint_times
+    from pallet_fsm.palletizer import warm_up as warm_up_palletizer
 
     for cell in ARMS:
         warm_up(load_arm(cell), motion_set("shipped"))
-    warm_up_joint_times()
+    warm_up_palletizer()
 
 
 def compile_plans() -> None:

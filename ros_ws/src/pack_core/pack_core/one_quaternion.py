@@ -46,3 +46,17 @@ def log(w: float, x: float, y: float, z: float) -> Vector:
     # angle / sine goes to 2 as the angle goes to 0
     scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-9 else 2.0
     return scale * x, scale * y, scale * z
+
+
+def of_matrix(a: Vector, b: Vector, c: Vector) -> Quaternion:
+    """A multiple of the quaternion of the rotation matrix with rows a, b and c (Shepperd's method)."""
+    # Each case is q times four times one of its components. The largest of trace and diagonal tells the
+    # largest component, so that nothing small is divided by when q is normalised.
+    trace = a[0] + b[1] + c[2]
+    if trace >= a[0] and trace >= b[1] and trace >= c[2]:
+        return 1.0 + trace, c[1] - b[2], a[2] - c[0], b[0] - a[1]
+    if a[0] >= b[1] and a[0] >= c[2]:
+        return c[1] - b[2], 1.0 + 2.0 * a[0] - trace, a[1] + b[0], a[2] + c[0]
+    if b[1] >= c[2]:
+        return a[2] - c[0], b[0] + a[1], 1.0 + 2.0 * b[1] - trace, b[2] + c[1]
+    return b[0] - a[1], c[0] + a[2], c[1] + b[2], 1.0 + 2.0 * c[2] - trace

@@ -6,6 +6,7 @@ Poses compose in monogram notation: `X_WC = X_WB @ X_BC`. A single quaternion is
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -76,21 +77,7 @@ def to_matrix(q: npt.ArrayLike) -> Array:
 
 def from_matrix(R: npt.ArrayLike) -> Array:
     """Unit quaternion `(4,)` of a rotation matrix `(3, 3)`, with `w >= 0` (Shepperd's method)."""
-    # Each case below is q times four times one of its components. The largest of trace and diagonal tells the
-    # largest component, so that nothing small is divided by when q is normalised.
-    m = np.asarray(R, dtype=float)
-    diagonal = np.array([np.trace(m), *np.diag(m)])
-    k = int(np.argmax(diagonal))
-    if k == 0:
-        q = np.array([1.0 + diagonal[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-    else:
-        i, j, l = k - 1, k % 3, (k + 1) % 3
-        q = np.empty(4)
-        q[0] = m[l, j] - m[j, l]
-        q[1 + i] = 1.0 + 2.0 * m[i, i] - diagonal[0]
-        q[1 + j] = m[i, j] + m[j, i]
-        q[1 + l] = m[i, l] + m[l, i]
-    return normalize(q)
+    return normalize(one_quaternion.of_matrix(*np.asarray(R, dtype=float).tolist()))
 
 
 def normalize(q: npt.ArrayLike) -> Array:
@@ -129,7 +116,11 @@ def log(q: npt.ArrayLike) -> Array:
 
 def angle_between(q_WA: npt.ArrayLike, q_WB: npt.ArrayLike) -> Array:
     """Angle [rad] of the rotation from A to B, shape `(...)`."""
-    return np.asarray(np.linalg.norm(log(multiply(conjugate(q_WA), q_WB)), axis=-1))
+    q_AB = multiply(conjugate(q_WA), q_WB)
+    if q_AB.ndim == 1:
+        x, y, z = log(q_AB).tolist()
+        return np.asarray(math.sqrt(x * x + y * y + z * z))
+    return np.asarray(np.linalg.norm(log(q_AB), axis=-1))
 
 
 def from_yaw(yaw: float) -> Array:

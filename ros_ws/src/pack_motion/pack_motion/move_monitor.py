@@ -204,9 +204,9 @@ class MoveMonitor:
 
     def _running(self, pursuit: Pursuit) -> int:
         """Index of the segment at the newest measurement; the pursuit is ahead of it by the horizon."""
-        begun = [segment for time, segment in self._segments if time <= self.progress.time + 1e-9]
-        if begun:
-            return begun[-1]
+        for time, segment in reversed(self._segments):
+            if time <= self.progress.time + 1e-9:
+                return segment
         return self._segments[0][1] if self._segments else pursuit.segment
 
     def _explained(self, wrong: str, distance: float, names: Sequence[str]) -> str:

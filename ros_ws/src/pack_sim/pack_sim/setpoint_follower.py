@@ -140,9 +140,9 @@ class SetpointFollower:
             if values is None or values.shape != shape:
                 size = None if values is None else values.shape
                 raise MessageError(f"setpoint {column} has shape {size}; allowed: {shape}")
-            if not np.isfinite(values).all():
-                raise MessageError(f"setpoint {column}: a {bounds.what} is not finite")
-            if (values < bounds.least).any() or (values > bounds.most).any():
+            if not ((values >= bounds.least) & (values <= bounds.most)).all():  # also where one is NaN
+                if not np.isfinite(values).all():
+                    raise MessageError(f"setpoint {column}: a {bounds.what} is not finite")
                 raise MessageError(bounds.excess(values, self._names))
 
 

@@ -23,9 +23,8 @@ from pack_core.ros.messages.markers import goal_markers, vertex_markers
 from pack_core.ros.messages.palletizing import from_layout
 from pack_core.ros.run import run_node
 from pallet_calibration.ros.calibration_action import CalibrationAction
-from pallet_fsm.goals import warm_up
 from pallet_fsm.order_book import OrderBook
-from pallet_fsm.palletizer import Palletizer
+from pallet_fsm.palletizer import Palletizer, warm_up
 from pallet_fsm.palletizer_config import PalletizerConfig
 from pallet_fsm.ros.cell_ports import CellPorts
 from pallet_fsm.ros.order_goal import (

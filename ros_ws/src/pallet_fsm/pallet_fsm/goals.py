@@ -42,7 +42,7 @@ def joint_time(X_from: Pose, X_to: Pose) -> float:
 
 
 def warm_up() -> None:
-    """Have numba compile the inverse kinematics before the first box; loads it where that was done before."""
+    """Have numba compile the inverse kinematics; loads it where that was done before."""
     arm = arm_kinematics()
     X_WT = arm.chain.forward(arm.home)
     joint_time(X_WT, X_WT)

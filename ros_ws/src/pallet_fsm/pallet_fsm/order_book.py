@@ -49,6 +49,7 @@ class WorkItem:
     outcome: BoxOutcome = BoxOutcome.PENDING
     reason: str = ""
     tries: Counter[State] = field(default_factory=Counter)
+    _carried: CarriedBox | None = field(default=None, init=False)
 
     @property
     def name(self) -> str:
@@ -77,7 +78,11 @@ class WorkItem:
     @property
     def carried(self) -> CarriedBox | None:
         """The gripped box as the motion's collision checks need it; None while it is not gripped."""
-        return None if self.X_TB is None else CarriedBox(self.X_TB, self.dims)
+        if self.X_TB is None:
+            return None
+        if self._carried is None or self._carried.X_TB is not self.X_TB:
+            self._carried = CarriedBox(self.X_TB, self.dims)
+        return self._carried
 
     def take(self, X_WT: Pose) -> None:
         """Note that the box was gripped: its estimated pose gives X_TB."""

@@ -18,6 +18,7 @@ from pack_core.palletizing.ports import (
     PursueTarget,
     StopArm,
 )
+from pallet_fsm import goals, place_watch
 from pallet_fsm.box_watch import BoxWatch
 from pallet_fsm.leg_runner import LegRunner
 from pallet_fsm.machine import Machine
@@ -256,6 +257,12 @@ class Palletizer:
             Guard.IS_ON_TABLE: item.approach is not None,
             Guard.IS_UNSEEN: item.X_WB is None and item.X_TB is None,
         }[guard]
+
+
+def warm_up() -> None:
+    """Have numba compile what the machine needs before the first box; loads it where that was done before."""
+    goals.warm_up()
+    place_watch.warm_up()
 
 
 def _is_standing(motion: MotionStatus) -> bool:

@@ -9,10 +9,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
+import numba
 import numpy as np
 
 from pack_core.motion.world import CarriedBox, Obstacle
-from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE, SECOND_PALLET, PalletizingCell
+from pack_core.palletizing.cell import (
+    PALLET,
+    REORIENTATION_TABLE,
+    SECOND_PALLET,
+    PalletizingCell,
+    palletizing_cell,
+)
 from pack_core.palletizing.orders.handling import Handling
 from pack_core.palletizing.ports import Command, PalletObservation, ScanPlace
 from pack_core.robots.kr210 import WRIST_LENGTH
@@ -24,10 +31,8 @@ from pallet_fsm.palletizer_config import ScanConfig
 from pallet_fsm.states import BEFORE_REGRASP, State
 from pallet_fsm.transitions import Event, Happening
 
-_CORNERS = 0.5 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-"""Corners of a box of edge 1 about its centre `(8, 3)`."""
-_ALONG = np.linspace(0.0, 1.0, 65)[:, None]
-"""Points of a line that are looked at: at 3 m of length they are 5 cm apart."""
+_PARTS = 64
+"""Of a line, whose ends are looked at: at 3 m of length they are 5 cm apart."""
 
 
 class ArmShadow:
@@ -44,7 +49,8 @@ class ArmShadow:
 
     def __init__(self, place: Obstacle, cell: PalletizingCell) -> None:
         self._X_PW, self._half = place.X_WO.inverse(), 0.5 * place.size[:2]
-        self._p_WB, self._p_TH = cell.arm.X_WB.p, np.array([0.0, 0.0, -cell.tool.length - WRIST_LENGTH])
+        self._p_PB = self._X_PW.apply(cell.arm.X_WB.p)
+        self._p_TH = np.array([0.0, 0.0, -cell.tool.length - WRIST_LENGTH])
 
     def clearance(self, X_WT: Pose, carried: CarriedBox | None) -> float:
         """Distance of both from the place, seen from above [m]; negative where the box is over it.
@@ -53,22 +59,49 @@ class ArmShadow:
             X_WT: the measured tool.
             carried: the box in the hand, if there is one.
         """
-        base, wrist, pad = self._X_PW.apply(np.array([self._p_WB, X_WT.apply(self._p_TH), X_WT.p]))[:, :2]
-        lines = np.concatenate([base + _ALONG * (wrist - base), wrist + _ALONG * (pad - wrist)])
-        return min(self._distance(lines), self._distance(pad[None]) - _radius(X_WT, carried))
-
-    def _distance(self, points: Array) -> float:
-        """Of the nearest of the points `(n, 2)` from the place, in its own frame [m]."""
-        beyond = np.maximum(np.abs(points) - self._half, 0.0)
-        return float(np.sqrt((beyond * beyond).sum(axis=1).min()))
+        half, wrist, pad = self._half, self._X_PW.apply(X_WT.apply(self._p_TH)), self._X_PW.apply(X_WT.p)
+        arm = min(_distance(self._p_PB, wrist, half), _distance(wrist, pad, half))
+        if carried is None:
+            return float(arm)
+        return float(min(arm, _distance(pad, pad, half) - _radius(X_WT.q, carried.corners)))
 
 
-def _radius(X_WT: Pose, carried: CarriedBox | None) -> float:
-    """Of the circle about the pad, seen from above, in which the carried box is [m]."""
-    if carried is None:
-        return 0.0
-    corners = (X_WT @ carried.X_TB).apply(_CORNERS * carried.size)
-    return float(np.linalg.norm((corners - X_WT.p)[:, :2], axis=1).max())
+@numba.njit(cache=True)
+def _distance(start: Array, end: Array, half: Array) -> float:
+    """Of a line from the place, seen from above [m]: that of the nearest of its points that are looked at.
+
+    Args:
+        start: of the line, in the place's frame `(3,)` [m].
+        end: likewise.
+        half: half the place's edges along x and y `(2,)` [m].
+    """
+    nearest = np.inf
+    for k in range(_PARTS + 1):
+        square = 0.0
+        for i in range(2):
+            beyond = max(abs(start[i] + k / _PARTS * (end[i] - start[i])) - half[i], 0.0)
+            square += beyond * beyond
+        nearest = min(nearest, square)
+    return float(np.sqrt(nearest))
+
+
+@numba.njit(cache=True)
+def _radius(q_WT: Array, corners: Array) -> float:
+    """Of the circle about the pad, seen from above, in which a carried box is [m].
+
+    Args:
+        q_WT: orientation of the tool `(4,)`.
+        corners: of the box in its frame `(8, 3)` [m].
+    """
+    w, a, b, c = q_WT
+    farthest = 0.0
+    for i in range(len(corners)):
+        # v + w t + u x t, with u = (a, b, c) and t = 2 u x v; only its parts along x and y
+        x, y, z = corners[i]
+        t, s, r = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
+        across, along = x + w * t + b * r - c * s, y + w * s + c * t - a * r
+        farthest = max(farthest, across * across + along * along)
+    return float(np.sqrt(farthest))
 
 
 GAP = 0.1
@@ -232,6 +265,13 @@ class PlaceWatch:
 
 WORDS = {PALLET: "the pallet", SECOND_PALLET: "the second pallet", REORIENTATION_TABLE: "table B"}
 """What scanned places are called in reasons."""
+
+
+def warm_up() -> None:
+    """Have numba compile the distance of the arm from a place; loads it where that was done before."""
+    cell = palletizing_cell()
+    box = CarriedBox(Pose(np.zeros(3)), np.ones(3))
+    ArmShadow(cell.furniture[0], cell).clearance(Pose(np.zeros(3)), box)
 
 
 def _words(findings: tuple[Finding, ...]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -45,6 +46,12 @@ class CarriedBox:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "size", _edges(self.size, "the carried box"))
+
+    @cached_property
+    def corners(self) -> Array:
+        """Its corners in the tool's frame `(8, 3)` [m]."""
+        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        return self.X_TB.apply(0.5 * signs * self.size)
 
 
 def _edges(size: Array, name: str) -> Array:

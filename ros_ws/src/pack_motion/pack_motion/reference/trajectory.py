@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -79,10 +80,11 @@ class ReferenceTrajectory:
         if time <= 0.0 or time >= times[-1]:
             row = 0 if time <= 0.0 else -1
             return JointState(self.q[row], self.v[row], self.a[row]), int(self.segment[row])
-        i = int(np.searchsorted(times, time, side="right")) - 1
+        i = int(times.searchsorted(time, side="right")) - 1
         h = float(times[i + 1] - times[i])
-        rows = self.q[i : i + 2], self.v[i : i + 2], self.a[i : i + 2]
-        return _quintic((time - float(times[i])) / h, h, *rows), int(self.segment[i + 1])
+        # Contiguous, so that one compiled function serves every reference.
+        rows = (np.ascontiguousarray(column[i : i + 2]) for column in (self.q, self.v, self.a))
+        return JointState(*_quintic((time - float(times[i])) / h, h, *rows)), int(self.segment[i + 1])
 
     def after(self, time: float) -> ReferenceTrajectory:
         """The reference from `time` [s] on; its first row is the state then."""
@@ -111,7 +113,8 @@ def grid(duration: float) -> Array:
     return np.linspace(0.0, duration, max(int(np.ceil(duration / GRID)), 1) + 1)
 
 
-def _quintic(s: float, h: float, q: Array, v: Array, a: Array) -> JointState:
+@numba.njit(cache=True)
+def _quintic(s: float, h: float, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
     """The quintic Hermite polynomial between two rows, `h` [s] apart, at the share `s` of that time.
 
     Derivatives are scaled by h and h^2 to those by s; c3 to c5 are the coefficients of s^3 to s^5.
@@ -123,7 +126,7 @@ def _quintic(s: float, h: float, q: Array, v: Array, a: Array) -> JointState:
     at = q[0] + s * (v_0 + s * (0.5 * a_0 + s * (c3 + s * (c4 + s * c5))))
     rate = v_0 + s * (a_0 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))
     bend = a_0 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))
-    return JointState(at, rate / h, bend / (h * h))
+    return at, rate / h, bend / (h * h)
 
 
 class MoveRefused(PackError):

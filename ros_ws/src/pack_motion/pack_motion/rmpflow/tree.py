@@ -202,6 +202,8 @@ def collision_policies(
     links: LinkMotion, spheres: Spheres, boxes: ObstacleBoxes, c: Policies, total: JointPull
 ) -> float:
     """Adds every sphere and obstacle that are near each other; returns the least distance that counts."""
+    if len(boxes.p) == 0:  # mostly: moves are planned around what stands
+        return np.inf
     M, f, z, p = total.M, total.f, links.axes, links.points
     w, dw, vp, ap = screws.link_motion(z, p, links.v)
     least = np.inf

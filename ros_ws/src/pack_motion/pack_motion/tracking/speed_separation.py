@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from pack_core.kinematics.chain import SerialChain
 from pack_core.rotations import Array
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import SpeedSeparation
+
+STILL = 1e-6
+"""Joints that are slower do not bound the change of the rate [rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +67,7 @@ class SpeedSeparationMonitor:
         is_calm = not threat.is_blind and not (is_near and threat.speed > c.moving_speed)
         self._calm = self._calm + h if is_calm else 0.0
         self.gives_way = self._calm < c.calm_time
-        slowest, fastest = self._changes(planned)
+        slowest, fastest = rate_changes(self.rate, planned.v, planned.a, self._acceleration, 1.0 / c.time)
         self.rate = min(max(self.rate + min(max(wished - self.rate, h * slowest), h * fastest), 0.0), 1.0)
         return self.rate
 
@@ -89,17 +93,25 @@ class SpeedSeparationMonitor:
     def _tool_speed(self, planned: JointState) -> float:
         return float(np.linalg.norm((self._chain.jacobian(planned.q) @ planned.v)[:3]))
 
-    def _changes(self, planned: JointState) -> tuple[float, float]:
-        """Bounds of the change of the rate [1/s] within which every joint keeps its acceleration limit.
 
-        At the rate r joints move at r v and accelerate at r^2 a + v dr/dt, which bounds dr/dt for each joint.
-        """
-        moves = np.abs(planned.v) > 1e-6
-        if not np.any(moves):
-            return -1.0 / self._config.time, 1.0 / self._config.time
-        v, sign = np.abs(planned.v[moves]), np.sign(planned.v[moves])
-        along = self.rate**2 * sign * planned.a[moves]
-        limit = self._acceleration[moves]
-        slowest, fastest = ((-limit - along) / v).max(), ((limit - along) / v).min()
-        most = 1.0 / self._config.time
-        return max(min(float(slowest), 0.0), -most), min(max(float(fastest), 0.0), most)
+@numba.njit(cache=True)
+def rate_changes(rate: float, v: Array, a: Array, limit: Array, most: float) -> tuple[float, float]:
+    """Bounds of the change of the rate [1/s] within which every joint keeps its acceleration limit.
+
+    At the rate r joints move at r v and accelerate at r^2 a + v dr/dt, which bounds dr/dt for each joint.
+
+    Args:
+        rate: at which the reference advances.
+        v: of the joints at rate 1 `(n,)` [rad/s].
+        a: likewise `(n,)` [rad/s^2].
+        limit: of their accelerations `(n,)` [rad/s^2].
+        most: largest change [1/s].
+    """
+    slowest, fastest = -most, most
+    for i in range(len(v)):
+        speed = abs(v[i])
+        if speed > STILL:
+            along = rate**2 * np.sign(v[i]) * a[i]
+            slowest = max(slowest, (-limit[i] - along) / speed)
+            fastest = min(fastest, (limit[i] - along) / speed)
+    return min(slowest, 0.0), max(fastest, 0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import mujoco
+import numba
 import numpy as np
 
 from pack_core.robots.joint_properties import JointLimits
@@ -28,22 +29,33 @@ def acceleration_bounds(q: Array, v: Array, h: float, limits: JointLimits) -> tu
 
     Between them the acceleration and velocity limits are kept, and every joint can still stop in its range.
     """
-    fastest = np.minimum(limits.velocity, _stoppable(limits.upper - q, v, h, limits))
-    slowest = -np.minimum(limits.velocity, _stoppable(q - limits.lower, -v, h, limits))
-    lowest = np.clip((slowest - v) / h, -limits.acceleration, limits.acceleration)
-    highest = np.clip((fastest - v) / h, -limits.acceleration, limits.acceleration)
+    bounds: tuple[Array, Array] = _bounds(
+        q, v, h, limits.lower, limits.upper, limits.velocity, limits.acceleration
+    )
+    return bounds
+
+
+@numba.njit(cache=True)
+def _bounds(
+    q: Array, v: Array, h: float, lower: Array, upper: Array, velocity: Array, acceleration: Array
+) -> tuple[Array, Array]:
+    fastest = np.minimum(velocity, _stoppable(upper - q, v, h, acceleration))
+    slowest = -np.minimum(velocity, _stoppable(q - lower, -v, h, acceleration))
+    lowest = np.minimum(np.maximum((slowest - v) / h, -acceleration), acceleration)
+    highest = np.minimum(np.maximum((fastest - v) / h, -acceleration), acceleration)
     return np.minimum(lowest, highest), np.maximum(lowest, highest)
 
 
-def _stoppable(room: Array, v: Array, h: float, limits: JointLimits) -> Array:
+@numba.njit(cache=True)
+def _stoppable(room: Array, v: Array, h: float, acceleration: Array) -> Array:
     """Highest speed w after the step from which a joint still stops within `room` [rad].
 
     The step itself covers h (v + w) / 2, stopping covers w^2 / (2 a): the result is the root of
     w^2 + a h w - 2 a left = 0, where `left` is the room less the part of the step that v covers.
     """
-    a = BRAKING * limits.acceleration
+    a = BRAKING * acceleration
     left = np.maximum(room - MARGIN - 0.5 * h * v, 0.0)
-    return np.asarray(-0.5 * a * h + np.sqrt(0.25 * (a * h) ** 2 + 2.0 * a * left))
+    return -0.5 * a * h + np.sqrt(0.25 * (a * h) ** 2 + 2.0 * a * left)
 
 
 PSEUDO_INVERSE_CUTOFF = 1e-8
@@ -53,8 +65,8 @@ PSEUDO_INVERSE_CUTOFF = 1e-8
 def resolve_within(M: Array, f: Array, lower: Array, upper: Array) -> Array:
     """Accelerations `(n,)` that minimise `a^T M a / 2 - f^T a` within bounds: a box-constrained QP."""
     n = len(f)
-    scale = n / float(np.trace(M))  # makes the mean eigenvalue of M 1, and leaves the minimum where it is
-    a = np.clip(np.zeros(n), lower, upper)
+    scale = n / float(M.trace())  # makes the mean eigenvalue of M 1, and leaves the minimum where it is
+    a = np.minimum(np.maximum(np.zeros(n), lower), upper)
     factor, index = np.zeros((n, n + 7)), np.zeros(n, dtype=np.int32)  # workspace of mju_boxQP, n x (n + 7)
     mujoco.mju_boxQP(a, factor, index, scale * M, -scale * f, lower, upper)
     return a
@@ -119,7 +131,7 @@ class Tracker:
         correction = self.state.a - a_ref
         limit = self._arm.limits.acceleration
         if self._config.resolve is Resolve.WITHIN_LIMITS:
-            a = np.clip(end.a + correction, -limit, limit)
+            a = np.minimum(np.maximum(end.a + correction, -limit), limit)
             self.state = JointState(self.state.q, self.state.v, a)
 
     def _substep(

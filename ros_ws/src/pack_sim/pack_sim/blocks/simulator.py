@@ -22,7 +22,7 @@ from pack_core.rotations import Array, Pose
 from pack_core.states import ObjectState, SceneState
 from pack_sim.blocks.gripper_fingers import GripperFingers
 from pack_sim.brakes import GentleBrake
-from pack_sim.joint_servo import JointServo
+from pack_sim.joint_servo import JointServo, in_a_row
 from pack_sim.setpoint_follower import SetpointFollower
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -64,9 +64,9 @@ class BlocksSimulator:
         self.model = build_model(cell, tags, sizes, timestep=timestep)
         self.data = mujoco.MjData(self.model)
         self.data.time = time
-        self._q = np.array([self.model.joint(name).qposadr[0] for name in JOINTS])
-        self._v = np.array([self.model.joint(name).dofadr[0] for name in JOINTS])
-        self._motors = np.array([self.model.actuator(name).id for name in JOINTS])
+        self._q = in_a_row([self.model.joint(name).qposadr[0] for name in JOINTS])
+        self._v = in_a_row([self.model.joint(name).dofadr[0] for name in JOINTS])
+        self._motors = in_a_row([self.model.actuator(name).id for name in JOINTS])
         brake = GentleBrake(LIMITS, cell.servo.stop_deceleration)
         self.follower = SetpointFollower(LIMITS, self.config.watchdog, brake)
         self._servo = JointServo(arm_model(cell), LIMITS, cell.servo, timestep)
@@ -88,7 +88,7 @@ class BlocksSimulator:
     def step(self) -> None:
         """Advance by one time step."""
         data = self.data
-        q, v = data.qpos[self._q], data.qvel[self._v]
+        q, v = data.qpos[self._q].copy(), data.qvel[self._v].copy()
         data.ctrl[self._motors] = self._servo.torque(q, v, self.follower.at(self.time, q, v))
         self.fingers.update(data)
         mujoco.mj_step(self.model, data)
