@@ -19,9 +19,10 @@ from pack_core.ros.contracts import motion as contracts
 from pack_core.ros.contracts import shared
 from pack_core.ros.contracts.contract import NEWEST
 from pack_core.ros.messages.conversions import from_stamp
-from pack_core.ros.messages.motion import from_obstacles, from_target, to_status
+from pack_core.ros.messages.motion import from_obstacles, from_target
 from pack_core.ros.messages.serialized import JointStateReader
 from pack_core.ros.messages.serialized_setpoints import TrajectoryWriter
+from pack_core.ros.messages.serialized_status import MotionStatusWriter
 from pack_core.ros.node import CellNode
 from pack_core.ros.run import run_node
 from pack_core.ros.stream import Stream, StreamReader
@@ -81,7 +82,7 @@ class MotionNode(CellNode):
         self._driver_clock = DriverClock()
         self._setpoints = None if self._trajectories else self.advertise(contracts.SETPOINTS)
         self._writer = TrajectoryWriter(self._arm.limits.names)
-        self._status = self.advertise(contracts.MOTION_STATUS)
+        self._status, self._status_writer = self.advertise(contracts.MOTION_STATUS), MotionStatusWriter()
         self.listen(contracts.MOTION_TARGET, self._on_target)
         self.listen(contracts.MOTION_OBSTACLES, self._on_obstacles)
         self.listen(shared.ARM_STATE, self._on_arm_state)
@@ -213,7 +214,7 @@ class MotionNode(CellNode):
         self._waiting = self._waiting or stream.left
         late = measured.time - sample.time
         status = stream.controller.status()
-        self._status.publish(to_status(replace(status, time=status.time + late)))
+        self._status.publish(self._status_writer.write(replace(status, time=status.time + late)))
 
     def _drive(self, stream: SetpointStream, sample: JointSample) -> None:
         """Tell the driver what is new: the next setpoints, or another trajectory."""

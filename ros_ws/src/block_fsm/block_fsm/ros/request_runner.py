@@ -19,7 +19,8 @@ from pack_core.ros.contracts import blocks as contracts
 from pack_core.ros.contracts import motion
 from pack_core.ros.messages.blocks import from_finger_state, from_response, from_sighting, to_request
 from pack_core.ros.messages.conversions import from_stamp
-from pack_core.ros.messages.motion import from_status, to_target
+from pack_core.ros.messages.motion import to_target
+from pack_core.ros.messages.serialized_status import MotionStatusReader
 from pack_core.ros.newest_messages import Kept, NewestMessages
 from pack_core.ros.node import CellNode
 from pack_core.tasks.move import MoveFollower, follow
@@ -53,7 +54,7 @@ class RequestRunner:
             (
                 Kept(contracts.BLOCK_POSES, from_sighting),
                 Kept(contracts.JAW_STATE, self._to_fingers),
-                Kept(motion.MOTION_STATUS, from_status),
+                Kept(motion.MOTION_STATUS, MotionStatusReader().read, depth=1, raw=True),
             ),
         )
         self._heard.follow(on_motion)

@@ -7,6 +7,7 @@ one.
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -18,6 +19,8 @@ from pack_core.ros.stream import NodeThread, Stream, StreamWait
 
 READ_PERIOD = 0.05
 """Longest time between two checks by the thread of what has come [s of wall clock]."""
+REST = 0.05
+"""Time for which the thread looks at nothing while the node has no goal [s of wall clock]."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +31,13 @@ class Kept:
         contract: the topic.
         convert: makes a value of a message, or refuses it by a PackError.
         depth: messages that may wait; None: as the contract has it.
+        raw: `convert` takes the message as the bytes that came (CDR).
     """
 
     contract: Contract
     convert: Callable[[Any], Any]
     depth: int | None = None
+    raw: bool = False
 
 
 class NewestMessages:
@@ -53,7 +58,10 @@ class NewestMessages:
         self._thread: NodeThread | None = None
         self._on_awaited: Callable[[], None] = lambda: None
         self._streams = [
-            (Stream(node, one.contract, depth=one.depth), partial(self._keep, one.contract.name, one.convert))
+            (
+                Stream(node, one.contract, depth=one.depth, raw=one.raw),
+                partial(self._keep, one.contract.name, one.convert),
+            )
             for one in kept
         ]
         self._wait = StreamWait(node, (self._streams[-1][0],))
@@ -82,7 +90,10 @@ class NewestMessages:
                     self._node.guard(stream.contract, keep, message)
 
     def follow(self, on_awaited: Callable[[], None]) -> None:
-        """Look by a thread of its own from now on; `on_awaited` is called after each of the last topic."""
+        """Look by a thread of its own from now on; `on_awaited` is called after each of the last topic.
+
+        While the node has no goal the thread looks at the newest messages twenty times a second only.
+        """
         self._on_awaited = on_awaited
         self._thread = NodeThread(self._node, self._turn, "stream reader")
 
@@ -92,6 +103,8 @@ class NewestMessages:
             self._thread.end()
 
     def _turn(self) -> None:
+        if not self._node.is_busy:
+            time.sleep(REST)
         self.wait(READ_PERIOD)
         self.refresh()
 

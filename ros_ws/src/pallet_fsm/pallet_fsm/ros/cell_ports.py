@@ -32,13 +32,14 @@ from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.conversions import from_stamp, to_pose
-from pack_core.ros.messages.motion import from_status, to_target
+from pack_core.ros.messages.motion import to_target
 from pack_core.ros.messages.palletizing import (
     from_cloud,
     from_detection,
     from_gripper_state,
     to_expected_box,
 )
+from pack_core.ros.messages.serialized_status import MotionStatusReader
 from pack_core.ros.newest_messages import Kept, NewestMessages
 from pack_core.ros.node import CellNode
 
@@ -76,8 +77,8 @@ class CellPorts:
                 Kept(contracts.BOX_DETECTION, from_detection),
                 Kept(contracts.PALLET_SCAN, partial(from_cloud, place=PALLET)),
                 Kept(contracts.TABLE_SCAN, partial(from_cloud, place=REORIENTATION_TABLE)),
-                Kept(contracts.GRIPPER_STATE, from_gripper_state),
-                Kept(motion.MOTION_STATUS, from_status),
+                Kept(contracts.GRIPPER_STATE, from_gripper_state, depth=1),
+                Kept(motion.MOTION_STATUS, MotionStatusReader().read, depth=1, raw=True),
             ),
         )
         self._heard.follow(on_motion)

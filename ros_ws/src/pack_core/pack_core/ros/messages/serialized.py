@@ -39,20 +39,22 @@ class Template:
 
     Args:
         message: with `MARK` as the first number of each block of numbers; the last block ends the message.
-        block: layout of a block.
-        count: number of blocks.
+        layouts: of the blocks, one behind the other.
+
+    Attributes:
+        blocks: where each block begins [byte], and its layout.
     """
 
-    def __init__(self, message: Any, block: struct.Struct, count: int) -> None:
+    def __init__(self, message: Any, *layouts: struct.Struct) -> None:
         # The layouts are little-endian, as every machine is that ROS 2 Jazzy supports.
-        self._data, self._block = bytearray(serialize_message(message)), block
-        self._offsets = []
+        self._data = bytearray(serialize_message(message))
+        self.blocks: list[tuple[int, struct.Struct]] = []
         mark, end = struct.pack("<d", MARK), 0
-        for _ in range(count):
+        for layout in layouts:
             offset = self._data.index(mark, end)
-            self._offsets.append(offset)
-            end = offset + block.size
-        if self._offsets:
+            self.blocks.append((offset, layout))
+            end = offset + layout.size
+        if self.blocks:
             # rclpy reserves a few bytes too many for lists in lists, which readers of recordings refuse.
             # They hold what the memory held before, which may be another template's mark.
             del self._data[end:]
@@ -60,8 +62,8 @@ class Template:
     def filled(self, time: float, blocks: Sequence[Sequence[float]]) -> bytes:
         """The message of `time` [s] with these numbers in its blocks."""
         STAMP.pack_into(self._data, ENCAPSULATION, *stamps.split(time))
-        for offset, numbers in zip(self._offsets, blocks, strict=True):
-            self._block.pack_into(self._data, offset, *numbers)
+        for (offset, layout), numbers in zip(self.blocks, blocks, strict=True):
+            layout.pack_into(self._data, offset, *numbers)
         return bytes(self._data)
 
 
@@ -69,7 +71,7 @@ class ClockWriter:
     """Writes ticks of the clock."""
 
     def __init__(self) -> None:
-        self._template = Template(Clock(), struct.Struct(""), 0)
+        self._template = Template(Clock())
 
     def write(self, time: float) -> bytes:
         """A serialised rosgraph_msgs/Clock of `time` [s]."""
@@ -92,7 +94,7 @@ class JointStateWriter:
         n = self._n = len(names)
         message = JointState(name=list(names), position=[MARK] + (n - 1) * [0.0])
         message.velocity = message.effort = n * [0.0]
-        self._template = Template(message, _joint_block(n), 1)
+        self._template = Template(message, _joint_block(n))
 
     def write(self, sample: JointSample) -> bytes:
         """A serialised sensor_msgs/JointState."""
@@ -147,7 +149,7 @@ class WrenchWriter:
     def __init__(self, frame: str) -> None:
         message = WrenchStamped()
         message.header.frame_id, message.wrench.force.x = frame, MARK
-        self._template = Template(message, struct.Struct("<6d"), 1)
+        self._template = Template(message, struct.Struct("<6d"))
 
     def write(self, time: float, force: Array, torque: Array) -> bytes:
         """A serialised geometry_msgs/WrenchStamped of a force `(3,)` [N] and a torque `(3,)` [N m]."""
@@ -180,4 +182,4 @@ def _scene_template(names: Sequence[str]) -> Template:
     message.header.frame_id = WORLD
     for entry in message.objects:
         entry.pose.position.x = MARK
-    return Template(message, OBJECT, len(names))
+    return Template(message, *len(names) * [OBJECT])

@@ -53,7 +53,7 @@ class TrajectoryWriter:
             middle = "I4x" if stated == "a" else "II"
             end = "IiI" if stated == "a" else "iI"
             block = struct.Struct(f"<{n}dI4x{n}d{middle}{n}d{end}")
-            self._templates[rows, stated] = Template(to_trajectory(marked, self._names), block, rows)
+            self._templates[rows, stated] = Template(to_trajectory(marked, self._names), *rows * [block])
         return self._templates[rows, stated]
 
 
