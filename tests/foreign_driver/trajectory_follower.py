@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from foreign_driver.joint_trajectory_controller import JointTrajectoryController
-from pack_core.joints import Desired
+from pack_core.joints import Desired, Setpoints
 from pack_core.rotations import Array
 
 
@@ -29,6 +29,9 @@ class TrajectoryFollower:
         desired = self._controller.update(time, q, v)
         self._after_cycle()
         return desired
+
+    def accept(self, setpoints: Setpoints, time: float) -> None:
+        """Setpoints are nothing to a driver of trajectories."""
 
     def drop(self) -> None:
         """Brake, and give up what is followed."""

@@ -32,7 +32,7 @@ class Cell:
     def __init__(self, graph: Graph, sim: BlocksDriverNode) -> None:
         self.graph, self.sim, self._number = graph, sim, 0
         self.motion = graph.start(MotionNode, cell="blocks", follow_joint_trajectory=ACTION)
-        graph.probe.listen(motion.MOTION_STATUS)
+        graph.probe.listen(motion.MOTION_STATUS, motion.SETPOINTS)
         graph.connect(motion.MOTION_TARGET)
         graph.wait_until_ready("motion")
 
@@ -69,6 +69,8 @@ def test_moves_are_trajectories_that_a_stop_replaces_and_a_slider_slows(graph: G
     assert cell.end() == "REACHED"
     np.testing.assert_allclose(cell.q, LOOK, atol=NEAR)
     assert cell.sim.controller.accepted == 1, "the whole move is one trajectory"
+    told = graph.probe.last(motion.SETPOINTS)  # for recordings, which are evaluated by them
+    np.testing.assert_allclose(told.points[-1].positions, LOOK, atol=NEAR)
 
     cell.send(LOOK + TURN)
     cell.wait_until_fast()

@@ -80,7 +80,7 @@ class MotionNode(CellNode):
         self._trajectories = self._open_trajectories()
         self._output: TrajectoryOutput | None = None
         self._driver_clock = DriverClock()
-        self._setpoints = None if self._trajectories else self.advertise(contracts.SETPOINTS)
+        self._setpoints = self.advertise(contracts.SETPOINTS)
         self._writer = TrajectoryWriter(self._arm.limits.names)
         self._status, self._status_writer = self.advertise(contracts.MOTION_STATUS), MotionStatusWriter()
         self.listen(contracts.MOTION_TARGET, self._on_target)
@@ -217,18 +217,20 @@ class MotionNode(CellNode):
         self._status.publish(self._status_writer.write(replace(status, time=status.time + late)))
 
     def _drive(self, stream: SetpointStream, sample: JointSample) -> None:
-        """Tell the driver what is new: the next setpoints, or another trajectory."""
+        """Tell the driver what is new. Beside trajectories setpoints are told for recordings alone."""
         is_stopped = self._arm_state.is_stopped
         if self._output is None or self._trajectories is None:
-            reference = stream.advance(sample)
-            if reference is not None and not is_stopped:
-                self._setpoints.publish(self._writer.write(reference))
-            return
-        command = self._output.advance(sample, is_stopped=is_stopped)
-        if isinstance(command, Cancel):
-            self._trajectories.cancel()
-        elif command is not None:
-            self._trajectories.send(replace(command, time=self._driver_clock.stamp(command.time)))
+            given = stream.advance(sample)
+        else:
+            command = self._output.advance(sample, is_stopped=is_stopped)
+            if isinstance(command, Cancel):
+                self._trajectories.cancel()
+            elif command is not None:
+                self._trajectories.send(replace(command, time=self._driver_clock.stamp(command.time)))
+            given = None if stream.controller.is_held else stream.given
+        if given is not None and not is_stopped:
+            due = replace(given, time=self._driver_clock.stamp(given.time))
+            self._setpoints.publish(self._writer.write(due))
 
     def _look_at_driver(self) -> None:
         """Note how fast the driver goes through its trajectory."""
