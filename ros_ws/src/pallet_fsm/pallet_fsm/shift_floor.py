@@ -7,11 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from pack_core.palletizing.cell import REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
-from pack_core.palletizing.orders.handling import Extents, TurnChoice, turns_of
-from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.item_list import Item, order_box
 from pack_core.palletizing.orders.layout_plan import Insertion, PlannedBox
 from pack_core.palletizing.orders.next_place import PlaceAnswer, StandingPallet
-from pack_core.palletizing.orders.order import OrderBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.rotations import Array
 from pallet_fsm.intake import Arrival
@@ -90,13 +88,12 @@ class ShiftFloor:
     def place(self, answer: PlaceAnswer, arrival: Arrival) -> WorkItem:
         """Have a box brought to its place on a pallet: the one that came, or one that was set aside."""
         assert answer.plan is not None
-        assert answer.turn is not None
         aside = next((work for work in self._set_aside() if work.name == answer.item), None)
         if aside is None:
             assert arrival.item is not None
-            return self._add(arrival.item, answer.turn, answer.plan, answer.pallet)
+            return self._add(arrival.item, answer.plan, answer.pallet)
         self.forget(aside)
-        work = self._add(self._items[aside.name], answer.turn, answer.plan, answer.pallet)
+        work = self._add(self._items[aside.name], answer.plan, answer.pallet)
         work.source, work.X_WB = REORIENTATION_TABLE, aside.X_WB
         return work
 
@@ -105,7 +102,7 @@ class ShiftFloor:
         d_x, d_y, d_z = sorted(item.size, reverse=True)
         across = d_y, d_x, d_z
         plan = self._on_table(item, REORIENTATION_TABLE, self.free_buffers[0], across)
-        return self._add(item, listed_turn(item, across), plan, REORIENTATION_TABLE)
+        return self._add(item, plan, REORIENTATION_TABLE)
 
     def send_away(self, arrival: Arrival) -> WorkItem:
         """Have a box put where somebody takes it away: all that is known of it is what was measured."""
@@ -115,7 +112,7 @@ class ShiftFloor:
         item = Item(id=arrival.box, article="", size=dims, weight=mass, this_side_up=True)
         middle = self._cell.place(REJECT_TABLE).middle[:2]
         plan = self._on_table(item, REJECT_TABLE, middle, dims)
-        work = self._add(item, listed_turn(item, dims), plan, REJECT_TABLE)
+        work = self._add(item, plan, REJECT_TABLE)
         work.X_WB = arrival.X_WB
         return work
 
@@ -133,30 +130,13 @@ class ShiftFloor:
         """What a box is."""
         return self._items[name]
 
-    def _add(self, item: Item, turn: TurnChoice, plan: PlannedBox, deck: str) -> WorkItem:
-        work = WorkItem(order_box(item, turn, plan), plan, deck, has_come=True)
+    def _add(self, item: Item, plan: PlannedBox, deck: str) -> WorkItem:
+        work = WorkItem(order_box(item, plan.placed), plan, deck, has_come=True)
         self._items[item.id] = item
         self.work.append(work)
         if self.book is not None:
             self.book.add(work)
         return work
-
-
-def listed_turn(item: Item, extents: Extents) -> TurnChoice:
-    """The turn that gives a box its extents along the axes of the place where it stands [m]."""
-    choices = turns_of(item.size, this_side_up=False)
-    return min(choices, key=lambda turn: float(np.abs(np.array(turn.extents) - extents).max()))
-
-
-def order_box(item: Item, turn: TurnChoice, plan: PlannedBox) -> OrderBox:
-    """A box as an order would have it."""
-    d_x, d_y, d_z = sorted(item.size, reverse=True)
-    x, y, z = (float(value) for value in plan.placed.lower)
-    return OrderBox(
-        id=item.id, dims=(d_x, d_y, d_z), weight=item.weight, orient_id=turn.orient_id,
-        bundling_axis=turn.bundling_axis, position=(x, y, z), article=item.article,
-        this_side_up=item.this_side_up, max_load=item.max_load, max_pressure=item.max_pressure,
-    )  # fmt: skip
 
 
 def _waits_on_table(work: WorkItem) -> bool:

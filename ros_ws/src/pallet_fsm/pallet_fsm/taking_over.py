@@ -15,7 +15,7 @@ from pydantic import Field, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.cell import REJECT_TABLE, REORIENTATION_TABLE, PalletizingCell
-from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.item_list import Item, order_box
 from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.scanner import PlaceScan
@@ -25,7 +25,7 @@ from pack_perception.scans.comparison import Finding, Oddity, ScannedScene, Scan
 from pack_perception.scans.rays import Rays
 from pallet_fsm.order_book import WorkItem, standing_box
 from pallet_fsm.report import BoxOutcome
-from pallet_fsm.shift_floor import STRAIGHT_DOWN, listed_turn, order_box
+from pallet_fsm.shift_floor import STRAIGHT_DOWN
 
 
 class TakeOverConfig(Config):
@@ -72,11 +72,10 @@ def _standing(event: ShiftEvent) -> tuple[WorkItem, Item]:
     item = Item.model_validate(data["item"])
     lower, size = np.array(data["lower"]), np.array(data["size"])
     plan = PlannedBox(PlacedBox(event.box, lower, size, item.weight), STRAIGHT_DOWN)
-    turn = listed_turn(item, tuple(data["size"]))
     X_WB = Pose(np.array(data["pose"][:3]), np.array(data["pose"][3:]))
     return (
         WorkItem(
-            order_box(item, turn, plan), plan, event.place, has_come=True, X_WB=X_WB,
+            order_box(item, plan.placed), plan, event.place, has_come=True, X_WB=X_WB,
             outcome=BoxOutcome.PLACED,
         ),
         item,

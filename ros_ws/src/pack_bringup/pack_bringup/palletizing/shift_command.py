@@ -103,7 +103,8 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
     """
     from pack_bringup.cli.outputs import make_output_folder, write_json
     from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, WrittenShift, read_journal
-    from pack_evaluation.palletizing.shift_report import shift_report
+    from pack_evaluation.palletizing.drawings import draw_order
+    from pack_evaluation.palletizing.shift_report import built_pallets, order_of_pallet, shift_report
     from pack_lockstep.palletizing.shift import BoxStreamConfig
     from pack_lockstep.palletizing.shift_lockstep import ArrivalConfig, ShiftLockstep, shift_run_setup
     from pack_planner.layout.online_planner import OnlineConfig
@@ -125,15 +126,21 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
                     typer.echo(line)
 
         run_of_shift = ShiftLockstep(setup, boxes, seed, before.events).run(note)
-    report = shift_report(read_journal(folder / JOURNAL))
+    written = read_journal(folder / JOURNAL)
+    report, built = shift_report(written), built_pallets(written.events)
+    (folder / "pictures").mkdir(exist_ok=True)
+    for number, pallet in enumerate(built, start=1):
+        name = f"{number:03}_{pallet.place}"
+        draw_order(order_of_pallet(pallet, name), ()).savefig(folder / "pictures" / f"{name}.png", dpi=110)
     went_wrong = {
         "unwanted_contacts": [f"{' and '.join(e.bodies)} at {e.time:.1f} s" for e in run_of_shift.touches],
         "fallen": list(run_of_shift.fallen),
     }
     write_json(folder / "report.json", {**report, **went_wrong})
+    taken = sum(pallet.taken is not None for pallet in built)
     hourly, over = report["boxes_per_hour"], report["over_table_share"]
     typer.echo(
-        f"{report['on_pallets']} of {report['came']} boxes on pallets, {len(report['pallets'])} pallets "
+        f"{report['on_pallets']} of {report['came']} boxes on pallets, {taken} pallets "
         f"taken away, {len(report['rejected'])} boxes rejected"
         + (f"; {hourly:.0f} boxes an hour, {over:.0%} over table B" if hourly else "")
         + f"; {len(run_of_shift.touches)} unwanted contacts, {len(run_of_shift.fallen)} boxes fallen\n"

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from pack_core.palletizing.cell import PALLET, SECOND_PALLET
+from pack_core.palletizing.cell import PALLET, SECOND_PALLET, palletizing_cell
+from pack_core.palletizing.orders.item_list import Item, order_box
+from pack_core.palletizing.orders.order import Order, OrderPallet
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.palletizing.shift_journal import SETTLED, EventKind, ShiftEvent, WrittenShift
 
 HOUR = 3600.0
@@ -52,8 +56,41 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
         "utilisation": 1.0 - sum(waits.values()) / duration if duration else None,
         "waits_s": dict(waits),
         "state_s": {state: float(np.sum(times)) / max(1, len(on_pallets)) for state, times in states.items()},
-        "pallets": _pallets(events),
+        "pallets": [_pallet(pallet) for pallet in built_pallets(events)],
     }
+
+
+@dataclass(frozen=True)
+class BuiltPallet:
+    """A pallet as it was built: its place, its boxes, and when it was taken away [s]; None: it stands."""
+
+    place: str
+    boxes: tuple[ShiftEvent, ...]
+    taken: float | None
+
+
+def built_pallets(events: Sequence[ShiftEvent]) -> list[BuiltPallet]:
+    """Every pallet of a shift on which something was put down, in the sequence in which they were taken."""
+    found, standing = list[BuiltPallet](), dict[str, list[ShiftEvent]]()
+    for event in events:
+        if event.kind is EventKind.PUT_DOWN and event.place in PALLETS:
+            standing.setdefault(event.place, []).append(event)
+        elif event.kind is EventKind.TAKEN:
+            boxes = tuple(standing.pop(event.place, []))
+            found.append(BuiltPallet(event.place, boxes, event.time))
+    return [*found, *(BuiltPallet(place, tuple(boxes), None) for place, boxes in standing.items())]
+
+
+def order_of_pallet(pallet: BuiltPallet, name: str) -> Order:
+    """A pallet as an order, to be drawn or built again: its boxes in their places."""
+    deck = palletizing_cell().pallet
+    size = OrderPallet(length=deck.size[0], width=deck.size[1], deck_height=deck.deck_height)
+    boxes = []
+    for event in pallet.boxes:
+        item = Item.model_validate(event.data["item"])
+        placed = PlacedBox(item.id, event.data["lower"], event.data["size"], item.weight)
+        boxes.append(order_box(item, placed))
+    return Order(order_id=name, pallet=size, boxes=tuple(boxes))
 
 
 def _faults(events: Sequence[ShiftEvent]) -> Counter[str]:
@@ -85,18 +122,11 @@ def _times(events: Sequence[ShiftEvent]) -> tuple[dict[str, list[float]], dict[s
     return dict(states), dict(waits)
 
 
-def _pallets(events: Sequence[ShiftEvent]) -> list[dict[str, Any]]:
-    """Every pallet that was taken away: when [s], its boxes, their weight [kg] and volume [m^3]."""
-    found, standing = list[dict[str, Any]](), dict[str, list[ShiftEvent]]()
-    for event in events:
-        if event.kind is EventKind.PUT_DOWN and event.place in PALLETS:
-            standing.setdefault(event.place, []).append(event)
-        elif event.kind is EventKind.TAKEN:
-            boxes = standing.pop(event.place, [])
-            found.append({
-                "place": event.place, "taken_at_s": event.time, "boxes": len(boxes),
-                "weight_kg": sum(box.data["item"]["weight"] for box in boxes),
-                "volume_m3": float(sum(np.prod(box.data["size"]) for box in boxes)),
-                "height_m": max((box.data["lower"][2] + box.data["size"][2] for box in boxes), default=0.0),
-            })  # fmt: skip
-    return found
+def _pallet(pallet: BuiltPallet) -> dict[str, Any]:
+    boxes = pallet.boxes
+    return {
+        "place": pallet.place, "taken_at_s": pallet.taken, "boxes": len(boxes),
+        "weight_kg": sum(box.data["item"]["weight"] for box in boxes),
+        "volume_m3": float(sum(np.prod(box.data["size"]) for box in boxes)),
+        "height_m": max((box.data["lower"][2] + box.data["size"][2] for box in boxes), default=0.0),
+    }  # fmt: skip

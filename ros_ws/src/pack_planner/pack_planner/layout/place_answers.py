@@ -53,7 +53,7 @@ class PlaceAnswers:
             return PlaceAnswer(number, decision.step, decision.reason, item, place)
         insertion = self._reach[place].insertion(entry.placed, pallet.boxes)
         plan = PlannedBox(entry.placed, insertion)
-        return PlaceAnswer(number, decision.step, decision.reason, item, place, entry.turn, plan)
+        return PlaceAnswer(number, decision.step, decision.reason, item, place, plan)
 
     def _is_reached(self, pallet: OpenPallet, entry: PackedItem) -> bool:
         return self._reach[pallet.place].allows(entry.placed, pallet.boxes)

@@ -7,10 +7,12 @@ import io
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, ValidationError, field_validator
 
 from pack_core.config import Config
 from pack_core.errors import ConfigError, OrderError
+from pack_core.palletizing.orders.handling import turns_of
 from pack_core.palletizing.orders.order import (
     EDGE_LIMITS,
     MASS_LIMITS,
@@ -19,8 +21,10 @@ from pack_core.palletizing.orders.order import (
     MaxLoad,
     MaxPressure,
     Order,
+    OrderBox,
 )
 from pack_core.palletizing.orders.order_file import order_as_written
+from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.text.json_text import parse_json
 from pack_core.text.limits import MOST_BOXES, MOST_CHARACTERS_OF_NAME, ArticleName
 from pack_core.text.reader import read_text
@@ -86,6 +90,19 @@ class Item(Config):
     this_side_up: bool
     max_load: MaxLoad | None = None
     max_pressure: MaxPressure | None = None
+
+
+def order_box(item: Item, placed: PlacedBox) -> OrderBox:
+    """An item at its place, as an order has it: with the turn that gives it the extents it has there."""
+    turns = turns_of(item.size, this_side_up=False)
+    turn = min(turns, key=lambda turn: float(np.abs(np.array(turn.extents) - placed.size).max()))
+    d_x, d_y, d_z = sorted(item.size, reverse=True)
+    x, y, z = (float(value) for value in placed.lower)
+    return OrderBox(
+        id=item.id, dims=(d_x, d_y, d_z), weight=item.weight, orient_id=turn.orient_id,
+        bundling_axis=turn.bundling_axis, position=(x, y, z), article=item.article,
+        this_side_up=item.this_side_up, max_load=item.max_load, max_pressure=item.max_pressure,
+    )  # fmt: skip
 
 
 def load_items(path: Path, unit: Unit = "m") -> tuple[Item, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from pack_core.palletizing.orders.handling import TurnChoice
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.layout_plan import PlannedBox
 from pack_core.palletizing.orders.placed_box import PlacedBox
@@ -62,8 +61,8 @@ class PlaceAnswer:
         reason: in words.
         item: id of the box that is placed, set aside or rejected; empty where a pallet is closed.
         pallet: name of the place of the pallet on which it is placed, or which is closed; empty otherwise.
-        turn: how the box is turned on its way to its place; None unless it is placed.
-        plan: its place and the way in, in the pallet's frame; None unless it is placed.
+        plan: its place and the way in, in the pallet's frame; its extents there say how it is turned. None
+            unless it is placed.
     """
 
     number: int
@@ -71,5 +70,4 @@ class PlaceAnswer:
     reason: str
     item: str = ""
     pallet: str = ""
-    turn: TurnChoice | None = None
     plan: PlannedBox | None = None
