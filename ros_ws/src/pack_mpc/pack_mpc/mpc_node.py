@@ -17,7 +17,7 @@ from pack_core.packing.load_shedding import GivenUp, LoadShedding
 from pack_core.packing.scene import Scene
 from pack_core.ros.contracts import packing as contracts
 from pack_core.ros.goal_node import GoalNode
-from pack_core.ros.messages.joints import to_trajectory
+from pack_core.ros.messages.serialized_setpoints import TrajectoryWriter
 from pack_core.ros.packing import read_packing_cell
 from pack_core.ros.run import run_node
 from pack_mpc.cost.weights import load_weights
@@ -56,6 +56,7 @@ class MpcNode(GoalNode):
         self._placements = PlacementClient(self)
         self._fills = FillAction(self, self._placements, self._cell)
         self._setpoints = self.advertise(contracts.SETPOINTS)
+        self._writer = TrajectoryWriter(self._cell.robot.arm.joints)
         self._status = self.advertise(contracts.MPC_STATUS)
         self._result = self.advertise(contracts.RESULT)
         self.listen(contracts.DESCRIPTION, self._on_description)
@@ -159,7 +160,7 @@ class MpcNode(GoalNode):
         with self._sending:
             is_wanted = self._pursued is goal and not self.silent_peers
             if is_wanted:
-                self._setpoints.publish(to_trajectory(setpoints, self._cell.robot.arm.joints))
+                self._setpoints.publish(self._writer.write(setpoints))
         return is_wanted
 
     def _end(self, goal: PackGoal | FillGoal) -> None:
@@ -173,7 +174,7 @@ class MpcNode(GoalNode):
 
     def _hold(self) -> None:
         if self._mailbox.joints is not None:
-            self._setpoints.publish(to_trajectory(hold(self._mailbox.joints), self._cell.robot.arm.joints))
+            self._setpoints.publish(self._writer.write(hold(self._mailbox.joints)))
 
     def on_peer(self, peer: str, is_alive: bool) -> None:
         """Hold the arm as soon as a peer falls silent; setpoints planned before are not sent after it."""

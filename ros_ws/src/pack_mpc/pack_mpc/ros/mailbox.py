@@ -7,18 +7,15 @@ from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
-from geometry_msgs.msg import WrenchStamped
 from pack_interfaces.msg import SceneState as SceneMessage
-from sensor_msgs.msg import JointState
 
 from pack_core.errors import MessageError
 from pack_core.joints import JointSample
 from pack_core.packing.scene import Scene
 from pack_core.ros.clock import StampCheck
 from pack_core.ros.contracts import packing as contracts
-from pack_core.ros.messages.conversions import finite
-from pack_core.ros.messages.joints import from_joint_state
 from pack_core.ros.messages.scene import from_scene
+from pack_core.ros.messages.serialized import JointStateReader, WrenchReader
 from pack_core.ros.newest_messages import Kept, NewestMessages
 from pack_core.ros.node import CellNode
 from pack_core.rotations import Array
@@ -55,7 +52,7 @@ class Mailbox(NewestMessages):
     """
 
     def __init__(self, node: CellNode, joints: Sequence[str]) -> None:
-        self._joint_names = joints
+        self._joint_reader, self._wrench_reader = JointStateReader(joints), WrenchReader()
         self._joint_stamps, self._scene_stamps = StampCheck(node), StampCheck(node)
         self._observed: JointSample | None = None
         # bounded, as nobody fetches them while no goal is pursued
@@ -64,9 +61,9 @@ class Mailbox(NewestMessages):
             node,
             (
                 Kept(contracts.SCENE, self._to_scene, NEWEST),
-                Kept(contracts.WRENCH, self._to_force, WRENCHES),
+                Kept(contracts.WRENCH, self._to_force, WRENCHES, raw=True),
                 Kept(contracts.GRIPPER_STATE, lambda message: message.is_closed, NEWEST),
-                Kept(contracts.JOINT_STATES, self._to_joints, NEWEST),
+                Kept(contracts.JOINT_STATES, self._to_joints, NEWEST, raw=True),
             ),
         )
         node.create_timer(REPORT_PERIOD, self.refresh, clock=node.wall)
@@ -173,8 +170,8 @@ class Mailbox(NewestMessages):
         is_closed: bool | None = self[contracts.GRIPPER_STATE]
         return is_closed is not False  # held until the gripper says otherwise
 
-    def _to_joints(self, message: JointState) -> JointSample:
-        sample = from_joint_state(message, self._joint_names)
+    def _to_joints(self, data: bytes) -> JointSample:
+        sample = self._joint_reader.read(data)
         self._joint_stamps.check(sample.time)
         return sample
 
@@ -183,8 +180,7 @@ class Mailbox(NewestMessages):
         self._scene_stamps.check(scene.time)
         return scene
 
-    def _to_force(self, message: WrenchStamped) -> Array:
-        vector = message.wrench.force
-        force = finite([vector.x, vector.y, vector.z], "force")
+    def _to_force(self, data: bytes) -> Array:
+        force = self._wrench_reader.read(data)
         self._forces.append(float(np.linalg.norm(force)))
         return force

@@ -22,6 +22,7 @@ from pack_core.ros.messages.serialized import (
     JointStateReader,
     JointStateWriter,
     SceneWriter,
+    WrenchReader,
     WrenchWriter,
 )
 from pack_core.rotations import Pose, from_rpy
@@ -102,6 +103,21 @@ def test_joint_states_that_are_not_finite_or_not_whole_are_refused() -> None:
         reader.read(writer.write(JointSample(0.0, np.zeros(2), np.array([np.nan, 0.0]), np.zeros(2))))
     with pytest.raises(MessageError, match="0 joint efforts"):
         reader.read(serialize_message(JointState(name=["a", "b"], position=[0.0, 0.0], velocity=[0.0, 0.0])))
+
+
+def test_forces_are_read_in_any_frame_and_refused_where_they_are_not_finite() -> None:
+    reader, rng = WrenchReader(), np.random.default_rng(0)
+    for frame in ("", "tip", "tip", "a_longer_name", "tip"):
+        writer = WrenchWriter(frame)
+        for time in TIMES:
+            force, torque = rng.normal(size=(2, 3))
+            np.testing.assert_array_equal(reader.read(writer.write(time, force, torque)), force)
+            message = WrenchStamped()
+            message.header.frame_id, message.wrench.force = frame, to_vector(force)
+            np.testing.assert_array_equal(reader.read(serialize_message(message)), force)
+    for _ in range(2):
+        with pytest.raises(MessageError, match="force is not finite"):
+            reader.read(WrenchWriter("tip").write(1.0, np.array([0.0, np.nan, 0.0]), np.zeros(3)))
 
 
 def test_wrenches_in_any_frame() -> None:

@@ -21,7 +21,7 @@ from sensor_msgs.msg import JointState
 
 from pack_core import stamps
 from pack_core.joints import JointSample
-from pack_core.ros.messages.conversions import ENCAPSULATION, STAMP, WORLD, stamp_in
+from pack_core.ros.messages.conversions import ENCAPSULATION, STAMP, WORLD, finite, stamp_in
 from pack_core.ros.messages.joints import from_joint_state
 from pack_core.rotations import Array
 from pack_core.states import SceneState
@@ -32,6 +32,8 @@ AFTER_STAMP = ENCAPSULATION + STAMP.size
 """Bytes of a serialised message with a header up to the header's frame."""
 OBJECT = struct.Struct("<13dB7xd")
 """Of an object's state: pose xyz, xyzw, twist, source, and after its alignment the age."""
+WRENCH = struct.Struct("<6d")
+"""Of a wrench: force and torque."""
 
 
 class Template:
@@ -149,11 +151,32 @@ class WrenchWriter:
     def __init__(self, frame: str) -> None:
         message = WrenchStamped()
         message.header.frame_id, message.wrench.force.x = frame, MARK
-        self._template = Template(message, struct.Struct("<6d"))
+        self._template = Template(message, WRENCH)
 
     def write(self, time: float, force: Array, torque: Array) -> bytes:
         """A serialised geometry_msgs/WrenchStamped of a force `(3,)` [N] and a torque `(3,)` [N m]."""
         return self._template.filled(time, ((*force.tolist(), *torque.tolist()),))
+
+
+class WrenchReader:
+    """Reads forces out of serialised wrenches, of which one looks like the next but for its numbers."""
+
+    def __init__(self) -> None:
+        self._known: bytes | None = None
+
+    def read(self, data: bytes) -> Array:
+        """The force `(3,)` [N] in a serialised geometry_msgs/WrenchStamped.
+
+        Raises:
+            MessageError: it is not finite.
+        """
+        start = len(data) - WRENCH.size
+        frame = bytes(data[AFTER_STAMP:start])
+        if frame == self._known and data[1] & 1:  # the second byte is odd in little-endian messages
+            return finite(WRENCH.unpack_from(data, start)[:3], "force")
+        self._known = frame
+        vector = deserialize_message(data, WrenchStamped).wrench.force
+        return finite([vector.x, vector.y, vector.z], "force")
 
 
 class SceneWriter:
