@@ -9,7 +9,9 @@ import pytest
 from pack_core.bodies import set_object_poses
 from pack_core.packing.cell import packing_cell
 from pack_core.packing.depth import points_of
+from pack_core.packing.free_space import footprint
 from pack_core.packing.model import ArmRole, HeldRole, build_model
+from pack_core.packing.object_set import load_set
 from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_perception.depth.height_map import HeightMapConfig, halves, height_map, regions
@@ -68,6 +70,38 @@ def test_a_lying_capsule_is_found_with_its_length() -> None:
     assert isinstance(fit.item, Capsule)
     assert (fit.item.radius, fit.item.length) == pytest.approx((0.02, 0.12), abs=0.003)
     assert np.sin(yaw_of(fit.X_WO.q) - 0.7) == pytest.approx(0.0, abs=0.03)
+
+
+HOUSEHOLD = load_set("household")
+
+
+def household(name: str) -> ObjectModel:
+    return next(item for item in HOUSEHOLD.objects if item.name == name)
+
+
+@pytest.mark.parametrize("name", ["pear", "apple", "mustard_bottle"])
+def test_what_is_steep_is_found_to_its_widest_place(name: str) -> None:
+    item = household(name)
+    (fit,) = look([item], [(0.5, 0.0, 0.3)])
+    assert fit.X_WO.p == pytest.approx([0.5, 0.0, item.half_extents[2]], abs=0.004)
+    outline, true = footprint(fit.item, fit.X_WO), footprint(item, Pose(fit.X_WO.p, from_yaw(0.3)))
+    assert outline.intersection(true).area / outline.union(true).area > 0.85
+
+
+def test_of_a_round_body_one_side_says_how_it_goes_on() -> None:
+    pear = household("pear")
+    points = seen([pear], [(0.5, 0.0, 0.0)])
+    (fit,) = look_at(points[(points[:, 1] > -0.008) | (points[:, 2] < 0.01)], CONTAINER, CONFIG)
+    assert fit.X_WO.p[:2] == pytest.approx([0.5, 0.0], abs=0.003)
+    assert fit.item.half_extents[:2] == pytest.approx(pear.half_extents[:2], abs=0.003)
+
+
+def test_a_flat_top_that_a_gap_cuts_is_one_object() -> None:
+    points = seen([BOX], [(0.5, 0.0, 0.0)])
+    gap = (np.abs(points[:, 0] - 0.49) < 0.003) & (points[:, 2] > 0.02)
+    (fit,) = look_at(points[~gap], CONTAINER, CONFIG)
+    assert isinstance(fit.item, Box)
+    assert sorted(fit.item.size[:2]) == pytest.approx([0.06, 0.09], abs=0.003)
 
 
 def test_objects_of_one_height_that_touch_are_two() -> None:

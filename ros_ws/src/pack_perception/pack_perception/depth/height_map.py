@@ -19,8 +19,10 @@ from pack_core.rotations import Array
 Mask = npt.NDArray[np.bool_]
 Labels = npt.NDArray[np.int_]
 
-STEEP_CELLS = 4
-"""Cells by which a round top goes on beyond where it gets steep."""
+EDGE = 5
+"""Width of what is left beside tops and is no edge of theirs [cells]."""
+STEEP_CELLS = 20
+"""Most cells by which a round top goes on beyond where it gets steep: the shoulder of a bottle, 5 cm."""
 
 
 class HeightMapConfig(Config):
@@ -33,7 +35,7 @@ class HeightMapConfig(Config):
     )
     floor: PositiveFloat = Field(default=0.015, description="what is lower is the container's base [m]")
     jump: PositiveFloat = Field(default=0.0025, description="step between cells at which a top ends [m]")
-    slope: PositiveFloat = Field(default=0.006, description="step up to which a round top goes on [m]")
+    slope: PositiveFloat = Field(default=0.02, description="step down to which a round top goes on [m]")
     flat: PositiveFloat = Field(
         default=0.002, description="a top whose heights spread by less than this is flat [m]"
     )
@@ -104,21 +106,34 @@ def _without_holes(tops: Array) -> Array:
 def regions(heights: HeightMap, config: HeightMapConfig) -> list[Mask]:
     """Connected tops `(nx, ny)` that end where the height jumps, the largest first."""
     tops = heights.tops
+    above, least = tops > config.floor, config.min_area / heights.cell**2
+    found = _connected(tops, above, config.jump, least)
+    found = [mask if is_flat(heights, mask, config) else _grown(mask, found, tops, config) for mask in found]
+    # what a bridge joined to a larger top, then tops that are steep all over; edges of others are narrow
+    for step in (config.jump, config.slope):
+        rest = above & ~np.any([*found, ~above], axis=0)
+        wide = cv2.morphologyEx(rest.astype(np.uint8), cv2.MORPH_OPEN, np.ones((EDGE, EDGE), np.uint8)) > 0
+        found += _connected(tops, wide, step, 2.0 * least)
+    return sorted(found, key=lambda mask: -mask.sum())
+
+
+def _connected(tops: Array, cells: Mask, step: float, least: float) -> list[Mask]:
+    """Parts of `cells` `(nx, ny)` between whose neighbours heights differ by less than `step` [m].
+
+    They have at least so many cells, the largest comes first, and bridges are broken.
+    """
     number = np.arange(tops.size).reshape(tops.shape)
-    above = tops > config.floor
     ends = []
     for a, b in ((np.s_[1:], np.s_[:-1]), ((np.s_[:], np.s_[1:]), (np.s_[:], np.s_[:-1]))):
-        joined = above[a] & above[b] & (np.abs(tops[a] - tops[b]) < config.jump)
+        joined = cells[a] & cells[b] & (np.abs(tops[a] - tops[b]) < step)
         ends.append(np.stack([number[a][joined], number[b][joined]]))
     rows, columns = np.concatenate(ends, axis=1)
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(tops.size, tops.size))
     _, labels = connected_components(graph, directed=False)
-    sizes = np.bincount(labels[above.ravel()], minlength=labels.max() + 1)
-    least = config.min_area / heights.cell**2
+    sizes = np.bincount(labels[cells.ravel()], minlength=labels.max() + 1)
     large = [i for i in np.argsort(-sizes) if sizes[i] >= least]
-    found = [_opened((labels == i).reshape(tops.shape) & above) for i in large]
-    found = [mask for mask in found if mask.sum() >= least]
-    return [mask if is_flat(heights, mask, config) else _grown(mask, found, tops, config) for mask in found]
+    parts = [_opened((labels == i).reshape(tops.shape) & cells) for i in large]
+    return [part for part in parts if part.sum() >= least]
 
 
 def is_flat(heights: HeightMap, mask: Mask, config: HeightMapConfig) -> bool:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 
+import cv2
 import numpy as np
 import shapely
 from pydantic import Field
@@ -25,7 +27,17 @@ from pack_perception.depth.height_map import (
     is_flat,
     regions,
 )
-from pack_perception.depth.shape_fit import FittedShape, ShapeFitConfig, candidates, overlap, seen_region
+from pack_perception.depth.shape_fit import (
+    FittedShape,
+    ShapeFitConfig,
+    candidates,
+    overlap,
+    seen_region,
+    worth,
+)
+
+GAP = 7
+"""Size of the square by which a top is widened to meet another one across a gap of unseen cells [cells]."""
 
 
 class DepthLookConfig(Config):
@@ -65,7 +77,7 @@ def look_at(points: Array, container: Container, config: DepthLookConfig) -> lis
     heights = height_map(points, container, config.heights)
     found = [
         shape
-        for mask in regions(heights, config.heights)
+        for mask in _joined(regions(heights, config.heights), points, heights, config)
         for shape in _objects_of(mask, points, heights, config)
     ]
     return [_named(f, f"seen_{i}") for i, f in enumerate(found, 1)]
@@ -75,23 +87,52 @@ def _named(fit: FittedShape, name: str) -> FittedShape:
     return replace(fit, item=fit.item.model_copy(update={"name": name, "colour": colour_of(name)}))
 
 
+def _joined(masks: list[Mask], points: Array, heights: HeightMap, config: DepthLookConfig) -> list[Mask]:
+    """The regions, those joined that a gap in what was seen has cut: one simple shape explains both."""
+    for a, b in combinations(masks, 2):
+        if not _may_be_one(a, b, heights, config):
+            continue
+        whole, parts = _best(a | b, points, heights, config), _all_best([a, b], points, heights, config)
+        apart = overlap([(part.item, part.X_WO) for part in parts], a | b, heights)
+        if whole is not None and whole.item.shape != "mesh" and whole.score >= apart - config.gain:
+            rest = [mask for mask in masks if mask is not a and mask is not b]
+            return _joined([a | b, *rest], points, heights, config)
+    return masks
+
+
+def _may_be_one(a: Mask, b: Mask, heights: HeightMap, config: DepthLookConfig) -> bool:
+    """Whether two tops are flat, as high as each other, and beside each other."""
+    levels = [np.nanmedian(heights.tops[mask]) for mask in (a, b)]
+    if abs(levels[0] - levels[1]) > config.heights.flat or not all(
+        is_flat(heights, mask, config.heights) for mask in (a, b)
+    ):
+        return False
+    return bool(np.any(cv2.dilate(a.astype(np.uint8), np.ones((GAP, GAP), np.uint8)).astype(bool) & b))
+
+
 def _objects_of(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:
     """The object of a region, or two if they explain it better."""
     whole = _best(mask, points, heights, config)
     if whole is None:
         return []
-    if whole.score >= config.good and whole.item.shape != "mesh":
+    if whole.item.shape == "capsule" or (whole.score >= config.good and whole.item.shape != "mesh"):
         return [whole]
     first = _all_best(halves(mask, config.heights.notch / heights.cell), points, heights, config)
     if len(first) < 2:
         return [whole]
     # both parts have the cells of the cut; now each cell goes to the shape that it is nearer to
     splits = [first, _all_best(_nearer(mask, first, heights), points, heights, config)]
-    scored = [(overlap([(fit.item, fit.X_WO) for fit in split], mask, heights), split) for split in splits]
+    scored = [(_worth_of(split, mask, heights), split) for split in splits]
     score, split = max(scored, key=lambda pair: pair[0])
     # hulls fit whatever is left of a region, so that two of them say nothing
     is_simple = any(part.item.shape != "mesh" for part in split)
-    return split if is_simple and score > whole.score + config.gain else [whole]
+    return split if is_simple and score > worth(whole) + config.gain else [whole]
+
+
+def _worth_of(split: Sequence[FittedShape], mask: Mask, heights: HeightMap) -> float:
+    """By which parts are compared with a whole: their overlap, less the handicap of those that are hulls."""
+    handicap = np.mean([part.score - worth(part) for part in split])
+    return overlap([(part.item, part.X_WO) for part in split], mask, heights) - float(handicap)
 
 
 def _nearer(mask: Mask, split: Sequence[FittedShape], heights: HeightMap) -> list[Mask]:

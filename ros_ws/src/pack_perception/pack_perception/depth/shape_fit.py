@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from operator import itemgetter
 
 import cv2
 import numpy as np
@@ -35,6 +36,18 @@ DIRECTIONS = np.stack([f(2.0 * np.pi * np.arange(36) / 36) for f in (np.cos, np.
 """Directions in the plane in which a round outline is measured `(36, 2)`."""
 MOST_POINTS = 300
 """Points of a top that are kept."""
+HANDICAP = 0.05
+"""Overlap by which a hull must be better than a simple shape."""
+COVERS = 0.75
+"""Least overlap of a round shape with its region: a smaller one explains a part of it alone."""
+CLOSE_SHARE = 0.8
+"""Share of the points that must be near a surface that explains them; others lie on something else."""
+RING = 2
+"""Of the directions every so many one is a corner of a body of revolution."""
+KNOTS = 7
+"""Heights between which the radius of a body of revolution is linear."""
+SHOULDER = 0.7
+"""Share of its height above which a round body that is widest there goes straight down."""
 THINNEST = 0.006
 """No object is thinner or lower [m]."""
 SCALE = 0.001
@@ -46,6 +59,9 @@ class ShapeFitConfig(Config):
 
     side: PositiveFloat = Field(default=0.006, description="farthest that a side's point is from it [m]")
     below: PositiveFloat = Field(default=0.008, description="sides begin so far below the top [m]")
+    close: PositiveFloat = Field(
+        default=0.0025, description="farthest that most points are off a round surface that explains them [m]"
+    )
     few: PositiveInt = Field(default=30, description="fewer points of a side are not used")
     top_deviation: PositiveFloat = Field(default=0.0015, description="of an edge seen from its top [m]")
     density: PositiveFloat = Field(default=600.0, description="of every object [kg/m^3]")
@@ -108,11 +124,27 @@ def candidates(
     if len(region.top) < config.few:
         return []
     level = (_box, _cylinder, partial(_prism, heights=heights))
-    kinds: tuple[Fit, ...] = level if flat else (_lying_capsule, _round_hull)
+    if not flat and (explained := _explained(region, heights, name, config)) is not None:
+        return [explained]
+    kinds: tuple[Fit, ...] = level if flat else (partial(_round_hull, heights=heights),)
     found = [fit for kind in kinds if (fit := _if_possible(kind, region, name, config)) is not None]
     shapes = [_judged(item, X_WO, region, heights) for item, X_WO in found]
-    # a simple shape is more likely than a hull, which fits whatever was seen
-    return sorted(shapes, key=lambda shape: shape.score - 0.05 * (shape.item.shape == "mesh"), reverse=True)
+    return sorted(shapes, key=worth, reverse=True)
+
+
+def worth(shape: FittedShape) -> float:
+    """By which shapes are compared: a simple one is more likely than a hull, which fits whatever was seen."""
+    return shape.score - HANDICAP * (shape.item.shape == "mesh")
+
+
+def _explained(
+    region: SeenRegion, heights: HeightMap, name: str, config: ShapeFitConfig
+) -> FittedShape | None:
+    """The round shape whose surface what was seen lies on: it says how that goes on where nothing was."""
+    fits = [fit for kind in (_lying_capsule, _revolved) if (fit := kind(region, name, config)) is not None]
+    judged = [(misfit, _judged(item, X_WO, region, heights)) for misfit, item, X_WO in fits]
+    close = [(misfit, shape) for misfit, shape in judged if misfit < config.close and shape.score > COVERS]
+    return min(close, key=itemgetter(0))[1] if close else None
 
 
 def _if_possible(
@@ -214,8 +246,12 @@ def _cylinder(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[Ob
     return item, _upright(x, y, height, 0.0)
 
 
-def _lying_capsule(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose] | None:
-    """A capsule that lies on the base; None if what was seen is not longer than wide."""
+RoundFit = tuple[float, ObjectModel, Pose]
+"""How far most points are from a surface [m], the shape, and X_WO."""
+
+
+def _lying_capsule(region: SeenRegion, name: str, config: ShapeFitConfig) -> RoundFit | None:
+    """A capsule that lies on the base."""
     points = region.top[:: max(1, len(region.top) // 600)]
     middle = points[:, :2].mean(axis=0)
     _, _, axes = np.linalg.svd(points[:, :2] - middle, full_matrices=False)
@@ -232,19 +268,81 @@ def _lying_capsule(region: SeenRegion, name: str, config: ShapeFitConfig) -> tup
 
     low, high = [-np.inf] * 3 + [0.0006, 0.006], [np.inf] * 3 + [0.2, 0.1]
     start = np.clip([*middle, yaw, half, radius], low, high)
-    x, y, yaw, half, radius = least_squares(residuals, start, loss="soft_l1", bounds=(low, high)).x
+    fit = least_squares(residuals, start, loss="soft_l1", bounds=(low, high))
+    x, y, yaw, half, radius = fit.x
     volume = np.pi * radius**2 * (2.0 * half + 4.0 / 3.0 * radius)
     sizes = {"radius": radius, "length": 2.0 * (half + radius), "axis": "x"}
-    return _described(Capsule, "capsule", name, config, volume, **sizes), _upright(x, y, 2.0 * radius, yaw)
+    item = _described(Capsule, "capsule", name, config, volume, **sizes)
+    return _misfit(SCALE * residuals(fit.x)), item, _upright(x, y, 2.0 * radius, yaw)
 
 
-def _round_hull(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose] | None:
-    """The hull of what was seen and of its mirror image below the middle, standing on the base."""
+def _misfit(distances: Array) -> float:
+    """Distance from a surface [m] within which most of the points at distances `(n,)` are."""
+    return float(np.quantile(np.abs(distances), CLOSE_SHARE))
+
+
+def _revolved(region: SeenRegion, name: str, config: ShapeFitConfig) -> RoundFit | None:
+    """A body of revolution that stands on the base; None if what was seen is off its surface, or too thin.
+
+    Its radius is linear between some heights. It is seen all around as soon as one side is.
+    """
+    points = region.top[:: max(1, len(region.top) // MOST_POINTS)]
+    bottom, top = np.quantile(points[:, 2], [0.02, 0.99])
+    knots = np.linspace(bottom, top, KNOTS)
+    peak = points[points[:, 2] > top - 0.2 * (top - bottom), :2].mean(axis=0)
+
+    def residuals(x: Array) -> Array:
+        radii = np.interp(points[:, 2], knots, x[2:])
+        # across the surface: of steep profiles radii tell, of flat ones heights
+        slopes = np.interp(points[:, 2], 0.5 * (knots[1:] + knots[:-1]), np.diff(x[2:]) / np.diff(knots))
+        ways = np.linalg.norm(points[:, :2] - x[:2], axis=1) - radii
+        return np.asarray(ways / np.sqrt(1.0 + slopes**2) / SCALE)
+
+    distances = np.linalg.norm(points[:, :2] - peak, axis=1)
+    rows = np.clip(np.searchsorted(knots, points[:, 2]), 0, KNOTS - 1)
+    start = [np.median(distances[rows == i]) if np.any(rows == i) else 0.01 for i in range(KNOTS)]
+    low, high = [-np.inf] * 2 + [0.0] * KNOTS, [np.inf] * 2 + [0.15] * KNOTS
+    fit = least_squares(residuals, [*peak, *start], loss="soft_l1", bounds=(low, high), max_nfev=25)
+    misfit = _misfit(SCALE * residuals(fit.x))
+    if misfit > config.close:
+        return None
+    circles = fit.x[:2] + fit.x[2:, None, None] * DIRECTIONS[::RING]
+    rings = np.concatenate([np.insert(c, 2, z, axis=1) for c, z in zip(circles, knots, strict=True)])
+    widest = float(knots[np.argmax(fit.x[2:])])
+    try:
+        return misfit, *_mesh(_completed(rings, widest, float(top)), name, config)
+    except ValueError:
+        return None
+
+
+def _round_hull(
+    region: SeenRegion, name: str, config: ShapeFitConfig, heights: HeightMap
+) -> tuple[ObjectModel, Pose] | None:
+    """The hull of what was seen and of what is likely below its widest place."""
     height = float(np.percentile(region.top[:, 2], 99))
-    upper = region.top[region.top[:, 2] > 0.5 * height]
-    inner = upper[_within_tails(upper[:, :2])]
-    mirrored = inner * [1.0, 1.0, -1.0] + [0.0, 0.0, height]
-    return _mesh(np.concatenate([inner, mirrored]), name, config)
+    cells = region.mask & np.isfinite(heights.tops)
+    seen = np.column_stack([heights.centres(cells), heights.tops[cells]])
+    widest = float(np.median(seen[np.argmax(seen[:, :2] @ DIRECTIONS.T, axis=0), 2]))
+    return _mesh(_completed(seen, widest, height), name, config)
+
+
+def _completed(seen: Array, widest: float, height: float) -> Array:
+    """Points `(n, 3)` of an upper surface with likely ones below, down to the base.
+
+    A body that is widest about its middle, such as a fruit, is there as it is above; one that is widest lower
+    down likewise, as far as the base leaves room; one that is widest high up, such as a bottle, goes straight
+    down.
+
+    Args:
+        seen: points `(m, 3)` [m].
+        widest: height of its widest place [m].
+        height: of its top [m].
+    """
+    if widest > SHOULDER * height:
+        below = seen * [1.0, 1.0, 0.0]
+    else:
+        below = seen * [1.0, 1.0, -1.0] + [0.0, 0.0, 2.0 * min(widest, 0.5 * height)]
+    return np.concatenate([seen, below[below[:, 2] >= 0.0], [[*seen[:, :2].mean(axis=0), 0.0]]])
 
 
 def _prism(
@@ -300,9 +398,3 @@ def _tightest(xy: Array, yaws: Array) -> float:
     """The heading of the rectangle of least area around points `(n, 2)`."""
     spans = [np.subtract(*_extents(xy @ _axes(yaw))[::-1]) for yaw in yaws]
     return float(yaws[int(np.argmin(np.prod(spans, axis=1)))])
-
-
-def _within_tails(xy: Array) -> Mask:
-    """Points `(n,)` that no direction has among its outermost."""
-    reach = xy @ DIRECTIONS.T
-    return np.asarray(np.all(reach <= np.quantile(reach, 1.0 - 0.5 * TAIL, axis=0), axis=1))
