@@ -3,10 +3,11 @@ from pathlib import Path
 
 import pytest
 
-from e2e.command import alarms, measured_again, output_of, pack
+from e2e.command import alarms, output_of, pack
 from pack_core.palletizing.orders.order_file import load_order
 from pack_core.paths import config_path
 from pack_evaluation.palletizing.from_bag import load_pallet_run
+from pack_evaluation.palletizing.measures import measure_order
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(900)]
 FACTOR = 0.4
@@ -46,12 +47,10 @@ def test_a_healthy_start_run_and_end_log_no_error(demo: tuple[Path, str]) -> Non
     assert alarms(demo[0]) == []
 
 
-def test_evaluating_the_bag_again_gives_measures_within_their_targets(
-    demo: tuple[Path, str], tmp_path: Path
-) -> None:
-    measures = measured_again(demo[0], tmp_path)
-    assert measures["is_complete"]
-    assert (measures["drops"], measures["touches"]) == (0, 0)
+def test_the_measures_of_the_recording_are_within_their_targets(demo: tuple[Path, str]) -> None:
+    measures = measure_order(load_pallet_run(demo[0]))
+    assert measures.is_complete
+    assert (measures.drops, measures.touches) == (0, 0)
 
 
 def test_an_order_that_would_not_stand_is_refused_at_once(tmp_path: Path) -> None:
