@@ -31,7 +31,7 @@ class IntakeConfig(Config):
     )
     clear: PositiveFloat = Field(
         default=0.15, description="distance of arm and carried box from the conveyor, seen from above, from "
-        "which on it is scanned [m]"
+        "which on it moves and is scanned [m]"
     )  # fmt: skip
     size_tolerance: PositiveFloat = Field(
         default=0.005, description="by which a box may differ from what its label says [m]"
@@ -127,11 +127,14 @@ class Intake:
             self.reason = "the scanner over the conveyor does not answer"
         return ()
 
+    def is_clear(self, seen: PalletObservation, work: WorkItem | None) -> bool:
+        """Whether arm and carried box are beside the conveyor, so that boxes may move on it and be seen."""
+        carried = None if work is None else work.carried
+        return self._shadow.clearance(seen.motion.X_WT, carried) >= self._config.clear
+
     def _look(self, seen: PalletObservation, work: WorkItem | None) -> tuple[Command, ...]:
         assert self._came is not None
-        carried = None if work is None else work.carried
-        is_at_rest = seen.time >= self._came + self._config.settle
-        if not is_at_rest or self._shadow.clearance(seen.motion.X_WT, carried) < self._config.clear:
+        if seen.time < self._came + self._config.settle or not self.is_clear(seen, work):
             return ()
         self._asked = seen.time
         return (ScanPlace(PICKING_TABLE),)

@@ -124,7 +124,7 @@ class ShiftJob:
     def _take_in(self, seen: PalletObservation) -> list[Command]:
         """Have the next box brought once the last one has left the conveyor, and have it measured."""
         intake, before = self._intake, self._intake.arrival
-        if before is not None and self._arriving is not None and self._has_left(self._arriving):
+        if before is not None and self._arriving is not None and self._has_left(self._arriving, seen):
             self._arriving = None
             intake.clear()
         has_box = intake.arrival is not None or intake.is_sent
@@ -142,12 +142,12 @@ class ShiftJob:
             )  # fmt: skip
         return commands
 
-    def _has_left(self, work: WorkItem) -> bool:
-        """Whether a box is not on the conveyor any more."""
-        if work.is_finished or work is not self._busy or self.machine is None:
+    def _has_left(self, work: WorkItem, seen: PalletObservation) -> bool:
+        """Whether a box is neither on the conveyor nor over it any more."""
+        if work.is_finished or work is not self._busy:
             return work.is_finished
-        is_lifted = work.X_TB is not None and self.machine.machine.state is not State.LIFT
-        return is_lifted or work.approach is not None
+        is_away = work.X_TB is not None or work.approach is not None
+        return is_away and self._intake.is_clear(seen, work)
 
     def _decide(self, seen: PalletObservation) -> list[Command]:
         """Ask where the box goes that has come, and do what is answered."""

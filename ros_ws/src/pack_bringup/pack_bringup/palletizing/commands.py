@@ -170,13 +170,15 @@ def demo(
             {
                 "--order": order, "--profile": profile, "--visitors": visitors, "--preset": preset,
                 "--live": live, "--calibration": calibration, "--domain": domain is not None,
-                "--real-time-factor": real_time_factor is not None,
+                "--real-time-factor": real_time_factor is not None, "--no-video": not video,
             },
             "--boxes, --seed, --output, --resume",
         )  # fmt: skip
         folder = resume or output or default_folder("palletizing_shift", seed, datetime.now())
         shift_command.demo_shift(boxes, seed, folder, is_resumed=resume is not None)
         return
+    if resume is not None:
+        raise ConfigError("--resume without --shift; allowed: both, as an order is built anew")
     from pack_bringup.palletizing.goals import PalletizingJob
     from pack_sim.palletizing.crossings import visitors_of
 

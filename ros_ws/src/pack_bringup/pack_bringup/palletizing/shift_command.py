@@ -26,7 +26,9 @@ Boxes = Annotated[int, typer.Option(min=1, help="With --shift: it ends when so m
 Resume = Annotated[
     Path | None,
     typer.Option(
-        metavar="DIR", help="With --shift: go on with the shift of this folder, which was interrupted."
+        metavar="DIR",
+        help="With --shift: go on with the shift of this folder, which was interrupted; boxes and seed are "
+        "those that it was begun with.",
     ),
 ]
 BoxesMoved = Annotated[

@@ -145,6 +145,8 @@ class Conveyor(Config):
     """Of both belts [m/s^2]."""
     barrier: PositiveFloat
     """From the end of table A, where the front of a box to be picked stops [m]."""
+    headroom: PositiveFloat
+    """Over the belt with the queue, which the arm keeps free: nobody looks at what stands there [m]."""
 
     @model_validator(mode="after")
     def _opens_gaps(self) -> Self:
@@ -233,8 +235,13 @@ class PalletizingCell(Config):
         """Tables, pallets and conveyor as obstacles of the arm, each a block down to the floor."""
         names = [PICKING_TABLE, REORIENTATION_TABLE, PALLET]
         if self.shift is not None:
-            names += [SECOND_PALLET, REJECT_TABLE, QUEUE_BELT]
-        return tuple(_block(name, self.place(name)) for name in names)
+            names += [SECOND_PALLET, REJECT_TABLE]
+        blocks = [_block(name, self.place(name)) for name in names]
+        if self.shift is not None:
+            belt = self.queue_belt
+            height = belt.height + self.shift.infeed.headroom
+            blocks.append(_block(QUEUE_BELT, belt.model_copy(update={"height": height})))
+        return tuple(blocks)
 
     @property
     def pallets(self) -> tuple[str, ...]:
