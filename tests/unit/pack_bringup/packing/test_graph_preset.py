@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 import yaml
 
 from pack_bringup.graph.graph import preset_overrides
-from pack_bringup.packing.goals import NODES
+from pack_bringup.packing.goals import NODES, packing_fill_job
 from pack_core.errors import ConfigError
-from pack_core.packing.cell import packing_cell
+from pack_core.packing.cell import Perception, packing_cell
 from pack_lockstep.packing.lockstep_config import load_preset
 
 
@@ -57,6 +59,17 @@ def test_what_is_not_there_is_refused(cell: str, name: str, error: str) -> None:
         preset_overrides(cell, name)
 
 
-def test_a_preset_that_no_node_can_do_is_refused_before_anything_starts() -> None:
-    with pytest.raises(ConfigError, match="`pack benchmark packing --preset unknown`"):
-        preset_overrides("packing", "unknown")
+def test_depth_cameras_reach_simulator_and_perception() -> None:
+    overrides = preset_overrides("packing", "unknown")
+    assert value_of(overrides, "perception", "depth.objects") == "unknown"
+    for node in NODES:
+        cell = value_of(overrides, node, "cell")
+        assert isinstance(cell, str)
+        assert packing_cell(cell).perception is Perception.DEPTH
+
+
+def test_a_list_is_refused_with_depth_cameras_before_anything_starts(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    with pytest.raises(ConfigError, match="'unknown' with --fill; allowed: presets with motion capture"):
+        packing_fill_job(0, None, folder=folder, preset="unknown", real_time_factor=None, command="")
+    assert not folder.exists()
