@@ -14,15 +14,16 @@ from pack_core.motion.target import Acceptance, MotionState, MotionStatus, Motio
 from pack_core.motion.world import CarriedBox, Obstacle
 from pack_core.rotations import Array, Pose
 from pack_motion.arm.arm import MotionArm
+from pack_motion.clearance.check import Surrounding, with_carried
 from pack_motion.move_monitor import MoveMonitor
 from pack_motion.reference.path_planner import MotionPlan
 from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
 from pack_motion.rmpflow.spheres import arm_spheres
+from pack_motion.safety.separation_monitor import Margin
 from pack_motion.target_planner import PreparedTarget, TargetPlanner, unwound
 from pack_motion.tracking.config import MotionSet, Reference
 from pack_motion.tracking.obstacles import MovingObstacles, ObstacleField
 from pack_motion.tracking.pursuit import Pursuit, pursuit_of
-from pack_motion.tracking.speed_separation import Threat
 from pack_motion.tracking.tracker import PolicyInputs, Tracker
 
 UNFINISHED = (MotionState.MOVING, MotionState.SETTLING)
@@ -123,6 +124,16 @@ class MotionController:
         return self._mode
 
     @property
+    def margin(self) -> Margin:
+        """How much farther than it must be the arm is from those who are seen."""
+        return self._pursuit.margin
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether the arm's reference moves; an arm that only makes room for somebody is not under way."""
+        return self._pursuit.is_moving
+
+    @property
     def is_standing(self) -> bool:
         """Whether the joints are commanded to stand still, and the driver does not hold them."""
         return not self._is_held and self.commanded.is_at_rest
@@ -168,7 +179,7 @@ class MotionController:
         if self._is_held:
             return
         plan = self._planner.stop(self.commanded)
-        self._follow(replace(self._target, move=Path(())), plan)
+        self._follow(replace(self._target, move=Path(())), plan, is_stop=True)
 
     def refuse(self, reason: str) -> None:
         """Give the move up, as the driver does not take it, and report it as refused."""
@@ -202,7 +213,7 @@ class MotionController:
         plan = standing_plan(q, self.plan, self._pursuit.segment)
         self._time, self._is_held = time, False
         self._tracker = Tracker(self._arm, self._config, q)
-        self._pursuit = pursuit_of(plan, self._arm, self._config)
+        self._pursuit = self._pursuit_of(plan)
         left, self._left = self._left, None
         self._resumed = left
         self._monitor.resume(is_unfinished=left is not None)
@@ -237,7 +248,8 @@ class MotionController:
             )
         self._time = time
         pursuit, tracker = self._pursuit, self._tracker
-        before, after, posture = pursuit.advance(h, tracker.deviation, self._threat())
+        seen_around = self._moving.seen(time, self._target)
+        before, after, posture = pursuit.advance(h, tracker.deviation, tracker.state.q, seen_around)
         mode = pursuit.plan.segments[pursuit.segment].mode
         if mode is not self._mode or self._moving:
             self._mode = mode
@@ -245,7 +257,7 @@ class MotionController:
         seen = PolicyInputs(self._config.policies(mode), self._spheres, self._field)
         tracker.step(h, before, after, posture, seen)
         self._monitor.record(time, tracker.state, pursuit.segment)
-        self._monitor.judge(h, sample, pursuit, self._target, (tracker.least_distance, self._field.names))
+        self._monitor.judge(h, sample, pursuit, self._target, self._near())
         return tracker.state
 
     def outlook(self) -> ReferenceTrajectory:
@@ -263,13 +275,18 @@ class MotionController:
         """State and progress of the newest move."""
         return self._monitor.status(self._pursuit)
 
-    def _follow(self, target: MotionTarget, plan: MotionPlan) -> None:
+    def _follow(self, target: MotionTarget, plan: MotionPlan, *, is_stop: bool = False) -> None:
         self._target = target
-        self._pursuit = pursuit_of(plan, self._arm, self._config)
+        self._pursuit = self._pursuit_of(plan, is_stop=is_stop)
         self._spheres = self._arm_spheres.with_carried(self._arm, target.carried)
         self._mode = plan.segments[self._pursuit.segment].mode
         self._refresh_field()
         self._monitor.begin(target.id)
+
+    def _pursuit_of(self, plan: MotionPlan, *, is_stop: bool = False) -> Pursuit:
+        around = Surrounding(carried=self._target.carried, opening=self._target.opening)
+        bodies = with_carried(self._arm, around)
+        return pursuit_of(plan, self._arm, bodies, self._config, is_stop=is_stop)
 
     def _refresh_field(self) -> None:
         policy, tracker = self._config.policies(self._mode).collision, self._tracker
@@ -277,10 +294,12 @@ class MotionController:
             self._time, self._target, policy, tracker.state.q, tracker.least_distance
         )
 
-    def _threat(self) -> Threat:
-        """The nearest obstacle that the policies react to, as the monitor of speed and separation sees it."""
-        is_blind = self._moving.is_silent(self._time, self._config.speed_separation.blind)
-        return Threat(self._tracker.least_distance, self._tracker.threat_speed, is_blind)
+    def _near(self) -> tuple[float, tuple[str, ...]]:
+        """Who the arm keeps clear of: the smallest distance [m], and names."""
+        margin = self._pursuit.margin
+        if margin.who:
+            return margin.distance, (margin.who,)
+        return self._tracker.least_distance, self._field.names
 
 
 def warm_up(arm: MotionArm, config: MotionSet) -> None:
@@ -297,7 +316,8 @@ def warm_up(arm: MotionArm, config: MotionSet) -> None:
     moving = Obstacle("moving", Pose(X_WT.p + 0.4 * UP), np.full(3, 0.05), is_moving=True)
     hover = Retreat(UP, (0.02, 0.02))
     for move in (Path((PoseMove(X_up), Line(X_WT))), Transfer((Line(X_WT),), hover, hover)):
-        controller.command(MotionTarget(0, move, box, (standing, moving)))
+        controller.command(MotionTarget(0, move, box, (standing,)))
+        controller.observe((moving,))
         sample = JointSample(controller.time, arm.home, np.zeros(arm.chain.n), np.zeros(arm.chain.n))
         controller.step(controller.time + config.substep, sample)
         controller.status()

@@ -13,7 +13,7 @@ from pack_core.rotations import Array, Pose, angle_between
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import Stuck
-from pack_motion.tracking.pursuit import Pursuit
+from pack_motion.tracking.pursuit import STANDING, Pursuit
 
 MEMORY = 64
 """Number of commanded states that are kept: setpoints are ahead of the measurements they belong to."""
@@ -69,10 +69,6 @@ class ReachProgress:
         return self._commanded[0][1].q if self._commanded else sample.q
 
 
-STANDING = 0.02
-"""Rate below which the reference counts as standing still; 1 is as planned."""
-
-
 class StuckDetector:
     """Measures how long the reference has waited, and how long after its end the target is not reached."""
 
@@ -92,7 +88,7 @@ class StuckDetector:
             rate: rate at which the reference advances.
             is_over: whether the reference is at its end.
             is_reached: whether the tool is at its target.
-            gives_way: whether an obstacle that moves is in the way.
+            gives_way: whether it keeps the distance from somebody.
         """
         is_waiting = rate < STANDING and not is_over
         is_settling = is_over and not is_reached

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from pack_core.config import Config
 from pack_core.palletizing.orders.order import Order
 from pack_core.rotations import Array, angle_between
-from pack_evaluation.palletizing.run import BoxRecord, PalletRun, ToolTrack
+from pack_evaluation.palletizing.run import BoxRecord, PalletRun, SeparationTrack, ToolTrack
 from pack_evaluation.palletizing.state_times import StateTime, near_contact_peak, state_times, tool_speeds
 from pack_evaluation.table import MeasureText, mean_and_max, number, yes_or_no
 
@@ -267,6 +267,8 @@ class VisitorMeasures:
         stopped_s: part of it in which the tool stood [s].
         too_near: crossings with less than the distance that is to be kept.
         touches: unwanted contacts with a visitor.
+        margin_m: the least distance beyond the protective separation distance while the arm was under way
+            [m]; None where it was not recorded.
     """
 
     crossings: int
@@ -275,6 +277,7 @@ class VisitorMeasures:
     stopped_s: float
     too_near: int
     touches: int
+    margin_m: float | None
 
 
 def measure_visitors(run: PalletRun) -> VisitorMeasures | None:
@@ -294,8 +297,14 @@ def measure_visitors(run: PalletRun) -> VisitorMeasures | None:
         stopped_s += step * float((is_near & (tool < STANDS)).sum())
     touches = sum(any(name in run.visitors for name in touch.bodies) for touch in run.touches)
     return VisitorMeasures(
-        len(least), tuple(least), near_s, stopped_s, sum(distance < KEPT for distance in least), touches
-    )
+        len(least), tuple(least), near_s, stopped_s, sum(distance < KEPT for distance in least), touches,
+        _margin(run.separation),
+    )  # fmt: skip
+
+
+def _margin(track: SeparationTrack | None) -> float | None:
+    seen = None if track is None else track.margin[track.is_under_way & np.isfinite(track.margin)]
+    return float(seen.min()) if seen is not None and len(seen) else None
 
 
 def visitors_text(found: VisitorMeasures | None) -> str:
@@ -303,7 +312,8 @@ def visitors_text(found: VisitorMeasures | None) -> str:
     if found is None:
         return "-"
     nearest = f"{min(found.least_m):.2f} m" if found.least_m else "-"
-    return f"{found.crossings} crossings, {nearest}; {found.touches} contacts"
+    margin = "" if found.margin_m is None else f", margin {found.margin_m:.3f} m"
+    return f"{found.crossings} crossings, {nearest}{margin}; {found.touches} contacts"
 
 
 def _intervals(flags: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:

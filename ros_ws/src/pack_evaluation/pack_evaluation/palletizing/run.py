@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 from pack_core.palletizing.arm import arm_kinematics
@@ -113,6 +114,22 @@ class VisitorTrack:
 
 
 @dataclass(frozen=True)
+class SeparationTrack:
+    """The margin of speed and separation monitoring at n moments, as the arm's controller computed it.
+
+    Attributes:
+        times: the moments `(n,)` [s].
+        margin: distance less protective separation distance of the body with the least `(n,)` [m]; infinite
+            while nobody is seen.
+        is_under_way: whether the arm's reference moved `(n,)`; it does not while the arm only makes room.
+    """
+
+    times: Array
+    margin: Array
+    is_under_way: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
 class StateVisit:
     """The machine entered a state: its label, when [s], for which box, and why if it is a fault."""
 
@@ -174,6 +191,7 @@ class PalletRun(RecordedRun):
         interruptions: how often setpoints came too late and the driver held the arm in a move.
         way_points: errors at the targets of the machine, in order; empty where they were not recorded.
         visitors: who came near the arm, by name; empty where nobody did or it was not recorded.
+        separation: the margin kept from them; None where it was not recorded.
         stands: where everything truly was.
         slow: from when to when the motion was in the mode SLOW [s], in order.
         targets: what the machine sent the motion, in order; empty where it was not recorded.
@@ -191,6 +209,7 @@ class PalletRun(RecordedRun):
     grip_peaks: Mapping[str, tuple[float, float, float]]
     interruptions: int = 0
     visitors: Mapping[str, VisitorTrack] = field(default_factory=dict)
+    separation: SeparationTrack | None = None
     way_points: tuple[WayPoint, ...] = ()
     stands: StandingCell = field(default_factory=StandingCell)
     slow: tuple[tuple[float, float], ...] = ()

@@ -126,6 +126,7 @@ def _visitors(trials: Sequence[OrderTrial]) -> dict[str, Any] | None:
         "least_m": min(least, default=None),
         "least_p5_m": float(np.percentile(least, 5)) if least else None,
         "least_median_m": float(np.median(least)) if least else None,
+        "margin_m": min((m for item in found if (m := item.get("margin_m")) is not None), default=None),
         "near_s": sum(item["near_s"] for item in found),
         "stopped_s": sum(item["stopped_s"] for item in found),
     }

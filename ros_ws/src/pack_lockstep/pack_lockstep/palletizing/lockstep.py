@@ -113,5 +113,5 @@ class PalletLockstep:
             self._log.note_target(self.stepped.motion.plan.X_WT)
 
     def _advance(self) -> None:
-        self._log.note(self.stepped.arm.q_des, self.stepped.motion.mode)
+        self._log.note(self.stepped.arm.q_des, self.stepped.motion)
         self.stepped.advance()

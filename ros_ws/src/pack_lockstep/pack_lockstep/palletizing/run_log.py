@@ -16,6 +16,7 @@ from pack_evaluation.palletizing.run import (
     BoxRecord,
     PalletRun,
     SentTarget,
+    SeparationTrack,
     StandingCell,
     StateVisit,
     ToolTrack,
@@ -26,6 +27,7 @@ from pack_evaluation.palletizing.run import (
     tool_track,
 )
 from pack_evaluation.track import to_tracks
+from pack_motion.controller import MotionController
 from pack_sim.palletizing.simulator import PalletSimulator
 from pallet_fsm.report import BoxReport, OrderReport
 from pallet_fsm.states import State
@@ -52,18 +54,20 @@ class PalletRunLog:
         self._way_points: list[WayPoint] = []
         self._targets: list[SentTarget] = []
         self._visitors: dict[str, list[tuple[float, float, float]]] = {}
+        self._separation: list[tuple[float, bool]] = []
 
-    def note(self, q_ref: Array, mode: Mode) -> None:
+    def note(self, q_ref: Array, motion: MotionController) -> None:
         """Record the present state.
 
         Args:
             q_ref: joint positions of the present setpoint `(n,)` [rad].
-            mode: of the motion.
+            motion: what made it.
         """
         simulator = self._simulator
         self._times.append(simulator.time)
-        self._is_slow.append(mode is Mode.SLOW)
+        self._is_slow.append(motion.mode is Mode.SLOW)
         self._joints.append((q_ref, simulator.joints().q, simulator.link_angles()))
+        self._separation.append((motion.margin.value, motion.is_under_way))
         if held := simulator.gripper.state.held:
             self._peaks[held] = simulator.gripper.state.peak.worst(self._peaks.get(held, GripLoad()))
         if len(self._times) % self._box_steps == 0:
@@ -93,11 +97,18 @@ class PalletRunLog:
             report.cycle_times(),
             {name: (load.coaxial, load.shear, load.moment) for name, load in self._peaks.items()},
             visitors={name: VisitorTrack(*np.array(rows).T) for name, rows in self._visitors.items()},
+            separation=self._kept(),
             way_points=tuple(self._way_points),
             stands=StandingCell(self._simulator.cell, self._simulator.X_WB),
             slow=intervals(self._times, self._is_slow),
             targets=tuple(self._targets),
         )  # fmt: skip
+
+    def _kept(self) -> SeparationTrack | None:
+        if not self._visitors:
+            return None
+        margin, is_under_way = zip(*self._separation, strict=True)
+        return SeparationTrack(np.array(self._times), np.array(margin), np.array(is_under_way))
 
     def _tool(self) -> ToolTrack:
         wanted, measured, true = (np.array([row[i] for row in self._joints]) for i in (0, 1, 2))

@@ -12,6 +12,7 @@ from pack_core.errors import ConfigError
 from pack_core.motion.moves import Mode
 from pack_core.paths import config_path
 from pack_motion.rmpflow.parameters import Policies
+from pack_motion.safety.protective_distance import ProtectiveSeparation
 
 
 class Reference(Enum):
@@ -32,23 +33,14 @@ class Resolve(Enum):
     """The pseudo-inverse, scaled down to a largest norm."""
 
 
-class SpeedSeparation(Config):
-    """When the reference waits for the tool, and when it slows down near moving obstacles."""
+class Waiting(Config):
+    """When the reference waits for a tool that is held up."""
 
     near: PositiveFloat = Field(description="distance of the tool up to which it does not wait [m]")
     far: PositiveFloat = Field(description="distance at which it stands still [m]")
     time: PositiveFloat = Field(description="from full rate to standing still, at least [s]")
-    avoid_speed: PositiveFloat = Field(description="of the tool, where it is pushed aside [m/s]")
-    avoid_distance: PositiveFloat = Field(description="from an obstacle, where that speed is reached [m]")
-    avoid_deceleration: PositiveFloat = Field(description="on the way to that speed [m/s^2]")
-    stop_distance: PositiveFloat = Field(description="from an obstacle that moves, where it stands [m]")
-    reaction: PositiveFloat = Field(description="for which an obstacle goes on while it stops [s]")
-    blind: PositiveFloat = Field(description="age of the newest observation at which it stands [s]")
-    moving_speed: PositiveFloat = Field(
-        description="of an obstacle from which it is given way to; slower ones are driven around [m/s]"
-    )
     calm_time: PositiveFloat = Field(
-        description="after an obstacle moved near the arm, for which it may go on and is waited for [s]"
+        description="after it kept its distance from somebody, for which the tool may be on its way back [s]"
     )
 
 
@@ -56,7 +48,7 @@ class Stuck(Config):
     """When a move counts as stuck."""
 
     waiting: PositiveFloat = Field(description="time that the reference may stand still [s]")
-    giving_way: PositiveFloat = Field(description="the same, while an obstacle that moves is near [s]")
+    giving_way: PositiveFloat = Field(description="the same, while it keeps its distance from somebody [s]")
     settling: PositiveFloat = Field(description="time from the reference's end to the target [s]")
 
 
@@ -73,7 +65,8 @@ class MotionSet(Config):
     avoiding_distance: PositiveFloat = Field(
         description="of an obstacle that moves, within which the arm may leave its planned way [m]"
     )
-    speed_separation: SpeedSeparation
+    waiting: Waiting
+    separation: ProtectiveSeparation
     stuck: Stuck
     fast: Policies
     slow: Policies

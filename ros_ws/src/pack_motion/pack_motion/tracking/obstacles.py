@@ -1,4 +1,4 @@
-"""Obstacles that the arm avoids while it moves: where they are by now, and as arrays for the policies."""
+"""Obstacles around the moving arm: who is seen, and what the policies react to, as arrays."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pack_core.rotations import Array, Pose, from_matrix, to_matrix
 from pack_motion.arm.arm import MotionArm
 from pack_motion.rmpflow.parameters import Collision
 from pack_motion.rmpflow.tree import ObstacleBoxes
+from pack_motion.safety.separation_monitor import NOBODY, Seen
 
 
 class MovingObstacles:
@@ -35,9 +36,22 @@ class MovingObstacles:
     def __bool__(self) -> bool:
         return bool(self._seen)
 
-    def is_silent(self, time: float, longest: float) -> bool:
-        """Whether some were seen, and nothing has been heard of them for longer than `longest` [s]."""
-        return bool(self._seen) and time - self._seen_at > longest
+    def seen(self, time: float, target: MotionTarget) -> Seen:
+        """Who moves, where they were when they were seen, and how long ago that is at `time` [s].
+
+        Besides those who were observed, the obstacles of the target that move count.
+        """
+        known = {item.name: item for item in target.obstacles if item.is_moving} | self._seen
+        if not known:
+            return NOBODY
+        return Seen(
+            tuple(known),
+            np.array([to_matrix(item.X_WO.q) for item in known.values()]),
+            np.array([item.X_WO.p for item in known.values()]),
+            np.array([0.5 * item.size for item in known.values()]),
+            np.array([float(np.linalg.norm(item.v_WO_W)) for item in known.values()]),
+            max(time - self._seen_at, 0.0) if self._seen else 0.0,
+        )
 
     def field(
         self, time: float, target: MotionTarget, policy: Collision, q: Array, distance: float
@@ -82,11 +96,6 @@ class ObstacleField:
 
     names: tuple[str, ...]
     boxes: ObstacleBoxes
-
-    @property
-    def fastest(self) -> float:
-        """Speed of the fastest obstacle [m/s]; 0 where there is none."""
-        return float(np.linalg.norm(self.boxes.v, axis=1).max(initial=0.0))
 
     @classmethod
     def of(

@@ -8,10 +8,14 @@ import numpy as np
 
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
+from pack_motion.arm.bodies import BodyBoxes
 from pack_motion.reference.path_planner import MotionPlan
-from pack_motion.reference.trajectory import JointState, ReferenceTrajectory
-from pack_motion.tracking.config import MotionSet, Reference
-from pack_motion.tracking.speed_separation import SpeedSeparationMonitor, Threat
+from pack_motion.reference.trajectory import REST_SPEED, JointState, ReferenceTrajectory
+from pack_motion.safety.separation_monitor import Margin, Seen, SeparationMonitor
+from pack_motion.tracking.config import MotionSet, Reference, Waiting
+
+STANDING = 0.02
+"""Rate below which the reference counts as standing still; 1 is as planned."""
 
 
 class Pursuit(ABC):
@@ -25,22 +29,33 @@ class Pursuit(ABC):
 
     @abstractmethod
     def advance(
-        self, h: float, deviation: float, threat: Threat
+        self, h: float, deviation: float, q: Array, seen: Seen
     ) -> tuple[JointState, JointState, Array | None]:
         """The reference before and after a step, and the posture that attracts the joints.
 
         Args:
             h: duration of the step [s].
             deviation: distance of the tool from the reference [m].
-            threat: the nearest obstacle that the policies react to.
+            q: commanded joint positions `(n,)` [rad].
+            seen: who is seen around the arm.
 
         Returns:
             Both states of the reference, and the posture `(n,)` [rad]; None means that of the reference.
         """
 
     @property
+    def margin(self) -> Margin:
+        """How much farther than it must be the arm is from those who are seen."""
+        return Margin()
+
+    @property
     def gives_way(self) -> bool:
-        """Whether the reference is held up by an obstacle that moves."""
+        """Whether the reference is held up to keep the distance from somebody, or has just been."""
+        return False
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the reference moves."""
         return False
 
     @property
@@ -60,20 +75,27 @@ class Pursuit(ABC):
 
 
 class ShapedPursuit(Pursuit):
-    """The reference moves along the plan, and waits for a tool that is held up."""
+    """The reference moves along the plan, waits for a tool that is held up, and keeps clear of people.
 
-    def __init__(self, plan: MotionPlan, monitor: SpeedSeparationMonitor) -> None:
+    A `stop` is carried out at full rate: nothing ends it sooner.
+    """
+
+    def __init__(
+        self, plan: MotionPlan, monitor: SeparationMonitor, waiting: Waiting, *, is_stop: bool = False
+    ) -> None:
         super().__init__(plan)
-        self._monitor = monitor
+        self._monitor, self._waiting, self._is_stop = monitor, waiting, is_stop
         self._time = 0.0
         self._planned = self._state = plan.trajectory.start
+        self._calm = np.inf
 
     def advance(
-        self, h: float, deviation: float, threat: Threat
+        self, h: float, deviation: float, q: Array, seen: Seen
     ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
         before, rate = self._state, self.rate
-        self.rate = self._monitor.update(self._planned, deviation, threat, h)
+        if not self._is_stop:
+            self.rate = self._next_rate(h, deviation, q, seen)
         self._time = min(self._time + 0.5 * h * (rate + self.rate), self.plan.trajectory.duration)
         planned, self.segment = self.plan.trajectory.at(self._time)
         # Chain rule for t = r times the clock: v scales with the rate r, a with r^2. The change of the rate
@@ -82,10 +104,32 @@ class ShapedPursuit(Pursuit):
         self._state = JointState(planned.q, self.rate * planned.v, self.rate**2 * planned.a)
         return before, self._state, None
 
+    def _next_rate(self, h: float, deviation: float, q: Array, seen: Seen) -> float:
+        c = self._waiting
+        # Falls linearly from 1 where the tool is `near` its reference to 0 where it is `far` from it.
+        wished = min(max((c.far - deviation) / (c.far - c.near), 0.0), 1.0)
+        slowest, fastest = self._monitor.bounds(self._planned.v, self._planned.a, self.rate)
+        lowest, highest = max(self.rate + h * slowest, 0.0), min(self.rate + h * fastest, 1.0)
+        highest = min(max(wished, lowest), highest)
+        rate = self._monitor.rate(self.plan.trajectory, self._time, (lowest, highest), q, seen)
+        is_held = rate < highest or self._monitor.margin.value < 0.0
+        self._calm = 0.0 if is_held else self._calm + h
+        return rate
+
+    @property
+    def margin(self) -> Margin:
+        """How much farther than it must be the arm is from those who are seen."""
+        return self._monitor.margin
+
     @property
     def gives_way(self) -> bool:
-        """Whether the reference is held up by an obstacle that moves."""
-        return self._monitor.gives_way
+        """Whether the reference is held up to keep the distance from somebody, or has just been."""
+        return self._calm < self._waiting.calm_time
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the reference moves."""
+        return bool(np.abs(self._state.v).max() > REST_SPEED)
 
     @property
     def remaining(self) -> float:
@@ -113,7 +157,7 @@ class StaticPursuit(Pursuit):
         self._index, self._home, self._is_new, self._is_over = 0, q_home, True, False
 
     def advance(
-        self, h: float, deviation: float, threat: Threat
+        self, h: float, deviation: float, q: Array, seen: Seen
     ) -> tuple[JointState, JointState, Array | None]:
         """See `Pursuit`."""
         if not self._is_new and deviation < self.NEAR:
@@ -132,10 +176,19 @@ class StaticPursuit(Pursuit):
         return 0.0 if self._is_over else self._ends[-1] - self._ends[self._index - 1] * (self._index > 0)
 
 
-def pursuit_of(plan: MotionPlan, arm: MotionArm, config: MotionSet) -> Pursuit:
-    """The pursuit of a plan with the kind of reference that a motion set asks for."""
+def pursuit_of(
+    plan: MotionPlan, arm: MotionArm, bodies: BodyBoxes, config: MotionSet, *, is_stop: bool = False
+) -> Pursuit:
+    """The pursuit of a plan with the kind of reference that a motion set asks for.
+
+    Args:
+        plan: the plan.
+        arm: the arm that follows it.
+        bodies: boxes around its links and what it carries.
+        config: the motion set.
+        is_stop: whether the plan is a stop.
+    """
     if config.reference is Reference.SHAPED:
-        return ShapedPursuit(
-            plan, SpeedSeparationMonitor(config.speed_separation, arm.chain, arm.limits.acceleration)
-        )
+        monitor = SeparationMonitor(config.separation, arm, bodies, config.waiting.time)
+        return ShapedPursuit(plan, monitor, config.waiting, is_stop=is_stop)
     return StaticPursuit(plan, arm.home)

@@ -104,8 +104,6 @@ class Tracker:
         """Distance of the commanded tool from the reference [m]."""
         self.least_distance = np.inf
         """Smallest distance from any sphere of the arm to any obstacle that the policies react to [m]."""
-        self.threat_speed = 0.0
-        """Speed of the fastest of these obstacles [m/s]."""
 
     def step(
         self, h: float, start: JointState, end: JointState, q_posture: Array | None, seen: PolicyInputs
@@ -119,7 +117,6 @@ class Tracker:
             q_posture: the posture that attracts the joints `(n,)` [rad]; None: that of the reference.
             seen: policies, spheres and obstacles.
         """
-        self.threat_speed = seen.field.fastest
         n = max(int(np.ceil(h / self._config.substep - 1e-6)), 1)  # 1e-6: no extra substep from rounding
         a_ref = (end.v - start.v) / h
         for k in range(n):

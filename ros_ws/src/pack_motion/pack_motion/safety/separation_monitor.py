@@ -1,0 +1,138 @@
+"""Keeps the protective separation distance: slows the plan down, and stops it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pack_core.rotations import Array
+from pack_motion.arm.arm import MotionArm
+from pack_motion.arm.bodies import BodyBoxes
+from pack_motion.clearance.separation import separations
+from pack_motion.reference.trajectory import ReferenceTrajectory
+from pack_motion.safety.protective_distance import ProtectiveSeparation, Stop, protective_distances
+from pack_motion.safety.stop_ahead import rate_bounds, stop_ahead, ways_of_bodies
+
+BEYOND = 100.0
+"""Distances are computed up to this one [m]."""
+HALVINGS = 5
+"""Halvings of the interval that the next rate may come from: it is found to a thirtieth of it."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Who is seen around the arm, as boxes `m` in number.
+
+    Attributes:
+        names: what reports call them.
+        R: orientations `(m, 3, 3)`.
+        p: centres when they were seen `(m, 3)` [m].
+        half: half edge lengths `(m, 3)` [m].
+        speed: `(m,)` [m/s].
+        age: time since they were seen [s].
+    """
+
+    names: tuple[str, ...] = ()
+    R: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    p: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    half: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    speed: Array = field(default_factory=lambda: np.zeros(0))
+    age: float = 0.0
+
+
+NOBODY = Seen()
+
+
+@dataclass(frozen=True)
+class Margin:
+    """The smallest margin over all bodies of the arm and all who are seen.
+
+    Distances are gaps along separating axes: never more than the true ones, and a few centimetres less where
+    two corners face each other. While a body turns they may fall a little faster than the true ones.
+
+    Attributes:
+        value: distance less protective separation distance [m]; infinite while nobody is seen.
+        distance: of the two that have it [m].
+        body: name of the arm's body, or of the carried object.
+        who: name of who is seen.
+    """
+
+    value: float = np.inf
+    distance: float = np.inf
+    body: str = ""
+    who: str = ""
+
+
+class SeparationMonitor:
+    """Chooses the rate at which a plan is followed so that every margin stays at or above 0 in motion.
+
+    A stop along the plan is predicted anew in each cycle, from the present rate. The plan goes on at the
+    highest rate, of those that joints can reach within the cycle, from which the arm could still stop before
+    anybody comes as near as the standard allows; else it brakes as fast as its joints can.
+
+    Args:
+        config: the terms of the distance that do not depend on the motion.
+        arm: the arm.
+        bodies: boxes around its links and what it carries.
+        time: from full rate to standing still, at least [s].
+    """
+
+    def __init__(self, config: ProtectiveSeparation, arm: MotionArm, bodies: BodyBoxes, time: float) -> None:
+        self._config, self._chain, self._limit = config, arm.chain, arm.limits.acceleration
+        self._bodies, self._time = bodies, time
+        self.margin = Margin()
+        """At the rate of the last cycle."""
+
+    def rate(
+        self, plan: ReferenceTrajectory, clock: float, rates: tuple[float, float], q: Array, seen: Seen
+    ) -> float:
+        """The rate of the next cycle.
+
+        Args:
+            plan: the plan.
+            clock: present time of the plan [s].
+            rates: the lowest rate that the joints can reach in a cycle, and the highest one that they can
+                reach and that is wished.
+            q: commanded joint positions `(n,)` [rad]; away from the plan where the arm makes room.
+            seen: who is seen.
+        """
+        lowest, highest = rates
+        if not seen.names:
+            self.margin = Margin()
+            return highest
+        b, boxes = self._bodies, (seen.R, seen.p, seen.half)
+        gaps = separations(*self._chain.links(q), b.link, b.R, b.p, b.half, *boxes, BEYOND)
+
+        def margin(rate: float) -> Margin:
+            least = gaps - protective_distances(self._config, seen.speed, self._stop(plan, clock, rate, seen))
+            i, j = (int(k) for k in np.unravel_index(np.argmin(least), least.shape))
+            return Margin(float(least[i, j]), float(gaps[i, j]), b.names[i], seen.names[j])
+
+        is_blind = seen.age > self._config.blind
+        self.margin = margin(lowest if is_blind else highest)
+        if is_blind or self.margin.value >= 0.0:
+            return lowest if is_blind else highest
+        rate, too_high = lowest, highest
+        self.margin = margin(rate)
+        for _ in range(HALVINGS if self.margin.value > 0.0 else 0):
+            middle = 0.5 * (rate + too_high)
+            found = margin(middle)
+            if found.value >= 0.0:
+                rate, self.margin = middle, found
+            else:
+                too_high = middle
+        return rate
+
+    def bounds(self, v: Array, a: Array, rate: float) -> tuple[float, float]:
+        """Bounds of the change of the rate [1/s]; see `rate_bounds`."""
+        return rate_bounds(v, a, rate, self._limit, self._time)
+
+    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, seen: Seen) -> Stop:
+        reaction = seen.age + self._config.reaction
+        way, braking, stopping = stop_ahead(
+            plan.times, plan.q, plan.v, plan.a, clock, rate, self._limit, self._time, reaction
+        )
+        b, chain = self._bodies, self._chain
+        ways = ways_of_bodies(chain.axes, chain.points, way, braking, b.link, b.R, b.p, b.half)
+        return Stop(reaction, stopping, *ways)
