@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pack_motion.safety.protective_distance import ProtectiveSeparation, Stop, protective_distances
+from pack_motion.safety.protective_distance import PredictedStop, ProtectiveSeparation, protective_distances
 
 CONFIG = ProtectiveSeparation(
     person_speed=1.6, top_speed=3.0, reaction=0.03, intrusion=0.1, seen_uncertainty=0.06,
@@ -15,8 +15,8 @@ CONFIG = ProtectiveSeparation(
 )  # fmt: skip
 
 
-def even_stop(v: float, a: float, reaction: float) -> Stop:
-    return Stop(reaction, v / a, np.array([v * reaction]), np.array([0.5 * v**2 / a]))
+def even_stop(v: float, a: float, reaction: float) -> PredictedStop:
+    return PredictedStop(reaction, v / a, np.array([v * reaction]), np.array([0.5 * v**2 / a]))
 
 
 @pytest.mark.parametrize(
@@ -42,6 +42,6 @@ def test_a_faster_robot_and_a_faster_person_need_more(
 
 
 def test_each_body_has_its_distance_from_each_person() -> None:
-    stop = Stop(0.2, 0.5, np.array([0.0, 0.4]), np.array([0.0, 0.3]))
+    stop = PredictedStop(0.2, 0.5, np.array([0.0, 0.4]), np.array([0.0, 0.3]))
     found = protective_distances(CONFIG, np.array([0.5, 2.0]), stop)
     np.testing.assert_allclose(found, np.array([[1.6, 2.0]]) * 0.7 + np.array([[0.0], [0.7]]) + 0.2)

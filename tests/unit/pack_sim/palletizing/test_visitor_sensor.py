@@ -50,6 +50,13 @@ def test_what_is_out_of_reach_is_not_seen() -> None:
     assert VisitorSensor([], CONFIG, BASE, seed=0).observe(1.0) is None
 
 
+def test_who_comes_again_from_elsewhere_is_not_taken_to_have_flown_there() -> None:
+    again = WALK.model_copy(update={"path": ((2.0, -1.0, 0.9), (2.0, 1.0, 0.9)), "period": 4.0})
+    sensor = VisitorSensor([again], CONFIG, BASE, seed=3)
+    seen = [found for time in np.arange(0.0, 9.0, 0.004) if (found := sensor.observe(time)) is not None]
+    assert max(np.linalg.norm(each.obstacles[0].v_WO_W) for each in seen) < 1.4
+
+
 def test_true_distances_are_from_the_arms_surface_to_the_capsules() -> None:
     stands = WALK.model_copy(update={"start": 1e3})
     simulator = PalletSimulator(palletizing_cell(), PalletSimulatorConfig(), visitors=[stands])

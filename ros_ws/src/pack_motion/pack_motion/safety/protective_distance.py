@@ -44,7 +44,7 @@ class ProtectiveSeparation(Config):
 
 
 @dataclass(frozen=True)
-class Stop:
+class PredictedStop:
     """How the k bodies of the robot come to rest if the stop is triggered now.
 
     Attributes:
@@ -60,7 +60,7 @@ class Stop:
     stopping_ways: Array
 
 
-def protective_distances(config: ProtectiveSeparation, speeds: Array, stop: Stop) -> Array:
+def protective_distances(config: ProtectiveSeparation, speeds: Array, stop: PredictedStop) -> Array:
     """S_p of k bodies of the robot from m people `(k, m)` [m].
 
     Nobody is taken to be slower than a person who walks. The robot's ways count in whatever direction they

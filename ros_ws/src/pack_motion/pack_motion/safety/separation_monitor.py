@@ -11,7 +11,7 @@ from pack_motion.arm.arm import MotionArm
 from pack_motion.arm.bodies import BodyBoxes
 from pack_motion.clearance.separation import separations
 from pack_motion.reference.trajectory import ReferenceTrajectory
-from pack_motion.safety.protective_distance import ProtectiveSeparation, Stop, protective_distances
+from pack_motion.safety.protective_distance import PredictedStop, ProtectiveSeparation, protective_distances
 from pack_motion.safety.stop_ahead import rate_bounds, stop_ahead, ways_of_bodies
 
 BEYOND = 100.0
@@ -128,11 +128,11 @@ class SeparationMonitor:
         """Bounds of the change of the rate [1/s]; see `rate_bounds`."""
         return rate_bounds(v, a, rate, self._limit, self._time)
 
-    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, seen: Seen) -> Stop:
+    def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, seen: Seen) -> PredictedStop:
         reaction = seen.age + self._config.reaction
         way, braking, stopping = stop_ahead(
             plan.times, plan.q, plan.v, plan.a, clock, rate, self._limit, self._time, reaction
         )
         b, chain = self._bodies, self._chain
         ways = ways_of_bodies(chain.axes, chain.points, way, braking, b.link, b.R, b.p, b.half)
-        return Stop(reaction, stopping, *ways)
+        return PredictedStop(reaction, stopping, *ways)

@@ -28,6 +28,9 @@ class VisitorSensorConfig(Config):
     noise: NonNegativeFloat = Field(default=0.01, description="of each coordinate, one sigma [m]")
     margin: NonNegativeFloat = Field(default=0.03, description="added to every side: three sigma [m]")
     reach: PositiveFloat = Field(default=6.0, description="from the arm's base; not seen farther away [m]")
+    gate: PositiveFloat = Field(
+        default=0.5, description="from where somebody was expected, from which on it is taken for another [m]"
+    )
     smoothing: float = Field(default=0.4, gt=0, le=1, description="alpha of the alpha-beta filter")
 
 
@@ -86,11 +89,11 @@ class VisitorSensor:
     def _tracked(self, name: str, measured: Array) -> tuple[Array, Array]:
         """Filtered position and velocity, each `(3,)`, after a measured position `(3,)`."""
         h, alpha = self._config.period, self._config.smoothing
-        if name not in self._tracks:
-            self._tracks[name] = measured, np.zeros(3)
-        p, v = self._tracks[name]
+        p, v = self._tracks.get(name, (measured, np.zeros(3)))
         predicted = p + h * v
         innovation = measured - predicted
+        if np.linalg.norm(innovation) > self._config.gate:
+            predicted, v, innovation = measured, np.zeros(3), np.zeros(3)
         beta = alpha**2 / (2.0 - alpha)
         self._tracks[name] = predicted + alpha * innovation, v + beta / h * innovation
         return self._tracks[name]
