@@ -35,7 +35,7 @@ DURATION = 1.0
 @pytest.fixture(scope="module")
 def playback() -> Playback:
     """What perception hears in a second of the sample, from before the goal on."""
-    return load_playback(SAMPLE, heard_by("perception", wiring_of("packing")), end=1.6 + DURATION)
+    return load_playback(SAMPLE, heard=heard_by("perception", wiring_of("packing")), end=1.6 + DURATION)
 
 
 @contextmanager
@@ -102,8 +102,9 @@ def test_a_message_type_that_has_changed_since_is_refused(playback: Playback) ->
 
 def test_a_node_hears_what_the_wiring_table_says() -> None:
     assert set(heard_by("perception", wiring_of("packing"))) == {
-        contracts.DESCRIPTION.name, contracts.JOINT_STATES.name, contracts.MARKERS.name,
-        contracts.GRIPPER_STATE.name,
+        contracts.DESCRIPTION.name, contracts.SIM_DESCRIPTION.name, contracts.JOINT_STATES.name,
+        contracts.MARKERS.name, contracts.GRIPPER_STATE.name, contracts.DEPTH_IMAGE_1.name,
+        contracts.DEPTH_IMAGE_2.name, contracts.DEPTH_INFO_1.name, contracts.DEPTH_INFO_2.name,
     }  # fmt: skip
     with pytest.raises(ConfigError, match=r"node 'vision'; allowed: .*perception"):
         heard_by("vision", wiring_of("packing"))

@@ -96,7 +96,7 @@ def test_description_and_first_truth_make_a_scene_file_to_run_again(
     scene = load_scene(Path(__file__).parents[2] / "config" / "scenarios" / "packing" / "example.yaml")
     poses = {**scene.poses(), scene.new_object.name: Pose([0.5, 0.0, 0.4])}
     truth = SceneState(0.1, {name: ObjectState(X_WO) for name, X_WO in poses.items()})
-    graph.probe.send(contracts.DESCRIPTION, String(data=scene.description().to_yaml()))
+    graph.probe.send(contracts.SIM_DESCRIPTION, String(data=scene.description().to_yaml()))
     graph.probe.send(contracts.TRUTH, to_scene(truth))
     graph.wait_until((tmp_path / "run" / "scene.yaml").is_file)
     again = load_scene(tmp_path / "run" / "scene.yaml")
@@ -108,9 +108,9 @@ def test_description_and_first_truth_make_a_scene_file_to_run_again(
 def test_a_bad_description_is_counted_recorded_and_survived(
     graph: Graph, recorder: RecorderNode, tmp_path: Path
 ) -> None:
-    graph.probe.send(contracts.DESCRIPTION, String(data="container: 5"))
-    graph.wait_until(received(recorder, contracts.DESCRIPTION, 1))
-    assert recorder.health.counts["refused /cell_description"] == 1
+    graph.probe.send(contracts.SIM_DESCRIPTION, String(data="container: 5"))
+    graph.wait_until(received(recorder, contracts.SIM_DESCRIPTION, 1))
+    assert recorder.health.counts["refused /sim/description"] == 1
 
 
 def test_a_failing_disk_is_reported_as_a_fault(graph: Graph, recorder: RecorderNode) -> None:

@@ -201,7 +201,7 @@ def test_the_places_of_an_order_s_boxes_are_shown(graph: Graph, fsm: PalletFsmNo
 def test_an_order_is_refused_while_the_gripper_holds_a_box(graph: Graph, fsm: PalletFsmNode) -> None:
     tell(graph)
     graph.probe.send(contracts.GRIPPER_STATE, to_gripper_state(1.0, GripState(held="17")))
-    graph.wait_until(lambda: fsm.refusal(Palletize.Goal()))
+    graph.wait_until(lambda: "holds" in fsm.refusal(Palletize.Goal()))
     assert "holds '17'" in graph.refusal(contracts.PALLETIZE, Palletize.Goal(file=str(ORDER)))
     tell(graph, 2.0)
     graph.wait_until(lambda: not fsm.refusal(Palletize.Goal()))

@@ -6,9 +6,10 @@ import numpy as np
 
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import palletizing_cell
+from pack_core.palletizing.infeed import InfeedState
 from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.next_place import PlaceAnswer
-from pack_core.palletizing.ports import AskPlace, Command, InfeedState, PalletObservation, SendBox, TakePallet
+from pack_core.palletizing.ports import AskPlace, Command, PalletObservation, SendBox, TakePallet
 from pack_core.palletizing.shift_journal import EventKind, ShiftEvent
 from pack_core.rotations import Pose, from_yaw
 from pack_planner.layout.insertion_direction import InsertionConfig

@@ -10,8 +10,9 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
 from pack_core.palletizing.cell import PICKING_TABLE, PalletizingCell
+from pack_core.palletizing.infeed import InfeedState
 from pack_core.palletizing.orders.item_list import Item
-from pack_core.palletizing.ports import Command, InfeedState, PalletObservation, ScanPlace, SendBox
+from pack_core.palletizing.ports import Command, PalletObservation, ScanPlace, SendBox
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Array, Pose
 from pack_perception.scans.box_measurement import BoxMeasurementConfig, measure_box

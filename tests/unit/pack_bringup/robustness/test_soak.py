@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 import subprocess
@@ -64,8 +65,9 @@ def test_a_goal_that_was_lost_is_named(tmp_path: Path) -> None:
 
 
 def test_memory_threads_and_descriptors_of_a_process_are_read() -> None:
+    gc.collect()  # else what earlier tests left might be freed between both measurements
     before = usage_of(os.getpid())
-    held, ended = bytearray(50_000_000), threading.Event()
+    held, ended = bytearray(b"x") * 50_000_000, threading.Event()
     thread = threading.Thread(target=ended.wait)
     thread.start()
     with Path(os.devnull).open() as file:

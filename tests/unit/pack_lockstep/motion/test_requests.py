@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,12 @@ def requests() -> list[MotionRequest]:
     return [MotionRequest(f"request {target.id}", "blocks", START, target) for target in TARGETS]
 
 
+def written(request: MotionRequest) -> str:
+    """All of a request as text; a set's sequence is none of its properties."""
+    target = request.target
+    return f"{replace(request, target=replace(target, contacts=frozenset()))} {sorted(target.contacts)}"
+
+
 def test_requests_come_back_from_a_file_to_the_last_bit(tmp_path: Path) -> None:
     first, second = tmp_path / "first.jsonl.gz", tmp_path / "second.jsonl.gz"
     save_requests(first, requests())
@@ -39,7 +46,7 @@ def test_requests_come_back_from_a_file_to_the_last_bit(tmp_path: Path) -> None:
     assert first.read_bytes() == second.read_bytes()
     for found, given in zip(back, requests(), strict=True):
         np.testing.assert_array_equal(found.start.v, given.start.v)
-        assert repr(found) == repr(given)
+        assert written(found) == written(given)
 
 
 def test_a_file_that_is_none_of_requests_is_refused(tmp_path: Path) -> None:

@@ -68,8 +68,8 @@ def play(
     from pack_core.ros.contracts.table import wiring_of
 
     wiring = wiring_of(cell)
-    chosen = topics if node is None else [*(topics or []), *heard_by(node, wiring)]
-    playback = load_playback(bag, chosen, start=start, end=end)
+    heard = () if node is None else heard_by(node, wiring)
+    playback = load_playback(bag, topics, heard, start=start, end=end)
     senders = sorted({s for c in wiring if c.name in playback.topics for s in c.sources} - {node, "all"})
     end_as_by_ctrl_c()
     with BagPlayer(playback, clock=clock, stand_in=senders, domain=domain) as player:

@@ -68,13 +68,16 @@ class Playback:
 
 
 def load_playback(
-    path: Path, topics: Collection[str] | None = None, *, start: float = 0.0, end: float = float("inf")
-) -> Playback:
+    path: Path, topics: Collection[str] | None = None, heard: Collection[str] = (), *, start: float = 0.0,
+    end: float = float("inf"),
+) -> Playback:  # fmt: skip
     """Read what is to be played from a run's folder, a bag's folder or an MCAP file.
 
     Args:
         path: the recording.
-        topics: those wanted; all but /clock and the events of services if None.
+        topics: those wanted; if None, and none is heard, all but /clock and the events of services.
+        heard: topics of which those that were recorded are wanted, too: what a node listens to depends on its
+            cell's configuration.
         start: what was recorded before is left out, but for latched topics [s of simulated time].
         end: what was recorded after is left out [s of simulated time].
 
@@ -82,7 +85,9 @@ def load_playback(
         BagError: the bag is missing or broken, lacks a topic, or has nothing to play.
     """
     raw = read_raw_bag(path)
-    wanted = {name for name in raw.topics if _is_played(raw.topics[name])} if topics is None else set(topics)
+    wanted = {*(topics or ()), *(name for name in heard if name in raw.topics)}
+    if topics is None and not heard:
+        wanted = {name for name in raw.topics if _is_played(raw.topics[name])}
     if CLOCK in wanted:
         raise BagError(f"{CLOCK} is not played from the recording; --clock sends one that keeps to --rate")
     if missing := sorted(wanted - set(raw.topics)):

@@ -10,26 +10,10 @@ from dataclasses import dataclass
 from pack_core.motion.target import MotionStatus, MotionTarget
 from pack_core.palletizing.boxes import BoxBody, BoxDetection, ExpectedBox
 from pack_core.palletizing.grip import GripState
+from pack_core.palletizing.infeed import InfeedState
 from pack_core.palletizing.orders.next_place import PlaceAnswer, PlaceQuestion
 from pack_core.palletizing.scanner import PlaceScan
 from pack_core.rotations import Pose
-
-
-@dataclass(frozen=True)
-class InfeedState:
-    """What the conveyor of a shift tells.
-
-    Attributes:
-        time: present time [s].
-        number: how many boxes have come to its barrier so far.
-        box: the box that stands there, by what it is tracked by; empty while none does.
-        label: what that box's bar code says; empty where it cannot be read.
-    """
-
-    time: float
-    number: int = 0
-    box: str = ""
-    label: str = ""
 
 
 @dataclass(frozen=True)

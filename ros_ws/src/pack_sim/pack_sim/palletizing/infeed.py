@@ -15,7 +15,7 @@ import numpy as np
 
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PICKING_TABLE, QUEUE_BELT, PalletizingCell
-from pack_core.palletizing.ports import InfeedState
+from pack_core.palletizing.infeed import InfeedState
 from pack_core.rotations import Pose, from_yaw
 from pack_sim.palletizing.physics import Physics
 

@@ -15,7 +15,7 @@ from pack_core.joints import Desired, JointSample, Setpoints
 from pack_core.palletizing.arm_dynamics import CarriedLoad
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.ports import InfeedState
+from pack_core.palletizing.infeed import InfeedState
 from pack_core.palletizing.visitors import Visitor
 from pack_core.robots.joint_properties import GearCompensation
 from pack_core.robots.kr210 import LIMITS

@@ -75,14 +75,17 @@ IN_PROGRESS = {GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStat
 
 
 def status_contracts(cell: str) -> tuple[Contract, ...]:
-    """The status topic of each of a cell's actions; its sources are the nodes that pursue the goals."""
+    """The status topic of each action of a cell's nodes; its sources are the nodes that pursue the goals.
+
+    The action of a driver's controller is none of them: its goals are pieces of a move.
+    """
     return tuple(
         Contract(
             f"{action.name}/_action/status", GoalStatusArray, action.targets, ("recorder",),
             "state of each goal", qos=qos_profile_action_status_default,
         )
         for action in wiring_of(cell)
-        if action.kind is Kind.ACTION
+        if action.kind is Kind.ACTION and "user" not in action.targets
     )  # fmt: skip
 
 
