@@ -144,24 +144,6 @@ def test_the_policies_of_the_table_drive_around_an_obstacle_in_the_path(arm: Mot
     assert clearance(loop, thing) > 0.05
 
 
-def test_an_obstacle_that_comes_along_is_kept_clear_of(arm: MotionArm) -> None:
-    start, v = midway(arm) + np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.25, 0.0])
-    size, gaps = np.full(3, 0.3), []
-
-    def world(time: float) -> list[Obstacle]:
-        now = Obstacle("cart", Pose(start + time * v), size, v, is_moving=True)
-        p = arm.chain.forward(loop.controller.commanded.q).p
-        gaps.append(box_distance(p, np.eye(3), now.X_WO.p, 0.5 * size)[0])
-        return [now]
-
-    loop = Loop(arm)
-    loop.run(target(PoseMove(HOVER)), world)
-    assert loop.controller.status().state is MotionState.REACHED
-    assert min(gaps) > 0.05
-    assert min(gaps) < 0.6
-    assert np.all(loop.accelerations <= 1.001)
-
-
 def test_the_arm_waits_before_a_wall_in_its_path(arm: MotionArm) -> None:
     wall = Obstacle("wall", Pose(midway(arm)), np.array([0.1, 2.5, 3.0]), is_moving=True)
     loop = Loop(arm)

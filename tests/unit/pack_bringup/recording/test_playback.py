@@ -56,6 +56,9 @@ def test_the_clock_ticks_every_4_ms_and_is_never_behind_a_message(bag: Path) -> 
 
 
 def test_a_topic_that_was_not_recorded_is_named_with_those_that_were(bag: Path) -> None:
+    assert set(load_playback(bag, heard=["/lidar", topics.JOINT_STATES]).topics) == {topics.JOINT_STATES}
+    with pytest.raises(BagError, match=r"has none of /camera, /lidar"):
+        load_playback(bag, heard=["/lidar", "/camera"])
     with pytest.raises(BagError, match=r"has no topic /camera, /lidar; it has .*/joint_states"):
         load_playback(bag, ["/lidar", "/camera", topics.JOINT_STATES])
 

@@ -93,6 +93,8 @@ def load_playback(
     if missing := sorted(wanted - set(raw.topics)):
         there = ", ".join(sorted(set(raw.topics) - {CLOCK}))
         raise BagError(f"{raw.path} has no topic {', '.join(missing)}; it has {there}")
+    if not wanted:
+        raise BagError(f"{raw.path} has none of {', '.join(sorted(heard))}")
     chosen = {name: raw.topics[name] for name in sorted(wanted)}
     within = [
         item for item in raw.messages if item.topic in chosen and stamps.to_seconds(item.time_ns) <= end
