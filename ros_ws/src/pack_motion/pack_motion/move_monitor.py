@@ -13,7 +13,7 @@ from pack_core.rotations import Array, Pose, angle_between
 from pack_motion.arm.arm import MotionArm
 from pack_motion.reference.trajectory import JointState
 from pack_motion.tracking.config import Stuck
-from pack_motion.tracking.pursuit import STANDING, Pursuit
+from pack_motion.tracking.pursuit import Pursuit
 
 MEMORY = 64
 """Number of commanded states that are kept: setpoints are ahead of the measurements they belong to."""
@@ -67,6 +67,10 @@ class ReachProgress:
                 ahead = sample.time - time
                 return np.asarray(state.q + ahead * (state.v + 0.5 * ahead * state.a))
         return self._commanded[0][1].q if self._commanded else sample.q
+
+
+STANDING = 0.02
+"""Rate below which the reference counts as standing still; 1 is as planned."""
 
 
 class StuckDetector:

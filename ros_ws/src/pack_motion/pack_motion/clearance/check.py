@@ -150,7 +150,7 @@ class ClearanceCheck:
         """
         standing = [item for item in around.obstacles if not item.is_moving]
         bodies = with_carried(self._arm, around)
-        boxes = _boxes(standing)
+        boxes = box_arrays(standing)
 
         def is_clear(q: Array) -> bool:
             if standing and self._gaps(q, bodies, boxes, margin).min() < margin:
@@ -163,7 +163,7 @@ class ClearanceCheck:
         standing = [item for item in around.obstacles if not item.is_moving]
         if not standing:
             return None
-        bodies, boxes, q = with_carried(self._arm, around), _boxes(standing), plan.trajectory.q
+        bodies, boxes, q = with_carried(self._arm, around), box_arrays(standing), plan.trajectory.q
         enough = 2.0 * self._clearance  # gaps are exact up to there, and cut off
         gaps = self._gaps(q[rows], bodies, boxes, enough)
         between = _between(plan, rows, gaps.min(axis=(1, 2)) < enough)
@@ -213,11 +213,11 @@ def with_carried(arm: MotionArm, around: Surrounding) -> BodyBoxes:
     return bodies.joined(box)
 
 
-def _boxes(standing: Sequence[Obstacle]) -> tuple[Array, Array, Array]:
+def box_arrays(obstacles: Sequence[Obstacle]) -> tuple[Array, Array, Array]:
     """Orientations `(m, 3, 3)`, centres `(m, 3)` and half edge lengths `(m, 3)` [m] of obstacles."""
-    R = np.array([to_matrix(item.X_WO.q) for item in standing])
-    p = np.array([item.X_WO.p for item in standing])
-    return R, p, np.array([0.5 * item.size for item in standing])
+    R = np.array([to_matrix(item.X_WO.q) for item in obstacles])
+    p = np.array([item.X_WO.p for item in obstacles])
+    return R, p, np.array([0.5 * item.size for item in obstacles])
 
 
 def _moments(times: Array) -> npt.NDArray[np.int64]:

@@ -9,13 +9,11 @@ import numpy as np
 from pack_core.rotations import Array
 from pack_motion.arm.arm import MotionArm
 from pack_motion.arm.bodies import BodyBoxes
-from pack_motion.clearance.separation import separations
 from pack_motion.reference.trajectory import ReferenceTrajectory
+from pack_motion.safety.distances import BoxDistances
 from pack_motion.safety.protective_distance import PredictedStop, ProtectiveSeparation, protective_distances
 from pack_motion.safety.stop_ahead import rate_bounds, stop_ahead, ways_of_bodies
 
-BEYOND = 100.0
-"""Distances are computed up to this one [m]."""
 HALVINGS = 5
 """Halvings of the interval that the next rate may come from: it is found to a thirtieth of it."""
 
@@ -48,9 +46,6 @@ NOBODY = Seen()
 class Margin:
     """The smallest margin over all bodies of the arm and all who are seen.
 
-    Distances are gaps along separating axes: never more than the true ones, and a few centimetres less where
-    two corners face each other. While a body turns they may fall a little faster than the true ones.
-
     Attributes:
         value: distance less protective separation distance [m]; infinite while nobody is seen.
         distance: of the two that have it [m].
@@ -81,6 +76,7 @@ class SeparationMonitor:
     def __init__(self, config: ProtectiveSeparation, arm: MotionArm, bodies: BodyBoxes, time: float) -> None:
         self._config, self._chain, self._limit = config, arm.chain, arm.limits.acceleration
         self._bodies, self._time = bodies, time
+        self._distances: BoxDistances | None = None
         self.margin = Margin()
         """At the rate of the last cycle."""
 
@@ -101,8 +97,8 @@ class SeparationMonitor:
         if not seen.names:
             self.margin = Margin()
             return highest
-        b, boxes = self._bodies, (seen.R, seen.p, seen.half)
-        gaps = separations(*self._chain.links(q), b.link, b.R, b.p, b.half, *boxes, BEYOND)
+        b, distances = self._bodies, self._distances_from(seen)
+        gaps = distances.between(*b.moved(*self._chain.links(q)), seen.R, seen.p)
 
         def margin(rate: float) -> Margin:
             least = gaps - protective_distances(self._config, seen.speed, self._stop(plan, clock, rate, seen))
@@ -127,6 +123,12 @@ class SeparationMonitor:
     def bounds(self, v: Array, a: Array, rate: float) -> tuple[float, float]:
         """Bounds of the change of the rate [1/s]; see `rate_bounds`."""
         return rate_bounds(v, a, rate, self._limit, self._time)
+
+    def _distances_from(self, seen: Seen) -> BoxDistances:
+        """Distances from those who are seen, made anew when others come or one is seen with another size."""
+        if self._distances is None or not np.array_equal(self._distances.others, seen.half):
+            self._distances = BoxDistances(self._bodies.half, seen.half)
+        return self._distances
 
     def _stop(self, plan: ReferenceTrajectory, clock: float, rate: float, seen: Seen) -> PredictedStop:
         reaction = seen.age + self._config.reaction

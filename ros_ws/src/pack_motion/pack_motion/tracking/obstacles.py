@@ -11,6 +11,7 @@ from pack_core.motion.target import MotionTarget
 from pack_core.motion.world import Obstacle
 from pack_core.rotations import Array, Pose, from_matrix, to_matrix
 from pack_motion.arm.arm import MotionArm
+from pack_motion.clearance.check import box_arrays
 from pack_motion.rmpflow.parameters import Collision
 from pack_motion.rmpflow.tree import ObstacleBoxes
 from pack_motion.safety.separation_monitor import NOBODY, Seen
@@ -46,9 +47,7 @@ class MovingObstacles:
             return NOBODY
         return Seen(
             tuple(known),
-            np.array([to_matrix(item.X_WO.q) for item in known.values()]),
-            np.array([item.X_WO.p for item in known.values()]),
-            np.array([0.5 * item.size for item in known.values()]),
+            *box_arrays(tuple(known.values())),
             np.array([float(np.linalg.norm(item.v_WO_W)) for item in known.values()]),
             max(time - self._seen_at, 0.0) if self._seen else 0.0,
         )

@@ -14,9 +14,6 @@ from pack_motion.reference.trajectory import REST_SPEED, JointState, ReferenceTr
 from pack_motion.safety.separation_monitor import Margin, Seen, SeparationMonitor
 from pack_motion.tracking.config import MotionSet, Reference, Waiting
 
-STANDING = 0.02
-"""Rate below which the reference counts as standing still; 1 is as planned."""
-
 
 class Pursuit(ABC):
     """One plan being followed."""
