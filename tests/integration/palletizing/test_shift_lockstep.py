@@ -7,13 +7,9 @@ import pytest
 
 from pack_core.palletizing.shift_journal import EventKind, ShiftJournal, read_journal
 from pack_lockstep.palletizing.shift import BoxStreamConfig
-from pack_lockstep.palletizing.shift_lockstep import (
-    ArrivalConfig,
-    ShiftLockstep,
-    ShiftRunSetup,
-    shift_run_setup,
-)
+from pack_lockstep.palletizing.shift_lockstep import ShiftLockstep, ShiftRunSetup, shift_run_setup
 from pack_planner.layout.online_planner import OnlineConfig
+from pack_sim.palletizing.arrivals import ArrivalConfig
 
 
 def setup_with_a_short_conveyor() -> ShiftRunSetup:

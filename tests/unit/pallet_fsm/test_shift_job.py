@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE
+from pack_core.palletizing.ports import Command, PursueTarget
 from pack_core.palletizing.shift_journal import EventKind
 from pack_planner.layout.online_packer import PackerConfig
 from pack_planner.layout.online_planner import OnlineConfig
-from unit.pallet_fsm.fake_shift import CELL, Came, listed, run_shift
+from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, listed, run_shift
 from unit.pallet_fsm.faults import Faults
 
 TEA = listed("tea")
@@ -92,3 +93,19 @@ def test_a_lost_box_ends_the_shift_in_a_safe_stop() -> None:
     shift = run_shift([Came("tea")], [TEA], faults=Faults(lost_at="APPROACH", reason="shear 300 N"))
     assert shift.job.reason == "shear 300 N"
     assert shift.cell.has_stopped
+
+
+def test_the_arm_keeps_clear_of_the_box_that_comes_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    tops: list[dict[str, float]] = []
+    apply = FakeShiftCell.apply
+
+    def noting(cell: FakeShiftCell, command: Command) -> None:
+        if isinstance(command, PursueTarget) and len(cell.sent) == 2 and cell.grip.held != "b2":
+            tops.append({o.name: float(o.X_WO.p[2] + 0.5 * o.size[2]) for o in command.target.obstacles})
+        apply(cell, command)
+
+    monkeypatch.setattr(FakeShiftCell, "apply", noting)
+    assert run_shift([Came("tea")] * 2, [TEA]).job.reason == "all 2 boxes came"
+    top = CELL.picking_table.height + CELL.shift.infeed.headroom
+    assert tops[0]["conveyor"] == pytest.approx(top)
+    assert all("conveyor" in found or "b2" in found for found in tops)

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from pack_core.config import Config
+from pack_core.motion.world import Obstacle
 from pack_core.palletizing.cell import PICKING_TABLE, PalletizingCell
 from pack_core.palletizing.infeed import InfeedState
 from pack_core.palletizing.orders.item_list import Item
@@ -76,6 +77,8 @@ class Intake:
     def __init__(self, cell: PalletizingCell, catalogue: Mapping[str, Item], config: IntakeConfig) -> None:
         self._catalogue, self._config = catalogue, config
         self._table = next(block for block in cell.furniture if block.name == PICKING_TABLE)
+        assert cell.shift is not None
+        self._room = _raised(self._table, cell.shift.infeed.headroom)
         self._shadow, self._X_WS = ArmShadow(self._table, cell), cell.scanner_pose(PICKING_TABLE)
         self._spacing = cell.scanner(PICKING_TABLE).spacing
         self._number: int | None = None
@@ -104,6 +107,13 @@ class Intake:
     def is_waiting(self) -> bool:
         """Whether a box was sent for and has not come to the barrier."""
         return self._is_sent and self._came is None
+
+    def obstacles(self) -> tuple[Obstacle, ...]:
+        """What the arm must not touch on the conveyor: a box as measured, or all the room while one comes."""
+        arrival = self.arrival
+        if arrival is not None and arrival.X_WB is not None:
+            return (Obstacle(arrival.box, arrival.X_WB, arrival.dims),)
+        return (self._room,) if self._is_sent or arrival is not None else ()
 
     def step(self, seen: PalletObservation, work: WorkItem | None) -> tuple[Command, ...]:
         """Follow a box from the barrier to its measurement; the commands of this step.
@@ -164,6 +174,12 @@ class Intake:
         if np.any(np.abs(dims - listed) > self._config.size_tolerance):
             return f"it is {_millimetres(dims)} mm, its label says {_millimetres(listed)} mm"
         return ""
+
+
+def _raised(block: Obstacle, height: float) -> Obstacle:
+    """A block over the conveyor, down to the floor, that is higher than it [m]."""
+    higher = np.array([0.0, 0.0, height])
+    return Obstacle("conveyor", block.X_WO @ Pose(0.5 * higher), block.size + higher)
 
 
 def _millimetres(size: Array) -> str:

@@ -110,11 +110,13 @@ class OrderBook:
 
     Attributes:
         current: the box in work.
+        others: what else stands in the cell, and is not to be placed yet.
     """
 
     def __init__(self, name: str, items: Sequence[WorkItem], cell: PalletizingCell) -> None:
         self._cell, self.name, self.items = cell, name, list(items)
         self._furniture = cell.furniture
+        self.others: tuple[Obstacle, ...] = ()
         self.current = next((item for item in self.items if not item.is_finished), self.items[-1])
 
     @classmethod
@@ -157,9 +159,9 @@ class OrderBook:
                 item.finish(BoxOutcome.SKIPPED, f"it would rest on {', '.join(missing)}, which was skipped")
 
     def obstacles(self) -> tuple[Obstacle, ...]:
-        """The furniture, and every box whose pose is known."""
+        """The furniture, every box whose pose is known, and what else stands in the cell."""
         boxes = (standing_box(item.box, item.X_WB) for item in self.items if item.X_WB is not None)
-        return (*self._furniture, *boxes)
+        return (*self._furniture, *boxes, *self.others)
 
     def standing_on(self, deck: str) -> tuple[Obstacle, ...]:
         """The boxes that were put down on a pallet or table, and those that wait there to be gripped."""

@@ -111,6 +111,7 @@ class ShiftJob:
             self.machine = Palletizer(self._floor.begin(), self._cell, self._machine_config, seen.time)
             self._noted = 0
         if self.machine is not None:
+            self._keep_clear_of_conveyor()
             commands += self.machine.step(seen)
             self._note_progress(seen)
         self._end(seen)
@@ -120,6 +121,13 @@ class ShiftJob:
     def _busy(self) -> WorkItem | None:
         """The box that the machine is busy with, or was last."""
         return None if self.machine is None else self.machine.item
+
+    def _keep_clear_of_conveyor(self) -> None:
+        """Have the arm keep clear of the box that comes, until the machine knows where it stands."""
+        coming, book = self._arriving, self._floor.book
+        assert book is not None
+        is_unseen = coming is None or (coming is not self._busy and coming.X_WB is None)
+        book.others = self._intake.obstacles() if is_unseen else ()
 
     def _take_in(self, seen: PalletObservation) -> list[Command]:
         """Have the next box brought once the last one has left the conveyor, and have it measured."""

@@ -123,3 +123,14 @@ def test_the_arm_reaches_the_whole_deck_up_to_a_metre_and_not_the_roof(z: float,
         for y in (0.0, 0.5):
             box = PlacedBox("a", np.array([x, y, z]), np.array([0.4, 0.3, 0.2]), 5.0)
             assert reach.allows(box, []) == is_reached
+
+
+@pytest.mark.parametrize(("top", "is_clear"), [(0.4, True), (0.59, False)])
+def test_a_place_too_narrow_for_the_gripper_beside_a_higher_box_is_refused(
+    top: float, is_clear: bool
+) -> None:
+    # The gripper's plate is 0.23 m over the face that it holds, and reaches 0.1 m to every side.
+    reach = PlaceReach(CELL, InsertionConfig())
+    high = PlacedBox("high", np.array([0.61, 0.53, 0.0]), np.array([0.59, 0.27, top]), 9.0)
+    narrow = PlacedBox("narrow", np.array([0.69, 0.358, 0.18]), np.array([0.51, 0.17, 0.17]), 5.0)
+    assert reach.allows(narrow, [high]) == is_clear

@@ -11,7 +11,6 @@ import typer
 
 from pack_bringup.cli.benchmark_run import RunOptions, run
 from pack_core.errors import ConfigError
-from pack_core.paths import config_path
 
 if TYPE_CHECKING:
     from pack_core.palletizing.shift_journal import ShiftEvent
@@ -108,8 +107,9 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
     from pack_evaluation.palletizing.drawings import draw_order
     from pack_evaluation.palletizing.shift_report import built_pallets, order_of_pallet, shift_report
     from pack_lockstep.palletizing.shift import BoxStreamConfig
-    from pack_lockstep.palletizing.shift_lockstep import ArrivalConfig, ShiftLockstep, shift_run_setup
+    from pack_lockstep.palletizing.shift_lockstep import ShiftLockstep, shift_run_setup
     from pack_planner.layout.online_planner import OnlineConfig
+    from pack_sim.palletizing.arrivals import ArrivalConfig
 
     before = WrittenShift({}, ())
     if is_resumed:
@@ -181,6 +181,7 @@ def run_shift(given: ShiftOptions, options: RunOptions) -> None:
     """Place the streams and report; raises ConfigError for a value that is not allowed."""
     from pack_core.config import validate_config
     from pack_core.palletizing.cell import palletizing_cell
+    from pack_core.palletizing.orders.box_stream import shipped_lists
     from pack_lockstep.node_parameters import load_parameters
     from pack_lockstep.palletizing.shift import BoxStreamConfig, ShiftBenchmark, StreamJob, shift_setup
     from pack_planner.layout.layout_planner import LayoutConfig
@@ -203,12 +204,12 @@ def run_shift(given: ShiftOptions, options: RunOptions) -> None:
                 "beside --boxes; allowed: 2, 2 and 1, as the cell of the preset shift has them"
             )
         from pack_lockstep.palletizing.shift_benchmark import MovingShiftBenchmark
-        from pack_lockstep.palletizing.shift_lockstep import ArrivalConfig, shift_run_setup
+        from pack_lockstep.palletizing.shift_lockstep import shift_run_setup
+        from pack_sim.palletizing.arrivals import ArrivalConfig
 
         moving = shift_run_setup(config, stream, ArrivalConfig())
         run(MovingShiftBenchmark(moving, given.boxes, jobs), options)
         return
     insertion = load_parameters("palletizing/layout", LayoutConfig).insertion
-    files = sorted(config_path("item_lists").glob("*.csv"))
-    setup = shift_setup(files, palletizing_cell(), config, stream, insertion)
+    setup = shift_setup(shipped_lists(), palletizing_cell(), config, stream, insertion)
     run(ShiftBenchmark(setup, jobs), options)

@@ -21,7 +21,8 @@ from pack_core.config import Config
 from pack_core.errors import ConfigError
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import PalletizingCell
-from pack_core.palletizing.orders.item_list import Item, load_items
+from pack_core.palletizing.orders.box_stream import box_stream, listed_items
+from pack_core.palletizing.orders.item_list import Item
 from pack_core.palletizing.orders.load_bearing import overloaded_boxes
 from pack_core.palletizing.orders.next_place import NextStep
 from pack_core.palletizing.orders.placed_box import PlacedBox
@@ -92,11 +93,7 @@ def shift_setup(
     Raises:
         ConfigError: the cell can hold none of the boxes.
     """
-    items = tuple(
-        item.model_copy(update={"id": f"{path.stem}-{item.id}"})
-        for path in files
-        for item in load_items(path, "mm")
-    )
+    items = listed_items(files)
     turns, refusals = possible_turns(items, cell)
     held = tuple(item for item in items if turns[item.id])
     if not held:
@@ -117,17 +114,8 @@ class StreamJob:
 
 
 def stream_of(setup: ShiftSetup, seed: int) -> Iterator[tuple[Item, Item]]:
-    """Boxes without end, drawn evenly with replacement, each with the listed one that it is like."""
-    rng, number = np.random.default_rng(seed), 0
-    while True:
-        number += 1
-        listed = setup.items[rng.integers(len(setup.items))]
-        is_fragile = rng.random() < setup.stream.fragile
-        limits = {
-            "max_load": 0.0 if is_fragile else listed.max_load,
-            "max_pressure": setup.stream.max_pressure,
-        }
-        yield listed.model_copy(update={"id": f"{number}-{listed.article}"[:64], **limits}), listed
+    """The boxes that come under these settings, each with the listed one that it is like."""
+    return box_stream(setup.items, seed, setup.stream.max_pressure, setup.stream.fragile)
 
 
 def run_stream(setup: ShiftSetup, job: StreamJob) -> dict[str, Any]:

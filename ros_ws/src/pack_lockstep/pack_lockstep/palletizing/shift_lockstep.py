@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat
 
-from pack_core.config import Config
 from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.cell import REORIENTATION_TABLE
-from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.orders.box_stream import shipped_lists
 from pack_core.palletizing.orders.next_place import PlaceAnswer
 from pack_core.palletizing.ports import AskPlace, Command, TakePallet
 from pack_core.palletizing.shift_journal import SETTLED, ShiftEvent
-from pack_core.paths import config_path
 from pack_core.rotations import Pose
 from pack_evaluation.palletizing.run import UnwantedTouch
 from pack_lockstep.palletizing.box_finder import BoxFinder, open_box_finder
@@ -26,33 +22,17 @@ from pack_lockstep.palletizing.shift import BoxStreamConfig, ShiftSetup, shift_s
 from pack_lockstep.palletizing.stepped_cell import PalletLockstepConfig, SteppedCell
 from pack_planner.layout.online_planner import OnlineConfig
 from pack_planner.layout.place_answers import PlaceAnswers
-from pack_sim.palletizing.infeed import ArrivingBox
+from pack_sim.palletizing.arrivals import ArrivalConfig, Arrivals, BoxFault
 from pallet_fsm.goals import warm_up
 from pallet_fsm.shift_job import ShiftConfig, ShiftJob
 from pallet_fsm.taking_over import TakenOver, TakeOverConfig, standing_by_journal, take_over
 
-ARRIVALS, DETECTIONS = 11, 12
-"""Streams of random numbers of how boxes lie on the conveyor, and of the noise of detections."""
+DETECTIONS = 12
+"""Stream of random numbers of the noise of detections."""
+DECISION = 0.1
+"""Time from a question to its answer [s]."""
 FALLEN = 0.1
 """A box whose middle is lower over the floor lies on it, as no deck is so low [m]."""
-
-BoxFault = Literal["", "no label", "wrong label", "double", "crushed"]
-FAULTS: tuple[BoxFault, ...] = ("no label", "wrong label", "double", "crushed")
-
-
-class ArrivalConfig(Config):
-    """How boxes come."""
-
-    yaw_deg: NonNegativeFloat = Field(default=8.0, description="turned by at most, to either side [deg]")
-    offset: NonNegativeFloat = Field(default=0.05, description="beside the belt's middle, at most [m]")
-    gaps: tuple[NonNegativeFloat, NonNegativeFloat] = Field(
-        default=(0.01, 0.3), description="from one box to the next, least and most [m]"
-    )
-    faulty: float = Field(
-        default=0.02, ge=0, le=1, description="share of boxes without a label, with a wrong one, of which "
-        "two stick together, or that are crushed"
-    )  # fmt: skip
-    decision: NonNegativeFloat = Field(default=0.1, description="from a question to its answer [s]")
 
 
 @dataclass(frozen=True)
@@ -93,55 +73,6 @@ class ShiftRun:
     decisions: tuple[float, ...]
 
 
-class Arrivals:
-    """The boxes of a stream, as somebody lays them on the conveyor.
-
-    Args:
-        setup: what comes.
-        config: how it comes.
-        seed: of the stream.
-        without: boxes that are left out, as they have come already.
-
-    Attributes:
-        faults: what is wrong with boxes, by what they are tracked by; only those of which something is.
-    """
-
-    def __init__(
-        self, setup: ShiftSetup, config: ArrivalConfig, seed: int, without: frozenset[str] = frozenset()
-    ) -> None:
-        self._setup, self._config, self._seed, self._without = setup, config, seed, without
-        self.faults: dict[str, BoxFault] = {}
-
-    def __iter__(self) -> Iterator[ArrivingBox]:
-        """One box after the other, without end."""
-        rng, config = np.random.default_rng([self._seed, ARRIVALS]), self._config
-        for item, listed in stream_of(self._setup, self._seed):
-            fault: BoxFault = FAULTS[rng.integers(len(FAULTS))] if rng.random() < config.faulty else ""
-            other = self._setup.items[rng.integers(len(self._setup.items))]
-            if fault == "wrong label" and other.size == listed.size:
-                fault = ""
-            if fault and item.id not in self._without:
-                self.faults[item.id] = fault
-            label = {"no label": "", "wrong label": other.id}.get(fault, listed.id)
-            quarter = rng.integers(2) * np.pi / 2.0
-            yaw = float(quarter + np.deg2rad(rng.uniform(-config.yaw_deg, config.yaw_deg)))
-            offset, gap = float(rng.uniform(-config.offset, config.offset)), float(rng.uniform(*config.gaps))
-            if item.id in self._without:
-                continue
-            yield ArrivingBox(_body(item, fault, float(rng.uniform(0.015, 0.04))), label, yaw, offset, gap)
-
-
-def _body(item: Item, fault: BoxFault, crushed: float) -> BoxBody:
-    """A box as it arrives: on its largest face; two that stick together lie side by side."""
-    d_x, d_y, d_z = sorted(item.size, reverse=True)
-    mass = item.weight
-    if fault == "double":
-        d_x, d_y, mass = max(d_x, 2.0 * d_y), min(d_x, 2.0 * d_y), 2.0 * mass
-    if fault == "crushed":
-        d_z -= min(crushed, 0.3 * d_z)
-    return BoxBody(item.id, (d_x, d_y, d_z), mass)
-
-
 @dataclass(frozen=True)
 class ShiftRunSetup:
     """All settings that decide the results, besides the seeds.
@@ -162,8 +93,7 @@ class ShiftRunSetup:
 def shift_run_setup(online: OnlineConfig, stream: BoxStreamConfig, arrivals: ArrivalConfig) -> ShiftRunSetup:
     """The settings of the cell for shifts, boxes being found by their true pose with noise."""
     cell = set_up(preset="shift", vision=False)
-    files = sorted(config_path("item_lists").glob("*.csv"))
-    drawn = shift_setup(files, cell.cell, online, stream, cell.layout.insertion)
+    drawn = shift_setup(shipped_lists(), cell.cell, online, stream, cell.layout.insertion)
     return ShiftRunSetup(drawn, cell.config, ShiftConfig(), arrivals)
 
 
@@ -185,8 +115,7 @@ class ShiftLockstep:
         settled = frozenset(event.box for event in before if event.kind in SETTLED)
         stream, config = setup.stream, setup.config
         self._config, self._cell, self._seed = config, stream.cell, seed
-        self._arrival_config = setup.arrivals
-        self._arrivals = Arrivals(stream, setup.arrivals, seed, settled)
+        self._arrivals = Arrivals(stream.items, stream_of(stream, seed), setup.arrivals, seed, settled)
         self._rng = np.random.default_rng([seed, DETECTIONS])
         catalogue = {item.id: item for item in stream.items}
         self.stepped = SteppedCell(
@@ -256,7 +185,7 @@ class ShiftLockstep:
                 started = time.thread_time()
                 answer = self._planner.answer(question)
                 self._decisions.append(time.thread_time() - started)
-                self._answer = self.stepped.simulator.time + self._arrival_config.decision, answer
+                self._answer = self.stepped.simulator.time + DECISION, answer
             case TakePallet(place, boxes):
                 self._pallets.append(self._closed(place, boxes))
                 self.stepped.apply(command)

@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from pack_core.motion.world import Obstacle
 from pack_core.palletizing.arm import arm_kinematics
 from pack_core.palletizing.cell import PALLET, PalletizingCell
 from pack_core.palletizing.orders.layout_plan import Insertion
 from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
+from pack_core.robots.kr210 import LIMITS
 from pack_core.rotations import Array, Pose, from_yaw, multiply
+from pack_motion.arm.arm import load_arm
+from pack_motion.clearance.check import ClearanceCheck, Surrounding
 from pack_planner.layout.insertion_direction import INSERTION_RULES, InsertionConfig
 
 LIFT, STANDOFF = 0.1, 0.02
 """Above and beside its place the box's last straight way begins [m]: what the state machine does at least."""
 LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """q_PT, wxyz, of a tool that points down: half a turn about x."""
+CLEAR = 0.005
+"""Least distance of arm and gripper from boxes that stand [m]: what a box of the pad's width leaves."""
 QUARTERS = [multiply(from_yaw(n * np.pi / 2.0), LOOKING_DOWN) for n in range(4)]
 """Orientations of the tool over a box, which is symmetric under quarter turns of the pad."""
 
 
 class PlaceReach:
-    """Asks the arm's inverse kinematics for the two ends of the last straight way to a place.
+    """Asks for the two ends of the last straight way to a place, whether the arm reaches them and is clear.
 
     Args:
         cell: the cell, whose arm and pallet are meant.
@@ -36,6 +42,7 @@ class PlaceReach:
         length, width = deck.size
         self._pallet = OrderPallet(length=length, width=width, deck_height=float(deck.X_WD.p[2]))
         self._X_WP, self._config = deck.X_WD, config
+        self._check = ClearanceCheck(load_arm("palletizing"), CLEAR)
 
     def insertion(self, box: PlacedBox, placed: Sequence[PlacedBox]) -> Insertion:
         """The way on which a box comes to its place beside what stands already."""
@@ -44,16 +51,25 @@ class PlaceReach:
     def allows(self, box: PlacedBox, placed: Sequence[PlacedBox]) -> bool:
         """Whether the arm reaches a place and the point above and beside it, with the tool looking down.
 
+        Arm and gripper must be clear there of what stands: a box that is lower than its neighbours can be
+        too narrow for the gripper between them.
+
         Args:
             box: the box at its place.
             placed: what stands already.
         """
         insertion = self.insertion(box, placed)
         top = box.centre + np.array([0.0, 0.0, 0.5 * box.size[2]])
-        return any(
-            self._reaches(top, q_PT) and self._reaches(top + insertion.offset(STANDOFF, LIFT), q_PT)
-            for q_PT in QUARTERS
+        standing = tuple(
+            Obstacle(other.id, self._X_WP @ Pose(other.centre), other.size)
+            for other in placed
+            if other.upper[2] > top[2]  # nothing of arm or gripper is lower than the face that it holds
         )
+        is_clear = self._check.gate(Surrounding(standing), CLEAR)
+        ends = (top, top + insertion.offset(STANDOFF, LIFT))
+        return any(all(self._reaches(end, q_PT, is_clear) for end in ends) for q_PT in QUARTERS)
 
-    def _reaches(self, p_PT: Array, q_PT: Array) -> bool:
-        return bool(arm_kinematics().inverse.solve(self._X_WP @ Pose(p_PT, q_PT)))
+    def _reaches(self, p_PT: Array, q_PT: Array, is_clear: Callable[[Array], bool]) -> bool:
+        found = arm_kinematics().inverse.solve(self._X_WP @ Pose(p_PT, q_PT))
+        within = (q for q in found.values() if np.all((q >= LIMITS.lower) & (q <= LIMITS.upper)))
+        return any(is_clear(q[None]) for q in within)
