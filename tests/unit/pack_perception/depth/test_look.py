@@ -1,6 +1,6 @@
 """Points of the upper surfaces of known bodies, seen without errors, and what a look makes of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -14,9 +14,10 @@ from pack_core.packing.model import ArmRole, HeldRole, build_model
 from pack_core.packing.object_set import load_set
 from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
-from pack_perception.depth.height_map import HeightMapConfig, halves, height_map, regions
+from pack_perception.depth.height_map import HeightMapConfig, Mask, halves, height_map, regions
 from pack_perception.depth.look import DepthLookConfig, look_at
 from pack_perception.depth.shape_fit import FittedShape
+from pack_perception.depth.sight_lines import SightLines
 from pack_sim.packing.depth_cameras import CameraRays
 
 CELL = packing_cell()
@@ -24,11 +25,12 @@ CONTAINER = CELL.scene.container
 CONFIG = DepthLookConfig()
 BOX = Box(name="box", mass=0.3, shape="box", size=(0.09, 0.06, 0.11))
 CAN = Cylinder(name="can", mass=0.3, shape="cylinder", radius=0.034, height=0.11)
+BLIND = SightLines(CELL.depth.cameras(), np.zeros((2, CELL.depth.height, CELL.depth.width)))
 ROLL = Capsule(name="roll", mass=0.1, shape="capsule", radius=0.02, length=0.12, axis="x")
 
 
-def seen(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, float]]) -> Array:
-    """Points without errors `(n, 3)` [m] of objects at x, y and yaw."""
+def seen(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, float]]) -> SightLines:
+    """What the cameras measure, without errors, of objects at x, y and yaw."""
     scene = CELL.scene.model_copy(update={"objects": list(items)})
     model = build_model(scene, CELL, timestep=0.001, arm=ArmRole.ABSENT, held=HeldRole.ABSENT)
     data = mujoco.MjData(model)
@@ -38,14 +40,26 @@ def seen(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, floa
     }
     set_object_poses(model, data, poses)
     mujoco.mj_forward(model, data)
-    return np.concatenate(
-        [points_of(camera, CameraRays(camera).cast(model, data).depth) for camera in CELL.depth.cameras()]
-    )
+    cameras = CELL.depth.cameras()
+    return SightLines(cameras, np.stack([CameraRays(camera).cast(model, data).depth for camera in cameras]))
+
+
+def points_in(sight: SightLines) -> Array:
+    """All points that were measured `(n, 3)` [m]."""
+    return np.concatenate([points_of(c, i) for c, i in zip(sight.cameras, sight.images, strict=True)])
+
+
+def look_without(hidden: Callable[[Array], Mask], sight: SightLines) -> list[FittedShape]:
+    """What a look finds where the pixels of some points are lost, from left to right."""
+    images = sight.images.copy()
+    for camera, image in zip(sight.cameras, images, strict=True):
+        image[image > 0.0] *= ~hidden(points_of(camera, image))
+    rest = SightLines(sight.cameras, images)
+    return sorted(look_at(points_in(rest), rest, CONTAINER, CONFIG), key=lambda fit: fit.X_WO.p[0])
 
 
 def look(items: Sequence[ObjectModel], places: Sequence[tuple[float, float, float]]) -> list[FittedShape]:
-    found = look_at(seen(items, places), CONTAINER, CONFIG)
-    return sorted(found, key=lambda fit: fit.X_WO.p[0])
+    return look_without(lambda points: np.zeros(len(points), dtype=bool), seen(items, places))
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, 1.2])
@@ -72,6 +86,44 @@ def test_a_lying_capsule_is_found_with_its_length() -> None:
     assert np.sin(yaw_of(fit.X_WO.q) - 0.7) == pytest.approx(0.0, abs=0.03)
 
 
+def test_of_a_cylinder_whose_half_is_hidden_the_rest_tells_the_radius() -> None:
+    sight = seen([CAN], [(0.5, 0.0, 0.0)])
+    (fit,) = look_without(lambda points: (points[:, 1] < 0.002) & (points[:, 2] > 0.004), sight)
+    assert isinstance(fit.item, Cylinder)
+    assert fit.item.radius == pytest.approx(0.034, abs=0.003)
+    assert fit.X_WO.p[:2] == pytest.approx([0.5, 0.0], abs=0.003)
+
+
+def test_a_capsule_goes_on_behind_what_hides_a_part_of_it() -> None:
+    sight = seen([ROLL], [(0.5, 0.0, 0.0)])
+    (fit,) = look_without(lambda points: (points[:, 0] > 0.505) & (points[:, 0] < 0.525), sight)
+    assert isinstance(fit.item, Capsule)
+    assert fit.item.length == pytest.approx(0.12, abs=0.006)
+    assert fit.X_WO.p[:2] == pytest.approx([0.5, 0.0], abs=0.003)
+
+
+def test_an_end_that_nobody_saw_is_where_the_shortest_capsule_has_it() -> None:
+    sight = seen([ROLL], [(0.5, 0.0, 0.0)])
+    (fit,) = look_without(lambda points: points[:, 0] > 0.52, sight)
+    assert isinstance(fit.item, Capsule)
+    assert fit.item.length == pytest.approx(0.08 + 0.02, abs=0.006)
+
+
+def test_a_bottle_is_as_wide_as_below_its_cap() -> None:
+    bottle = household("bottle_250")
+    (fit,) = look([bottle], [(0.5, 0.0, 0.0)])
+    assert fit.item.half_extents == pytest.approx(bottle.half_extents, abs=0.003)
+    assert fit.X_WO.p == pytest.approx([0.5, 0.0, bottle.half_extents[2]], abs=0.003)
+
+
+def test_a_camera_sees_through_what_is_free_alone() -> None:
+    sight = seen([BOX], [(0.5, 0.0, 0.0)])
+    above, within, on_base = np.array([[0.5, 0.0, 0.14], [0.5, 0.0, 0.05], [0.6, 0.05, 0.0]])
+    assert sight.is_free(np.stack([above, within, on_base])).tolist() == [True, False, False]
+    assert sight.sees(above, np.array([0.0, 0.0, 1.0]))
+    assert not sight.sees(above, np.array([0.0, 0.0, -1.0]))
+
+
 HOUSEHOLD = load_set("household")
 
 
@@ -90,16 +142,15 @@ def test_what_is_steep_is_found_to_its_widest_place(name: str) -> None:
 
 def test_of_a_round_body_one_side_says_how_it_goes_on() -> None:
     pear = household("pear")
-    points = seen([pear], [(0.5, 0.0, 0.0)])
-    (fit,) = look_at(points[(points[:, 1] > -0.008) | (points[:, 2] < 0.01)], CONTAINER, CONFIG)
+    sight = seen([pear], [(0.5, 0.0, 0.0)])
+    (fit,) = look_without(lambda points: (points[:, 1] < -0.008) & (points[:, 2] > 0.01), sight)
     assert fit.X_WO.p[:2] == pytest.approx([0.5, 0.0], abs=0.003)
     assert fit.item.half_extents[:2] == pytest.approx(pear.half_extents[:2], abs=0.003)
 
 
 def test_a_flat_top_that_a_gap_cuts_is_one_object() -> None:
-    points = seen([BOX], [(0.5, 0.0, 0.0)])
-    gap = (np.abs(points[:, 0] - 0.49) < 0.003) & (points[:, 2] > 0.02)
-    (fit,) = look_at(points[~gap], CONTAINER, CONFIG)
+    sight = seen([BOX], [(0.5, 0.0, 0.0)])
+    (fit,) = look_without(lambda points: (np.abs(points[:, 0] - 0.49) < 0.003) & (points[:, 2] > 0.02), sight)
     assert isinstance(fit.item, Box)
     assert sorted(fit.item.size[:2]) == pytest.approx([0.06, 0.09], abs=0.003)
 
@@ -124,7 +175,7 @@ def test_an_empty_container_has_no_objects() -> None:
 def test_a_single_point_over_a_cell_does_not_raise_its_top() -> None:
     grid = np.stack(np.meshgrid(*[np.arange(0.4, 0.6, 0.001)] * 2), axis=-1).reshape(-1, 2) - [0.0, 0.5]
     flat = np.column_stack([grid, np.full(len(grid), 0.05)])
-    heights = height_map(np.vstack([flat, [[0.5, 0.0, 0.15]]]), CONTAINER, HeightMapConfig())
+    heights = height_map(np.vstack([flat, [[0.5, 0.0, 0.15]]]), BLIND, CONTAINER, HeightMapConfig())
     assert np.nanmax(heights.tops) == pytest.approx(0.05)
 
 
@@ -132,7 +183,7 @@ def test_a_region_ends_where_the_height_jumps() -> None:
     config = HeightMapConfig()
     grid = np.stack(np.meshgrid(*[np.arange(0.4, 0.6, 0.001)] * 2), axis=-1).reshape(-1, 2) - [0.0, 0.5]
     steps = np.column_stack([grid, np.where(grid[:, 0] < 0.5, 0.05, 0.06)])
-    found = regions(height_map(steps, CONTAINER, config), config)
+    found = regions(height_map(steps, BLIND, CONTAINER, config), config)
     assert len(found) == 2
     assert not np.any(found[0] & found[1])
 
@@ -153,4 +204,4 @@ def test_a_region_that_touches_itself_in_one_cell_is_not_halved() -> None:
 def test_of_a_few_points_nothing_is_made() -> None:
     rng = np.random.default_rng(0)
     line = np.column_stack([rng.uniform(0.45, 0.55, 20), np.zeros(20), np.full(20, 0.05)])
-    assert look_at(line, CONTAINER, CONFIG) == []
+    assert look_at(line, BLIND, CONTAINER, CONFIG) == []

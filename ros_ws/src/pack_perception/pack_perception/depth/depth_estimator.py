@@ -19,6 +19,7 @@ from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
 from pack_perception.depth.look import DepthLookConfig, look_at, scene_points
 from pack_perception.depth.registration import RegistrationConfig, register
+from pack_perception.depth.sight_lines import SightLines
 from pack_perception.depth.surface_fit import (
     ConvexSurface,
     SurfaceFitConfig,
@@ -118,7 +119,8 @@ class DepthEstimator(HandOverEstimator):
         if self.misplaced:
             return
         points = scene_points([frame], self._cameras, ceiling)
-        found = look_at(points, self._scene.container, self._depth.look)
+        sight = SightLines(self._cameras, frame.images)
+        found = look_at(points, sight, self._scene.container, self._depth.look)
         if self._depth.objects is Objects.UNKNOWN:
             self.change_scene(self._scene.model_copy(update={"objects": [fit.item for fit in found]}))
             where = {fit.item.name: fit.X_WO for fit in found}

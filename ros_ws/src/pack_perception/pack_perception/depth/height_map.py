@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import cv2
 import numpy as np
@@ -15,12 +17,21 @@ from scipy.sparse.csgraph import connected_components
 from pack_core.config import Config
 from pack_core.packing.scene import Container
 from pack_core.rotations import Array
+from pack_perception.depth.sight_lines import SightLines
 
 Mask = npt.NDArray[np.bool_]
 Labels = npt.NDArray[np.int_]
 
 EDGE = 5
 """Width of what is left beside tops and is no edge of theirs [cells]."""
+FEWEST = 2
+"""Points that a cell's top has at least, or so many neighbours as `SUPPORT`."""
+SUPPORT = 3
+"""Neighbours as high as a cell by which the only point in it is believed."""
+MOST_NOTCHES = 5
+"""Notches between which a region is cut, the deepest ones."""
+SHOULDER_SHARE = 0.4
+"""Share of what was seen around a flat top from which what slopes down there belongs to it."""
 STEEP_CELLS = 20
 """Most cells by which a round top goes on beyond where it gets steep: the shoulder of a bottle, 5 cm."""
 
@@ -35,7 +46,7 @@ class HeightMapConfig(Config):
     )
     floor: PositiveFloat = Field(default=0.015, description="what is lower is the container's base [m]")
     jump: PositiveFloat = Field(default=0.0025, description="step between cells at which a top ends [m]")
-    slope: PositiveFloat = Field(default=0.02, description="step down to which a round top goes on [m]")
+    slope: PositiveFloat = Field(default=0.028, description="step down to which a round top goes on [m]")
     flat: PositiveFloat = Field(
         default=0.002, description="a top whose heights spread by less than this is flat [m]"
     )
@@ -54,16 +65,28 @@ class HeightMap:
         lower: the container's inner corner with the smallest x and y `(2,)` [m].
         cell: edge of a cell [m].
         tops: mean height of the top in each cell `(nx, ny)` [m]; nan where nothing was seen.
+        points: what was measured between the walls `(n, 3)` [m].
+        cells: the cells of these points `(n, 2)`.
+        sight: what the cameras saw through.
     """
 
     lower: Array
     cell: float
     tops: Array
+    points: Array
+    cells: Labels
+    sight: SightLines
 
-    def cells_of(self, points: Array) -> tuple[Labels, Mask]:
-        """Cells `(n, 2)` of points `(n, 2)` or `(n, 3)` [m], and which of them are inside `(n,)`."""
+    def is_known_apart(self, points: Array, mask: Mask) -> Mask:
+        """Where something else than a region `(nx, ny)` is known to be, of points `(n, 3)` [m].
+
+        Another surface was seen in the cell, a camera saw through the point, or it is not between the walls.
+        """
         cells = np.floor((points[:, :2] - self.lower) / self.cell).astype(int)
-        return cells, np.all((cells >= 0) & (cells < self.tops.shape), axis=1)
+        apart = np.any((cells < 0) | (cells >= self.tops.shape), axis=1)
+        inside = tuple(cells[~apart].T)
+        apart[~apart] = ~mask[inside] & np.isfinite(self.tops[inside])
+        return np.asarray(apart | self.sight.is_free(points))
 
     def centres(self, mask: Mask | None = None) -> Array:
         """Centres `(n, 2)` [m] of the cells of a mask `(nx, ny)`; None: of all, row by row."""
@@ -71,12 +94,13 @@ class HeightMap:
         return np.asarray(self.lower + (cells + 0.5) * self.cell)
 
 
-def height_map(points: Array, container: Container, config: HeightMapConfig) -> HeightMap:
+def height_map(points: Array, sight: SightLines, container: Container, config: HeightMapConfig) -> HeightMap:
     """The map of points `(n, 3)` [m]; points outside of the walls are left out."""
     shape = tuple(math.ceil(side / config.cell) for side in container.size)
-    empty = HeightMap(container.lower, config.cell, np.full(shape, np.nan))
-    cells, inside = empty.cells_of(points)
-    numbers, z = cells[inside] @ np.array([shape[1], 1]), points[inside, 2]
+    cells = np.floor((points[:, :2] - container.lower) / config.cell).astype(int)
+    inside = np.all((cells >= 0) & (cells < shape), axis=1)
+    points, cells = points[inside], cells[inside]
+    numbers, z = cells @ np.array([shape[1], 1]), points[:, 2]
     order = np.lexsort([-z, numbers])
     numbers, z = numbers[order], z[order]
     # the highest point of a cell, unless it is alone up there: then it flies between two surfaces
@@ -90,13 +114,27 @@ def height_map(points: Array, container: Container, config: HeightMapConfig) -> 
     total = np.bincount(numbers[near], z[near], minlength=math.prod(shape))
     with np.errstate(invalid="ignore"):
         tops = (total / count).reshape(shape)
-    return HeightMap(container.lower, config.cell, _without_holes(tops))
+    # where nothing is seen, single points fly: they have no neighbours
+    alone = (count.reshape(shape) < FEWEST) & (_neighbours(tops, config.flier) < SUPPORT)
+    return HeightMap(
+        container.lower, config.cell, _without_holes(np.where(alone, np.nan, tops)), points, cells, sight
+    )
+
+
+def _around(tops: Array) -> Array:
+    """Heights of each cell's 3 x 3 neighbours and its own `(nx, ny, 9)`; nan beyond the map."""
+    padded = np.pad(tops, 1, constant_values=np.nan)
+    return np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).reshape(*tops.shape, 9)
+
+
+def _neighbours(tops: Array, step: float) -> Labels:
+    """Number of neighbours `(nx, ny)` that are as high as a cell, but for a step [m]."""
+    return np.asarray((np.abs(_around(tops) - tops[..., None]) < step).sum(axis=-1) - 1)
 
 
 def _without_holes(tops: Array) -> Array:
     """Single unseen cells get the median of their neighbours, if most of these were seen."""
-    padded = np.pad(tops, 1, constant_values=np.nan)
-    around = np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).reshape(*tops.shape, 9)
+    around = _around(tops)
     holes = np.isnan(tops) & (np.isfinite(around).sum(axis=-1) >= 5)
     filled = tops.copy()
     filled[holes] = np.nanmedian(around[holes], axis=-1)
@@ -107,8 +145,9 @@ def regions(heights: HeightMap, config: HeightMapConfig) -> list[Mask]:
     """Connected tops `(nx, ny)` that end where the height jumps, the largest first."""
     tops = heights.tops
     above, least = tops > config.floor, config.min_area / heights.cell**2
-    found = _connected(tops, above, config.jump, least)
-    found = [mask if is_flat(heights, mask, config) else _grown(mask, found, tops, config) for mask in found]
+    joined = _connected(tops, above, config.jump, least)
+    found = [part for mask in joined for part in _by_cores(mask, heights, config, least)]
+    found = [_with_sides(mask, found, heights, config) for mask in found]
     # what a bridge joined to a larger top, then tops that are steep all over; edges of others are narrow
     for step in (config.jump, config.slope):
         rest = above & ~np.any([*found, ~above], axis=0)
@@ -142,6 +181,54 @@ def is_flat(heights: HeightMap, mask: Mask, config: HeightMapConfig) -> bool:
     return bool(high - low < 2.0 * config.flat)
 
 
+def _by_cores(mask: Mask, heights: HeightMap, config: HeightMapConfig, least: float) -> list[Mask]:
+    """The tops that a region consists of: its level parts, each with the cells that are nearest to it.
+
+    Between tops of other heights, and between round ones, there are steep cells all along.
+    """
+    if is_flat(heights, mask, config):
+        return [mask]
+    core = mask & (_steps(heights.tops, mask) < config.jump)
+    cores = _connected(heights.tops, core, config.jump, least)
+    if len(cores) < 2:
+        return [mask]
+    seeds = np.any(cores, axis=0)
+    _, labels = cv2.distanceTransformWithLabels((~seeds).astype(np.uint8), cv2.DIST_L2, 5)
+    return [mask & np.isin(labels, np.unique(labels[core])) for core in cores]
+
+
+def _steps(tops: Array, mask: Mask) -> Array:
+    """How much heights change over two cells of a region `(nx, ny)` [m], means of three side by side."""
+    values, weights = np.where(mask, tops, 0.0), mask.astype(float)
+    steps = []
+    for size, axis in (((1, 3), 1), ((3, 1), 0)):  # OpenCV's sizes are (along y, along x) of the map
+        total, count = (
+            cv2.boxFilter(x, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
+            for x in (values, weights)
+        )
+        means = np.pad(
+            np.where(count > 0.0, total / np.maximum(count, 1.0), np.nan), 1, constant_values=np.nan
+        )
+        later, earlier = (np.roll(means, way, axis=axis)[1:-1, 1:-1] for way in (-1, 1))
+        steps.append(np.nan_to_num(later - earlier))
+    return np.asarray(np.hypot(*steps))
+
+
+def _with_sides(mask: Mask, others: list[Mask], heights: HeightMap, config: HeightMapConfig) -> Mask:
+    """A top with its steep sides; a flat one with a shoulder all around, as a bottle's cap has it."""
+    grown = _grown(mask, others, heights.tops, config)
+    if not is_flat(heights, mask, config):
+        return grown
+    # next to a top lie cells of its edge; upright sides have no others
+    ring = _widened(mask, 3) & ~_widened(mask, 1) & np.isfinite(heights.tops)
+    return grown if np.count_nonzero(grown & ring) > SHOULDER_SHARE * np.count_nonzero(ring) else mask
+
+
+def _widened(mask: Mask, cells: int) -> Mask:
+    side = 2 * cells + 1
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), np.ones((side, side), np.uint8)) > 0)
+
+
 def _grown(mask: Mask, others: list[Mask], tops: Array, config: HeightMapConfig) -> Mask:
     """A round top with its steep edges, which no other top may have."""
     taken = (
@@ -167,7 +254,9 @@ def _opened(mask: Mask) -> Mask:
 
 
 def halves(mask: Mask, notch: float) -> list[Mask]:
-    """The two parts of a region that is cut between its two deepest notches; none if it has no two.
+    """The two parts of a region that is cut between two notches; none if it has no two.
+
+    That cut is taken whose parts fill their hulls best, as what hides an object makes notches, too.
 
     Args:
         mask: the region `(nx, ny)`.
@@ -185,18 +274,26 @@ def halves(mask: Mask, notch: float) -> list[Mask]:
     if found is None:
         return []
     # the depth of a defect is a fixed-point number with 8 bits behind the point
-    deep = sorted((row for row in found.reshape(-1, 4) if row[3] / 256.0 >= notch), key=lambda row: -row[3])[
-        :2
-    ]
-    if len(deep) < 2:
-        return []
+    deep = [row for row in found.reshape(-1, 4) if row[3] / 256.0 >= notch]
+    deepest = sorted(deep, key=lambda row: -row[3])[:MOST_NOTCHES]
+    points = [tuple(int(x) for x in outline.reshape(-1, 2)[row[2]]) for row in deepest]
+    cuts = [parts for a, b in combinations(points, 2) if (parts := _cut(mask, a, b))]
+    return max(cuts, key=_convexity, default=[])
+
+
+def _cut(mask: Mask, a: Sequence[int], b: Sequence[int]) -> list[Mask]:
+    """The two largest parts beside a cut from `a` to `b`, both with its cells; none if there are no two."""
     cut = mask.astype(np.uint8)
-    a, b = (tuple(int(x) for x in outline.reshape(-1, 2)[row[2]]) for row in deep)
     cv2.line(cut, a, b, 0, 2)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(cut, connectivity=4)
-    largest = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA])[:2]
     if count < 3:
         return []
-    # the cells of the cut go to both parts
+    largest = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA])[:2]
     parts = [cv2.dilate((labels == i).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0 for i in largest]
     return [part & mask & ~(labels == other) for part, other in zip(parts, largest[::-1], strict=True)]
+
+
+def _convexity(parts: Sequence[Mask]) -> float:
+    """Share of the convex hulls of some masks that the masks fill."""
+    hulls = [cv2.convexHull(np.argwhere(part).astype(np.int32)) for part in parts]
+    return float(sum(part.sum() for part in parts) / max(sum(cv2.contourArea(hull) for hull in hulls), 1.0))

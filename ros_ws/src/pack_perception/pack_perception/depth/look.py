@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
+from operator import itemgetter
 
 import cv2
 import numpy as np
@@ -15,9 +16,10 @@ from pack_core.camera import PinholeCamera
 from pack_core.config import Config
 from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.free_space import footprint
+from pack_core.packing.objects import Capsule
 from pack_core.packing.scene import Container
 from pack_core.packing.scene_item import colour_of
-from pack_core.rotations import Array
+from pack_core.rotations import Array, yaw_of
 from pack_perception.depth.height_map import (
     HeightMap,
     HeightMapConfig,
@@ -27,17 +29,18 @@ from pack_perception.depth.height_map import (
     is_flat,
     regions,
 )
-from pack_perception.depth.shape_fit import (
-    FittedShape,
-    ShapeFitConfig,
-    candidates,
-    overlap,
-    seen_region,
-    worth,
-)
+from pack_perception.depth.seen_region import overlap, seen_region
+from pack_perception.depth.shape_fit import FittedShape, ShapeFitConfig, candidates, worth
+from pack_perception.depth.sight_lines import SightLines
 
 GAP = 7
 """Size of the square by which a top is widened to meet another one across a gap of unseen cells [cells]."""
+
+
+AXIS_SHARE = 0.7
+"""Share of a capsule's radius beside its axis in which it is looked for behind a gap."""
+FEW_CELLS = 3
+"""Fewer cells than these say nothing."""
 
 
 class DepthLookConfig(Config):
@@ -63,23 +66,33 @@ def scene_points(
     return points[(points[:, 2] > -0.01) & (points[:, 2] < ceiling)]
 
 
-def look_at(points: Array, container: Container, config: DepthLookConfig) -> list[FittedShape]:
+def look_at(
+    points: Array, sight: SightLines, container: Container, config: DepthLookConfig
+) -> list[FittedShape]:
     """The objects in a container.
 
     Args:
         points: all that was measured `(n, 3)` [m], without arm and held object.
+        sight: the cameras' images, which tell where nothing is.
         container: where they stand.
         config: parameters.
 
     Returns:
         An object for each region of tops, the largest first; their names are `seen_1` and so on.
     """
-    heights = height_map(points, container, config.heights)
-    found = [
-        shape
-        for mask in _joined(regions(heights, config.heights), points, heights, config)
-        for shape in _objects_of(mask, points, heights, config)
-    ]
+    heights = height_map(points, sight, container, config.heights)
+    found: list[FittedShape] = []
+    taken = np.zeros(heights.tops.shape, dtype=bool)
+    for mask in _joined(regions(heights, config.heights), heights, config):
+        rest = mask & ~taken
+        if rest.sum() * heights.cell**2 < config.heights.min_area:
+            continue
+        for shape in _objects_of(rest, heights, config):
+            longer = _continued(shape, rest, heights, config)
+            if longer is not shape:  # what is seen behind the gap is no object of its own
+                outline = footprint(longer.item, longer.X_WO).buffer(heights.cell)
+                taken |= shapely.contains_xy(outline, heights.centres()).reshape(taken.shape)
+            found.append(longer)
     return [_named(f, f"seen_{i}") for i, f in enumerate(found, 1)]
 
 
@@ -87,16 +100,16 @@ def _named(fit: FittedShape, name: str) -> FittedShape:
     return replace(fit, item=fit.item.model_copy(update={"name": name, "colour": colour_of(name)}))
 
 
-def _joined(masks: list[Mask], points: Array, heights: HeightMap, config: DepthLookConfig) -> list[Mask]:
+def _joined(masks: list[Mask], heights: HeightMap, config: DepthLookConfig) -> list[Mask]:
     """The regions, those joined that a gap in what was seen has cut: one simple shape explains both."""
     for a, b in combinations(masks, 2):
         if not _may_be_one(a, b, heights, config):
             continue
-        whole, parts = _best(a | b, points, heights, config), _all_best([a, b], points, heights, config)
-        apart = overlap([(part.item, part.X_WO) for part in parts], a | b, heights)
+        whole, parts = _best(a | b, heights, config), _parts([a, b], heights, config)
+        apart = overlap([(fit.item, fit.X_WO) for _, fit in parts], a | b, heights)
         if whole is not None and whole.item.shape != "mesh" and whole.score >= apart - config.gain:
             rest = [mask for mask in masks if mask is not a and mask is not b]
-            return _joined([a | b, *rest], points, heights, config)
+            return _joined([a | b, *rest], heights, config)
     return masks
 
 
@@ -110,23 +123,63 @@ def _may_be_one(a: Mask, b: Mask, heights: HeightMap, config: DepthLookConfig) -
     return bool(np.any(cv2.dilate(a.astype(np.uint8), np.ones((GAP, GAP), np.uint8)).astype(bool) & b))
 
 
-def _objects_of(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:
+def _objects_of(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:
     """The object of a region, or two if they explain it better."""
-    whole = _best(mask, points, heights, config)
-    if whole is None:
+    shapes = _shapes_of(mask, heights, config)
+    if not shapes:
         return []
+    whole = shapes[0]
     if whole.item.shape == "capsule" or (whole.score >= config.good and whole.item.shape != "mesh"):
         return [whole]
-    first = _all_best(halves(mask, config.heights.notch / heights.cell), points, heights, config)
+    first = _parts(halves(mask, config.heights.notch / heights.cell), heights, config)
     if len(first) < 2:
         return [whole]
     # both parts have the cells of the cut; now each cell goes to the shape that it is nearer to
-    splits = [first, _all_best(_nearer(mask, first, heights), points, heights, config)]
-    scored = [(_worth_of(split, mask, heights), split) for split in splits]
-    score, split = max(scored, key=lambda pair: pair[0])
+    splits = [first, _parts(_nearer(mask, [fit for _, fit in first], heights), heights, config)]
+    scored = [(_worth_of([fit for _, fit in split], mask, heights), split) for split in splits]
+    score, split = max(scored, key=itemgetter(0))
     # hulls fit whatever is left of a region, so that two of them say nothing
-    is_simple = any(part.item.shape != "mesh" for part in split)
-    return split if is_simple and score > worth(whole) + config.gain else [whole]
+    is_simple = any(fit.item.shape != "mesh" for _, fit in split)
+    # any box can be cut into two; a region that its own hull, one of the shapes, fits as well has no notches
+    is_cut_box = all(fit.item.shape == "box" for _, fit in split)
+    best = max([worth(whole), *(fit.score for fit in shapes if is_cut_box)])
+    if not is_simple or score <= best + config.gain:
+        return [whole]
+    # a part that only a hull fits may be two objects again
+    return [
+        shape
+        for part, fit in split
+        for shape in (_objects_of(part, heights, config) if fit.item.shape == "mesh" else [fit])
+    ]
+
+
+def _continued(fit: FittedShape, mask: Mask, heights: HeightMap, config: DepthLookConfig) -> FittedShape:
+    """A lying capsule with what lies straight on behind something in front of it."""
+    more = _continuation(fit, heights, config.shapes.close) & ~mask
+    longer = _best(mask | more, heights, config) if more.sum() >= FEW_CELLS else None
+    return longer if longer is not None and longer.item.shape == "capsule" else fit
+
+
+def _continuation(fit: FittedShape, heights: HeightMap, close: float) -> Mask:
+    """Cells `(nx, ny)` on a lying capsule's axis, beyond its ends, that are as high as it.
+
+    It goes on over cells in which nothing was seen, up to those that are higher or lower.
+    """
+    more = np.zeros(heights.tops.size, dtype=bool)
+    if not isinstance(fit.item, Capsule):
+        return more.reshape(heights.tops.shape)
+    radius, yaw, tops = fit.item.radius, yaw_of(fit.X_WO.q), heights.tops.ravel()
+    p = heights.centres() - fit.X_WO.p[:2]
+    along, across = p @ [np.cos(yaw), np.sin(yaw)], p @ [-np.sin(yaw), np.cos(yaw)]
+    is_on_axis = (np.abs(across) < AXIS_SHARE * radius) & np.isfinite(tops)
+    expected = radius + np.sqrt(np.maximum(radius**2 - across**2, 0.0))
+    is_near = is_on_axis & (np.abs(tops - expected) < close)
+    for sign in (1.0, -1.0):
+        ways = sign * along - (0.5 * fit.item.length - radius)
+        others = np.sort(ways[is_on_axis & ~is_near & (ways > 0.0)])
+        reach = others[FEW_CELLS - 1] if len(others) >= FEW_CELLS else np.inf
+        more |= is_near & (ways > 0.0) & (ways < reach)
+    return more.reshape(heights.tops.shape)
 
 
 def _worth_of(split: Sequence[FittedShape], mask: Mask, heights: HeightMap) -> float:
@@ -153,16 +206,21 @@ def _ways_out(fit: FittedShape, centres: Array) -> Array:
     return np.asarray(np.linalg.norm(centres - fit.X_WO.p[:2], axis=1) / fit.item.half_extents[:2].mean())
 
 
-def _all_best(
-    parts: Sequence[Mask], points: Array, heights: HeightMap, config: DepthLookConfig
-) -> list[FittedShape]:
-    """The shapes that fit the parts of a region best, without parts that are too small for an object."""
-    large = [part for part in parts if part.sum() * heights.cell**2 >= config.heights.min_area]
-    return [fit for part in large if (fit := _best(part, points, heights, config)) is not None]
+def _parts(
+    masks: Sequence[Mask], heights: HeightMap, config: DepthLookConfig
+) -> list[tuple[Mask, FittedShape]]:
+    """The parts of a region and what fits each best, without those that are too small for an object."""
+    large = [part for part in masks if part.sum() * heights.cell**2 >= config.heights.min_area]
+    return [(part, fit) for part in large if (fit := _best(part, heights, config)) is not None]
 
 
-def _best(mask: Mask, points: Array, heights: HeightMap, config: DepthLookConfig) -> FittedShape | None:
+def _best(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> FittedShape | None:
     """The shape that fits a region best; None if too little of it was seen."""
-    region = seen_region(points, heights, mask, config.shapes.side)
+    return next(iter(_shapes_of(mask, heights, config)), None)
+
+
+def _shapes_of(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> list[FittedShape]:
+    """The shapes that may have a region as their top, the best one first."""
+    region = seen_region(heights, mask, config.shapes.side)
     flat = is_flat(heights, mask, config.heights)
-    return next(iter(candidates(region, heights, "seen", config.shapes, flat=flat)), None)
+    return candidates(region, heights, "seen", config.shapes, flat=flat)

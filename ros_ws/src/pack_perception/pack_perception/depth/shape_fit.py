@@ -8,14 +8,12 @@ it, a capsule lies on it, and a round body is below its middle as it is above it
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from operator import itemgetter
 
-import cv2
 import numpy as np
-import shapely
 from pydantic import Field, PositiveFloat, PositiveInt
 from scipy.optimize import least_squares
 from scipy.spatial import ConvexHull
@@ -23,17 +21,17 @@ from scipy.spatial import ConvexHull
 from pack_core.config import Config
 from pack_core.hull import hull_of, with_fewer_corners
 from pack_core.packing.convex_mesh import ConvexMesh
-from pack_core.packing.free_space import footprint
 from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw
-from pack_perception.depth.height_map import HeightMap, Mask
+from pack_perception.depth.height_map import HeightMap
+from pack_perception.depth.seen_region import DIRECTIONS, SeenRegion, overlap
 
 TAIL = 0.01
 """Share of a top's points that is left out at each edge."""
 DISC_TAIL = (TAIL * 3.0 * np.pi / (4.0 * np.sqrt(2.0))) ** (2.0 / 3.0)
 """Share of a disc's radius that this cuts: a low cap of height t has the area 4/3 sqrt(2 r) t^1.5."""
-DIRECTIONS = np.stack([f(2.0 * np.pi * np.arange(36) / 36) for f in (np.cos, np.sin)], axis=1)
-"""Directions in the plane in which a round outline is measured `(36, 2)`."""
+FEWEST_ENDS = 12
+"""Directions in which a top is known to end by which a circle is fitted to it: a third of them."""
 MOST_POINTS = 300
 """Points of a top that are kept."""
 HANDICAP = 0.05
@@ -52,6 +50,8 @@ THINNEST = 0.006
 """No object is thinner or lower [m]."""
 SCALE = 0.001
 """Deviation from which a point counts less in a fit [m]."""
+SHORTNESS = 0.3
+"""Weight of a capsule's length in a fit, a third of a point's: it decides where points say nothing."""
 
 
 class ShapeFitConfig(Config):
@@ -66,21 +66,6 @@ class ShapeFitConfig(Config):
     top_deviation: PositiveFloat = Field(default=0.0015, description="of an edge seen from its top [m]")
     density: PositiveFloat = Field(default=600.0, description="of every object [kg/m^3]")
     corners: PositiveInt = Field(default=60, description="most corners of a hull")
-
-
-@dataclass(frozen=True)
-class SeenRegion:
-    """What was seen of one object.
-
-    Attributes:
-        mask: cells of its top `(nx, ny)`.
-        top: points of its top `(n, 3)` [m].
-        near: points below tops near it `(m, 3)` [m], sides of this object and of others.
-    """
-
-    mask: Mask
-    top: Array
-    near: Array
 
 
 @dataclass(frozen=True)
@@ -102,19 +87,6 @@ class FittedShape:
 
 Fit = Callable[[SeenRegion, str, ShapeFitConfig], tuple[ObjectModel, Pose] | None]
 """Makes a shape of what was seen, its name and parameters; None or ValueError if it cannot be one."""
-
-
-def seen_region(points: Array, heights: HeightMap, mask: Mask, margin: float) -> SeenRegion:
-    """The points `(n, 3)` that belong to a region, and those at its edges that are lower."""
-    cells, inside = heights.cells_of(points)
-    points, cells = points[inside], cells[inside]
-    reach = int(np.ceil(margin / heights.cell))
-    wide = cv2.dilate(mask.astype(np.uint8), np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)) > 0
-    within = wide[tuple(cells.T)]
-    points, cells = points[within], cells[within]
-    tops = heights.tops[tuple(cells.T)]
-    is_top = mask[tuple(cells.T)] & (np.abs(points[:, 2] - tops) < margin)
-    return SeenRegion(mask, points[is_top], points[~is_top])
 
 
 def candidates(
@@ -157,22 +129,6 @@ def _if_possible(
         return None
 
 
-def overlap(placed: Sequence[tuple[ObjectModel, Pose]], mask: Mask, heights: HeightMap) -> float:
-    """Overlap of the outlines of objects at X_WO with a region `(nx, ny)`, intersection over union.
-
-    Cells in which nothing was seen count neither way, as they may hide a part of an object.
-    """
-    outline = shapely.union_all([footprint(item, X_WO) for item, X_WO in placed])
-    centres, shape = heights.centres(), heights.tops.shape
-    # cells on the outline are of both sides: they count neither way
-    core, wide = (
-        shapely.contains_xy(outline.buffer(share * heights.cell), centres).reshape(shape)
-        for share in (-0.5, 1.0)
-    )
-    both, empty, beyond = core & mask, core & ~mask & np.isfinite(heights.tops), mask & ~wide
-    return float(both.sum() / max((both | empty | beyond).sum(), 1))
-
-
 def _judged(item: ObjectModel, X_WO: Pose, region: SeenRegion, heights: HeightMap) -> FittedShape:
     few = region.top[:: max(1, len(region.top) // MOST_POINTS)]
     return FittedShape(item, X_WO, overlap([(item, X_WO)], region.mask, heights), few)
@@ -191,7 +147,13 @@ def _box(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectM
     height = _height(region)
     middle, half = _axes(yaw) @ (0.5 * (lower + upper)), 0.5 * (upper - lower)
     sides = region.near[region.near[:, 2] < height - config.below, :2]
-    own = [_side_points(sides, middle, yaw, half, axis, sign, config) for axis in (0, 1) for sign in (-1, 1)]
+    own = [
+        _side_points(sides, middle, yaw, half, axis, sign, config)
+        if region.sight.sees(np.array([*middle, height]), np.array([*(sign * _axes(yaw)[:, axis]), 0.0]))
+        else sides[:0]
+        for axis in (0, 1)
+        for sign in (-1, 1)
+    ]
 
     def residuals(x: Array) -> Array:
         axes, h = _axes(x[2]), x[3:]
@@ -226,9 +188,11 @@ def _side_points(
 def _cylinder(region: SeenRegion, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose] | None:
     """The upright cylinder around the top, its side moved to where it was seen."""
     xy, height = region.top[:, :2], _height(region)
-    reach = np.quantile(xy @ DIRECTIONS.T, 1.0 - TAIL, axis=0)
+    # where something hides a part, the last that was seen is not its edge
+    ends = region.ends if region.ends.sum() >= FEWEST_ENDS else np.ones_like(region.ends)
+    reach = np.quantile(xy @ DIRECTIONS[ends].T, 1.0 - TAIL, axis=0)
     # reach = d . c + r (1 - DISC_TAIL): linear in the centre and the radius
-    A = np.column_stack([DIRECTIONS, np.full(len(DIRECTIONS), 1.0 - DISC_TAIL)])
+    A = np.column_stack([DIRECTIONS[ends], np.full(ends.sum(), 1.0 - DISC_TAIL)])
     x0, *_ = np.linalg.lstsq(A, reach)
     sides = region.near[region.near[:, 2] < height - config.below, :2]
     own = sides[np.abs(np.linalg.norm(sides - x0[:2], axis=1) - x0[2]) < config.side]
@@ -264,7 +228,8 @@ def _lying_capsule(region: SeenRegion, name: str, config: ShapeFitConfig) -> Rou
         along, across = ((points[:, :2] - x[:2]) @ _axes(x[2])).T
         beyond = along - np.clip(along, -x[3], x[3])
         ways = np.sqrt(beyond**2 + across**2 + (points[:, 2] - x[4]) ** 2)
-        return np.asarray((ways - x[4]) / SCALE)
+        # an end that nobody saw is where the shortest capsule has it
+        return np.append((ways - x[4]) / SCALE, SHORTNESS * x[3] / SCALE)
 
     low, high = [-np.inf] * 3 + [0.0006, 0.006], [np.inf] * 3 + [0.2, 0.1]
     start = np.clip([*middle, yaw, half, radius], low, high)
@@ -273,7 +238,7 @@ def _lying_capsule(region: SeenRegion, name: str, config: ShapeFitConfig) -> Rou
     volume = np.pi * radius**2 * (2.0 * half + 4.0 / 3.0 * radius)
     sizes = {"radius": radius, "length": 2.0 * (half + radius), "axis": "x"}
     item = _described(Capsule, "capsule", name, config, volume, **sizes)
-    return _misfit(SCALE * residuals(fit.x)), item, _upright(x, y, 2.0 * radius, yaw)
+    return _misfit(SCALE * residuals(fit.x)[:-1]), item, _upright(x, y, 2.0 * radius, yaw)
 
 
 def _misfit(distances: Array) -> float:
@@ -295,8 +260,11 @@ def _revolved(region: SeenRegion, name: str, config: ShapeFitConfig) -> RoundFit
         radii = np.interp(points[:, 2], knots, x[2:])
         # across the surface: of steep profiles radii tell, of flat ones heights
         slopes = np.interp(points[:, 2], 0.5 * (knots[1:] + knots[:-1]), np.diff(x[2:]) / np.diff(knots))
-        ways = np.linalg.norm(points[:, :2] - x[:2], axis=1) - radii
-        return np.asarray(ways / np.sqrt(1.0 + slopes**2) / SCALE)
+        from_axis = np.linalg.norm(points[:, :2] - x[:2], axis=1)
+        ways = np.abs(from_axis - radii) / np.sqrt(1.0 + slopes**2)
+        # up to its radius at the top it ends in a disc, as a cap does
+        ways = np.where(from_axis < x[-1], np.minimum(ways, np.abs(points[:, 2] - top)), ways)
+        return np.asarray(ways / SCALE)
 
     distances = np.linalg.norm(points[:, :2] - peak, axis=1)
     rows = np.clip(np.searchsorted(knots, points[:, 2]), 0, KNOTS - 1)
@@ -388,7 +356,7 @@ def _axes(yaw: float) -> Array:
 
 
 def _extents(p: Array) -> tuple[Array, Array]:
-    """Lower and upper ends `(2,)` along both axes of what points `(n, 2)` are evenly spread over."""
+    """Lower and upper ends `(k,)` along each axis of what points `(n, k)` are evenly spread over."""
     first, last = np.quantile(p, [TAIL, 1.0 - TAIL], axis=0)
     beyond = TAIL * (last - first) / (1.0 - 2.0 * TAIL)
     return first - beyond, last + beyond
@@ -396,5 +364,6 @@ def _extents(p: Array) -> tuple[Array, Array]:
 
 def _tightest(xy: Array, yaws: Array) -> float:
     """The heading of the rectangle of least area around points `(n, 2)`."""
-    spans = [np.subtract(*_extents(xy @ _axes(yaw))[::-1]) for yaw in yaws]
-    return float(yaws[int(np.argmin(np.prod(spans, axis=1)))])
+    lower, upper = _extents(xy @ np.concatenate([_axes(yaw) for yaw in yaws], axis=1))
+    areas = np.prod((upper - lower).reshape(-1, 2), axis=1)
+    return float(yaws[int(np.argmin(areas))])
