@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -134,3 +135,17 @@ def test_a_place_too_narrow_for_the_gripper_beside_a_higher_box_is_refused(
     high = PlacedBox("high", np.array([0.61, 0.53, 0.0]), np.array([0.59, 0.27, top]), 9.0)
     narrow = PlacedBox("narrow", np.array([0.69, 0.358, 0.18]), np.array([0.51, 0.17, 0.17]), 5.0)
     assert reach.allows(narrow, [high]) == is_clear
+
+
+@pytest.mark.parametrize(("height", "is_clear"), [(0.28, True), (0.4, False)])
+def test_a_slot_between_higher_boxes_is_refused_as_nothing_comes_down_through_it(
+    height: float, is_clear: bool
+) -> None:
+    # Straight down the last 0.1 m, between neighbours that are 2 mm away.
+    reach = PlaceReach(CELL, InsertionConfig())
+    size = np.array([0.4, 0.2, height])
+    sides = [PlacedBox(f"side{k}", np.array([0.4, y, 0.0]), size, 9.0) for k, y in enumerate((0.0, 0.504))]
+    ends = [PlacedBox(f"end{k}", np.array([x, 0.202, 0.0]), size, 9.0) for k, x in enumerate((0.0, 0.8))]
+    ends = [replace(end, size=np.array([0.398 if end.lower[0] == 0.0 else 0.4, 0.3, height])) for end in ends]
+    box = PlacedBox("box", np.array([0.4, 0.202, 0.2]), np.array([0.398, 0.3, 0.2]), 5.0)
+    assert reach.allows(box, [*sides, *ends]) == is_clear
