@@ -16,6 +16,7 @@ from pack_core.blocks.block_sighting import BlockSighting
 from pack_core.blocks.planar import PlanarPose
 from pack_core.motion.target import MotionState, MotionStatus
 from pack_core.palletizing.boxes import BoxDetection, DetectionStatus
+from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.grip import GripState
 from pack_core.palletizing.ports import PalletObservation
 from pack_core.palletizing.scanner import PlaceScan
@@ -49,7 +50,8 @@ def runner(graph: Graph) -> Iterator[RequestRunner]:
 
 @pytest.fixture
 def ports(graph: Graph) -> Iterator[CellPorts]:
-    ports = CellPorts(graph.start(WatchingNode, use_sim_time=True), lambda: None, lambda _: None)
+    node = graph.start(WatchingNode, use_sim_time=True)
+    ports = CellPorts(node, lambda: None, lambda _: None, palletizing_cell())
     yield ports
     ports.end()
 

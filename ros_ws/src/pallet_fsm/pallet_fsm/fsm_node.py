@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import threading
+from pathlib import Path
 from typing import Any
 
-from pack_interfaces.action import CalibrateCell, Palletize
+from pack_interfaces.action import CalibrateCell, Palletize, RunShift
 from pack_interfaces.srv import PlanLayout
 from pydantic import Field
 from std_msgs.msg import String
 
 from pack_core.errors import ConfigError
 from pack_core.palletizing.calibration import known_cell
-from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.cell import PalletizingCell, palletizing_cell
+from pack_core.palletizing.orders.box_stream import listed_items, shipped_lists
 from pack_core.palletizing.orders.layout_plan import LayoutPlan, LayoutStatus
 from pack_core.palletizing.orders.order import Order
 from pack_core.palletizing.ports import StopArm
+from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.goal_node import GoalNode
@@ -35,7 +38,10 @@ from pallet_fsm.ros.order_goal import (
     requested_order,
     to_result,
 )
+from pallet_fsm.ros.shift_goal import ShiftGoalRun, requested_shift
+from pallet_fsm.shift_job import ShiftConfig, ShiftJob
 from pallet_fsm.states import profile_of
+from pallet_fsm.taking_over import TakenOver
 
 
 class PalletFsmNodeConfig(PalletizerConfig):
@@ -48,26 +54,30 @@ class PalletFsmNodeConfig(PalletizerConfig):
     fault_time: float = Field(default=2.0, gt=0, description="silence that ends an order [s of wall clock]")
     preset: str = Field(default="rigid", description="of config/presets/palletizing")
     calibration: str = Field(default="", description="calibration file of the cell; empty: none")
+    shift: ShiftConfig = ShiftConfig()
 
 
 class PalletFsmNode(GoalNode):
-    """Builds one order at a time, or calibrates the cell."""
+    """Builds one order at a time, runs a shift, or calibrates the cell."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("fsm", **kwargs)
         self._change(self.read_parameters(PalletFsmNodeConfig, self._change))
         warm_up()
-        self._run: OrderRun | None = None
+        self._run: OrderRun | ShiftGoalRun | None = None
         self._stepping = threading.Lock()
-        self._cell = CellPorts(self, self._step, self._on_failure)
+        cell = palletizing_cell(self._config.preset)
+        self._has_shifts = cell.shift is not None
+        self._cell = CellPorts(self, self._step, self._on_failure, cell)
         self._calibration = CalibrationAction(self, self._cell.observe, self._cell.apply)
         self._states = StatePublisher(self)
         self._result = self.advertise(contracts.RESULT)
         self._goals = self.advertise(motion.GOAL_MARKERS)
         self._layout = self.create_client(contracts.PLAN_LAYOUT.type, contracts.PLAN_LAYOUT.name)
         self.take_goals(
-            contracts.PALLETIZE, self._config.watched, self._config.fault_time, contracts.CALIBRATE
-        )
+            contracts.PALLETIZE, self._config.watched, self._config.fault_time, contracts.CALIBRATE,
+            contracts.RUN_SHIFT,
+        )  # fmt: skip
 
     def _change(self, config: PalletFsmNodeConfig) -> None:
         """Use these parameters from the next order on."""
@@ -85,9 +95,16 @@ class PalletFsmNode(GoalNode):
             return "nothing heard of arm and gripper yet: are sim and motion up?"
         if not self._layout.service_is_ready():
             return f"no service {contracts.PLAN_LAYOUT.name}: is layout up?"
+        if self._has_shifts and not self._cell.plan_place.service_is_ready():
+            return f"no service {contracts.PLAN_PLACE.name}: does layout have the same preset?"
         return ""
 
-    def refusal(self, _: Palletize.Goal | CalibrateCell.Goal) -> str:
+    def refusal(self, request: Palletize.Goal | CalibrateCell.Goal | RunShift.Goal) -> str:
+        if isinstance(request, RunShift.Goal) and not self._has_shifts:
+            return (
+                f"the cell has no conveyor under the preset '{self._config.preset}'; "
+                "`pack up palletizing --preset shift` has one"
+            )
         seen = self._cell.observe()
         if seen is not None and seen.grip.is_closed:
             return (
@@ -97,10 +114,12 @@ class PalletFsmNode(GoalNode):
         return self.waits_for
 
     async def pursue(
-        self, request: Palletize.Goal | CalibrateCell.Goal
-    ) -> Palletize.Result | CalibrateCell.Result:
-        """Build an order's pallet, or calibrate; nothing moves before order and layout were checked."""
+        self, request: Palletize.Goal | CalibrateCell.Goal | RunShift.Goal
+    ) -> Palletize.Result | CalibrateCell.Result | RunShift.Result:
+        """Build an order, run a shift, or calibrate; nothing moves before what is asked was checked."""
         known = known_cell(self._config.preset, self._config.calibration)
+        if isinstance(request, RunShift.Goal):
+            return await self._run_shift(request, known.cell)
         if isinstance(request, CalibrateCell.Goal):
             return await self._calibration.pursue(request, known)
         try:
@@ -112,7 +131,23 @@ class PalletFsmNode(GoalNode):
         finally:
             self._run = None
 
-    def describe(self, result: Palletize.Result | CalibrateCell.Result) -> str:
+    async def _run_shift(self, request: RunShift.Goal, cell: PalletizingCell) -> RunShift.Result:
+        before = requested_shift(request, self._config.preset)
+        catalogue = {item.id: item for item in listed_items(shipped_lists())}
+
+        def begin(found: TakenOver, boxes: int) -> ShiftJob:
+            return ShiftJob(cell, catalogue, self._config.shift, self._config, boxes, found)
+
+        with ShiftJournal(Path(request.folder) / JOURNAL, before.facts) as journal:
+            self._run = run = ShiftGoalRun(self, cell, before, journal, begin, self._cell.apply, self._states)
+            try:
+                await self.until_goal_ends()
+            finally:
+                with self._stepping:  # no step may write to a journal that is closed
+                    self._run = None
+        return run.result()
+
+    def describe(self, result: Palletize.Result | CalibrateCell.Result | RunShift.Result) -> str:
         if isinstance(result, CalibrateCell.Result):
             return result.message or f"{result.execution_time:.0f} s, as expected"
         return "; ".join(filter(None, (f"{result.placed} of {result.boxes} boxes", result.message)))
@@ -151,7 +186,7 @@ class PalletFsmNode(GoalNode):
         self.get_logger().error(reason)
         self._calibration.halt(reason)
         if self._run is not None:
-            self._run.session.halt(reason)
+            self._run.halt(reason)
 
     def on_lost_peers(self, peers: list[str]) -> None:
         """Halt the machine; the silent node may be the one whose messages would keep it going."""
@@ -169,7 +204,7 @@ class PalletFsmNode(GoalNode):
     def _halt(self, reason: str) -> None:
         self._calibration.halt(reason)
         if self._run is not None:
-            self._run.session.halt(reason)
+            self._run.halt(reason)
             self._step()
         self.answers.give_up(reason)
 

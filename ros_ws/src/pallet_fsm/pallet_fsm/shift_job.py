@@ -231,7 +231,7 @@ class ShiftJob:
         assert self.machine is not None
         machine = self.machine.machine
         for visit in machine.visits[self._noted :]:
-            state = {"state": visit.state.label}
+            state = {"state": visit.state.label, "event": visit.event.value if visit.event else ""}
             self._events.append(ShiftEvent(visit.time, EventKind.STATE, visit.box, "", visit.reason, state))
         self._noted = len(machine.visits)
         for work in [work for work in self._unreported if work.is_finished]:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from datetime import datetime
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from pack_bringup.cli.outputs import make_output_folder
+from pack_bringup.cli.pursue import run_goal
 from pack_bringup.cli.terminal import notice, show_table
 
 if TYPE_CHECKING:
@@ -233,3 +236,18 @@ def _of(setup: PalletSetup, seed: int, folder: Path, *, fresh: bool) -> CellCali
         return load_calibration(path)
     typer.echo(f"calibrating the cell of seed {seed}")
     return calibrate_cell(setup, seed, path.parent)
+
+
+def send_calibration(
+    check: bool, output: Path | None, seed: int, *, reset: bool, domain: int | None, network: str
+) -> NoReturn:
+    """Have a running cell calibrate itself, or test its calibration, and leave as `run_goal` does."""
+    from pack_bringup.palletizing.goals import CellCalibrationGoal
+    from pack_core.paths import bags_path
+
+    folder = output or bags_path() / "calibrations" / f"palletizing_{datetime.now():%Y%m%d_%H%M%S}"
+    if not check:
+        make_output_folder(folder)
+    wanted = CellCalibrationGoal(check, seed)
+    show = partial(show_action_result, folder=folder)
+    run_goal(wanted, reset=reset, domain=domain, network=network, show=show)

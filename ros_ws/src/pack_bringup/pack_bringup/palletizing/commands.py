@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from datetime import datetime
-from functools import partial
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 import typer
 
@@ -52,7 +51,12 @@ Check = Annotated[
 ]
 CalibrationFolder = Annotated[
     Path | None,
-    typer.Option("--output", "-o", metavar="DIR", help="With --calibrate: takes calibration.yaml and plots."),
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="DIR",
+        help="With --calibrate: takes calibration.yaml and plots; with --shift: journal and report.",
+    ),
 ]
 
 
@@ -62,50 +66,49 @@ def goal(
     profile: ProfileName = "",
     calibrate: Calibrate = False,
     check: Check = False,
+    shift: shift_command.ShiftGoalOption = False,
+    boxes: shift_command.Boxes = 20,
+    resume: shift_command.ResumeNewest = False,
     output: CalibrationFolder = None,
     reset: Reset = True,
     domain: Domain = None,
     network: Network = "",
 ) -> None:
-    """Have a running cell build the pallet of one order, or calibrate itself.
+    """Have a running cell build the pallet of one order, run a shift, or calibrate itself.
 
     The exit code is 0 if every box was placed, 1 if not, and 2 if the goal was refused. Ctrl-C cancels the
-    goal.
+    goal. --reset puts the boxes of a shift that is gone on with into a simulated cell, as the journal has
+    them; --no-reset is for a cell in which they still stand.
 
     - `pack goal palletizing --order config/orders/order_16.json`
     - `pack goal palletizing --profile thesis --domain 7`
     - `pack goal palletizing --calibrate --output /tmp/cell3`, of a cell under `--preset real`
     - `pack goal palletizing --check`, of a cell that was started with `--calibration FILE`
+    - `pack goal palletizing --shift --boxes 50`, of a cell under `--preset shift`
+    - `pack goal palletizing --shift --resume`, after a kill or a power cut
     """
     from pack_bringup.palletizing.goals import PalletizingGoal
 
+    _refuse_beside(order, profile, calibrate=calibrate, check=check, shift=shift)
+    if shift:
+        shift_command.send_shift(
+            boxes, output, seed, is_resumed=resume, reset=reset, domain=domain, network=network
+        )
+    if resume:
+        raise ConfigError("--resume without --shift; allowed: both, as an order is built anew")
     if calibrate or check:
-        _refuse_beside(order, profile, calibrate=calibrate, check=check)
-        _calibrate(check, output, seed, reset=reset, domain=domain, network=network)
+        calibration.send_calibration(check, output, seed, reset=reset, domain=domain, network=network)
     wanted = PalletizingGoal(checked_order(order, profile), seed, profile)
     run_goal(wanted, reset=reset, domain=domain, network=network)
 
 
-def _calibrate(
-    check: bool, output: Path | None, seed: int, *, reset: bool, domain: int | None, network: str
-) -> NoReturn:
-    """Calibrate the cell, or test its calibration, and leave as `run_goal` does."""
-    from pack_bringup.palletizing.calibration import show_action_result
-    from pack_bringup.palletizing.goals import CellCalibrationGoal
-    from pack_core.paths import bags_path
-
-    folder = output or bags_path() / "calibrations" / f"palletizing_{datetime.now():%Y%m%d_%H%M%S}"
-    if not check:
-        make_output_folder(folder)
-    wanted = CellCalibrationGoal(check, seed)
-    show = partial(show_action_result, folder=folder)
-    run_goal(wanted, reset=reset, domain=domain, network=network, show=show)
-
-
-def _refuse_beside(order: Path | None, profile: str, *, calibrate: bool, check: bool) -> None:
+def _refuse_beside(order: Path | None, profile: str, *, calibrate: bool, check: bool, shift: bool) -> None:
     """Raise ConfigError for options of which only one can be."""
-    given = {"--calibrate": calibrate, "--check": check, "--order": order, "--profile": profile}
-    if len(names := [name for name, value in given.items() if value]) > 1:
+    given = {"--calibrate": calibrate, "--check": check, "--shift": shift, "--order": order}
+    names = [name for name, value in given.items() if value]
+    if profile and names and names != ["--order"]:
+        names.append("--profile")
+    if len(names) > 1:
         raise ConfigError(f"{' beside '.join(names)}; allowed: one of them")
 
 
@@ -174,7 +177,7 @@ def demo(
             },
             "--boxes, --seed, --output, --resume",
         )  # fmt: skip
-        folder = resume or output or default_folder("palletizing_shift", seed, datetime.now())
+        folder = resume or output or default_folder(shift_command.SHIFTS, seed, datetime.now())
         shift_command.demo_shift(boxes, seed, folder, is_resumed=resume is not None)
         return
     if resume is not None:

@@ -1,4 +1,4 @@
-"""Goals of the palletizing cell, an order or a calibration, and their nodes' parameters."""
+"""Goals of the palletizing cell, an order, a shift or a calibration, and their nodes' parameters."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pack_bringup.graph.graph import conditions, flat_parameters
 from pack_bringup.job import Progress, recorder_parameters
 from pack_core.config import merged
 from pack_core.palletizing.calibration import known_cell
+from pack_core.palletizing.shift_journal import JOURNAL, SETTLED, read_journal
 from pack_core.paths import config_path
 
 if TYPE_CHECKING:
@@ -115,6 +116,64 @@ class CellCalibrationGoal:
 
 
 @dataclass(frozen=True)
+class ShiftGoal:
+    """A shift to run, or to go on with.
+
+    Attributes:
+        folder: of the journal.
+        boxes: it ends when so many have come.
+        seed: of what comes on a simulated conveyor.
+        is_resumed: whether it goes on with what the journal has; boxes and seed are those of it.
+    """
+
+    folder: Path
+    boxes: int = 0
+    seed: int = 0
+    is_resumed: bool = False
+    cell: str = "palletizing"
+    server: str = "fsm"
+
+    def goal(self) -> tuple[Contract, Any]:
+        """The action, and its goal."""
+        from pack_interfaces.action import RunShift
+
+        from pack_core.ros.contracts.palletizing import RUN_SHIFT
+
+        return RUN_SHIFT, RunShift.Goal(
+            folder=str(self.folder.resolve()), boxes=self.boxes, seed=self.seed, resume=self.is_resumed
+        )
+
+    def reset(self) -> tuple[Contract, Any]:
+        """The service that empties the cell, and its request: with what stands, of a shift that goes on."""
+        if not self.is_resumed:
+            return reset_of(self.seed)
+        from pack_interfaces.srv import ResetCell
+
+        from pack_core.palletizing.boxes import BoxBody
+        from pack_core.ros.contracts.palletizing import RESET
+        from pack_core.ros.messages.palletizing import to_simulated
+        from pallet_fsm.taking_over import standing_by_journal
+
+        written = read_journal(self.folder / JOURNAL)
+        standing = [
+            to_simulated(BoxBody(work.name, work.box.dims, work.box.weight), work.X_WB)
+            for work, _ in standing_by_journal(written.events)
+            if work.X_WB is not None
+        ]
+        come = sorted({event.box for event in written.events if event.kind in SETTLED})
+        return RESET, ResetCell.Request(seed=written.facts["seed"], standing=standing, come=come)
+
+    def progress(self, feedback: Any, real_time_factor: float) -> Progress:
+        """Feedback of the action in words."""
+        return Progress(
+            f"{feedback.box} {feedback.state}",
+            f"{feedback.state:18} {feedback.box:24.24} {feedback.came} of {feedback.boxes} came, "
+            f"{feedback.placed} on pallets  {feedback.elapsed:6.1f} s  "
+            f"real-time factor {real_time_factor:4.2f}",
+        )
+
+
+@dataclass(frozen=True)
 class PalletizingJob(PalletizingGoal):
     """What to run.
 
@@ -156,8 +215,8 @@ def seeded_job(
 
 NODES = ("sim", "vision", "fsm")
 """The nodes that know the cell: its driver, its eye, and the machine that places boxes."""
-RECORDER = "recorder"
-"""Notes the preset's name in run.yaml."""
+LAYOUT, RECORDER = "layout", "recorder"
+"""What knows where a shift's pallets are, and what notes the preset's name in run.yaml."""
 
 
 def preset_overrides(name: str) -> dict[str, dict[str, str]]:
@@ -172,7 +231,7 @@ def preset_overrides(name: str) -> dict[str, dict[str, str]]:
 
     set_up(preset=name)
     preset = checked_preset(name)
-    named = {node: {"preset": json.dumps(name)} for node in (*NODES, RECORDER)}
+    named = {node: {"preset": json.dumps(name)} for node in (*NODES, LAYOUT, RECORDER)}
     return merged({node: flat_parameters(getattr(preset, node)) for node in CORES}, named)
 
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from pack_bringup.cli.benchmark_run import RunOptions, run
+from pack_bringup.cli.pursue import run_goal
 from pack_core.errors import ConfigError
 
 if TYPE_CHECKING:
     from pack_core.palletizing.shift_journal import ShiftEvent
+
+SHIFTS = "palletizing_shift"
+"""How the names of the folders of shifts begin."""
 
 ShiftDemo = Annotated[
     bool,
@@ -22,6 +27,16 @@ ShiftDemo = Annotated[
     ),
 ]
 Boxes = Annotated[int, typer.Option(min=1, help="With --shift: it ends when so many have come.")]
+ShiftGoalOption = Annotated[
+    bool,
+    typer.Option("--shift", help="Run a shift instead, of a cell that runs under `--preset shift`."),
+]
+ResumeNewest = Annotated[
+    bool,
+    typer.Option(
+        "--resume", help="With --shift: go on with the shift of --output, by default with the newest one."
+    ),
+]
 Resume = Annotated[
     Path | None,
     typer.Option(
@@ -102,10 +117,8 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
         folder: takes journal and report.
         is_resumed: whether it goes on with what the journal there has; boxes and seed are those of it.
     """
-    from pack_bringup.cli.outputs import make_output_folder, write_json
+    from pack_bringup.cli.outputs import make_output_folder
     from pack_core.palletizing.shift_journal import JOURNAL, ShiftJournal, WrittenShift, read_journal
-    from pack_evaluation.palletizing.drawings import draw_order
-    from pack_evaluation.palletizing.shift_report import built_pallets, order_of_pallet, shift_report
     from pack_lockstep.palletizing.shift import BoxStreamConfig
     from pack_lockstep.palletizing.shift_lockstep import ShiftLockstep, shift_run_setup
     from pack_planner.layout.online_planner import OnlineConfig
@@ -128,30 +141,91 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
                     typer.echo(line)
 
         run_of_shift = ShiftLockstep(setup, boxes, seed, before.events).run(note)
-    written = read_journal(folder / JOURNAL)
-    report, built = shift_report(written), built_pallets(written.events)
-    (folder / "pictures").mkdir(exist_ok=True)
-    for number, pallet in enumerate(built, start=1):
-        name = f"{number:03}_{pallet.place}"
-        draw_order(order_of_pallet(pallet, name), ()).savefig(folder / "pictures" / f"{name}.png", dpi=110)
     went_wrong = {
         "unwanted_contacts": [f"{' and '.join(e.bodies)} at {e.time:.1f} s" for e in run_of_shift.touches],
         "fallen": list(run_of_shift.fallen),
     }
-    write_json(folder / "report.json", {**report, **went_wrong})
-    taken = sum(pallet.taken is not None for pallet in built)
-    hourly, over = report["boxes_per_hour"], report["over_table_share"]
-    typer.echo(
-        f"{report['on_pallets']} of {report['came']} boxes on pallets, {taken} pallets "
-        f"taken away, {len(report['rejected'])} boxes rejected"
-        + (f"; {hourly:.0f} boxes an hour, {over:.0%} over table B" if hourly else "")
-        + f"; {len(run_of_shift.touches)} unwanted contacts, {len(run_of_shift.fallen)} boxes fallen\n"
-        f"journal and report: {folder}"
-    )
+    report = write_report(folder, went_wrong)
     is_well = report["settled"] == boxes and not any(
         (*went_wrong.values(), report["lost"], report["skipped"])
     )
     raise typer.Exit(0 if is_well else 1)
+
+
+def write_report(folder: Path, went_wrong: Mapping[str, Sequence[str]]) -> dict[str, Any]:
+    """Write the report of a shift and the pictures of its pallets into its folder, and say what it was like.
+
+    Args:
+        folder: has the journal.
+        went_wrong: by kind, what is known to have gone wrong besides what the journal has.
+    """
+    from pack_bringup.cli.outputs import write_json
+    from pack_core.palletizing.shift_journal import JOURNAL, read_journal
+    from pack_evaluation.palletizing.drawings import draw_order
+    from pack_evaluation.palletizing.shift_report import built_pallets, order_of_pallet, shift_report
+
+    written = read_journal(folder / JOURNAL)
+    report, built = {**shift_report(written), **went_wrong}, built_pallets(written.events)
+    (folder / "pictures").mkdir(exist_ok=True)
+    for number, pallet in enumerate(built, start=1):
+        name = f"{number:03}_{pallet.place}"
+        draw_order(order_of_pallet(pallet, name), ()).savefig(folder / "pictures" / f"{name}.png", dpi=110)
+    write_json(folder / "report.json", report)
+    taken = sum(pallet.taken is not None for pallet in built)
+    hourly, over = report["boxes_per_hour"], report["over_table_share"]
+    wrong = "".join(f"; {len(found)} {kind.replace('_', ' ')}" for kind, found in went_wrong.items())
+    typer.echo(
+        f"{report['on_pallets']} of {report['came']} boxes on pallets, {taken} pallets "
+        f"taken away, {len(report['rejected'])} boxes rejected"
+        + (f"; {hourly:.0f} boxes an hour, {over:.0%} over table B" if hourly else "")
+        + f"{wrong}\njournal and report: {folder}"
+    )
+    return report
+
+
+def newest_shift() -> Path:
+    """The folder of the shift that was written to last.
+
+    Raises:
+        ConfigError: there is none.
+    """
+    from pack_core.palletizing.shift_journal import JOURNAL
+    from pack_core.paths import bags_path
+
+    found = sorted(bags_path().glob(f"*/{JOURNAL}"), key=lambda path: path.stat().st_mtime)
+    if not found:
+        raise ConfigError(f"{bags_path()} has no shift to go on with; allowed: --output with its folder")
+    return found[-1].parent
+
+
+def send_shift(
+    boxes: int, output: Path | None, seed: int, *, is_resumed: bool, reset: bool, domain: int | None,
+    network: str,
+) -> NoReturn:  # fmt: skip
+    """Have a running cell run a shift, or go on with one, and leave as `run_goal` does.
+
+    Args:
+        boxes: it ends when so many have come.
+        output: folder of the journal; None: a new one, or that of the newest shift where it goes on.
+        seed: of what comes on a simulated conveyor.
+        is_resumed: whether a shift is gone on with; boxes and seed are those of it.
+        reset: whether the simulated cell is put into the state that the journal has, or emptied.
+        domain: ROS domain id; None: the environment's.
+        network: the network of a cell on several machines; empty: this machine.
+    """
+    from pack_bringup.palletizing.goals import ShiftGoal
+    from pack_bringup.recording.run_record import default_folder
+    from pack_core.palletizing.shift_journal import JOURNAL
+
+    begun = newest_shift() if is_resumed and output is None else default_folder(SHIFTS, seed, datetime.now())
+    folder = output or begun
+    wanted = ShiftGoal(folder, boxes, seed, is_resumed)
+
+    def show(_: object) -> None:
+        if (folder / JOURNAL).is_file():  # a goal that was refused has none
+            write_report(folder, {})
+
+    run_goal(wanted, reset=reset, domain=domain, network=network, show=show)
 
 
 def _line(event: ShiftEvent) -> str:

@@ -1,4 +1,4 @@
-"""What the conveyor of a shift tells."""
+"""What conveyor and pallet places of a shift tell."""
 
 from __future__ import annotations
 
@@ -20,3 +20,16 @@ class InfeedState:
     number: int = 0
     box: str = ""
     label: str = ""
+
+
+@dataclass(frozen=True)
+class PlacesAway:
+    """The places on which no pallet stands.
+
+    Attributes:
+        time: when that was told [s].
+        places: their names.
+    """
+
+    time: float
+    places: frozenset[str] = frozenset()

@@ -71,7 +71,7 @@ class ShiftEvent:
 
 
 class ShiftJournal:
-    """Writes a journal; a context manager.
+    """Writes a journal, from one thread at a time; a context manager.
 
     Args:
         path: the file; one that is there already is gone on with.
@@ -83,7 +83,7 @@ class ShiftJournal:
 
     def __init__(self, path: Path, facts: Mapping[str, Any]) -> None:
         try:
-            self._file = sqlite3.connect(path, isolation_level=None)
+            self._file = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
             self._file.execute("PRAGMA journal_mode = WAL")
             self._file.execute("PRAGMA synchronous = FULL")
             self._file.executescript(TABLES)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
-from pack_interfaces.srv import GripperCommand, LayOnTable, RemoveBox, ResetCell, SpawnBox
+from pack_interfaces.srv import GripperCommand, LayOnTable, RemoveBox, ReplacePallet, ResetCell, SpawnBox
 from pydantic import Field
 from std_srvs.srv import Trigger
 
@@ -14,11 +15,15 @@ from pack_core.palletizing.boxes import BoxBody
 from pack_core.palletizing.calibration import known_cell
 from pack_core.palletizing.cell import palletizing_cell
 from pack_core.palletizing.model import describe_robot, fixed_frames
+from pack_core.palletizing.orders.box_stream import box_stream, listed_items, shipped_lists
 from pack_core.robots.kr210 import LIMITS
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.messages.conversions import from_pose
+from pack_core.ros.messages.palletizing import from_simulated
+from pack_sim.palletizing.arrivals import ArrivalConfig, Arrivals
 from pack_sim.palletizing.crossings import visitors_of
+from pack_sim.palletizing.infeed import ArrivingBox
 from pack_sim.palletizing.overhead_camera import PalletCameraConfig
 from pack_sim.palletizing.place_scanner import PlaceScannerConfig
 from pack_sim.palletizing.ros.publishers import CellPublisher, PalletCameraPublisher, ScanPublisher
@@ -41,6 +46,7 @@ class PalletSimNodeConfig(PalletSimulatorConfig, Pacing):
     )
     sensor: VisitorSensorConfig = VisitorSensorConfig()
     scanner: PlaceScannerConfig = PlaceScannerConfig()
+    arrivals: ArrivalConfig = ArrivalConfig()
 
 
 class PalletSimNode(PhysicsNode):
@@ -58,7 +64,8 @@ class PalletSimNode(PhysicsNode):
         self._camera = PalletCameraPublisher(self, self._simulator, self._config.camera)
         self._exposure: float | None = None
         """When the frame that was asked for is exposed [s]; None: none was."""
-        self._scans = ScanPublisher(self, self._simulator.open_scanner(self._config.scanner))
+        scanner = self._simulator.open_scanner(self._config.scanner)
+        self._scans = ScanPublisher(self, scanner, self._cell.scanned)
         self.show(describe_robot(self._cell)).fix(fixed_frames(self._simulator.cell))
         services = (
             (contracts.GRIPPER_COMMAND, self._command_gripper),
@@ -67,8 +74,12 @@ class PalletSimNode(PhysicsNode):
             (contracts.REMOVE_BOX, self._remove),
             (contracts.RESET, self._reset),
             (contracts.TRIGGER, self._trigger),
-            (contracts.SCAN_PALLET, partial(self._scan, "pallet")),
-            (contracts.SCAN_TABLE, partial(self._scan, "reorientation_table")),
+            *((contracts.SCANS[place][0], partial(self._scan, place)) for place in self._cell.scanned),
+            *(
+                ()
+                if self._cell.shift is None
+                else ((contracts.SEND_BOX, self._send_box), (contracts.REPLACE_PALLET, self._replace_pallet))
+            ),
         )
         factor = self._config.real_time_factor
         self.start(motion.SETPOINTS, "motion", LIMITS.names, services, factor, self._camera)
@@ -123,25 +134,64 @@ class PalletSimNode(PhysicsNode):
     def _reset(self, request: ResetCell.Request, response: ResetCell.Response) -> ResetCell.Response:
         with self.lock:
             time = self._simulator.time
-            self._simulator = self._new_simulator(request.seed, time)
+            self._simulator = self._new_simulator(request.seed, time, frozenset(request.come))
             self.release()
+            try:
+                for message in request.standing:
+                    self._simulator.spawn(*from_simulated(message))
+            except PackError as error:
+                response.message = str(error)
         return self._after_change(response)
 
-    def _new_simulator(self, seed: int, time: float = 0.0) -> PalletSimulator:
-        """A simulator for a seed; a real cell stays the one that was calibrated, whatever arrives in it."""
+    def _new_simulator(
+        self, seed: int, time: float = 0.0, come: frozenset[str] = frozenset()
+    ) -> PalletSimulator:
+        """A simulator for a seed; a real cell stays the one that was calibrated, whatever arrives in it.
+
+        Args:
+            seed: of what arrives.
+            time: what its clock shows [s].
+            come: names of boxes that have come on the conveyor already.
+        """
         errors_of = None if self._cell.imperfections.camera is None else self._config.seed
         visitors = visitors_of(self._config.visitors, seed)
         self._sensor = VisitorSensor(visitors, self._config.sensor, self._cell.arm.X_WB.p, seed)
         return PalletSimulator(
             self._cell, self._config, seed, time, assumed=self._assumed, errors_of=errors_of,
-            visitors=visitors,
+            visitors=visitors, arrivals=self._arrivals(seed, come),
         )  # fmt: skip
+
+    def _arrivals(self, seed: int, come: frozenset[str]) -> Iterable[ArrivingBox]:
+        """What comes on the conveyor of a cell that has one."""
+        if self._cell.shift is None:
+            return ()
+        items = listed_items(shipped_lists())
+        return Arrivals(items, box_stream(items, seed), self._config.arrivals, seed, come)
 
     def _after_change(self, response: Any) -> Any:
         response.success = not response.message
         if response.success:
             self._publisher.publish_boxes(self._simulator.boxes)
         return response
+
+    def _send_box(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        with self.lock:
+            self._simulator.send_box()
+        response.success = True
+        return response
+
+    def _replace_pallet(
+        self, request: ReplacePallet.Request, response: ReplacePallet.Response
+    ) -> ReplacePallet.Response:
+        if request.place not in self._cell.pallets:
+            response.message = f"place is '{request.place}'; allowed: {', '.join(self._cell.pallets)}"
+            return response
+        try:
+            with self.lock:
+                self._simulator.take_pallet(request.place, request.boxes)
+        except PackError as error:
+            response.message = str(error)
+        return self._after_change(response)
 
     def _trigger(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         with self.lock:

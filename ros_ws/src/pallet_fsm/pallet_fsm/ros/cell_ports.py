@@ -7,15 +7,19 @@ from functools import partial
 from typing import Any
 
 from pack_interfaces.msg import MotionTarget
-from pack_interfaces.srv import GripperCommand, RemoveBox
+from pack_interfaces.srv import GripperCommand, PlanPlace, RemoveBox, ReplacePallet
 from pack_interfaces.srv import LayOnTable as LayOnTableSrv
 from pack_interfaces.srv import SpawnBox as SpawnBoxSrv
 from rclpy.client import Client
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from pack_core.palletizing.cell import PALLET, REORIENTATION_TABLE
+from pack_core.errors import MessageError
+from pack_core.palletizing.cell import PalletizingCell
+from pack_core.palletizing.infeed import PlacesAway
+from pack_core.palletizing.orders.next_place import PlaceAnswer
 from pack_core.palletizing.ports import (
+    AskPlace,
     CloseGripper,
     Command,
     DiscardBox,
@@ -24,8 +28,10 @@ from pack_core.palletizing.ports import (
     PalletObservation,
     PursueTarget,
     ScanPlace,
+    SendBox,
     SpawnBox,
     StopArm,
+    TakePallet,
     TakePicture,
 )
 from pack_core.ros.contracts import motion
@@ -34,10 +40,14 @@ from pack_core.ros.contracts.contract import Contract
 from pack_core.ros.messages.conversions import from_stamp, to_pose
 from pack_core.ros.messages.motion import to_target
 from pack_core.ros.messages.palletizing import (
+    from_answer,
     from_cloud,
     from_detection,
     from_gripper_state,
+    from_infeed,
+    from_places,
     to_expected_box,
+    to_question,
 )
 from pack_core.ros.messages.serialized_status import MotionStatusReader
 from pack_core.ros.newest_messages import Kept, NewestMessages
@@ -51,13 +61,18 @@ class CellPorts:
         node: that listens and sends.
         on_motion: called in a thread of its own after every status of the motion.
         on_failure: is told why a command was not done.
+        cell: the cell's physical facts.
     """
 
     def __init__(
-        self, node: CellNode, on_motion: Callable[[], None], on_failure: Callable[[str], None]
-    ) -> None:
+        self, node: CellNode, on_motion: Callable[[], None], on_failure: Callable[[str], None],
+        cell: PalletizingCell,
+    ) -> None:  # fmt: skip
         self._node, self._on_failure = node, on_failure
         self._spawned = self._laid = ""
+        self._place: PlaceAnswer | None = None
+        self._replaced: dict[str, float] = {}
+        """When each place's full pallet was sent away [s]."""
         self._target = node.advertise(motion.MOTION_TARGET)
         self._expected = node.advertise(contracts.EXPECTED_BOX)
         self._spawn, self._lay, self._remove, self._gripper, self._trigger = (
@@ -67,16 +82,18 @@ class CellPorts:
                 contracts.TRIGGER,
             )
         )  # fmt: skip
-        self._scans = {
-            PALLET: self._client(contracts.SCAN_PALLET),
-            REORIENTATION_TABLE: self._client(contracts.SCAN_TABLE),
-        }
+        self._send, self._replace, self.plan_place = (
+            self._client(contract)
+            for contract in (contracts.SEND_BOX, contracts.REPLACE_PALLET, contracts.PLAN_PLACE)
+        )
+        self._scans = {place: self._client(contracts.SCANS[place][0]) for place in cell.scanned}
         self._heard = NewestMessages(
             node,
             (
                 Kept(contracts.BOX_DETECTION, from_detection),
-                Kept(contracts.PALLET_SCAN, partial(from_cloud, place=PALLET)),
-                Kept(contracts.TABLE_SCAN, partial(from_cloud, place=REORIENTATION_TABLE)),
+                *(Kept(contracts.SCANS[place][1], partial(from_cloud, place=place)) for place in self._scans),
+                Kept(contracts.INFEED_STATE, from_infeed),
+                Kept(contracts.PALLET_PLACES, from_places),
                 Kept(contracts.GRIPPER_STATE, from_gripper_state, depth=1),
                 Kept(motion.MOTION_STATUS, MotionStatusReader().read, depth=1, raw=True),
             ),
@@ -97,11 +114,17 @@ class CellPorts:
             return None
         now = self._now()
         detection = self._heard.until(contracts.BOX_DETECTION, now)
-        scans = (self._heard.until(topic, now) for topic in (contracts.PALLET_SCAN, contracts.TABLE_SCAN))
+        scans = (self._heard.until(contracts.SCANS[place][1], now) for place in self._scans)
         return PalletObservation(
             now, status, grip, self._spawned, detection, tuple(scan for scan in scans if scan is not None),
-            self._laid,
+            self._laid, self._heard[contracts.INFEED_STATE], self._place, self._away(now),
         )  # fmt: skip
+
+    def _away(self, now: float) -> frozenset[str]:
+        """The places on which no pallet stands: those that were told, and those just sent for."""
+        told = self._heard[contracts.PALLET_PLACES] or PlacesAway(0.0)
+        sent = (place for place, time in self._replaced.items() if told.time <= time <= now)
+        return told.places | frozenset(sent)
 
     def apply(self, command: Command) -> None:
         """Send a command.
@@ -134,17 +157,37 @@ class CellPorts:
                 warn = self._node.get_logger().warning
                 what = f"box {name} was not taken out"
                 self._call(self._remove, RemoveBox.Request(name=name), what, on_failure=warn)
+            case SendBox() | TakePallet() | AskPlace():
+                self._apply_of_shift(command)
             case CloseGripper() | OpenGripper():
                 close = isinstance(command, CloseGripper)
                 self._call(
                     self._gripper, GripperCommand.Request(close=close), "the gripper refused the command"
                 )
 
-    def _note_spawned(self, name: str) -> None:
+    def _apply_of_shift(self, command: SendBox | TakePallet | AskPlace) -> None:
+        """Send a command that only a shift gives."""
+        match command:
+            case SendBox():
+                self._call(self._send, Trigger.Request(), "the conveyor does not bring the next box")
+            case TakePallet(place, boxes):
+                self._replaced[place] = self._now()
+                replace = ReplacePallet.Request(place=place, boxes=list(boxes))
+                self._call(self._replace, replace, f"the full {place.replace('_', ' ')} is not taken away")
+            case AskPlace(question):
+                self._place = None  # an earlier shift may have had a question of this number
+                what = "nobody says where the next box goes"
+                note = partial(self._note_place, question.number)
+                self._call(self.plan_place, to_question(question), what, note)
+
+    def _note_spawned(self, name: str, _: Any) -> None:
         self._spawned = name
 
-    def _note_laid(self, name: str) -> None:
+    def _note_laid(self, name: str, _: Any) -> None:
         self._laid = name
+
+    def _note_place(self, number: int, response: PlanPlace.Response) -> None:
+        self._place = from_answer(response, number)
 
     def _now(self) -> float:
         return from_stamp(self._node.get_clock().now().to_msg())
@@ -153,14 +196,18 @@ class CellPorts:
         return self._node.create_client(contract.type, contract.name)
 
     def _call(
-        self, client: Client, request: Any, what: str, on_success: Callable[[], None] = lambda: None,
+        self, client: Client, request: Any, what: str, on_success: Callable[[Any], None] = lambda _: None,
         on_failure: Callable[[str], object] | None = None,
     ) -> None:  # fmt: skip
         def answered(future: Future) -> None:
             response = future.result()
+            message = response.message
             if response.success:
-                on_success()
-            else:
-                (on_failure or self._on_failure)(f"{what}: {response.message}")
+                try:
+                    on_success(response)
+                    return
+                except MessageError as error:
+                    message = str(error)
+            (on_failure or self._on_failure)(f"{what}: {message}")
 
         client.call_async(request).add_done_callback(answered)

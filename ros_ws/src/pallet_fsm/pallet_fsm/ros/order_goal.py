@@ -92,12 +92,12 @@ class StatePublisher:
     def __init__(self, node: CellNode) -> None:
         self._node, self._publisher = node, node.advertise(contracts.PALLET_STATE)
 
-    def publish(self, visit: Visit) -> None:
+    def publish(self, state: PalletState) -> None:
         """Publish a state that was entered."""
-        self._publisher.publish(to_state(visit))
-        if visit.reason:
-            self._node.health.count(visit.state.label, visit.reason)
-            self._node.get_logger().warning(f"{visit.state.label}, box {visit.box}: {visit.reason}")
+        self._publisher.publish(state)
+        if state.reason:
+            self._node.health.count(state.state, state.reason)
+            self._node.get_logger().warning(f"{state.state}, box {state.box}: {state.reason}")
 
 
 class OrderRun:
@@ -122,6 +122,10 @@ class OrderRun:
         """Time from the start to the last change of state [s]."""
         return self.session.machine.since - self._start
 
+    def halt(self, reason: str) -> None:
+        """Stop safely at the next step."""
+        self.session.halt(reason)
+
     def step(self, seen: PalletObservation) -> None:
         """Step the machine once; does nothing after its end."""
         if self.session.machine.is_over:
@@ -137,7 +141,7 @@ class OrderRun:
     def _publish(self) -> None:
         visits = self.session.machine.visits
         for visit in visits[self._published :]:
-            self._states.publish(visit)
+            self._states.publish(to_state(visit))
         if len(visits) > self._published:
             self._node.publish_feedback(to_feedback(self.session, self.elapsed))
         self._published = len(visits)

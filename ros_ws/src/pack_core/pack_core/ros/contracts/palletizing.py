@@ -4,22 +4,34 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pack_interfaces.action import CalibrateCell, Palletize
+from pack_interfaces.action import CalibrateCell, Palletize, RunShift
 from pack_interfaces.msg import (
     BoardSighting,
     BoxDetection,
     ExpectedBox,
     GripperState,
+    InfeedState,
+    PalletPlaces,
     PalletState,
     SceneState,
     UnwantedContact,
 )
-from pack_interfaces.srv import GripperCommand, LayOnTable, PlanLayout, RemoveBox, ResetCell, SpawnBox
+from pack_interfaces.srv import (
+    GripperCommand,
+    LayOnTable,
+    PlanLayout,
+    PlanPlace,
+    RemoveBox,
+    ReplacePallet,
+    ResetCell,
+    SpawnBox,
+)
 from sensor_msgs.msg import CompressedImage, PointCloud2
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from pack_core.palletizing import topics
+from pack_core.palletizing.cell import PALLET, PICKING_TABLE, REORIENTATION_TABLE, SECOND_PALLET
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.motion import overhead_camera
@@ -55,7 +67,8 @@ LAY_ON_TABLE = Contract(
 REMOVE_BOX = Contract(
     "/sim/remove", RemoveBox, ("fsm", "user"), ("sim",), "a box is taken out of the cell", kind=Kind.SERVICE)
 RESET = Contract(
-    "/sim/reset", ResetCell, ("user",), ("sim",), "empty the cell and bring the arm home", kind=Kind.SERVICE)
+    "/sim/reset", ResetCell, ("user",), ("sim",),
+    "empty the cell, bring the arm home, and put boxes there that are asked for", kind=Kind.SERVICE)
 TRIGGER, IMAGE, CAMERA_INFO = overhead_camera("vision")
 EXPECTED_BOX = Contract(
     topics.EXPECTED_BOX, ExpectedBox, ("fsm",), ("vision", "recorder"),
@@ -81,6 +94,35 @@ TABLE_SCAN = Contract(
     topics.TABLE_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
     "the same of the scanner over table B, in the frame `reorientation_table_scanner`", qos=LATEST,
     rate="on demand", recorded=True)
+SCAN_PICKING = Contract(
+    "/picking_table_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
+    "scan the box at the conveyor's barrier now; the points follow; only in a cell for shifts",
+    kind=Kind.SERVICE)
+PICKING_SCAN = Contract(
+    topics.PICKING_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
+    "the same of the scanner over the conveyor, in the frame `picking_table_scanner`", qos=LATEST,
+    rate="on demand", recorded=True)
+SCAN_SECOND = Contract(
+    "/second_pallet_scanner/trigger", Trigger, ("fsm", "user"), ("sim",),
+    "scan the second pallet now; the points follow; only in a cell for shifts", kind=Kind.SERVICE)
+SECOND_SCAN = Contract(
+    topics.SECOND_SCAN, PointCloud2, ("sim",), ("fsm", "recorder", "user"),
+    "the same of the scanner over the second pallet, in the frame `second_pallet_scanner`", qos=LATEST,
+    rate="on demand", recorded=True)
+INFEED_STATE = Contract(
+    topics.INFEED_STATE, InfeedState, ("sim",), ("fsm", "recorder", "user"),
+    "the box at the conveyor's barrier and what its label says; only in a cell for shifts", qos=LATCHED,
+    rate="on change", recorded=True)
+SEND_BOX = Contract(
+    "/infeed/send", Trigger, ("fsm", "user"), ("sim",),
+    "have the conveyor bring the next box, once the one at the barrier is gone", kind=Kind.SERVICE)
+PALLET_PLACES = Contract(
+    topics.PALLET_PLACES, PalletPlaces, ("sim",), ("fsm", "recorder", "user"),
+    "the places on which no pallet stands while a full one is replaced; only in a cell for shifts",
+    qos=LATCHED, rate="on change", recorded=True)
+REPLACE_PALLET = Contract(
+    "/pallets/replace", ReplacePallet, ("fsm", "user"), ("sim",),
+    "have a full pallet taken away, and an empty one brought", kind=Kind.SERVICE)
 VISION_FRAME = Contract(
     "/vision/frame", CompressedImage, ("vision",), ("user",),
     "the whole picture, at lower resolution", qos=LATEST, rate="each picture")
@@ -97,6 +139,10 @@ PLAN_LAYOUT = Contract(
     "/plan_layout", PlanLayout, ("fsm", "user"), ("layout",),
     "where an order's boxes stand, with gaps, in which sequence they come, and from which side",
     kind=Kind.SERVICE, recorded=True)
+PLAN_PLACE = Contract(
+    "/plan_place", PlanPlace, ("fsm", "user"), ("layout",),
+    "where a box goes that has just come, from what stands on the pallets; only in a cell for shifts",
+    kind=Kind.SERVICE, recorded=True)
 PALLET_STATE = Contract(
     topics.PALLET_STATE, PalletState, ("fsm",), ("recorder", "user"),
     "the machine entered a state: which, for which box, on what event, and why if it is a fault",
@@ -107,11 +153,21 @@ RESULT = Contract(
     rate="each order", recorded=True)
 PALLETIZE = Contract(
     "/palletize", Palletize, ("user",), ("fsm",), "build an order's pallet", kind=Kind.ACTION)
+RUN_SHIFT = Contract(
+    "/run_shift", RunShift, ("user",), ("fsm",),
+    "run a shift, or go on with one; only in a cell for shifts", kind=Kind.ACTION)
 CALIBRATE = Contract(
     "/calibrate_cell", CalibrateCell, ("user",), ("fsm",),
     "find out where tables, pallet and camera are and how far the gears give, or test what was found",
     kind=Kind.ACTION)
 # fmt: on
+SCANS = {
+    PALLET: (SCAN_PALLET, PALLET_SCAN),
+    REORIENTATION_TABLE: (SCAN_TABLE, TABLE_SCAN),
+    PICKING_TABLE: (SCAN_PICKING, PICKING_SCAN),
+    SECOND_PALLET: (SCAN_SECOND, SECOND_SCAN),
+}
+"""By the name of a place, how a scan of it is asked for, and where its points come."""
 
 MOTION = (line for line in motion.MOTION if line.name != JOINT_STATES.name)
 CONTRACTS = (*SHARED, *MOTION, *contracts_in(globals()))

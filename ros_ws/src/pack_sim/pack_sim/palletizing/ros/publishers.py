@@ -12,13 +12,14 @@ from pack_core import topics as shared_topics
 from pack_core.camera import Picture
 from pack_core.palletizing import topics
 from pack_core.palletizing.boxes import BoxBody
+from pack_core.palletizing.infeed import PlacesAway
 from pack_core.robots.kr210 import JOINTS
 from pack_core.ros.contracts import motion, shared
 from pack_core.ros.contracts import palletizing as contracts
 from pack_core.ros.messages.camera import to_camera_info, to_image
 from pack_core.ros.messages.conversions import to_stamp
 from pack_core.ros.messages.motion import to_obstacles
-from pack_core.ros.messages.palletizing import to_cloud, to_gripper_state
+from pack_core.ros.messages.palletizing import to_cloud, to_gripper_state, to_infeed, to_places
 from pack_core.ros.messages.serialized import ClockWriter, JointStateWriter, SceneWriter
 from pack_core.ros.node import CellNode
 from pack_core.topics import steps_between
@@ -45,6 +46,9 @@ class CellPublisher:
         self._contacts = node.advertise(contracts.CONTACTS)
         self._boxes = node.advertise(contracts.BOXES)
         self._obstacles = node.advertise(motion.MOTION_OBSTACLES)
+        self._infeed = node.advertise(contracts.INFEED_STATE)
+        self._places = node.advertise(contracts.PALLET_PLACES)
+        self._told: tuple[object, ...] = ()
         self._steps = steps_between(shared_topics.TICK_RATE, timestep)
         self.period = self._steps * timestep
         self._gripper_ticks = steps_between(topics.GRIPPER_RATE, self.period)
@@ -70,6 +74,19 @@ class CellPublisher:
             self._gripper.publish(to_gripper_state(simulator.time, simulator.gripper.state))
         if self._tick % self._truth_ticks == 0:
             self._truth.publish(self._truth_writer.write(simulator.truth()))
+        self._tell_of_shift(simulator)
+
+    def _tell_of_shift(self, simulator: PalletSimulator) -> None:
+        """Publish what the conveyor tells, the pallets' places and the boxes, once one has changed."""
+        infeed, away = simulator.infeed, simulator.taken
+        if infeed is None:
+            return
+        now = (infeed.number, infeed.box, infeed.label, away, simulator.boxes)
+        if now != self._told:
+            self._told = now
+            self._infeed.publish(to_infeed(infeed))
+            self._places.publish(to_places(PlacesAway(simulator.time, away)))
+            self.publish_boxes(simulator.boxes)
 
     def publish_obstacles(self, seen: Observation) -> None:
         """Publish the visitors that the sensor sees."""
@@ -123,14 +140,12 @@ class ScanPublisher:
     Args:
         node: the node that publishes.
         scanner: makes them.
+        places: names of those that it looks at.
     """
 
-    def __init__(self, node: CellNode, scanner: PlaceScanner) -> None:
+    def __init__(self, node: CellNode, scanner: PlaceScanner, places: Iterable[str]) -> None:
         self._scanner = scanner
-        self._points = {
-            "pallet": node.advertise(contracts.PALLET_SCAN),
-            "reorientation_table": node.advertise(contracts.TABLE_SCAN),
-        }
+        self._points = {place: node.advertise(contracts.SCANS[place][1]) for place in places}
 
     def publish(self, place: str, still: PhysicsSnapshot) -> None:
         """Scan a place as it was when the physics was held still, and publish the points."""

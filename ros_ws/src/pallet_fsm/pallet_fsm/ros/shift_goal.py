@@ -1,0 +1,219 @@
+"""A goal of `/run_shift`: what stands is looked at, the shift is run, and its journal is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from pack_interfaces.action import RunShift
+from pack_interfaces.msg import PalletState
+
+from pack_core.errors import ConfigError
+from pack_core.palletizing.cell import REORIENTATION_TABLE, PalletizingCell
+from pack_core.palletizing.orders.item_list import Item
+from pack_core.palletizing.ports import Command, PalletObservation, ScanPlace
+from pack_core.palletizing.shift_journal import (
+    JOURNAL,
+    SETTLED,
+    EventKind,
+    ShiftEvent,
+    ShiftJournal,
+    WrittenShift,
+    read_journal,
+)
+from pack_core.ros.goal_node import GoalNode
+from pack_core.ros.messages.conversions import to_stamp
+from pallet_fsm.order_book import WorkItem
+from pallet_fsm.place_watch import ArmShadow
+from pallet_fsm.ros.order_goal import StatePublisher
+from pallet_fsm.shift_job import ShiftJob
+from pallet_fsm.taking_over import TakenOver, TakeOverConfig, standing_by_journal, take_over
+
+PATIENCE = 5.0
+"""Longest time until the scanners have answered before a shift that is gone on with begins [s]."""
+
+
+def requested_shift(goal: RunShift.Goal, preset: str) -> WrittenShift:
+    """What the journal of a goal's folder has, or has to begin with.
+
+    Raises:
+        ConfigError: the folder cannot take a new shift, or has none to go on with.
+    """
+    if not goal.folder:
+        raise ConfigError("the goal has no `folder`; allowed: one for the journal")
+    folder = Path(goal.folder)
+    path = folder / JOURNAL
+    if goal.resume:
+        return read_journal(path)
+    if path.exists():
+        raise ConfigError(f"{path} is there already; allowed: another folder, or `resume`")
+    if goal.boxes < 1:
+        raise ConfigError(f"boxes is {goal.boxes}; allowed: 1 or more")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"{folder} cannot be made: {error.strerror}") from error
+    return WrittenShift({"seed": goal.seed, "boxes": goal.boxes, "preset": preset}, ())
+
+
+class TakeOverLook:
+    """Has the places scanned on which something must stand, and compares.
+
+    Args:
+        cell: the cell's physical facts.
+        standing: what must stand, by the journal.
+    """
+
+    def __init__(self, cell: PalletizingCell, standing: list[tuple[WorkItem, Item]]) -> None:
+        self._cell, self._standing = cell, standing
+        self._places = (*cell.pallets, REORIENTATION_TABLE)
+        blocks = {block.name: block for block in cell.furniture}
+        self._shadows = {place: ArmShadow(blocks[place], cell) for place in self._places}
+        self._asked: float | None = None
+
+    def step(self, seen: PalletObservation) -> tuple[Command, ...] | TakenOver:
+        """The commands of this step, and at last what stands.
+
+        Raises:
+            ConfigError: the arm hides a place, or a scanner does not answer.
+        """
+        if self._asked is None:
+            for place, shadow in self._shadows.items():
+                if shadow.clearance(seen.motion.X_WT, None) <= 0.0:
+                    raise ConfigError(
+                        f"the arm hides the {place.replace('_', ' ')}; bring it beside, so that the scanner "
+                        "sees what stands there"
+                    )
+            self._asked = seen.time
+            return tuple(ScanPlace(place) for place in self._places)
+        scans = {scan.place: scan for scan in seen.scans if scan.time >= self._asked}
+        missing = [place for place in self._places if place not in scans]
+        if not missing:
+            return take_over(self._standing, scans, self._cell, TakeOverConfig())
+        if seen.time > self._asked + PATIENCE:
+            raise ConfigError(f"the scanner over the {missing[0].replace('_', ' ')} does not answer")
+        return ()
+
+
+class ShiftGoalRun:
+    """Steps a shift from its first observation to its end, and keeps its journal.
+
+    Times in the journal go on where it ended, also where the clock has begun anew.
+
+    Args:
+        node: the node that has the goal.
+        cell: the cell's physical facts.
+        before: the shift so far.
+        journal: is written to with every event.
+        begin: makes the job, of what stands and of how many boxes are still to come.
+        apply: carries out a command.
+        states: publishes the states.
+    """
+
+    def __init__(
+        self, node: GoalNode, cell: PalletizingCell, before: WrittenShift, journal: ShiftJournal,
+        begin: Callable[[TakenOver, int], ShiftJob], apply: Callable[[Command], None], states: StatePublisher,
+    ) -> None:  # fmt: skip
+        self._node, self._cell, self._journal, self._apply = node, cell, journal, apply
+        self._states, self._begin = states, begin
+        self._boxes = int(before.facts["boxes"])
+        self._last = before.events[-1].time if before.events else 0.0
+        self._came, self._placed, self._settled, self._failed = (set[str]() for _ in range(4))
+        self._count(before.events)
+        standing = standing_by_journal(before.events)
+        self._look = TakeOverLook(cell, standing) if standing else None
+        self._job: ShiftJob | None = None
+        self._start: float | None = None
+        self._offset = self._elapsed = 0.0
+        self._halted = ""
+        if not standing:
+            self._job = begin(TakenOver(), self._left)
+
+    @property
+    def _left(self) -> int:
+        return self._boxes - len(self._settled)
+
+    def halt(self, reason: str) -> None:
+        """Stop safely at the next step."""
+        self._halted = reason
+        if self._job is not None:
+            self._job.halt(reason)
+
+    def step(self, seen: PalletObservation) -> None:
+        """Step the shift once; does nothing after its end."""
+        if self._job is not None and self._job.is_over:
+            return
+        if self._start is None:
+            self._start, self._offset = seen.time, max(0.0, self._last - seen.time)
+        self._elapsed = seen.time - self._start
+        if self._node.is_cancel_requested:
+            self.halt("canceled on request")
+        if self._job is None:
+            self._take_over(seen)
+            return
+        for command in self._job.step(seen):
+            self._apply(command)
+        self._tell(self._job.events())
+        if self._job.is_over:
+            self._node.end_goal()
+
+    def result(self) -> RunShift.Result:
+        """The action result of a shift that has ended."""
+        reason = self._halted if self._job is None else self._job.reason
+        return RunShift.Result(
+            success=not self._failed and len(self._settled) >= self._boxes, message=reason,
+            came=len(self._came), boxes=self._boxes, placed=len(self._placed), execution_time=self._elapsed,
+        )  # fmt: skip
+
+    def _take_over(self, seen: PalletObservation) -> None:
+        """Look at what stands before anything moves."""
+        assert self._look is not None
+        try:
+            found = () if self._halted else self._look.step(seen)
+        except ConfigError as error:
+            self._halted, found = str(error), ()
+        if isinstance(found, TakenOver):
+            self._job = self._begin(found, self._left)
+            return
+        for command in found:
+            self._apply(command)
+        if self._halted:
+            self._node.end_goal()
+
+    def _tell(self, events: Sequence[ShiftEvent]) -> None:
+        """Write events to the journal, publish the states among them, and tell where the shift stands."""
+        if not events:
+            return
+        self._journal.write(replace(event, time=event.time + self._offset) for event in events)
+        self._count(events)
+        states = [event for event in events if event.kind is EventKind.STATE]
+        for event in states:
+            self._states.publish(_state_of(event))
+        if states:
+            now = states[-1]
+            self._node.publish_feedback(
+                RunShift.Feedback(
+                    state=now.data["state"], box=now.box, came=len(self._came), boxes=self._boxes,
+                    placed=len(self._placed), elapsed=self._elapsed,
+                )
+            )  # fmt: skip
+
+    def _count(self, events: Sequence[ShiftEvent]) -> None:
+        for event in events:
+            if event.kind is EventKind.CAME:
+                self._came.add(event.box)
+            if event.kind in SETTLED:
+                self._settled.add(event.box)
+            if event.kind is EventKind.PUT_DOWN and event.place in self._cell.pallets:
+                self._placed.add(event.box)
+            if event.kind in (EventKind.SKIPPED, EventKind.LOST):
+                self._failed.add(event.box)
+
+
+def _state_of(event: ShiftEvent) -> PalletState:
+    message = PalletState(
+        state=event.data["state"], box=event.box, event=event.data["event"], reason=event.reason
+    )
+    message.header.stamp = to_stamp(event.time)
+    return message

@@ -1,0 +1,102 @@
+"""A goal of `/run_shift` in a cell without physics: its journal, its feedback, and going on after a kill."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pack_interfaces.action import RunShift
+
+from pack_core.palletizing.ports import ScanPlace
+from pack_core.palletizing.shift_journal import JOURNAL, EventKind, ShiftJournal, read_journal
+from pack_core.rotations import Pose
+from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
+from pallet_fsm.ros.shift_goal import ShiftGoalRun, requested_shift
+from pallet_fsm.shift_job import ShiftConfig, ShiftJob
+from pallet_fsm.taking_over import TakenOver
+from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, listed
+from unit.pallet_fsm.faults import Faults
+
+TEA = listed("tea")
+MACHINE = PalletizerConfig(scans=ScanConfig(period=0.0))
+
+
+@dataclass
+class Server:
+    """Takes what a goal tells its node."""
+
+    is_cancel_requested: bool = False
+    has_ended: bool = False
+    feedback: list[Any] = field(default_factory=list)
+    states: list[Any] = field(default_factory=list)
+
+    def publish_feedback(self, feedback: Any) -> None:
+        self.feedback.append(feedback)
+
+    def end_goal(self) -> None:
+        self.has_ended = True
+
+    def publish(self, state: Any) -> None:
+        self.states.append(state)
+
+
+def cell_of(count: int) -> FakeShiftCell:
+    return FakeShiftCell(None, Faults(), stream=[Came("tea")] * count, catalogue={"tea": TEA})
+
+
+def pursue(
+    cell: FakeShiftCell, goal: RunShift.Goal, *, killed_after: int | None = None
+) -> tuple[RunShift.Result, Server]:
+    """Run a goal to its end, or until so many boxes have been put down."""
+    server, before = Server(), requested_shift(goal, "shift")
+
+    def begin(found: TakenOver, boxes: int) -> ShiftJob:
+        return ShiftJob(CELL, cell.catalogue, ShiftConfig(patience=20.0), MACHINE, boxes, found)
+
+    with ShiftJournal(Path(goal.folder) / JOURNAL, before.facts) as journal:
+        run = ShiftGoalRun(server, CELL, before, journal, begin, cell.apply, server)  # type: ignore[arg-type]
+        while not server.has_ended and run.result().placed != killed_after:
+            run.step(cell.observe())
+    return run.result(), server
+
+
+def test_a_shift_is_run_told_and_written(tmp_path: Path) -> None:
+    result, server = pursue(cell_of(2), RunShift.Goal(folder=str(tmp_path), boxes=2, seed=7))
+    assert (result.success, result.message) == (True, "all 2 boxes came")
+    assert (result.came, result.placed, result.boxes) == (2, 2, 2)
+    written = read_journal(tmp_path / JOURNAL)
+    assert written.facts == {"seed": 7, "boxes": 2, "preset": "shift"}
+    visits = [event for event in written.events if event.kind is EventKind.STATE]
+    assert [state.state for state in server.states] == [visit.data["state"] for visit in visits]
+    assert server.feedback[-1].placed == 2
+
+
+def test_a_shift_goes_on_where_it_was_killed_though_the_clock_begins_anew(tmp_path: Path) -> None:
+    first = cell_of(3)
+    pursue(first, RunShift.Goal(folder=str(tmp_path), boxes=3), killed_after=1)
+    again = cell_of(2)
+    put_down = next(e for e in read_journal(tmp_path / JOURNAL).events if e.kind is EventKind.PUT_DOWN)
+    pose = np.array(put_down.data["pose"])
+    again.boxes["first"], again.sizes["first"] = Pose(pose[:3], pose[3:]), (0.4, 0.3, 0.2)
+    again._infeed = first._infeed
+    result, _ = pursue(again, RunShift.Goal(folder=str(tmp_path), resume=True))
+    assert (result.success, result.came, result.placed) == (True, 3, 3)
+    events = read_journal(tmp_path / JOURNAL).events
+    times = [event.time for event in events if event.kind is not EventKind.STATE]
+    assert times == sorted(times)
+    began = [event for event in events if event.kind is EventKind.BEGAN]
+    assert [event.data["standing"] for event in began] == [0, 1]
+    assert [event.reason for event in began] == ["", ""]
+
+
+def test_a_scanner_that_does_not_answer_ends_the_goal_before_anything_moves(tmp_path: Path) -> None:
+    pursue(cell_of(2), RunShift.Goal(folder=str(tmp_path), boxes=2), killed_after=1)
+    cell = cell_of(1)
+    apply = cell.apply
+    cell.apply = lambda command: None if isinstance(command, ScanPlace) else apply(command)  # type: ignore[method-assign]
+    result, server = pursue(cell, RunShift.Goal(folder=str(tmp_path), resume=True))
+    assert not result.success
+    assert result.message == "the scanner over the pallet does not answer"
+    assert server.states == []
