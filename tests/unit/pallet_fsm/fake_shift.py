@@ -15,7 +15,7 @@ from pack_core.rotations import Pose, from_yaw
 from pack_planner.layout.insertion_direction import InsertionConfig
 from pack_planner.layout.online_planner import OnlineConfig
 from pack_planner.layout.place_answers import PlaceAnswers
-from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
+from pallet_fsm.palletizer_config import FeederConfig, PalletizerConfig, ScanConfig
 from pallet_fsm.shift_job import ShiftConfig, ShiftJob
 from pallet_fsm.taking_over import TakenOver
 from unit.pack_perception.scans.closed_form import scan_of
@@ -121,20 +121,22 @@ class ShiftRunning:
 def run_shift(
     stream: list[Came], catalogue: list[Item], config: OnlineConfig | None = None,
     faults: Faults | None = None, *, period: float = 0.0, boxes: int | None = None,
+    feeder: FeederConfig | None = None,
 ) -> ShiftRunning:  # fmt: skip
     """A shift from start to end; `period` [s] is that of scans of pallets and table B, 0: none."""
     labels = {item.id: item for item in catalogue}
     cell = FakeShiftCell(
         None, faults or Faults(), stream=stream, catalogue=labels, config=config or OnlineConfig()
     )
-    return go_on(cell, boxes or len(stream), period=period)
+    return go_on(cell, boxes or len(stream), period=period, feeder=feeder)
 
 
 def go_on(
-    cell: FakeShiftCell, boxes: int, taken_over: TakenOver | None = None, *, period: float = 0.0
-) -> ShiftRunning:
+    cell: FakeShiftCell, boxes: int, taken_over: TakenOver | None = None, *, period: float = 0.0,
+    feeder: FeederConfig | None = None,
+) -> ShiftRunning:  # fmt: skip
     """A shift in a cell in which something may stand already."""
-    machine = PalletizerConfig(scans=ScanConfig(period=period))
+    machine = PalletizerConfig(scans=ScanConfig(period=period), feeder=feeder or FeederConfig())
     job = ShiftJob(CELL, cell.catalogue, ShiftConfig(patience=20.0), machine, boxes, taken_over)
     shift = ShiftRunning(job, cell)
     while not job.is_over:

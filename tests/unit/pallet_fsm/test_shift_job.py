@@ -8,6 +8,8 @@ from pack_core.palletizing.ports import Command, PursueTarget
 from pack_core.palletizing.shift_journal import EventKind
 from pack_planner.layout.online_packer import PackerConfig
 from pack_planner.layout.online_planner import OnlineConfig
+from pallet_fsm.palletizer_config import FeederConfig
+from unit.pallet_fsm import fake_shift
 from unit.pallet_fsm.fake_shift import CELL, Came, FakeShiftCell, listed, run_shift
 from unit.pallet_fsm.faults import Faults
 
@@ -109,3 +111,14 @@ def test_the_arm_keeps_clear_of_the_box_that_comes_next(monkeypatch: pytest.Monk
     top = CELL.picking_table.height + CELL.shift.infeed.headroom
     assert tops[0]["conveyor"] == pytest.approx(top)
     assert all("conveyor" in found or "b2" in found for found in tops)
+
+
+def test_the_arm_stays_where_it_let_a_box_go_if_the_next_one_is_found_soon(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(fake_shift, "ON_THE_WAY", 0.4)
+    patient, hasty = (
+        run_shift([Came("tea")] * 2, [TEA], feeder=FeederConfig(linger=linger)) for linger in (1.0, 0.0)
+    )
+    assert patient.of(EventKind.CAME)[1].time > patient.of(EventKind.PUT_DOWN)[0].time
+    assert patient.of(EventKind.PUT_DOWN)[1].time < hasty.of(EventKind.PUT_DOWN)[1].time

@@ -104,6 +104,11 @@ class Intake:
         return self._is_sent
 
     @property
+    def is_measuring(self) -> bool:
+        """Whether a box stands at the barrier and was not measured."""
+        return self._is_sent and self._came is not None
+
+    @property
     def is_waiting(self) -> bool:
         """Whether a box was sent for and has not come to the barrier."""
         return self._is_sent and self._came is None

@@ -111,12 +111,14 @@ class OrderBook:
     Attributes:
         current: the box in work.
         others: what else stands in the cell, and is not to be placed yet.
+        is_next_coming: whether the next box is about to be found: it is worth while to wait for it.
     """
 
     def __init__(self, name: str, items: Sequence[WorkItem], cell: PalletizingCell) -> None:
         self._cell, self.name, self.items = cell, name, list(items)
         self._furniture = cell.furniture
         self.others: tuple[Obstacle, ...] = ()
+        self.is_next_coming = False
         self.current = next((item for item in self.items if not item.is_finished), self.items[-1])
 
     @classmethod

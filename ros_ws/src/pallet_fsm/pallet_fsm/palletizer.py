@@ -168,6 +168,8 @@ class Palletizer:
             return change
         if self._waits_for_sight(state) and _is_standing(seen.motion):
             return None
+        if self._awaits_next(state, seen.time):
+            return None
         outcome = self._legs.follow(state, self.item, seen)
         if isinstance(outcome, PursueTarget):
             self._commands.append(outcome)
@@ -183,6 +185,15 @@ class Palletizer:
             return True
         has_an_end = ROWS[state].grip in (Grip.CLOSE, Grip.OPEN) or state is State.RETURN
         return has_an_end and self._places.is_looking
+
+    def _awaits_next(self, state: State, time: float) -> bool:
+        """Whether the arm stays where it let a box go, as the way to the next one is known in a moment.
+
+        Without it the arm goes to its safe position first, which costs some seconds.
+        """
+        is_at_rest = state is State.RETREAT and self._legs.end is None and self._profile.feeds_ahead
+        is_soon = self._book.is_next_coming and time < self.machine.since + self._config.feeder.linger
+        return is_at_rest and is_soon
 
     def _fire(self, event: Event, reason: str, seen: PalletObservation) -> None:
         before = self.machine.state

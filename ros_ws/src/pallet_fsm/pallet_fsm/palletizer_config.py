@@ -86,6 +86,11 @@ class FeederConfig(Config):
     patience: PositiveFloat = Field(
         default=5.0, description="longest time until a box arrives, and until the camera answers [s]"
     )
+    linger: NonNegativeFloat = Field(
+        default=1.0,
+        description="longest time that the arm stays where it let a box of a shift go until the next one is "
+        "found, if that is about to happen [s]",
+    )
 
 
 class SecondLookConfig(Config):

@@ -111,7 +111,7 @@ class ShiftJob:
             self.machine = Palletizer(self._floor.begin(), self._cell, self._machine_config, seen.time)
             self._noted = 0
         if self.machine is not None:
-            self._keep_clear_of_conveyor()
+            self._tell_of_next()
             commands += self.machine.step(seen)
             self._note_progress(seen)
         self._end(seen)
@@ -122,12 +122,13 @@ class ShiftJob:
         """The box that the machine is busy with, or was last."""
         return None if self.machine is None else self.machine.item
 
-    def _keep_clear_of_conveyor(self) -> None:
-        """Have the arm keep clear of the box that comes, until the machine knows where it stands."""
+    def _tell_of_next(self) -> None:
+        """Have the arm keep clear of the box that comes until it is found, and wait for it if that is soon."""
         coming, book = self._arriving, self._floor.book
         assert book is not None
-        is_unseen = coming is None or (coming is not self._busy and coming.X_WB is None)
-        book.others = self._intake.obstacles() if is_unseen else ()
+        is_unseen = coming is not self._busy and coming is not None and coming.X_WB is None
+        book.others = self._intake.obstacles() if coming is None or is_unseen else ()
+        book.is_next_coming = is_unseen or self._intake.is_measuring or self._question is not None
 
     def _take_in(self, seen: PalletObservation) -> list[Command]:
         """Have the next box brought once the last one has left the conveyor, and have it measured."""
