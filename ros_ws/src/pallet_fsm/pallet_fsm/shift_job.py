@@ -123,7 +123,7 @@ class ShiftJob:
         return None if self.machine is None else self.machine.item
 
     def _tell_of_next(self) -> None:
-        """Have the arm keep clear of the box that comes until it is found, and wait for it if that is soon."""
+        """Have the arm keep clear of the box that comes until that is found, or wait if that is soon."""
         coming, book = self._arriving, self._floor.book
         assert book is not None
         is_unseen = coming is not self._busy and coming is not None and coming.X_WB is None
