@@ -15,7 +15,7 @@ from pack_core.packing.object_set import load_set
 from pack_core.packing.objects import Box, Capsule, Cylinder, ObjectModel
 from pack_core.rotations import Array, Pose, from_yaw, yaw_of
 from pack_perception.depth.height_map import HeightMapConfig, Mask, halves, height_map, regions
-from pack_perception.depth.look import DepthLookConfig, look_at
+from pack_perception.depth.look import DepthLookConfig, look_at, off_container
 from pack_perception.depth.shape_fit import FittedShape
 from pack_perception.depth.sight_lines import SightLines
 from pack_sim.packing.depth_cameras import CameraRays
@@ -186,6 +186,33 @@ def test_a_region_ends_where_the_height_jumps() -> None:
     found = regions(height_map(steps, BLIND, CONTAINER, config), config)
     assert len(found) == 2
     assert not np.any(found[0] & found[1])
+
+
+def test_tops_of_other_heights_that_cells_join_are_regions_of_their_own() -> None:
+    config = HeightMapConfig()
+    grid = np.stack(np.meshgrid(*[np.arange(0.4, 0.6, 0.001)] * 2), axis=-1).reshape(-1, 2) - [0.0, 0.5]
+    x, y = grid.T
+    # a ramp over a quarter of the edge, so flat that no cell jumps
+    z = np.where(
+        np.abs(y) < 0.03, np.clip(0.055 + (x - 0.5) / 1.5, 0.05, 0.06), np.where(x < 0.5, 0.05, 0.06)
+    )
+    found = regions(height_map(np.column_stack([grid, z]), BLIND, CONTAINER, config), config)
+    assert len(found) == 2
+    assert not np.any(found[0] & found[1])
+
+
+def test_two_boxes_that_make_one_box_are_one() -> None:
+    halves_of_box = [BOX.model_copy(update={"name": name, "size": (0.045, 0.06, 0.11)}) for name in "ab"]
+    (fit,) = look(halves_of_box, [(0.4775, 0.0, 0.0), (0.5225, 0.0, 0.0)])
+    assert isinstance(fit.item, Box)
+
+
+def test_points_on_base_and_walls_are_left_out() -> None:
+    (x, y), inner = CONTAINER.centre, CONTAINER.upper[0]
+    on_base, on_wall, content = [x, y, 0.001], [inner + 0.004, y, 0.05], [x, y, 0.05]
+    over_wall, outside = [inner + 0.004, y, CONTAINER.height + 0.02], [inner + 0.1, y, 0.05]
+    points = np.array([on_base, on_wall, content, over_wall, outside])
+    assert off_container(points, CONTAINER).tolist() == [content, over_wall, outside]
 
 
 def test_a_convex_region_is_not_halved() -> None:

@@ -17,7 +17,7 @@ from pack_core.packing.cell import PackingCell
 from pack_core.packing.depth import DepthFrame, points_of
 from pack_core.packing.scene import Scene
 from pack_core.rotations import Array, Pose
-from pack_perception.depth.look import DepthLookConfig, look_at, scene_points
+from pack_perception.depth.look import DepthLookConfig, look_at, off_container, scene_points
 from pack_perception.depth.registration import RegistrationConfig, register
 from pack_perception.depth.sight_lines import SightLines
 from pack_perception.depth.surface_fit import (
@@ -164,6 +164,7 @@ class DepthEstimator(HandOverEstimator):
         known[self._held] |= self._held >= 0
         rows = np.flatnonzero(known)
         points = scene_points([frame], self._cameras, np.inf, self._depth.every)
+        points = off_container(points, self._scene.container)
         parts = assigned(points, [self._surfaces[i] for i in rows], expected[rows], config.reach)
         seen, fitted = expected.copy(), []
         for i, part in zip(rows, parts, strict=True):

@@ -170,7 +170,8 @@ def _connected(tops: Array, cells: Mask, step: float, least: float) -> list[Mask
     graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(tops.size, tops.size))
     _, labels = connected_components(graph, directed=False)
     sizes = np.bincount(labels[cells.ravel()], minlength=labels.max() + 1)
-    large = [i for i in np.argsort(-sizes) if sizes[i] >= least]
+    order = np.argsort(-sizes)
+    large = order[sizes[order] >= least]
     parts = [_opened((labels == i).reshape(tops.shape) & cells) for i in large]
     return [part for part in parts if part.sum() >= least]
 

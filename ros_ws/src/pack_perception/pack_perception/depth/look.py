@@ -37,6 +37,8 @@ GAP = 7
 """Size of the square by which a top is widened to meet another one across a gap of unseen cells [cells]."""
 
 
+ON_WALL = 0.003
+"""What is so near to the container's base or walls is a part of them [m]."""
 AXIS_SHARE = 0.7
 """Share of a capsule's radius beside its axis in which it is looked for behind a gap."""
 FEW_CELLS = 3
@@ -64,6 +66,20 @@ def scene_points(
         [points_of(cameras[i], frame.images[i], every) for frame in frames for i in range(len(cameras))]
     )
     return points[(points[:, 2] > -0.01) & (points[:, 2] < ceiling)]
+
+
+def off_container(points: Array, container: Container) -> Array:
+    """Those of `points` `(n, 3)` [m] that are on neither the base nor the walls."""
+    (x0, y0), (x1, y1), t = (
+        container.lower + ON_WALL,
+        container.upper - ON_WALL,
+        container.wall + 2.0 * ON_WALL,
+    )
+    x, y, z = points.T
+    is_between = (x > x0) & (x < x1) & (y > y0) & (y < y1)
+    is_beside = (x < x0 - t) | (x > x1 + t) | (y < y0 - t) | (y > y1 + t)
+    is_above = z > container.height + ON_WALL
+    return np.asarray(points[(z > ON_WALL) & (is_between | is_beside | is_above)])
 
 
 def look_at(

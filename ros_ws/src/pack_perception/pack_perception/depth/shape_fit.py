@@ -14,9 +14,9 @@ from functools import partial
 from operator import itemgetter
 
 import numpy as np
+import shapely
 from pydantic import Field, PositiveFloat, PositiveInt
 from scipy.optimize import least_squares
-from scipy.spatial import ConvexHull
 
 from pack_core.config import Config
 from pack_core.hull import hull_of, with_fewer_corners
@@ -46,6 +46,8 @@ KNOTS = 7
 """Heights between which the radius of a body of revolution is linear."""
 SHOULDER = 0.7
 """Share of its height above which a round body that is widest there goes straight down."""
+HULL_TOLERANCE = 0.001
+"""By so much corners of a hull may be off that are left out [m]."""
 THINNEST = 0.006
 """No object is thinner or lower [m]."""
 SCALE = 0.001
@@ -317,14 +319,14 @@ def _prism(
     region: SeenRegion, name: str, config: ShapeFitConfig, heights: HeightMap
 ) -> tuple[ObjectModel, Pose]:
     """The hull of a flat top, straight down to the base."""
-    outline = heights.centres(region.mask)
-    outline = outline[ConvexHull(outline).vertices]
+    hull = shapely.MultiPoint(heights.centres(region.mask)).convex_hull
+    outline = shapely.get_coordinates(hull.simplify(HULL_TOLERANCE))[:-1]
     base, top = np.insert(outline, 2, 0.0, axis=1), np.insert(outline, 2, _height(region), axis=1)
     return _mesh(np.concatenate([base, top]), name, config)
 
 
 def _mesh(points: Array, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose]:
-    hull = with_fewer_corners(hull_of(points), config.corners, 0.001)
+    hull = with_fewer_corners(hull_of(points), config.corners, HULL_TOLERANCE)
     middle = 0.5 * (hull.corners.min(axis=0) + hull.corners.max(axis=0))
     item = ConvexMesh(
         name=name, shape="mesh", vertices=tuple(map(tuple, (hull.corners - middle).tolist())),

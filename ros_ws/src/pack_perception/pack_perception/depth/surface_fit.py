@@ -38,6 +38,10 @@ class SurfaceFitConfig(Config):
     angle: PositiveFloat = Field(default=0.04, description="deviation of an expected orientation [rad]")
 
 
+MOST_POINTS = 250
+"""Points of a body by which its pose is fitted: twice `SurfaceFitConfig.alike`, what brings something new."""
+
+
 @dataclass(frozen=True)
 class ConvexSurface:
     """The facets of a convex body.
@@ -67,7 +71,10 @@ class ConvexSurface:
 
 
 def assigned(points: Array, surfaces: Sequence[ConvexSurface], poses: Array, reach: float) -> list[Array]:
-    """The points `(n, 3)` that are within `reach` of each body at `poses` `(k, 7)` and nearest to it."""
+    """The points `(n, 3)` that are within `reach` of each body at `poses` `(k, 7)` and nearest to it.
+
+    Of many some suffice, evenly chosen: `MOST_POINTS`.
+    """
     nearest, owner = np.full(len(points), reach), np.full(len(points), -1)
     for i, surface in enumerate(surfaces):
         near = np.flatnonzero(np.linalg.norm(points - poses[i, :3], axis=1) < surface.radius + reach)
@@ -75,7 +82,8 @@ def assigned(points: Array, surfaces: Sequence[ConvexSurface], poses: Array, rea
         distances = np.abs(surface.distances(p_B)[0])
         closer = distances < nearest[near]
         nearest[near[closer]], owner[near[closer]] = distances[closer], i
-    return [points[owner == i] for i in range(len(surfaces))]
+    parts = [points[owner == i] for i in range(len(surfaces))]
+    return [part[:: max(1, len(part) // MOST_POINTS)] for part in parts]
 
 
 def fit_surface(surface: ConvexSurface, points: Array, pose: Array, config: SurfaceFitConfig) -> Array:

@@ -97,6 +97,7 @@ class DepthCameraSystem:
         self._rays = [CameraRays(camera) for camera in self.cameras]
         self._static = [self._alike() for _ in self.cameras]
         self._surface_seed = int(rng.integers(2**31))
+        self._surfaces: tuple[mujoco.MjModel, Array] | None = None
         self._next = -np.inf
         self._pending: deque[DepthFrame] = deque()
 
@@ -136,11 +137,14 @@ class DepthCameraSystem:
 
     def _surface_losses(self, model: mujoco.MjModel) -> Array:
         """Share of pixels that each geom loses `(ngeom + 1,)`, by its name; the last one is for no geom."""
+        if self._surfaces is not None and self._surfaces[0] is model:
+            return self._surfaces[1]
         names = [model.geom(i).name or model.body(model.geom_bodyid[i]).name for i in range(model.ngeom)]
         draws = [
             np.random.default_rng([self._surface_seed, zlib.crc32(name.encode())]).random() for name in names
         ]
-        return self._noise.surface_loss * np.array([*draws, 0.0])
+        self._surfaces = model, self._noise.surface_loss * np.array([*draws, 0.0])
+        return self._surfaces[1]
 
     def _alike(self) -> Array:
         """Errors `(h, w)` of unit variance that neighbours share."""
