@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -137,15 +136,14 @@ def test_a_place_too_narrow_for_the_gripper_beside_a_higher_box_is_refused(
     assert reach.allows(narrow, [high]) == is_clear
 
 
-@pytest.mark.parametrize(("height", "is_clear"), [(0.28, True), (0.4, False)])
-def test_a_slot_between_higher_boxes_is_refused_as_nothing_comes_down_through_it(
-    height: float, is_clear: bool
+@pytest.mark.parametrize(("gap", "is_clear"), [(0.002, False), (0.05, True)])
+def test_a_place_that_is_too_narrow_on_the_way_down_past_a_higher_box_is_refused(
+    gap: float, is_clear: bool
 ) -> None:
-    # Straight down the last 0.1 m, between neighbours that are 2 mm away.
+    # The higher box stands on another one, over the level of the place, and is nearer on the way than there.
     reach = PlaceReach(CELL, InsertionConfig())
-    size = np.array([0.4, 0.2, height])
-    sides = [PlacedBox(f"side{k}", np.array([0.4, y, 0.0]), size, 9.0) for k, y in enumerate((0.0, 0.504))]
-    ends = [PlacedBox(f"end{k}", np.array([x, 0.202, 0.0]), size, 9.0) for k, x in enumerate((0.0, 0.8))]
-    ends = [replace(end, size=np.array([0.398 if end.lower[0] == 0.0 else 0.4, 0.3, height])) for end in ends]
-    box = PlacedBox("box", np.array([0.4, 0.202, 0.2]), np.array([0.398, 0.3, 0.2]), 5.0)
-    assert reach.allows(box, [*sides, *ends]) == is_clear
+    box = PlacedBox("box", np.array([0.402, 0.162, 0.2]), np.array([0.37, 0.325, 0.195]), 5.0)
+    low = PlacedBox("low", np.array([0.0, 0.0, 0.0]), np.array([0.35, 0.332, 0.5]), 9.0)
+    high = PlacedBox("high", np.array([0.002 - gap + 0.05, 0.0, 0.5]), np.array([0.35, 0.332, 0.27]), 9.0)
+    beside = PlacedBox("beside", np.array([0.782, 0.0, 0.0]), np.array([0.13, 0.49, 0.47]), 9.0)
+    assert reach.allows(box, [low, high, beside]) == is_clear

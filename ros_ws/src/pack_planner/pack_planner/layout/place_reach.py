@@ -14,19 +14,22 @@ from pack_core.palletizing.orders.layout_plan import Insertion
 from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.robots.kr210 import LIMITS
-from pack_core.rotations import Array, Pose, from_yaw, multiply
-from pack_motion.arm.arm import load_arm
+from pack_core.rotations import Array, Pose, from_yaw, multiply, to_matrix
+from pack_motion.arm.arm import MotionArm, load_arm
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
 from pack_planner.layout.insertion_direction import INSERTION_RULES, InsertionConfig
 
 LIFT, STANDOFF = 0.1, 0.02
 """Above and beside its place the box's last straight way begins [m]: what the state machine does at least."""
-LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""q_PT, wxyz, of a tool that points down: half a turn about x."""
 FREE = 0.015
-"""Least distance of arm and box from what stands, where that way begins [m]: the motion keeps 12 mm there."""
+"""Least distance of box and gripper on the way down, unless they are nearer at the place [m]:
+the motion keeps 12 mm there."""
+ROUNDING = 1e-6
+"""By which a gap may be smaller than at the place [m]."""
 CLEAR = 0.005
 """Least distance of arm and gripper from boxes that stand [m]: what a box of the pad's width leaves."""
+LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
+"""q_PT, wxyz, of a tool that points down: half a turn about x."""
 QUARTERS = [multiply(from_yaw(n * np.pi / 2.0), LOOKING_DOWN) for n in range(4)]
 """Orientations of the tool over a box, which is symmetric under quarter turns of the pad."""
 
@@ -45,7 +48,8 @@ class PlaceReach:
         length, width = deck.size
         self._pallet = OrderPallet(length=length, width=width, deck_height=float(deck.X_WD.p[2]))
         self._X_WP, self._config = deck.X_WD, config
-        self._check = ClearanceCheck(load_arm("palletizing"), CLEAR)
+        arm = load_arm("palletizing")
+        self._check, self._hand = ClearanceCheck(arm, CLEAR), _hand_of(arm)
 
     def insertion(self, box: PlacedBox, placed: Sequence[PlacedBox]) -> Insertion:
         """The way on which a box comes to its place beside what stands already."""
@@ -54,8 +58,9 @@ class PlaceReach:
     def allows(self, box: PlacedBox, placed: Sequence[PlacedBox]) -> bool:
         """Whether the arm reaches a place from a point above and beside it, with the tool looking down.
 
-        Box, arm and gripper must be clear there of what stands: a place between much higher neighbours can be
-        too narrow for the box on its way down, and one beside a higher box too narrow for the gripper.
+        Box and arm must be clear of what stands, on the way straight down to that point, too: a place below
+        much higher boxes can be too narrow for the box on its way, and one beside a higher box too narrow for
+        the gripper.
 
         Args:
             box: the box at its place.
@@ -63,17 +68,30 @@ class PlaceReach:
         """
         insertion = self.insertion(box, placed)
         top = box.centre + np.array([0.0, 0.0, 0.5 * box.size[2]])
+        lower, upper = (
+            np.vstack([top + self._hand[0], box.lower]),
+            np.vstack([top + self._hand[1], box.upper]),
+        )
+        others = np.array([[other.lower, other.upper] for other in placed]).reshape(-1, 2, 3)
+        gaps = _gaps(lower, upper, others)
+        if np.any(gaps[:-1] < CLEAR):
+            return False
+        up = np.array([0.0, 0.0, np.inf])
+        beside = insertion.offset(STANDOFF, 0.0)
+        offsets = [
+            offset + LIFT * UP
+            for offset in (beside, np.zeros(3))
+            if np.all(_gaps(lower + offset, upper + offset + up, others) >= np.minimum(gaps, FREE) - ROUNDING)
+        ]
         standing = tuple(
             Obstacle(other.id, self._X_WP @ Pose(other.centre), other.size)
             for other in placed
-            if other.upper[2] > top[2]  # nothing of arm or gripper is lower than the face that it holds
+            if other.upper[2] > top[2]  # nothing of the arm is lower than the face that it holds
         )
-        is_free, is_clear = (self._check.gate(Surrounding(standing), least) for least in (FREE, CLEAR))
-        offsets = [insertion.offset(STANDOFF, LIFT), LIFT * UP][: 2 if insertion.corridor > 0.0 else 1]
-        starts = [offset for offset in offsets if _is_free(box.moved(offset), placed)]
+        is_clear = self._check.gate(Surrounding(standing), CLEAR)
         return any(
-            self._reaches(top, q_PT, is_clear)
-            and any(self._reaches(top + offset, q_PT, is_free) for offset in starts)
+            any(self._reaches(top + offset, q_PT, is_clear) for offset in offsets)
+            and self._reaches(top, q_PT, is_clear)
             for q_PT in QUARTERS
         )
 
@@ -83,6 +101,22 @@ class PlaceReach:
         return any(is_clear(q[None]) for q in within)
 
 
-def _is_free(box: PlacedBox, placed: Sequence[PlacedBox]) -> bool:
-    """Whether a box at the beginning of its last straight way keeps `FREE` from all that stands."""
-    return all(float(np.max(box.clearance(other))) >= FREE for other in placed)
+def _hand_of(arm: MotionArm) -> tuple[Array, Array]:
+    """Lower and upper corners `(k, 3)` of all that is fixed to the last link, from the pad's middle [m].
+
+    The tool looks down; a quarter turn of it about the vertical changes nothing, as all is square.
+    """
+    bodies, chain = arm.bodies, arm.chain
+    is_hand = bodies.link == chain.n - 1
+    R_PT = to_matrix(LOOKING_DOWN)
+    # Bodies are given where all joints are zero, and chain.R_WT and p_WT are the tool's pose there.
+    centres = (bodies.p[is_hand] - chain.p_WT) @ chain.R_WT @ R_PT.T
+    half = np.einsum(
+        "ij,kjl,kl->ki", np.abs(R_PT @ chain.R_WT.T), np.abs(bodies.R[is_hand]), bodies.half[is_hand]
+    )
+    return centres - half, centres + half
+
+
+def _gaps(lower: Array, upper: Array, others: Array) -> Array:
+    """Distances `(k, n)` of blocks `(k, 3)` from others `(n, 2, 3)`, each along its largest axis [m]."""
+    return np.asarray(np.maximum(lower[:, None] - others[:, 1], others[:, 0] - upper[:, None]).max(axis=2))
