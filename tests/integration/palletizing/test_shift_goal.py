@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from pack_interfaces.action import RunShift
 
+from pack_bringup.palletizing.goals import ShiftGoal
 from pack_core.palletizing.ports import ScanPlace
 from pack_core.palletizing.shift_journal import JOURNAL, EventKind, ShiftJournal, read_journal
+from pack_core.ros.contracts import palletizing as contracts
 from pack_core.rotations import Pose
 from pallet_fsm.palletizer_config import PalletizerConfig, ScanConfig
 from pallet_fsm.ros.shift_goal import ShiftGoalRun, requested_shift
@@ -76,6 +78,9 @@ def test_a_shift_is_run_told_and_written(tmp_path: Path) -> None:
 def test_a_shift_goes_on_where_it_was_killed_though_the_clock_begins_anew(tmp_path: Path) -> None:
     first = cell_of(3)
     pursue(first, RunShift.Goal(folder=str(tmp_path), boxes=3), killed_after=1)
+    contract, request = ShiftGoal(tmp_path, is_resumed=True).reset()
+    assert contract is contracts.RESET
+    assert request.come == [box.name for box in request.standing] == ["b1"]
     again = cell_of(2)
     put_down = next(e for e in read_journal(tmp_path / JOURNAL).events if e.kind is EventKind.PUT_DOWN)
     pose = np.array(put_down.data["pose"])

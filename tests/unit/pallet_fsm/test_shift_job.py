@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pack_core.palletizing.cell import PALLET, REJECT_TABLE, REORIENTATION_TABLE
-from pack_core.palletizing.ports import Command, PursueTarget
+from pack_core.palletizing.ports import AskPlace, Command, PursueTarget
 from pack_core.palletizing.shift_journal import EventKind
 from pack_planner.layout.online_packer import PackerConfig
 from pack_planner.layout.online_planner import OnlineConfig
@@ -122,3 +122,11 @@ def test_the_arm_stays_where_it_let_a_box_go_if_the_next_one_is_found_soon(
     )
     assert patient.of(EventKind.CAME)[1].time > patient.of(EventKind.PUT_DOWN)[0].time
     assert patient.of(EventKind.PUT_DOWN)[1].time < hasty.of(EventKind.PUT_DOWN)[1].time
+
+
+def test_a_shift_that_nobody_answers_where_a_box_goes_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    apply = FakeShiftCell.apply
+    monkeypatch.setattr(
+        FakeShiftCell, "apply", lambda cell, command: isinstance(command, AskPlace) or apply(cell, command)
+    )
+    assert run_shift([Came("tea")], [TEA]).job.reason == "nobody answers where the next box goes"

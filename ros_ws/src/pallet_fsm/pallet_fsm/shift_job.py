@@ -38,6 +38,9 @@ class ShiftConfig(Config):
     patience: PositiveFloat = Field(
         default=120.0, description="time without a box after which a shift that waits for one ends [s]"
     )
+    answer: PositiveFloat = Field(
+        default=10.0, description="longest time until it is answered where a box goes [s]"
+    )
     away: PositiveFloat = Field(
         default=0.3, description="distance of arm and carried box from a pallet, seen from above, from which "
         "on it is taken away [m]",
@@ -72,7 +75,7 @@ class ShiftJob:
             block.name: ArmShadow(block, cell) for block in cell.furniture if block.name in cell.pallets
         }
         self._came = self._rejects = self._asked = self._noted = 0
-        self._sent = 0.0
+        self._sent = self._asked_at = 0.0
         self._arriving: WorkItem | None = None
         self._unreported: list[WorkItem] = []
         self._closing = set(found.closed)
@@ -162,6 +165,8 @@ class ShiftJob:
         """Ask where the box goes that has come, and do what is answered."""
         if self._question is not None:
             if seen.place is None or seen.place.number != self._question.number:
+                if seen.time > self._asked_at + self._config.answer:
+                    self.halt("nobody answers where the next box goes")
                 return []
             self._question = None
             self._follow(seen.place, seen)
@@ -175,7 +180,7 @@ class ShiftJob:
         places = self._open_pallets(seen)
         if not places or self._blocked == frozenset(places):
             return []
-        self._asked += 1
+        self._asked, self._asked_at = self._asked + 1, seen.time
         floor = self._floor
         self._question = PlaceQuestion(
             self._asked, tuple(floor.standing(place) for place in places), floor.buffered, (arrival.item,),

@@ -157,9 +157,10 @@ def demo(
     nodes' log. The exit code is 0 only if every box was placed. Presets are described in
     docs/cells/palletizing/presets.md.
 
-    With --shift there are no nodes: a shift runs on simulated time, as fast as it can. Boxes come on a
-    conveyor in a sequence that nobody knows, are measured, and go to one of two pallets. The folder has the
-    journal and report.json; the exit code is 0 only if all came and nothing was lost, skipped or touched.
+    With --shift there are no nodes, unless --live: a shift runs on simulated time, as fast as it can. Boxes
+    come on a conveyor in a sequence that nobody knows, are measured, and go to one of two pallets. The folder
+    has the journal and report.json; the exit code is 0 only if all came and nothing was lost, skipped or
+    touched.
 
     - `pack demo palletizing --order config/orders/order_16.json`
     - `pack demo palletizing --profile thesis --no-video`
@@ -172,12 +173,16 @@ def demo(
         shift_command.refuse(
             {
                 "--order": order, "--profile": profile, "--visitors": visitors, "--preset": preset,
-                "--live": live, "--calibration": calibration, "--domain": domain is not None,
-                "--real-time-factor": real_time_factor is not None, "--no-video": not video,
+                "--calibration": calibration, "--domain": domain is not None and not live,
+                "--live (with --resume)": live and resume is not None,
+                "--real-time-factor": real_time_factor is not None and not live, "--no-video": not video,
             },
-            "--boxes, --seed, --output, --resume",
+            "--boxes, --seed, --output, --resume, --live",
         )  # fmt: skip
         folder = resume or output or default_folder(shift_command.SHIFTS, seed, datetime.now())
+        if live:
+            page = page_process("palletizing", live, port)
+            shift_command.demo_live(boxes, seed, folder, real_time_factor, domain, page)
         shift_command.demo_shift(boxes, seed, folder, is_resumed=resume is not None)
         return
     if resume is not None:

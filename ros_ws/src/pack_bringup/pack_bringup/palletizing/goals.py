@@ -213,6 +213,27 @@ def seeded_job(
     )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class LiveShiftJob(ShiftGoal):
+    """A shift, and the nodes that are started for it.
+
+    Attributes:
+        real_time_factor: None: that of config/nodes/palletizing/sim.yaml.
+        command: the command line, for run.yaml.
+    """
+
+    real_time_factor: float | None = None
+    command: str = ""
+
+    def overrides(self) -> dict[str, dict[str, str]]:
+        """Parameters by node, as YAML text."""
+        sim = {"seed": str(self.seed)}
+        if self.real_time_factor is not None:
+            sim["real_time_factor"] = str(float(self.real_time_factor))
+        recorder = recorder_parameters(self, self.seed, self.command)
+        return merged(conditions(self.cell, "shift", None), {"sim": sim, "recorder": recorder})
+
+
 NODES = ("sim", "vision", "fsm")
 """The nodes that know the cell: its driver, its eye, and the machine that places boxes."""
 LAYOUT, RECORDER = "layout", "recorder"

@@ -15,6 +15,7 @@ from pack_bringup.cli.pursue import run_goal
 from pack_core.errors import ConfigError
 
 if TYPE_CHECKING:
+    from pack_bringup.viewers import PageProcess
     from pack_core.palletizing.shift_journal import ShiftEvent
 
 SHIFTS = "palletizing_shift"
@@ -150,6 +151,41 @@ def demo_shift(boxes: int, seed: int, folder: Path, *, is_resumed: bool) -> None
         (*went_wrong.values(), report["lost"], report["skipped"])
     )
     raise typer.Exit(0 if is_well else 1)
+
+
+def demo_live(
+    boxes: int, seed: int, folder: Path, real_time_factor: float | None, domain: int | None,
+    page: PageProcess | None,
+) -> NoReturn:  # fmt: skip
+    """Start the nodes, run a shift, report it, and leave with 0 if all boxes came and none was lost, else 1.
+
+    Args:
+        boxes: it ends when so many have come.
+        seed: of what comes.
+        folder: takes journal, report and recording.
+        real_time_factor: simulated seconds a second of wall clock; None: that of the simulator's file.
+        domain: ROS domain id; None: the environment's, else a free one.
+        page: a page that shows the run while it goes on; None: none.
+    """
+    from pack_bringup.cli.options import prepare_network
+    from pack_bringup.cli.outputs import command_line, make_output_folder
+    from pack_bringup.cli.terminal import LiveLine, end_as_by_ctrl_c
+    from pack_bringup.job import LOG, run_demo
+    from pack_bringup.palletizing.goals import LiveShiftJob
+    from pack_bringup.recording.run_record import BAG_FOLDER
+    from pack_core.palletizing.shift_journal import JOURNAL
+
+    prepare_network()
+    make_output_folder(folder, taken_by=(JOURNAL, BAG_FOLDER, LOG))
+    end_as_by_ctrl_c()
+    if page:
+        typer.echo(page.announcement)
+    job = LiveShiftJob(folder, boxes, seed, real_time_factor=real_time_factor, command=command_line())
+    with LiveLine() as line:
+        result, _ = run_demo(job, line.show, domain, page)
+    typer.echo(f"goal ended: {result.message}")
+    write_report(folder, {})
+    raise typer.Exit(0 if result.success else 1)
 
 
 def write_report(folder: Path, went_wrong: Mapping[str, Sequence[str]]) -> dict[str, Any]:
