@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
+from pack_core.kinematics.chain import SerialChain
 from pack_core.motion.moves import UP
 from pack_core.motion.world import Obstacle
 from pack_core.palletizing.arm import arm_kinematics
@@ -14,8 +17,9 @@ from pack_core.palletizing.orders.layout_plan import Insertion
 from pack_core.palletizing.orders.order import OrderPallet
 from pack_core.palletizing.orders.placed_box import PlacedBox
 from pack_core.robots.kr210 import LIMITS
-from pack_core.rotations import Array, Pose, from_yaw, multiply, to_matrix
-from pack_motion.arm.arm import MotionArm, load_arm
+from pack_core.rotations import Array, Pose, to_matrix
+from pack_motion.arm.arm import load_arm
+from pack_motion.arm.bodies import BodyBoxes
 from pack_motion.clearance.check import ClearanceCheck, Surrounding
 from pack_planner.layout.insertion_direction import INSERTION_RULES, InsertionConfig
 
@@ -27,11 +31,9 @@ the motion keeps 12 mm there."""
 ROUNDING = 1e-6
 """By which a gap may be smaller than at the place [m]."""
 CLEAR = 0.005
-"""Least distance of arm and gripper from boxes that stand [m]: what a box of the pad's width leaves."""
+"""Least distance of the gripper from boxes that stand [m]: what a box of the pad's width leaves."""
 LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""q_PT, wxyz, of a tool that points down: half a turn about x."""
-QUARTERS = [multiply(from_yaw(n * np.pi / 2.0), LOOKING_DOWN) for n in range(4)]
-"""Orientations of the tool over a box, which is symmetric under quarter turns of the pad."""
+"""q_PT, wxyz, of a tool that points down: half a turn about x. A turn about the vertical is one of joint 6."""
 
 
 class PlaceReach:
@@ -49,7 +51,9 @@ class PlaceReach:
         self._pallet = OrderPallet(length=length, width=width, deck_height=float(deck.X_WD.p[2]))
         self._X_WP, self._config = deck.X_WD, config
         arm = load_arm("palletizing")
-        self._check, self._hand = ClearanceCheck(arm, CLEAR), _hand_of(arm)
+        is_hand = arm.bodies.link == arm.chain.n - 1
+        self._hand = _corners(_some(arm.bodies, is_hand), arm.chain)
+        self._check = ClearanceCheck(replace(arm, bodies=_some(arm.bodies, ~is_hand)), FREE)
 
     def insertion(self, box: PlacedBox, placed: Sequence[PlacedBox]) -> Insertion:
         """The way on which a box comes to its place beside what stands already."""
@@ -78,8 +82,8 @@ class PlaceReach:
             return False
         up = np.array([0.0, 0.0, np.inf])
         beside = insertion.offset(STANDOFF, 0.0)
-        offsets = [
-            offset + LIFT * UP
+        ways = [
+            (top, top + offset, top + offset + LIFT * UP)
             for offset in (beside, np.zeros(3))
             if np.all(_gaps(lower + offset, upper + offset + up, others) >= np.minimum(gaps, FREE) - ROUNDING)
         ]
@@ -88,32 +92,30 @@ class PlaceReach:
             for other in placed
             if other.upper[2] > top[2]  # nothing of the arm is lower than the face that it holds
         )
-        is_clear = self._check.gate(Surrounding(standing), CLEAR)
-        return any(
-            any(self._reaches(top + offset, q_PT, is_clear) for offset in offsets)
-            and self._reaches(top, q_PT, is_clear)
-            for q_PT in QUARTERS
-        )
+        is_clear = self._check.gate(Surrounding(standing), FREE)
+        return any(all(self._reaches(point, is_clear) for point in way) for way in ways)
 
-    def _reaches(self, p_PT: Array, q_PT: Array, is_clear: Callable[[Array], bool]) -> bool:
-        found = arm_kinematics().inverse.solve(self._X_WP @ Pose(p_PT, q_PT))
+    def _reaches(self, p_PT: Array, is_clear: Callable[[Array], bool]) -> bool:
+        found = arm_kinematics().inverse.solve(self._X_WP @ Pose(p_PT, LOOKING_DOWN))
         within = (q for q in found.values() if np.all((q >= LIMITS.lower) & (q <= LIMITS.upper)))
         return any(is_clear(q[None]) for q in within)
 
 
-def _hand_of(arm: MotionArm) -> tuple[Array, Array]:
+def _some(bodies: BodyBoxes, are_meant: npt.NDArray[np.bool_]) -> BodyBoxes:
+    own = np.flatnonzero(are_meant)
+    names = tuple(bodies.names[i] for i in own)
+    return BodyBoxes(names, bodies.link[own], bodies.R[own], bodies.p[own], bodies.half[own])
+
+
+def _corners(hand: BodyBoxes, chain: SerialChain) -> tuple[Array, Array]:
     """Lower and upper corners `(k, 3)` of all that is fixed to the last link, from the pad's middle [m].
 
     The tool looks down; a quarter turn of it about the vertical changes nothing, as all is square.
     """
-    bodies, chain = arm.bodies, arm.chain
-    is_hand = bodies.link == chain.n - 1
     R_PT = to_matrix(LOOKING_DOWN)
     # Bodies are given where all joints are zero, and chain.R_WT and p_WT are the tool's pose there.
-    centres = (bodies.p[is_hand] - chain.p_WT) @ chain.R_WT @ R_PT.T
-    half = np.einsum(
-        "ij,kjl,kl->ki", np.abs(R_PT @ chain.R_WT.T), np.abs(bodies.R[is_hand]), bodies.half[is_hand]
-    )
+    centres = (hand.p - chain.p_WT) @ chain.R_WT @ R_PT.T
+    half = np.einsum("ij,kjl,kl->ki", np.abs(R_PT @ chain.R_WT.T), np.abs(hand.R), hand.half)
     return centres - half, centres + half
 
 
