@@ -33,7 +33,7 @@ ROUNDING = 1e-6
 CLEAR = 0.005
 """Least distance of the gripper from boxes that stand [m]: what a box of the pad's width leaves."""
 LOOKING_DOWN = np.array([0.0, 1.0, 0.0, 0.0])
-"""q_PT, wxyz, of a tool that points down: half a turn about x. A turn about the vertical is one of joint 6."""
+"""q_PT, wxyz, of a tool that points down: half a turn about x. Joint 6 turns it about the vertical."""
 
 
 class PlaceReach:
