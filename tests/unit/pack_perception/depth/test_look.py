@@ -140,6 +140,16 @@ def test_what_is_steep_is_found_to_its_widest_place(name: str) -> None:
     assert outline.intersection(true).area / outline.union(true).area > 0.85
 
 
+@pytest.mark.parametrize("name", ["pear", "mustard_bottle"])
+def test_what_nobody_saw_of_a_body_lets_it_stand(name: str) -> None:
+    (fit,) = look([household(name)], [(0.5, 0.0, 0.3)])
+    hull = fit.item.hull()
+    base = hull[hull[:, 2] < -fit.item.half_extents[2] + 1e-6, :2]
+    # its centre of mass is over the middle half of its base
+    assert np.all(np.abs(fit.item.centre_of_mass[:2]) < 0.5 * np.abs(base).max(axis=0))
+    assert np.all(np.ptp(base, axis=0) > 0.45 * np.ptp(hull[:, :2], axis=0))
+
+
 def test_of_a_round_body_one_side_says_how_it_goes_on() -> None:
     pear = household("pear")
     sight = seen([pear], [(0.5, 0.0, 0.0)])

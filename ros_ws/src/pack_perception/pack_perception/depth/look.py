@@ -154,12 +154,12 @@ def _objects_of(mask: Mask, heights: HeightMap, config: DepthLookConfig) -> list
     splits = [first, _parts(_nearer(mask, [fit for _, fit in first], heights), heights, config)]
     scored = [(_worth_of([fit for _, fit in split], mask, heights), split) for split in splits]
     score, split = max(scored, key=itemgetter(0))
-    # hulls fit whatever is left of a region, so that two of them say nothing
-    is_simple = any(fit.item.shape != "mesh" for _, fit in split)
-    # any box can be cut into two; a region that its own hull, one of the shapes, fits as well has no notches
-    is_cut_box = all(fit.item.shape == "box" for _, fit in split)
-    best = max([worth(whole), *(fit.score for fit in shapes if is_cut_box)])
-    if not is_simple or score <= best + config.gain:
+    # hulls fit whatever is left of a region, so that two of them say nothing; and any box can be cut into two
+    kinds = {fit.item.shape for _, fit in split}
+    is_likely = "mesh" not in kinds and kinds != {"box"}
+    # what is not likely must be better than the hull of the whole, too, which fills the notches between two
+    best = worth(whole) if is_likely else max(worth(whole), *(fit.score for fit in shapes))
+    if kinds == {"mesh"} or score <= best + config.gain:
         return [whole]
     # a part that only a hull fits may be two objects again
     return [

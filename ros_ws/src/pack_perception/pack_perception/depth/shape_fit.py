@@ -40,12 +40,16 @@ COVERS = 0.75
 """Least overlap of a round shape with its region: a smaller one explains a part of it alone."""
 CLOSE_SHARE = 0.8
 """Share of the points that must be near a surface that explains them; others lie on something else."""
+BASE_STEP = 4
+"""In every so many directions the base of a hull keeps a corner."""
 RING = 2
 """Of the directions every so many one is a corner of a body of revolution."""
 KNOTS = 7
 """Heights between which the radius of a body of revolution is linear."""
-SHOULDER = 0.7
-"""Share of its height above which a round body that is widest there goes straight down."""
+SHOULDER = 0.55
+"""Share of its height above which a round body that is widest there goes straight down: it is no ball."""
+BASE = 0.5
+"""Least width of a round body's base in parts of its own: what stands does not stand on a point."""
 HULL_TOLERANCE = 0.001
 """By so much corners of a hull may be off that are left out [m]."""
 THINNEST = 0.006
@@ -312,7 +316,9 @@ def _completed(seen: Array, widest: float, height: float) -> Array:
         below = seen * [1.0, 1.0, 0.0]
     else:
         below = seen * [1.0, 1.0, -1.0] + [0.0, 0.0, 2.0 * min(widest, 0.5 * height)]
-    return np.concatenate([seen, below[below[:, 2] >= 0.0], [[*seen[:, :2].mean(axis=0), 0.0]]])
+    middle = seen[:, :2].mean(axis=0)
+    base = np.insert(middle + BASE * (seen[:, :2] - middle), 2, 0.0, axis=1)
+    return np.concatenate([seen, below[below[:, 2] >= 0.0], base])
 
 
 def _prism(
@@ -326,7 +332,12 @@ def _prism(
 
 
 def _mesh(points: Array, name: str, config: ShapeFitConfig) -> tuple[ObjectModel, Pose]:
-    hull = with_fewer_corners(hull_of(points), config.corners, HULL_TOLERANCE)
+    whole = hull_of(points)
+    # corners within the tolerance are left out, and what stands on the rest alone might rock
+    lowest = whole.corners[whole.corners[:, 2] < whole.corners[:, 2].min() + 1e-6]
+    base = lowest[np.unique(np.argmax(lowest[:, :2] @ DIRECTIONS[::BASE_STEP].T, axis=0))]
+    few = with_fewer_corners(whole, config.corners - len(base), HULL_TOLERANCE)
+    hull = hull_of(np.concatenate([few.corners, base]))
     middle = 0.5 * (hull.corners.min(axis=0) + hull.corners.max(axis=0))
     item = ConvexMesh(
         name=name, shape="mesh", vertices=tuple(map(tuple, (hull.corners - middle).tolist())),
