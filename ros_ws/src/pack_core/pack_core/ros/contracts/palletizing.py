@@ -31,7 +31,6 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from pack_core.palletizing import topics
-from pack_core.palletizing.cell import PALLET, PICKING_TABLE, REORIENTATION_TABLE, SECOND_PALLET
 from pack_core.ros.contracts import motion
 from pack_core.ros.contracts.contract import EVENTS, LATCHED, LATEST, STREAM, Contract, Kind, contracts_in, hz
 from pack_core.ros.contracts.motion import overhead_camera
@@ -162,12 +161,13 @@ CALIBRATE = Contract(
     kind=Kind.ACTION)
 # fmt: on
 SCANS = {
-    PALLET: (SCAN_PALLET, PALLET_SCAN),
-    REORIENTATION_TABLE: (SCAN_TABLE, TABLE_SCAN),
-    PICKING_TABLE: (SCAN_PICKING, PICKING_SCAN),
-    SECOND_PALLET: (SCAN_SECOND, SECOND_SCAN),
+    "pallet": (SCAN_PALLET, PALLET_SCAN),
+    "reorientation_table": (SCAN_TABLE, TABLE_SCAN),
+    "picking_table": (SCAN_PICKING, PICKING_SCAN),
+    "second_pallet": (SCAN_SECOND, SECOND_SCAN),
 }
-"""By the name of a place, how a scan of it is asked for, and where its points come."""
+"""By the name of a place, how a scan of it is asked for, and where its points come. The names are those of
+`pack_core.palletizing.cell`, which takes long to import."""
 
 MOTION = (line for line in motion.MOTION if line.name != JOINT_STATES.name)
 CONTRACTS = (*SHARED, *MOTION, *contracts_in(globals()))
