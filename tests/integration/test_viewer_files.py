@@ -15,6 +15,7 @@ from pack_core.paths import config_path
 from pack_core.ros.contracts.contract import Contract, Kind
 from pack_core.ros.contracts.table import wiring_of
 from pack_core.ros.messages.conversions import WORLD
+from pack_viewer.live_node import goal_actions
 
 TRANSIENT = "Transient Local"
 TOPIC_KEYS = ("topic", "topicPath", "topicToRender", "imageTopic", "value")
@@ -99,3 +100,8 @@ def test_every_topic_of_rviz_is_one_of_the_cell_and_is_latched_where_it_is(cell:
 def test_frames_are_those_of_the_world(cell: str) -> None:
     frames = {v for k, v in (*entries(rviz(cell)), *entries(foxglove(cell))) if k in FRAME_KEYS}
     assert frames == {WORLD}
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_the_page_sends_the_goals_of_a_cell_to_one_node(cell: str) -> None:
+    assert len({server for action in goal_actions(cell) for server in action.targets}) == 1

@@ -131,7 +131,7 @@ class LiveNode(CellNode):
 
     def _add_controls(self, log: EventLog) -> Callable[[], None]:
         self.form: RunForm = cell_part(self._cell, "run_form")(self._server.gui, log)
-        actions = [contract for contract in wiring_of(self._cell) if contract.kind is Kind.ACTION]
+        actions = goal_actions(self._cell)
         self.operator = LiveOperator(self, actions, self.form, log)
         panel = RunPanel(self._server.gui, log, self.operator, self.form.add)
         if self.form.tuned is not None:  # below the buttons, so that STOP stays where it is
@@ -143,6 +143,12 @@ class LiveNode(CellNode):
         self.page.turn()
         period = self._period * (SPARING if self.page.cell.is_sparing else 1)
         time.sleep(max(0.0, begun + period - time.monotonic()))
+
+
+def goal_actions(cell: str) -> list[Contract]:
+    """The actions of a cell of which a user sends goals; those of an arm's driver are the motion's."""
+    actions = [contract for contract in wiring_of(cell) if contract.kind is Kind.ACTION]
+    return [action for action in actions if "user" in action.sources]
 
 
 def main() -> int:
