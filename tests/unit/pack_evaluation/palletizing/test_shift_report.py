@@ -69,3 +69,10 @@ def test_pallets_are_those_taken_away_and_those_that_stand() -> None:
 def test_a_shift_in_which_nothing_came_has_a_report() -> None:
     report = shift_report(WrittenShift({}, (ShiftEvent(0.0, EventKind.BEGAN),)))
     assert (report["came"], report["boxes_per_hour"], report["pallets"]) == (0, None, [])
+
+
+def test_a_shift_that_ended_and_was_gone_on_with_goes_on() -> None:
+    events = (ShiftEvent(0.0, EventKind.BEGAN), ShiftEvent(5.0, EventKind.ENDED, reason="box lost"))
+    assert shift_report(WrittenShift({}, events))["reason"] == "box lost"
+    again = (*events, ShiftEvent(9.0, EventKind.BEGAN))
+    assert shift_report(WrittenShift({}, again))["reason"] == "it goes on"

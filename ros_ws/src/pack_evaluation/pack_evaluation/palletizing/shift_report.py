@@ -40,7 +40,7 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
     handling = Counter(event.data["handling"] for event in on_pallets)
     return {
         "seed": shift.facts.get("seed"),
-        "reason": next((event.reason for event in events if event.kind is EventKind.ENDED), "it goes on"),
+        "reason": _reason(events),
         "duration_s": duration,
         "came": len({event.box for event in came}),
         "settled": len({event.box for event in events if event.kind in SETTLED}),
@@ -58,6 +58,12 @@ def shift_report(shift: WrittenShift) -> dict[str, Any]:
         "state_s": {state: float(np.sum(times)) / max(1, len(on_pallets)) for state, times in states.items()},
         "pallets": [_pallet(pallet) for pallet in built_pallets(events)],
     }
+
+
+def _reason(events: Sequence[ShiftEvent]) -> str:
+    """Why the shift ended; one that ended and was gone on with has not."""
+    ends = [event for event in events if event.kind in (EventKind.BEGAN, EventKind.ENDED)]
+    return ends[-1].reason if ends and ends[-1].kind is EventKind.ENDED else "it goes on"
 
 
 @dataclass(frozen=True)
