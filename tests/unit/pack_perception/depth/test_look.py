@@ -231,6 +231,16 @@ def test_a_convex_region_is_not_halved() -> None:
     assert halves(mask, 2.0) == []
 
 
+def test_every_cell_goes_to_a_side_of_the_cut() -> None:
+    mask = np.zeros((60, 24), dtype=bool)
+    for first in (2, 21, 40):
+        mask[first : first + 16, 2:20] = True
+    mask[2:56, 8:13] = True  # three squares in a row, joined by bridges of five cells
+    one, other = halves(mask, 2.0)
+    assert np.array_equal(one | other, mask)
+    assert min(one.sum(), other.sum()) > 0.25 * mask.sum()
+
+
 def test_a_region_that_touches_itself_in_one_cell_is_not_halved() -> None:
     mask = np.zeros((40, 40), dtype=bool)
     mask[5:20, 5:20] = mask[20:32, 20:32] = True

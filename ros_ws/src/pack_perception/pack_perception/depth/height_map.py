@@ -193,9 +193,13 @@ def _by_cores(mask: Mask, heights: HeightMap, config: HeightMapConfig, least: fl
     cores = _connected(heights.tops, core, config.jump, least)
     if len(cores) < 2:
         return [mask]
-    seeds = np.any(cores, axis=0)
-    _, labels = cv2.distanceTransformWithLabels((~seeds).astype(np.uint8), cv2.DIST_L2, 5)
-    return [mask & np.isin(labels, np.unique(labels[core])) for core in cores]
+    return [mask & near for near in _nearest(cores)]
+
+
+def _nearest(masks: Sequence[Mask]) -> list[Mask]:
+    """For each of some masks `(nx, ny)` the cells that are nearer to it than to the others, or its own."""
+    _, labels = cv2.distanceTransformWithLabels((~np.any(masks, axis=0)).astype(np.uint8), cv2.DIST_L2, 5)
+    return [np.isin(labels, np.unique(labels[mask])) for mask in masks]
 
 
 def _steps(tops: Array, mask: Mask) -> Array:
@@ -283,15 +287,16 @@ def halves(mask: Mask, notch: float) -> list[Mask]:
 
 
 def _cut(mask: Mask, a: Sequence[int], b: Sequence[int]) -> list[Mask]:
-    """The two largest parts beside a cut from `a` to `b`, both with its cells; none if there are no two."""
+    """The two sides of a cut from `a` to `b`, both with its cells; none if it does not part the region."""
     cut = mask.astype(np.uint8)
     cv2.line(cut, a, b, 0, 2)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(cut, connectivity=4)
     if count < 3:
         return []
     largest = 1 + np.argsort(-stats[1:, cv2.CC_STAT_AREA])[:2]
-    parts = [cv2.dilate((labels == i).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0 for i in largest]
-    return [part & mask & ~(labels == other) for part, other in zip(parts, largest[::-1], strict=True)]
+    parts = [labels == i for i in largest]
+    wide = [_widened(part, 2) | near for part, near in zip(parts, _nearest(parts), strict=True)]
+    return [part & mask & ~other for part, other in zip(wide, parts[::-1], strict=True)]
 
 
 def _convexity(parts: Sequence[Mask]) -> float:
